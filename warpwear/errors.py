@@ -1,0 +1,9 @@
+"""The two ways a run can end badly, each with one sentence for the user."""
+
+
+class InputError(ValueError):
+    """Bad input: the message names the field, the value and what is allowed. The command line exits with 2."""
+
+
+class ConvergenceError(RuntimeError):
+    """A solve that did not meet its tolerance: the message names the residual. Never reported as success."""
