@@ -2,7 +2,7 @@
 
 
 class InputError(ValueError):
-    """Bad input: the message names the field, the value and what is allowed. The command line exits with 2."""
+    """Bad input: the message names the field, the value and what is allowed. Exit status 2."""
 
 
 class ConvergenceError(RuntimeError):

@@ -1,0 +1,32 @@
+"""The field type of all kernels.
+
+A field of nx × ny cells is stored as `wp.array2d(dtype=Cells)` of shape (nx, ceil(ny / 8)): eight
+neighbouring cells along axis 1 in one vector, because a compiler turns loops over a vector's lanes into SIMD
+code and loops over scalars of a strided array not. Lanes beyond ny hold `PADDING` in the gap, so they never
+touch.
+"""
+
+import warp as wp
+
+LANES = 8
+Cells = wp.types.vector(LANES, wp.float64)
+
+#: Gap of a place where there is no surface (padding, beyond the sphere's edge) [mm].
+PADDING = 1.0e30
+ABSENT = wp.constant(wp.float64(PADDING))
+ZERO = wp.constant(wp.float64(0.0))
+ONE = wp.constant(wp.float64(1.0))
+
+#: Columns of the table of partial results, one row a slot, that `removal.remove` writes.
+SUMS = (
+    "pressure",
+    "pressure_times_factor",
+    "deviation_squared",
+    "contact",
+    "capped",
+    "touched",
+    "wear_sphere",
+    "wear_disc",
+)
+#: Columns of the table of partial maxima. Lowest indices are stored negated.
+MAXIMA = ("pressure", "wear_sphere", "wear_disc", "first_row", "last_row", "first_column", "last_column")

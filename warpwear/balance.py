@@ -1,0 +1,197 @@
+"""Load balance: the approach at which the pressures carry the load.
+
+The load rises monotonically with the approach, and piecewise linearly where the contact has a compliance.
+Two cases of one law are solved here: c > 0 by Newton's method inside a bracket, c = 0 (bearing area) by
+bisection.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear.errors import ConvergenceError
+from warpwear.execution import Executor, Field
+from warpwear.kernels import contact, gap
+
+#: Residual of the balance of a contact with compliance, relative to the load.
+TOLERANCE = 1.0e-12
+#: Gaps that differ by less are tied [mm]: a picometre-thousandth, below anything a surface has.
+TIE = 1.0e-12
+#: Stands for 1/c where c = 0: any overlap reaches the cap.
+RIGID = 1.0e300
+MAX_EVALUATIONS = 400
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A solved contact: what `contact.pressure_of` needs, and how well the load is met."""
+
+    base: float  # approach = base + offset [mm]
+    offset: float  # [mm]
+    cap: float  # pressure of a cell at its cap [MPa]
+    load_residual: float  # carried at hardness − asked for [N]
+    tie_width: float = 0.0  # [mm]
+    tie_pressure: float = 0.0  # pressure that tied cells share [MPa]
+    evaluations: int = 0
+
+    @property
+    def approach(self) -> float:
+        """Rigid approach from the mean planes [mm]."""
+        return self.base + self.offset
+
+    @property
+    def law(self) -> tuple[float, float, float, float, float]:
+        """Arguments of the kernels that evaluate the pressure."""
+        return self.base, self.offset, self.cap, self.tie_width, self.tie_pressure
+
+
+class Balancer:
+    """Solves the load balance on gaps of one grid. Holds the tables that the reductions write."""
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+        self._sums = executor.partials(2)
+        self._cell_area = executor.grid.cell_area
+
+    def bounds(self, gap_field: Field) -> tuple[float, float]:
+        """Smallest and largest gap [mm]."""
+        self._executor.launch(gap.bounds, inputs=[gap_field], outputs=[self._sums])
+        extremes = self._sums.numpy()
+        return float(extremes[:, 0].min()), float(extremes[:, 1].max())
+
+    def foundation(
+        self,
+        gap_field: Field,
+        stiffness: Field,
+        *,
+        load: float,
+        hardness: float,
+        start: float | None = None,
+        step: float = 0.0,
+    ) -> Balance:
+        """Balance of a contact with compliance, to `TOLERANCE`.
+
+        stiffness: 1/c [N/mm³], one row for all or one a row of cells. start: approach near the solution
+        [mm], from the step before; step: how far beyond it the solution is expected [mm]. Without a start
+        the search begins from the bounds of the gap.
+
+        Raises ConvergenceError, never returns an unbalanced contact.
+        """
+        low = -math.inf
+        high = math.inf
+        if start is None:
+            lowest, highest = self.bounds(gap_field)
+            known = stiffness.numpy()
+            softest = float(known[known > 0.0].min())
+            reach = min(hardness, load / self._cell_area) / softest
+            start, low, high = lowest, 0.0, highest - lowest + reach
+            step = 0.5 * high
+
+        def carried(offset: float) -> tuple[float, float]:
+            return self._carried(gap_field, stiffness, start, offset, hardness)
+
+        offset, force, evaluations = _newton_in_bracket(carried, load, step, low, high)
+        return Balance(start, offset, hardness, force - load, evaluations=evaluations)
+
+    def bearing(self, gap_field: Field, *, load: float, hardness: float, tolerance: float) -> Balance:
+        """Balance of the bearing area, area × hardness = load, by bisection (thesis eqs 4.8–4.11).
+
+        The first approach that meets the tolerance [N] is taken and the pressure is load/area. Where cells
+        tie, so that no approach meets it, the tied cells share what is missing.
+        """
+        low, high = self.bounds(gap_field)
+        high += 2.0 * TIE  # so that the highest cell counts
+        per_cell = hardness * self._cell_area
+        for evaluation in range(1, MAX_EVALUATIONS):
+            approach = 0.5 * (low + high)
+            count = self._count(gap_field, approach)
+            residual = count * per_cell - load
+            if abs(residual) <= tolerance and count > 0:
+                cap = load / (count * self._cell_area)
+                return Balance(approach, 0.0, cap, residual, evaluations=evaluation)
+            if high - low <= TIE:
+                return self._tied(gap_field, approach, load, hardness, evaluation)
+            if residual > 0.0:
+                high = approach
+            else:
+                low = approach
+        raise ConvergenceError(f"the bisection of the bearing area stopped with {high - low:.3g} mm to go.")
+
+    def _tied(self, gap_field: Field, approach: float, load: float, hardness: float, done: int) -> Balance:
+        below = self._count(gap_field, approach - TIE)
+        tied = self._count(gap_field, np.nextafter(approach + TIE, math.inf)) - below
+        needed = load / (hardness * self._cell_area)
+        share = (needed - below) / tied if tied else math.nan
+        if not 0.0 <= share <= 1.0:
+            raise ConvergenceError(
+                f"the bearing area has no balance near an approach of {approach:.9g} mm: {below:.0f} cells "
+                f"lie below it, {tied:.0f} are tied with it, and the load asks for {needed:.3f}."
+            )
+        # The full cells carry the hardness, so the load is met without a rescaling of the pressure.
+        return Balance(
+            approach,
+            0.0,
+            hardness,
+            (below + share * tied) * hardness * self._cell_area - load,
+            tie_width=TIE,
+            tie_pressure=share * hardness,
+            evaluations=done + 2,
+        )
+
+    def _carried(
+        self, gap_field: Field, stiffness: Field, base: float, offset: float, cap: float
+    ) -> tuple[float, float]:
+        """Force [N] and its slope [N/mm] at an approach."""
+        self._executor.launch(
+            contact.carried, inputs=[base, offset, cap, stiffness, gap_field], outputs=[self._sums]
+        )
+        force, slope = self._sums.numpy().sum(axis=0) * self._cell_area
+        return float(force), float(slope)
+
+    def _count(self, gap_field: Field, approach: float) -> float:
+        """Cells in contact at an approach."""
+        self._executor.launch(contact.bearing, inputs=[approach, gap_field], outputs=[self._sums])
+        return float(self._sums.numpy()[:, 0].sum())
+
+
+def _newton_in_bracket(
+    carried: Callable[[float], tuple[float, float]], load: float, guess: float, low: float, high: float
+) -> tuple[float, float, int]:
+    """Offset with |force − load| ≤ TOLERANCE load, the force there, and the evaluations it took.
+
+    Newton's step is taken while it stays inside the bracket and the bracket halves at least every second
+    evaluation: alone it crawls where c H is a few nanometres. Sides of the bracket that are not known yet are
+    looked for in doubling steps.
+    """
+    offset = guess
+    reach = max(abs(guess), 1.0e-9)
+    width_before = math.inf
+    residual = math.nan
+    for evaluation in range(1, MAX_EVALUATIONS):
+        force, slope = carried(offset)
+        residual = force - load
+        if abs(residual) <= TOLERANCE * load:
+            return offset, force, evaluation
+        if residual < 0.0:
+            low = offset
+        else:
+            high = offset
+        newton = offset - residual / slope if slope > 0.0 else math.nan
+        if math.isinf(low) or math.isinf(high):
+            limit = offset + math.copysign(reach, -residual)
+            inside = newton if abs(newton - offset) <= reach else limit
+            offset = limit if math.isnan(newton) else inside
+            reach *= 4.0
+            continue
+        stalled = evaluation % 2 == 0 and high - low > 0.5 * width_before
+        if evaluation % 2 == 0:
+            width_before = high - low
+        offset = newton if low < newton < high and not stalled else 0.5 * (low + high)
+        if not low < offset < high:  # the bracket is down to neighbouring numbers
+            break
+    raise ConvergenceError(
+        f"the load balance did not converge: {residual:.3g} N of {load:.6g} N are left "
+        f"(allowed {TOLERANCE * load:.1g} N) with the approach known to {high - low:.3g} mm."
+    )

@@ -1,0 +1,125 @@
+"""How a kernel is executed: device, threads, and the storage of fields. The only file that launches.
+
+A kernel works on slots, one slot a row of cells on a CPU and several slots a row on a GPU; each slot writes
+its own row of the table of partial results, so that no result depends on the number of threads. On a CPU a
+launch is one loop on one core that lets go of Python's lock, so chunks of rows run on a pool of threads.
+"""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import Any, Self
+
+import numpy as np
+import psutil
+import warp as wp
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray, Grid
+from warpwear.kernels import contact, gap, removal
+from warpwear.kernels.types import LANES, Cells
+
+#: Below this many cells a thread, handing work to a pool costs more than it saves.
+CELLS_PER_THREAD = 50_000
+#: On a GPU neighbouring threads read neighbouring vectors of one row.
+SLOTS_PER_ROW_CUDA = 32
+
+Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
+
+
+class Executor:
+    """Launches kernels over the rows of one grid on one device, and makes fields for them.
+
+    Use as a context manager, so that its threads end with it.
+
+    Raises InputError for a device that is not there or more threads than cores.
+    """
+
+    def __init__(self, grid: Grid, *, device: str = "cpu", threads: int | None = None) -> None:
+        self.grid = grid
+        self.device = find_device(device)
+        self.threads = _check_threads(threads)
+        on_cpu = self.device.is_cpu
+        self.slots_per_row = 1 if on_cpu else SLOTS_PER_ROW_CUDA
+        self.slots = grid.nx * self.slots_per_row
+        self.vectors = -(-grid.ny // LANES)
+        chunks = max(1, min(self.threads, grid.cells // CELLS_PER_THREAD, grid.nx)) if on_cpu else 1
+        edges = [self.slots * i // chunks for i in range(chunks + 1)]
+        self._chunks = list(pairwise(edges))
+        self._pool = ThreadPoolExecutor(chunks - 1) if chunks > 1 else None
+        for module in (gap, contact, removal):  # compiled before any thread needs them
+            wp.load_module(module, device=self.device)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            self._pool.shutdown()
+
+    def launch(self, kernel: Any, *, inputs: Sequence[Any], outputs: Sequence[Any]) -> None:
+        """Run a kernel over all slots; returns when it is done (CPU) or queued (GPU)."""
+
+        def chunk(first: int, last: int) -> None:
+            wp.launch(
+                kernel,
+                dim=last - first,
+                inputs=[first, self.slots_per_row, *inputs],
+                outputs=list(outputs),
+                device=self.device,
+            )
+
+        waiting = []
+        if self._pool is not None:
+            waiting = [self._pool.submit(chunk, *edges) for edges in self._chunks[1:]]
+        chunk(*self._chunks[0])
+        for future in waiting:
+            future.result()
+
+    def zeros(self) -> Field:
+        """A field of zeros."""
+        return wp.zeros((self.grid.nx, self.vectors), dtype=Cells, device=self.device)
+
+    def field(self, values: FloatArray) -> Field:
+        """A field from an array of shape (nx, ny), (1, ny) (every row the same) or (1, 1).
+
+        On a CPU it shares the memory of an array that needs no padding.
+        """
+        rows = values.shape[0]
+        padded = values
+        if values.shape[1] != self.vectors * LANES:
+            padded = np.zeros((rows, self.vectors * LANES))
+            padded[:, : self.grid.ny] = values
+        vectors = np.ascontiguousarray(padded, dtype=np.float64).reshape(rows, self.vectors, LANES)
+        return wp.array(vectors, dtype=Cells, device=self.device, copy=not self.device.is_cpu)
+
+    def to_numpy(self, field: Field) -> FloatArray:
+        """The values of a field, shape (nx, ny); on a CPU a view of its memory."""
+        values: FloatArray = field.numpy().reshape(field.shape[0], -1)[:, : self.grid.ny]
+        return values
+
+    def partials(self, columns: int) -> Field:
+        """A table for the partial results of `columns` quantities, one row a slot."""
+        return wp.zeros((self.slots, columns), dtype=wp.float64, device=self.device)
+
+
+def find_device(name: str) -> Any:
+    """Warp's device of this name. Raises InputError, naming those that are there."""
+    if wp.config.log_level == wp.LOG_INFO:  # no greeting on a user's terminal, unless one was asked for
+        wp.config.log_level = wp.LOG_ERROR
+    wp.init()
+    try:
+        return wp.get_device(name)
+    except (ValueError, RuntimeError) as error:
+        there = ", ".join(str(d.alias) for d in wp.get_devices())
+        raise InputError(f"device = {name!r} is not there; this machine has {there}.") from error
+
+
+def _check_threads(threads: int | None) -> int:
+    process = psutil.Process()
+    cores = len(process.cpu_affinity()) if hasattr(process, "cpu_affinity") else psutil.cpu_count() or 1
+    if threads is None:
+        return cores
+    if not 1 <= threads <= cores:
+        raise InputError(f"threads = {threads} is not possible; allowed are 1 to {cores}, the cores here.")
+    return threads

@@ -1,0 +1,45 @@
+"""The cells on which a contact is resolved."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """nx × ny square cells around the middle of the contact; axis 0 runs along the sliding direction."""
+
+    nx: int
+    ny: int
+    cell: float  # [mm]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.nx, self.ny
+
+    @property
+    def cells(self) -> int:
+        return self.nx * self.ny
+
+    @property
+    def cell_area(self) -> float:
+        """[mm²]"""
+        return self.cell**2
+
+    @property
+    def area(self) -> float:
+        """[mm²]"""
+        return self.cells * self.cell_area
+
+    @property
+    def x(self) -> FloatArray:
+        """Centres of the cells along the sliding direction [mm], shape (nx,), 0 = under the apex."""
+        return (np.arange(self.nx) - 0.5 * (self.nx - 1)) * self.cell
+
+    @property
+    def y(self) -> FloatArray:
+        """Centres of the cells across the sliding direction [mm], shape (ny,)."""
+        return (np.arange(self.ny) - 0.5 * (self.ny - 1)) * self.cell

@@ -1,0 +1,44 @@
+"""The columns of a run's history: names, units, meanings. One row is one step.
+
+A row holds the state solved in the step and the wear of its increment; `distance` is at its end.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Column:
+    name: str
+    units: str
+    meaning: str
+
+
+COLUMNS = (
+    Column("distance", "mm", "sliding distance at the end of the step"),
+    Column("time", "s", "distance over speed; NaN without a speed"),
+    Column("increment", "mm", "sliding distance of the step"),
+    Column("approach", "mm", "rigid approach from the mean planes"),
+    Column("load", "N", "normal load"),
+    Column("load_residual", "N", "load carried at the hardness minus load asked for"),
+    Column("area_contact", "mm^2", "real area of contact: cells with pressure"),
+    Column("area_plastic", "mm^2", "cells at the hardness"),
+    Column("area_touched", "mm^2", "cells that were ever in contact"),
+    Column("area_cumulative", "mm^2", "running sum of area_contact over the steps"),
+    Column(
+        "area_nominal", "mm^2", "ellipse in the extents of the touched cells: the scar as one measures it"
+    ),
+    Column("patch_along", "mm", "extent of the touched cells along the sliding direction"),
+    Column("patch_across", "mm", "extent of the touched cells across it"),
+    Column("pressure_mean", "MPa", "mean over the cells in contact"),
+    Column("pressure_std", "MPa", "standard deviation over the cells in contact"),
+    Column("pressure_max", "MPa", "largest pressure of a cell"),
+    Column("wear_volume_sphere", "mm^3", "volume worn off the sphere, summed over its wear field"),
+    Column("wear_volume_disc", "mm^3", "volume worn off the disc, summed over its wear field"),
+    Column("wear_depth_sphere", "mm", "deepest cell of the sphere"),
+    Column("wear_depth_disc", "mm", "deepest cell of the disc"),
+    Column("cof", "1", "coefficient of friction; NaN until its shear strength is calibrated"),
+    Column("cells_in_contact", "1", "cells with pressure"),
+    Column("archard_volume_sphere", "mm^3", "K F ΔL summed: what Archard's law asks of the sphere"),
+    Column("archard_volume_disc", "mm^3", "the same of the disc, with its distance factor"),
+    Column("evaluations", "1", "passes over the gap that the balance took"),
+)

@@ -1,0 +1,56 @@
+"""One plain sentence out of a failed validation: the field, the value, what is allowed."""
+
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from warpwear.schema import all_keys, key_of
+
+
+def sentence(error: ValidationError, model: type[BaseModel]) -> str:
+    """The first problem of a study, for its author."""
+    first = error.errors()[0]
+    # Branches of a union (an int or one of some words) are pydantic's, not the user's.
+    name = ".".join(
+        str(p) for p in first["loc"] if not str(p).startswith(("literal[", "constrained-", "function-"))
+    )
+    kind, value = first["type"], first.get("input")
+    if kind == "extra_forbidden":
+        near = get_close_matches(name, all_keys(model), n=1, cutoff=0.5)
+        hint = (
+            f"; did you mean '{near[0]}'?" if near else f"; allowed are {', '.join(_siblings(model, name))}."
+        )
+        return f"'{name}' is no key of a study{hint}"
+    if kind == "missing":
+        return f"{name} is missing{_expected(model, name)}."
+    if kind in ("model_type", "dict_type", "model_attributes_type"):
+        return f"{name} = {value!r} is not a section; write [{name}] and its keys below it."
+    message = str(first["ctx"]["error"]) if "ctx" in first and "error" in first["ctx"] else first["msg"]
+    if kind == "value_error" and isinstance(
+        value, dict | BaseModel
+    ):  # of a whole section: says its names itself
+        return f"{message}."
+    if kind == "literal_error":
+        options = sorted(
+            {
+                str(e["ctx"]["expected"])
+                for e in error.errors()
+                if e["type"] == "literal_error" and e["loc"][:2] == first["loc"][:2]
+            }
+        )
+        more = " or a degree from 1 to 12" if name == "disc.level" else ""
+        return f"{name} = {value!r} is not allowed; allowed: {', '.join(options)}{more}."
+    return f"{name} = {value!r}: {message[:1].lower()}{message[1:]}."
+
+
+def _siblings(model: type[BaseModel], name: str) -> list[str]:
+    depth = name.count(".")
+    parent = name.rpartition(".")[0]
+    return [k for k in all_keys(model) if k.count(".") == depth and k.rpartition(".")[0] == parent]
+
+
+def _expected(model: type[BaseModel], name: str) -> str:
+    info: Any = key_of(model, name)
+    meaning = getattr(info, "description", None)
+    return f": {meaning}" if meaning else ""

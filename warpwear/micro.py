@@ -1,0 +1,206 @@
+"""The micro model: a smooth sphere wearing with a rough disc, every asperity resolved on one grid."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear.balance import RIGID, Balance, Balancer
+from warpwear.errors import ConvergenceError
+from warpwear.execution import Executor, Field
+from warpwear.grid import FloatArray
+from warpwear.kernels import contact, gap, removal
+from warpwear.kernels.types import MAXIMA, SUMS
+from warpwear.kinematics import distance_factor
+from warpwear.study import Study
+
+
+@dataclass
+class State:
+    """Fields of nx × ny cells [mm], on the executor's device."""
+
+    gap: Field  # from the mean planes, as worn
+    wear_sphere: Field
+    wear_disc: Field
+
+
+@dataclass(frozen=True)
+class Step:
+    """One solved and worn increment."""
+
+    balance: Balance
+    row: dict[str, float]  # the columns of warpwear.history except cof
+    touches_edge: bool
+    pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
+
+
+class MicroModel:
+    """Contact and wear of one study on one executor.
+
+    heights: of the disc over its mean plane [mm], shape (nx, ny). The caller may let go of the array.
+    """
+
+    def __init__(self, study: Study, heights: FloatArray, executor: Executor) -> None:
+        self.study = study
+        self._executor = executor
+        self._law = study.law
+        self._wear = study.wear_coefficients
+        self._balancer = Balancer(executor)
+        self._sums = executor.partials(len(SUMS))
+        self._maxima = executor.partials(len(MAXIMA))
+        curvature = study.sphere.curvature
+        self._factor = distance_factor(executor.grid, study.wear.distance_factor, curvature=curvature)
+        self._factor_field = executor.field(self._factor)
+        self._stiffness: tuple[float, Field] | None = None  # of the increment it was made for
+        self._last: Balance | None = None
+        self._row = dict.fromkeys(
+            ("distance", "area_cumulative", "archard_volume_sphere", "archard_volume_disc", "pressure_mean"),
+            0.0,
+        )
+        self.state = State(executor.zeros(), executor.zeros(), executor.zeros())
+        grid = executor.grid
+        executor.launch(
+            gap.gap,
+            inputs=[
+                grid.ny,
+                grid.cell,
+                float(grid.x[0]),
+                float(grid.y[0]),
+                curvature,
+                executor.field(heights),
+                self.state.wear_sphere,
+                self.state.wear_disc,
+            ],
+            outputs=[self.state.gap],
+        )
+
+    def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
+        """Solve the contact, then slide by the increment [mm] and wear both bodies.
+
+        Raises ConvergenceError when the load cannot be balanced.
+        """
+        implicit = self.study.stepping.scheme == "implicit"
+        stiffness = self._stiffness_of(increment if implicit else 0.0)
+        balance = self._balance(stiffness, increment)
+        law = [*balance.law]
+        pressure = None
+        if with_pressure:
+            field = self._executor.zeros()
+            self._executor.launch(
+                contact.pressures, inputs=[*law, stiffness, self.state.gap], outputs=[field]
+            )
+            pressure = self._executor.to_numpy(field)
+        wear_sphere, wear_disc = self._wear
+        reference = self._row["pressure_mean"] or balance.cap
+        reference = reference if math.isfinite(reference) else 0.0
+        self._executor.launch(
+            removal.remove,
+            inputs=[
+                *law,
+                wear_sphere * increment,
+                wear_disc * increment,
+                reference,
+                stiffness,
+                self._factor_field,
+            ],
+            outputs=[
+                self.state.gap,
+                self.state.wear_sphere,
+                self.state.wear_disc,
+                self._sums,
+                self._maxima,
+            ],
+        )
+        self._last = balance
+        return self._measured(balance, increment, reference, pressure)
+
+    def _balance(self, stiffness: Field, increment: float) -> Balance:
+        load = self.study.contact.load
+        if self._rigid(increment):
+            return self._balancer.bearing(
+                self.state.gap,
+                load=load,
+                hardness=self._law.hardness,
+                tolerance=self.study.load_tolerance,
+            )
+        # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
+        return self._balancer.foundation(
+            self.state.gap,
+            stiffness,
+            load=load,
+            hardness=self._law.hardness,
+            start=self._last.approach if self._last else None,
+            step=sum(self._wear) * self._row["pressure_mean"] * increment,
+        )
+
+    def _compliance(self, increment: float) -> FloatArray:
+        """c of every cell [mm³/N], in the shape of the distance factor."""
+        sphere, disc = self._wear
+        return self._law.compliance + (sphere + disc * self._factor) * increment
+
+    def _rigid(self, increment: float) -> bool:
+        implicit = self.study.stepping.scheme == "implicit"
+        return not self._compliance(increment if implicit else 0.0).any()
+
+    def _stiffness_of(self, increment: float) -> Field:
+        if self._stiffness is None or self._stiffness[0] != increment:
+            compliance = self._compliance(increment)
+            with np.errstate(divide="ignore"):
+                values = np.where(compliance > 0.0, 1.0 / compliance, RIGID)
+            shape = (compliance.shape[0], self._executor.grid.ny)
+            self._stiffness = increment, self._executor.field(np.broadcast_to(values, shape))
+        return self._stiffness[1]
+
+    def _measured(
+        self, balance: Balance, increment: float, reference: float, pressure: FloatArray | None
+    ) -> Step:
+        grid = self._executor.grid
+        area = grid.cell_area
+        total = dict(zip(SUMS, self._sums.numpy().sum(axis=0).tolist(), strict=True))
+        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=0).tolist(), strict=True))
+        count = total["contact"]
+        if not count > 0.0 or not math.isfinite(total["pressure"]):
+            raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
+        mean = total["pressure"] / count
+        variance = total["deviation_squared"] / count - (mean - reference) ** 2
+        along = (most["last_row"] + most["first_row"] + 1.0) * grid.cell
+        across = (most["last_column"] + most["first_column"] + 1.0) * grid.cell
+        sphere, disc = self._wear
+        before = self._row
+        distance = before["distance"] + increment
+        speed = self.study.sliding.speed
+        self._row = {
+            "distance": distance,
+            "time": distance / speed if speed else math.nan,
+            "increment": increment,
+            "approach": balance.approach,
+            "load": self.study.contact.load,
+            "load_residual": balance.load_residual,
+            "area_contact": count * area,
+            "area_plastic": total["capped"] * area,
+            "area_touched": total["touched"] * area,
+            "area_cumulative": before["area_cumulative"] + count * area,
+            "area_nominal": math.pi / 4.0 * along * across,
+            "patch_along": along,
+            "patch_across": across,
+            "pressure_mean": mean,
+            "pressure_std": math.sqrt(max(variance, 0.0)),
+            "pressure_max": most["pressure"],
+            "wear_volume_sphere": total["wear_sphere"] * area,
+            "wear_volume_disc": total["wear_disc"] * area,
+            "wear_depth_sphere": most["wear_sphere"],
+            "wear_depth_disc": most["wear_disc"],
+            "cells_in_contact": count,
+            "archard_volume_sphere": before["archard_volume_sphere"]
+            + sphere * self.study.contact.load * increment,
+            "archard_volume_disc": before["archard_volume_disc"]
+            + disc * total["pressure_times_factor"] * area * increment,
+            "evaluations": float(balance.evaluations),
+        }
+        at_edge = (
+            -most["first_row"] < 1.0
+            or most["last_row"] > grid.nx - 2
+            or -most["first_column"] < 1.0
+            or most["last_column"] > grid.ny - 2
+        )
+        return Step(balance, self._row, at_edge, pressure)

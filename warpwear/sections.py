@@ -1,0 +1,324 @@
+"""The sections of a study: every key, its unit, default, allowed values and meaning.
+
+Numbers are kept in mm, N, MPa and s. A key whose default is a choice of ours and not the user's carries
+`assumed`, which `warpwear show` and the results repeat. Keys that no rule of the chosen kind uses are ignored
+with a notice (see `Study.notices`), so that changing one key can change a kind.
+"""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, model_validator
+
+from warpwear.quantities import (
+    NOT_NEGATIVE,
+    POSITIVE_OR_INFINITE,
+    Number,
+    Quantity,
+    Range,
+    parse,
+    text,
+)
+
+Length = Annotated[float, Quantity("mm")]
+LengthOrZero = Annotated[float, Quantity("mm", NOT_NEGATIVE)]
+LengthOrInfinite = Annotated[float, Quantity("mm", POSITIVE_OR_INFINITE)]
+Force = Annotated[float, Quantity("N")]
+Pressure = Annotated[float, Quantity("MPa")]
+PressureOrInfinite = Annotated[float, Quantity("MPa", POSITIVE_OR_INFINITE)]
+Stiffness = Annotated[float, Quantity("N/mm^3", POSITIVE_OR_INFINITE)]
+Angle = Annotated[float, Quantity("deg", Range(least=-360.0, or_equal=True, most=360.0))]
+Time = Annotated[float, Quantity("s")]
+Frequency = Annotated[float, Quantity("Hz")]
+Speed = Annotated[float, Quantity("mm/s")]
+PoissonRatio = Annotated[float, Number(Range(or_equal=True, most=0.5))]
+HurstExponent = Annotated[float, Number(Range(most=1.0))]
+Growth = Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))]
+FrictionCoefficient = Annotated[float, Number(Range(most=3.0))]
+FrictionOffset = Annotated[float, Number(Range(or_equal=True, most=3.0))]
+
+
+def key(default: Any = ..., meaning: str = "", *, assumed: str | None = None) -> Any:
+    """A key of a section. assumed: why this default was chosen, where it is a physical assumption."""
+    extra: Any = {"assumed": assumed} if assumed else None
+    return Field(default, description=meaning, json_schema_extra=extra)
+
+
+class Section(BaseModel):
+    """Frozen, and no key that is not declared."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+
+class About(Section):
+    """[study]"""
+
+    name: str = key("study", "name of the run and of its folder")
+    description: str = key("", "one line for people")
+    model: Literal["micro"] = key("micro", "resolved roughness on one fine grid")
+
+
+class Body(Section):
+    young: Pressure | None = key(None, "Young's modulus; used for Hertz's values beside the results")
+    poisson: PoissonRatio | None = key(None, "Poisson's ratio")
+    hardness: Pressure | None = key(None, "indentation hardness")
+
+
+class Sphere(Body):
+    """[sphere]"""
+
+    radius: LengthOrInfinite | None = key(None, "radius; 'inf mm' is a rigid flat")
+    diameter: Length | None = key(None, "diameter, instead of the radius")
+
+    @model_validator(mode="after")
+    def _one_size(self) -> Self:
+        if (self.radius is None) == (self.diameter is None):
+            raise ValueError("sphere.radius or sphere.diameter must be given, and not both")
+        return self
+
+    @property
+    def curvature(self) -> float:
+        """1/R [1/mm], 0 for a flat."""
+        return 1.0 / self.radius if self.radius is not None else 2.0 / self.diameter
+
+
+class Synthetic(Section):
+    """[disc.synthetic]"""
+
+    kind: Literal["self-affine", "milled", "flat"] = key(..., "which surface")
+    ra: Length | None = key(None, "arithmetic mean height Ra")
+    sq: Length | None = key(None, "root mean square height Sq, instead of Ra")
+    hurst: HurstExponent = key(0.8, "Hurst exponent", assumed="typical of machined steel")
+    roll_off: Length = key("100 um", "wavelength above which the spectrum is flat", assumed="not measured")
+    cut_off: Length = key("8 um", "shortest wavelength (λs)", assumed="profile filter λs of ISO 3274")
+    seed: int = key(0, "seed of the random numbers", assumed="one surface of many")
+    period: Length = key("2 mm", "length after which the surface repeats", assumed="wider than the contact")
+    feed: Length = key("0.65 mm", "milled: distance of the feed marks")
+    fine_ra: Length = key("0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra")
+    lay: Angle = key(
+        "90 deg", "milled: angle between feed marks and sliding", assumed="sliding across the marks"
+    )
+
+    @model_validator(mode="after")
+    def _one_height(self) -> Self:
+        if self.kind == "flat":
+            return self
+        if (self.ra is None) == (self.sq is None):
+            raise ValueError("disc.synthetic.ra or disc.synthetic.sq must be given, and not both")
+        if not self.cut_off < self.roll_off < self.period:
+            raise ValueError(
+                f"disc.synthetic needs cut_off < roll_off < period, not {1e3 * self.cut_off:g} µm, "
+                f"{1e3 * self.roll_off:g} µm and {1e3 * self.period:g} µm"
+            )
+        return self
+
+
+def _pixel(value: Any) -> Any:
+    return (value, value) if isinstance(value, str) else value
+
+
+class Disc(Body):
+    """[disc]"""
+
+    surface: str | None = key(None, "file of a measured surface, relative to the study")
+    synthetic: Synthetic | None = key(None, "a synthetic surface instead")
+    extend: Literal["refuse", "mirror", "periodic"] = key(
+        "refuse", "when the file is smaller than the domain"
+    )
+    level: Literal["none", "plane"] | Annotated[int, Field(ge=1, le=12)] = key(
+        "plane", "form removed from the measurement: none, plane or degree of a polynomial"
+    )
+    sliding_axis: Literal["x", "y"] = key("x", "axis of the file along which the sphere slides")
+    pixel: Annotated[tuple[Length, Length], BeforeValidator(_pixel)] | None = key(
+        None, "distance of the file's points, needed by .npy; overrides what a file says"
+    )
+    height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = key(
+        None, "unit of the file's heights, needed by .npy; overrides what a file says"
+    )
+
+    @model_validator(mode="after")
+    def _one_surface(self) -> Self:
+        if (self.surface is None) == (self.synthetic is None):
+            raise ValueError("disc.surface (a file) or [disc.synthetic] must be given, and not both")
+        return self
+
+
+class Contact(Section):
+    """[contact]"""
+
+    load: Force = key(..., "normal load")
+    hardness: PressureOrInfinite | None = key(
+        None, "largest pressure of a cell; by default the hardness of the softer body"
+    )
+    law: Literal["foundation"] = key("foundation", "independent springs with a largest pressure")
+    stiffness: Stiffness = key(
+        "inf N/mm^3", "local foundation stiffness k", assumed="asperities do not deform elastically"
+    )
+
+
+class DimensionlessCoefficient(float):
+    """Archard's k of V = k F L / H."""
+
+
+def _wear_coefficient(value: Any) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        number = DimensionlessCoefficient(value)
+    else:
+        number = parse(value, "mm^3/N/m")  # type: ignore[assignment]
+    if not 0.0 <= number < float("inf"):
+        raise ValueError("must be at least 0 and finite")
+    return number
+
+
+def _wear_text(value: float) -> str | float:
+    return float(value) if isinstance(value, DimensionlessCoefficient) else text(value, "mm^3/N/m")
+
+
+WearCoefficient = Annotated[float, BeforeValidator(_wear_coefficient), PlainSerializer(_wear_text)]
+
+
+class Wear(Section):
+    """[wear]"""
+
+    sphere: WearCoefficient = key(..., "wear coefficient K of the sphere, hardness contained")
+    disc: WearCoefficient = key(..., "wear coefficient K of the disc, hardness contained")
+    law: Literal["archard"] = key("archard", "depth = K × pressure × sliding distance")
+    distance_factor: Literal["none", "across", "radial"] = key(
+        "none", "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial"
+    )
+
+
+class GridSection(Section):
+    """[grid]"""
+
+    cell: Length = key(..., "size of a cell")
+    extent: Length = key(..., "side of the square domain")
+
+    @model_validator(mode="after")
+    def _whole_cells(self) -> Self:
+        cells = self.extent / self.cell
+        if abs(cells - round(cells)) > 1e-6 * cells or round(cells) < 4:
+            near = max(round(cells), 4) * self.cell
+            raise ValueError(
+                f"grid.extent = {self.extent:g} mm is not a whole number (4 or more) of cells of "
+                f"{1e3 * self.cell:g} µm; the nearest that is, is {near:g} mm"
+            )
+        return self
+
+
+class Sliding(Section):
+    """[sliding]"""
+
+    distance: LengthOrZero | None = key(None, "total sliding distance; 0 is a static contact")
+    passes: Annotated[int, Field(ge=0)] | None = key(None, "instead of distance: number of strokes")
+    cycles: Annotated[int, Field(ge=0)] | None = key(None, "instead of distance: number of pairs of strokes")
+    duration: Time | None = key(None, "instead of distance, with frequency: time of the test")
+    frequency: Frequency | None = key(None, "cycles in a second")
+    stroke: Length | None = key(None, "length of one pass")
+    speed: Speed | None = key(None, "sliding speed, for the time axis only")
+    kinematics: Literal["stationary"] = key("stationary", "the same disc cells stay under the sphere")
+
+    @model_validator(mode="after")
+    def _one_distance(self) -> Self:
+        ways = {
+            "sliding.distance": self.distance is not None,
+            "sliding.passes": self.passes is not None,
+            "sliding.cycles": self.cycles is not None,
+            "sliding.duration with sliding.frequency": self.duration is not None
+            or self.frequency is not None,
+        }
+        given = [way for way, is_given in ways.items() if is_given]
+        if len(given) != 1:
+            found = " and ".join(given) if given else "none"
+            raise ValueError(f"the sliding distance needs one of {', '.join(ways)}; given: {found}")
+        if (self.duration is None) != (self.frequency is None):
+            raise ValueError("sliding.duration and sliding.frequency need each other")
+        if self.distance is None and self.stroke is None:
+            raise ValueError(f"{given[0]} needs sliding.stroke, a length such as '30 mm'")
+        return self
+
+    @property
+    def total(self) -> float:
+        """Sliding distance of the whole test [mm]."""
+        if self.distance is not None:
+            return self.distance
+        if self.duration is not None:
+            return 2.0 * self.stroke * self.frequency * self.duration
+        return self.stroke * (self.passes if self.passes is not None else 2 * self.cycles)
+
+
+def _tolerance(value: Any) -> Any:
+    return value if value == "one cell" else Quantity("N").read(value)
+
+
+class Stepping(Section):
+    """[stepping]"""
+
+    scheme: Literal["explicit", "implicit"] = key("implicit", "pressure of the step's start, or of its end")
+    increment: Length | None = key(None, "fixed sliding increment")
+    first: Length | None = key(None, "growing increments: the first")
+    growth: Growth | None = key(None, "ratio of an increment to the last")
+    largest: Length | None = key(None, "growing increments: the largest")
+    load_tolerance: Annotated[
+        float | Literal["one cell"],
+        BeforeValidator(_tolerance),
+        PlainSerializer(lambda v: v if v == "one cell" else text(v, "N")),
+    ] = key("one cell", "bearing area only: load left unbalanced, at most")
+    force: bool = key(False, "go on beyond the explicit stability limit")
+
+    @model_validator(mode="after")
+    def _one_plan(self) -> Self:
+        growing = [n for n in ("first", "growth", "largest") if getattr(self, n) is not None]
+        if self.increment is not None and growing:
+            raise ValueError(f"stepping.increment and stepping.{growing[0]} exclude each other")
+        if self.increment is None and len(growing) not in (0, 3):
+            raise ValueError("stepping.first, stepping.growth and stepping.largest need each other")
+        if growing and self.first > self.largest:
+            raise ValueError("stepping.first must not exceed stepping.largest")
+        return self
+
+    @property
+    def plan(self) -> tuple[float, float, float]:
+        """First increment [mm], growth, largest [mm]."""
+        if self.increment is not None:
+            return self.increment, 1.0, self.increment
+        if self.first is not None:
+            return self.first, self.growth, self.largest
+        return DEFAULT_PLAN
+
+
+#: Increments when a study gives none: small enough for the first asperities, at most a tenth of a stroke.
+DEFAULT_PLAN = (3.0e-3, 1.02, 3.0)
+
+
+class Friction(Section):
+    """[friction]"""
+
+    shear_strength: Pressure | None = key(None, "interfacial shear strength τ0")
+    coefficient: FrictionCoefficient | None = key(None, "measured coefficient that fixes τ0, instead")
+    calibrate: Literal["end", "initial"] | None = key(None, "when the measured coefficient holds")
+    ploughing: FrictionOffset = key(0.0, "part of the coefficient that does not shear")
+    area: Literal["contact", "touched", "cumulative", "nominal"] = key("contact", "area that shears")
+
+    @model_validator(mode="after")
+    def _one_strength(self) -> Self:
+        if self.shear_strength is not None and self.coefficient is not None:
+            raise ValueError("friction.shear_strength and friction.coefficient exclude each other")
+        if self.calibrate is not None and self.coefficient is None:
+            raise ValueError("friction.calibrate needs friction.coefficient")
+        if self.coefficient is not None and self.coefficient <= self.ploughing:
+            raise ValueError("friction.coefficient must exceed friction.ploughing")
+        return self
+
+
+class Checks(Section):
+    """[checks]"""
+
+    strict: bool = key(True, "stop when the contact reaches the domain's edge; false records a warning")
+
+
+class Output(Section):
+    """[output]"""
+
+    snapshots: tuple[LengthOrZero, ...] = key(
+        (), "sliding distances at which fields are kept; the end always is"
+    )

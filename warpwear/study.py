@@ -1,0 +1,272 @@
+"""A study: what to compute, read from TOML, checked, frozen."""
+
+import tomllib
+from collections.abc import Mapping
+from difflib import get_close_matches
+from importlib import resources
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import Field, ValidationError, model_validator
+
+from warpwear.contact import CappedFoundation
+from warpwear.errors import InputError
+from warpwear.grid import Grid
+from warpwear.messages import sentence
+from warpwear.sections import (
+    About,
+    Checks,
+    Contact,
+    DimensionlessCoefficient,
+    Disc,
+    Friction,
+    GridSection,
+    Output,
+    Section,
+    Sliding,
+    Sphere,
+    Stepping,
+    Wear,
+)
+
+#: Keys that say the same in different ways. Setting one with `replace` drops the others.
+ALTERNATIVES: tuple[tuple[frozenset[str], ...], ...] = (
+    (frozenset({"sphere.radius"}), frozenset({"sphere.diameter"})),
+    (frozenset({"disc.surface"}), frozenset({"disc.synthetic"})),
+    (frozenset({"disc.synthetic.ra"}), frozenset({"disc.synthetic.sq"})),
+    (
+        frozenset({"sliding.distance"}),
+        frozenset({"sliding.passes"}),
+        frozenset({"sliding.cycles"}),
+        frozenset({"sliding.duration", "sliding.frequency"}),
+    ),
+    (
+        frozenset({"stepping.increment"}),
+        frozenset({"stepping.first", "stepping.growth", "stepping.largest"}),
+    ),
+    (
+        frozenset({"friction.shear_strength"}),
+        frozenset({"friction.coefficient", "friction.calibrate"}),
+    ),
+)
+
+
+class Study(Section):
+    """One study: sections of keys (see `warpwear.sections`), each number in mm, N, MPa or s.
+
+    Make one with `Study.load(path_or_preset)` or from sections: `Study(sphere={"radius": "3 mm"}, ...)`.
+    Frozen; `replace` gives a changed copy. Raises InputError for anything that cannot be computed as it stands.
+    """
+
+    study: About = About()
+    sphere: Sphere
+    disc: Disc
+    contact: Contact
+    wear: Wear
+    grid: GridSection
+    sliding: Sliding
+    stepping: Stepping = Stepping()
+    friction: Friction = Friction()
+    checks: Checks = Checks()
+    output: Output = Output()
+    assumed: dict[str, str] = Field(default={}, description="keys that were assumed, and why")
+
+    def __init__(self, **sections: Any) -> None:
+        try:
+            super().__init__(**sections)
+        except ValidationError as error:
+            raise InputError(sentence(error, type(self))) from error
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.contact.hardness is None and not self._body_hardnesses:
+            raise ValueError(
+                "contact.hardness, sphere.hardness or disc.hardness must be given ('inf MPa' is none)"
+            )
+        law = self.law
+        if law.hardness == float("inf") and law.compliance == 0.0 and self.sliding.total == 0.0:
+            raise ValueError(
+                "contact.stiffness and contact.hardness cannot both be infinite in a static contact"
+            )
+        carried = law.hardness * self.cells.area
+        if carried < self.contact.load:
+            raise ValueError(
+                f"contact.load = {self.contact.load:g} N is more than the domain carries at this hardness "
+                f"({carried:.4g} N); allowed are smaller loads, a larger grid.extent or contact.hardness"
+            )
+        if law.hardness == float("inf") and law.compliance == 0.0 and self._rigid_steps:
+            raise ValueError(
+                "contact.hardness = inf MPa needs a contact.stiffness, or stepping.scheme = 'implicit' "
+                "with wear"
+            )
+        limit = law.stable_increment(sum(self.wear_coefficients))
+        largest = self.stepping.plan[2]
+        if (
+            self.stepping.scheme == "explicit"
+            and self.sliding.total > 0.0
+            and largest >= limit
+            and not self.stepping.force
+        ):
+            raise ValueError(
+                f"stepping.increment = {largest:g} mm is beyond the explicit stability limit "
+                f"2/(k K) = {limit:.3g} mm; allowed are smaller increments, scheme = 'implicit', or force = true"
+            )
+        return self
+
+    @property
+    def _rigid_steps(self) -> bool:
+        return self.stepping.scheme == "explicit" or sum(self.wear_coefficients) == 0.0
+
+    @property
+    def _body_hardnesses(self) -> list[float]:
+        return [h for h in (self.sphere.hardness, self.disc.hardness) if h is not None]
+
+    @property
+    def hardness(self) -> float:
+        """Largest pressure of a cell [MPa]: contact.hardness, or the softer body's."""
+        return self.contact.hardness if self.contact.hardness is not None else min(self._body_hardnesses)
+
+    @property
+    def law(self) -> CappedFoundation:
+        """The contact law."""
+        return CappedFoundation(stiffness=self.contact.stiffness, hardness=self.hardness)
+
+    @property
+    def wear_coefficients(self) -> tuple[float, float]:
+        """K of sphere and disc [mm²/N], hardness contained (thesis eqs 4.12 and 4.13)."""
+
+        def resolved(k: float) -> float:
+            return k / self.hardness if isinstance(k, DimensionlessCoefficient) else 1.0e-3 * k
+
+        return resolved(self.wear.sphere), resolved(self.wear.disc)
+
+    @property
+    def cells(self) -> Grid:
+        """The grid of cells."""
+        n = round(self.grid.extent / self.grid.cell)
+        return Grid(n, n, self.grid.cell)
+
+    @property
+    def load_tolerance(self) -> float:
+        """Load that a bearing area may leave unbalanced [N]; one cell carries H h²."""
+        asked = self.stepping.load_tolerance
+        return self.hardness * self.cells.cell_area if asked == "one cell" else float(asked)
+
+    def notices(self) -> list[str]:
+        """What is given but not used, each as a sentence."""
+        found = []
+        synthetic = self.disc.synthetic
+        if synthetic is not None:
+            unused = {
+                "flat": {
+                    "ra",
+                    "sq",
+                    "hurst",
+                    "roll_off",
+                    "cut_off",
+                    "seed",
+                    "period",
+                    "feed",
+                    "fine_ra",
+                    "lay",
+                },
+                "self-affine": {"feed", "fine_ra", "lay"},
+                "milled": set(),
+            }[synthetic.kind] & synthetic.model_fields_set
+            found += [
+                f"disc.synthetic.{k} does not apply to kind = '{synthetic.kind}'." for k in sorted(unused)
+            ]
+            measured = {
+                "extend",
+                "level",
+                "sliding_axis",
+                "pixel",
+                "height_unit",
+            } & self.disc.model_fields_set
+            found += [f"disc.{k} does not apply to a synthetic surface." for k in sorted(measured)]
+        if isinstance(self.stepping.load_tolerance, float) and not (
+            self._rigid_steps and self.law.compliance == 0.0
+        ):
+            found.append(
+                "stepping.load_tolerance applies to a bearing area only; here the balance holds to 1e-12."
+            )
+        late = [s for s in self.output.snapshots if s > self.sliding.total]
+        found += [f"The snapshot at {s:g} mm lies beyond the sliding distance." for s in late]
+        return found
+
+    @classmethod
+    def load(cls, path_or_preset: str | Path) -> Self:
+        """The study in a TOML file, or the preset of that name. Raises InputError."""
+        if str(path_or_preset) in presets():
+            source = resources.files("warpwear") / "presets" / f"{path_or_preset}.toml"
+            return cls(**tomllib.loads(source.read_text(encoding="utf-8")))
+        path = Path(path_or_preset)
+        if path.is_dir():
+            path = path / "study.toml"
+        try:
+            sections = tomllib.loads(path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            raise InputError(_no_such_study(str(path_or_preset))) from None
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"{path} cannot be read: {error}.") from error
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(f"{path} is not TOML: {error}.") from error
+        surface = sections.get("disc", {}).get("surface") if isinstance(sections.get("disc"), dict) else None
+        if isinstance(surface, str):
+            sections["disc"]["surface"] = str(path.parent.resolve() / surface)
+        return cls(**sections)
+
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Mapping[str, Any]) -> Self:
+        """A copy with keys changed, by dotted name ({"grid.cell": "2 um"}) or section (grid={"cell": "2 um"}).
+
+        A key that says the same in another way is dropped: a new sphere.diameter replaces sphere.radius.
+        """
+        flat = dict(changes or {})
+        for section, keys in sections.items():
+            flat |= {f"{section}.{k}": v for k, v in keys.items()}
+        nested = self.model_dump(exclude_unset=True)
+        for name, value in flat.items():
+            for other in _alternatives_of(name) - set(flat):
+                _remove(nested, other)
+                nested.get("assumed", {}).pop(other, None)
+            _insert(nested, name, value)
+            assumed = nested.get("assumed", {})
+            for set_now in [k for k in assumed if k == name or k.startswith(name + ".")]:
+                del assumed[set_now]
+        return type(self)(**nested)
+
+
+def presets() -> list[str]:
+    """Names of the presets."""
+    folder = resources.files("warpwear") / "presets"
+    return sorted(p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml"))
+
+
+def _no_such_study(name: str) -> str:
+    near = get_close_matches(name, presets(), n=1)
+    hint = f" Did you mean '{near[0]}'?" if near else ""
+    return f"STUDY = '{name}' is neither a file nor a preset ({', '.join(presets())}).{hint}"
+
+
+def _alternatives_of(name: str) -> set[str]:
+    for group in ALTERNATIVES:
+        for way in group:
+            if any(name == k or name.startswith(k + ".") for k in way):
+                return set().union(*group) - way
+    return set()
+
+
+def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
+    *parents, last = name.split(".")
+    for depth, parent in enumerate(parents):
+        nested = nested.setdefault(parent, {})
+        if not isinstance(nested, dict):
+            raise InputError(f"'{name}' is no key: {'.'.join(parents[: depth + 1])} has none below it.")
+    nested[last] = value
+
+
+def _remove(nested: dict[str, Any], name: str) -> None:
+    *parents, last = name.split(".")
+    for parent in parents:
+        nested = nested.get(parent, {})
+    nested.pop(last, None)
