@@ -11,7 +11,7 @@ FloatArray = npt.NDArray[np.float64]
 class Surface(Protocol):
     """A surface as a function of place: the same one at any cell size and in any window.
 
-    Implementations are frozen dataclasses; nothing is regenerated for a mesh and nothing is remembered of one.
+    Implementations are frozen dataclasses: nothing is regenerated for a mesh, nothing remembered of one.
     """
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -22,7 +22,7 @@ class Surface(Protocol):
         """
 
     def notices(self, x: FloatArray, y: FloatArray) -> list[str]:
-        """What a user must know about this surface on the grid x × y [mm] (repeats, filtered, too coarse…)."""
+        """What a user must know about this surface on the grid x × y [mm]: repeats, filtered, too coarse."""
 
     def record(self) -> dict[str, Any]:
         """What the surface is and what was done to it, JSON-ready, units in the key names (``sq_um``).

@@ -51,14 +51,15 @@ def uniform_draws(count: int, *, seed: int, stream: int = 0) -> FloatArray:
     Streams of one seed are independent of each other.
     """
     bits = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(stream,))).random_raw(count)
-    return (bits >> np.uint64(11)) * 2.0**-53
+    return (bits >> np.uint64(11)).astype(np.float64) * 2.0**-53
 
 
 def half_plane_draws(largest: int, *, seed: int) -> ComplexArray:
     """Complex Gaussian draws for the modes (i, j), −n ≤ i ≤ n, 0 ≤ j ≤ n, n = largest; shape (2n + 1, n + 1).
 
-    One of each pair (i, j), (−i, −j), since a real field fixes the other; both parts have variance 1; modes (i ≤ 0, 0) are zero.
-    A draw depends on the seed and (i, j) only, not on n: modes are counted in rings of max(|i|, j), of 4·ring modes each.
+    One of each pair (i, j), (−i, −j), since a real field fixes the other; modes (i ≤ 0, 0) are zero. Real and
+    imaginary part have variance 1. A draw depends on the seed and (i, j) only, not on n: modes are counted in
+    rings of max(|i|, j), of 4·ring modes each.
     """
     i = np.arange(-largest, largest + 1)[:, None]
     j = np.arange(largest + 1)[None, :]

@@ -8,10 +8,11 @@ from warpwear.surfaces.base import FloatArray
 
 
 def rms_slope(heights: FloatArray, *, pixel: tuple[float, float]) -> float:
-    """Root mean square gradient [-] by forward differences; heights [mm], shape (nx, ny), pixel (px, py) [mm].
+    """Root mean square gradient [-] by forward differences.
 
-    ISO 25178-2 calls it Sdq. A difference over a pixel is blind to waves near two pixels, so the value grows
-    with finer pixels until the shortest waves of the surface are resolved.
+    heights [mm], shape (nx, ny), complete; pixel (px, py) [mm]. ISO 25178-2 calls it Sdq. A difference
+    over a pixel is blind to waves near two pixels, so the value grows with finer pixels until the shortest
+    waves of the surface are resolved.
     """
     along = (
         float(np.mean(np.square(np.diff(heights, axis=0)))) / pixel[0] ** 2 if heights.shape[0] > 1 else 0.0
@@ -26,8 +27,8 @@ def roughness(heights: FloatArray, *, pixel: tuple[float, float]) -> dict[str, f
     """Height parameters of ISO 25178-2 about the mean height, and the rms slope.
 
     heights [mm], shape (nx, ny), complete (no NaN), already levelled; pixel (px, py) [mm].
-    Keys: ``sa``, ``sq``, ``sz`` (highest minus lowest) [mm]; ``ssk``, ``sku`` (skewness and kurtosis, 0 and 3 for
-    Gaussian heights; both 0 for a flat) and ``rms_slope`` [-].
+    Keys: ``sa``, ``sq``, ``sz`` (highest minus lowest) [mm]; ``ssk``, ``sku`` (skewness and kurtosis, 0 and 3
+    for Gaussian heights; both 0 for a flat) and ``rms_slope`` [-].
     """
     centred = heights - heights.mean()
     power = np.square(centred)

@@ -48,9 +48,9 @@ class SelfAffine:
 
     A finite Fourier sum over the modes 2π(i, j)/period. Its isotropic power spectral density is constant for
     wavelengths above `roll_off`, ∝ q^(−2 − 2·hurst) down to `cut_off`, and zero for shorter ones (a circle in
-    the plane of modes) and for the mean (Persson et al. 2005, J. Phys.: Condens. Matter 17, R1). Amplitudes are
-    complex Gaussian; a mode's draw depends on `seed` and (i, j) alone, so a shorter cut-off adds waves and
-    leaves the others as they were, up to the common factor that restores the asked roughness.
+    the plane of modes) and for the mean (Persson et al. 2005, J. Phys.: Condens. Matter 17, R1). Amplitudes
+    are complex Gaussian; a mode's draw depends on `seed` and (i, j) alone, so a shorter cut-off adds waves
+    and leaves the others as they were, up to the common factor that restores the asked roughness.
 
     Lengths in mm; exactly one of `ra`, `sq`. Sq is exact over the period (Parseval), Ra over a fixed grid of
     one period with a pitch of at most cut_off/4. InputError, naming ``disc.synthetic.NAME``, for bad values.
@@ -105,8 +105,9 @@ class SelfAffine:
     @cached_property
     def _waves(self) -> tuple[FloatArray, FloatArray]:
         """Wave numbers [rad/mm] of the half plane of modes."""
-        unit = 2.0 * math.pi / self.period
-        return unit * np.arange(-self._largest, self._largest + 1), unit * np.arange(self._largest + 1)
+        modes = np.arange(-self._largest, self._largest + 1).astype(np.float64)
+        modes *= 2.0 * math.pi / self.period
+        return modes, modes[self._largest :]
 
     @cached_property
     def _unscaled(self) -> ComplexArray:
@@ -121,7 +122,7 @@ class SelfAffine:
     @cached_property
     def _unscaled_ra(self) -> float:
         count = math.ceil(self.period / self.cut_off * POINTS_PER_CUT_OFF)
-        points = np.arange(count) * (self.period / count)
+        points = _points(self.period, count)
         blocks = fourier_blocks(self._unscaled, *self._waves, points, points)
         return sum(float(np.abs(values).sum()) for _, values in blocks) / count**2
 
@@ -147,8 +148,8 @@ class Milled:
     ridges run at `lay` degrees to the sliding direction (90: across it); where they lie is drawn from `seed`.
     The fine part is a `SelfAffine` of Ra `fine_ra` (none for 0) with the other parameters.
 
-    Lengths in mm; exactly one of `ra`, `sq`: the feed marks are scaled until the whole has it, about its mean,
-    on a fixed grid of pitch ≤ cut_off/4 over whole feeds along the axis nearer to the feed's and one period
+    Lengths in mm; exactly one of `ra`, `sq`: the feed marks are scaled until the whole has it, about its
+    mean, on a fixed grid of pitch ≤ cut_off/4: whole feeds along the axis nearer to the feed's, one period
     along the other. InputError, naming ``disc.synthetic.NAME``, for bad values, also when the fine part alone
     is as rough as the whole is to be.
     """
@@ -216,8 +217,8 @@ class Milled:
     def _too_fine(self) -> InputError:
         name, whole = ("ra", self.ra) if self.ra is not None else ("sq", self.sq)
         return InputError(
-            f"disc.synthetic.fine_ra is {self.fine_ra:g} mm: the fine part alone is as rough as the whole is to "
-            f"be ({name} = {whole:g} mm), allowed is a smaller fine_ra, or 0"
+            f"disc.synthetic.fine_ra is {self.fine_ra:g} mm: the fine part alone is as rough as the whole "
+            f"is to be ({name} = {whole:g} mm), allowed is a smaller fine_ra, or 0"
         )
 
     @cached_property
@@ -269,7 +270,7 @@ class Milled:
         whole = max(1, round(self.period * steep / self.feed)) * self.feed / steep
         sides = (whole, self.period) if abs(self._normal[0]) == steep else (self.period, whole)
         x, y = (
-            np.arange(count) * (side / count)
+            _points(side, count)
             for side, count in ((side, math.ceil(side / self.cut_off * POINTS_PER_CUT_OFF)) for side in sides)
         )
         marks = np.concatenate([values for _, values in self._marks(x, y)])
@@ -283,7 +284,7 @@ class Milled:
 
     @cached_property
     def _scaled(self) -> tuple[float, float, float]:
-        """Factor [mm] on the unit feed marks with which the whole is as rough as asked; its Ra and Sq [mm]."""
+        """Factor [mm] on the unit feed marks that makes the whole as rough as asked; its Ra and Sq [mm]."""
         marks, fine = self._reference()
         factor = self._factor_for_sq(marks, fine) if self.ra is None else self._factor_for_ra(marks, fine)
         marks *= factor
@@ -323,7 +324,8 @@ def _check_roughness(ra: float | None, sq: float | None) -> None:
     if (ra is None) == (sq is None):
         given = "neither is given" if ra is None else f"both are given ({ra:g} mm and {sq:g} mm)"
         raise InputError(
-            f"disc.synthetic.ra and disc.synthetic.sq: {given}, allowed is exactly one of the two, a positive length"
+            f"disc.synthetic.ra and disc.synthetic.sq: {given}, "
+            "allowed is exactly one of the two, a positive length"
         )
     for name, value in (("ra", ra), ("sq", sq)):
         if value is not None:
@@ -348,6 +350,12 @@ def _check_spectrum(hurst: float, roll_off: float, cut_off: float, seed: int, pe
     )
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise InputError(f"disc.synthetic.seed is {seed!r}: allowed is a whole number from 0")
+
+
+def _points(side: float, count: int) -> FloatArray:
+    points = np.arange(count).astype(np.float64)
+    points *= side / count
+    return points
 
 
 def _asked(ra: float | None, sq: float | None) -> dict[str, float]:

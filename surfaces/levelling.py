@@ -1,0 +1,74 @@
+"""Levelling and filling of measured heights."""
+
+import numpy as np
+import numpy.typing as npt
+from numpy.polynomial import legendre
+
+from warpwear.surfaces.base import FloatArray
+
+ROWS = 64  # of a block: the terms of a polynomial at every point at once would be many fields
+SWEEPS = 8  # of the relaxation at each scale; more changes a filled height by less than its neighbours differ
+
+
+def without_polynomial(heights: FloatArray, *, degree: int) -> FloatArray:
+    """Heights [mm], shape (nx, ny), NaN where missing, less their least-squares polynomial of total degree.
+
+    Degree 0 takes off the mean, 1 the mean plane. Fitted to the valid points by normal equations, in products
+    of Legendre polynomials over the field: there they stay well conditioned.
+    """
+    nx, ny = heights.shape
+    basis_x = legendre.legvander(np.linspace(-1.0, 1.0, nx), degree)
+    basis_y = legendre.legvander(np.linspace(-1.0, 1.0, ny), degree)
+    terms = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    # the second round takes off what rounding left of a large tilt or offset
+    levelled = heights
+    for _ in range(2):
+        matrix, right = np.zeros((len(terms), len(terms))), np.zeros(len(terms))
+        for start in range(0, nx, ROWS):
+            block = levelled[start : start + ROWS]
+            valid = ~np.isnan(block)
+            rows = np.stack(
+                [np.multiply.outer(basis_x[start : start + ROWS, i], basis_y[:, j])[valid] for i, j in terms]
+            )
+            matrix += rows @ rows.T
+            right += rows @ block[valid]
+        # least squares rather than a solution: few valid points do not fix every term
+        solution = np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
+        table = np.zeros((degree + 1, degree + 1))
+        for (i, j), value in zip(terms, solution, strict=True):
+            table[i, j] = value
+        levelled = levelled - basis_x @ table @ basis_y.T
+    return levelled
+
+
+def filled(heights: FloatArray) -> FloatArray:
+    """Heights [mm], shape (nx, ny), with missing points (NaN) filled; valid points are untouched.
+
+    Coarse to fine: block means of 2 × 2 valid points are filled first in the same way, their values start the
+    missing points, then a few sweeps pull every missing point to the mean of its four neighbours (a discrete
+    harmonic surface: smooth, no higher or lower than the rim). Time is a few passes whatever the holes.
+    """
+    missing = np.isnan(heights)
+    if not missing.any():
+        return heights
+    fine = heights.copy()
+    fine[missing] = _from_coarse(heights, missing)[missing]
+    for _ in range(SWEEPS):
+        fine[missing] = _neighbour_mean(fine)[missing]
+    return fine
+
+
+def _from_coarse(heights: FloatArray, missing: npt.NDArray[np.bool_]) -> FloatArray:
+    nx, ny = heights.shape
+    pad = ((0, nx % 2), (0, ny % 2))
+    weight = np.pad((~missing).astype(np.float64), pad)
+    value = np.pad(np.where(missing, 0.0, heights), pad)
+    quads = (weight.shape[0] // 2, 2, weight.shape[1] // 2, 2)
+    count, total = weight.reshape(quads).sum(axis=(1, 3)), value.reshape(quads).sum(axis=(1, 3))
+    coarse = np.divide(total, count, out=np.full(count.shape, np.nan), where=count > 0)
+    return np.repeat(np.repeat(filled(coarse), 2, axis=0), 2, axis=1)[:nx, :ny]
+
+
+def _neighbour_mean(field: FloatArray) -> FloatArray:
+    framed = np.pad(field, 1, mode="edge")
+    return 0.25 * (framed[2:, 1:-1] + framed[:-2, 1:-1] + framed[1:-1, 2:] + framed[1:-1, :-2])
