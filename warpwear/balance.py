@@ -108,7 +108,7 @@ class Balancer:
             approach = 0.5 * (low + high)
             count = self._count(gap_field, approach)
             residual = count * per_cell - load
-            if abs(residual) <= tolerance and count > 0:
+            if abs(residual) < tolerance and count > 0:
                 cap = load / (count * self._cell_area)
                 return Balance(approach, 0.0, cap, residual, evaluations=evaluation)
             if high - low <= TIE:

@@ -5,8 +5,10 @@ its own row of the table of partial results, so that no result depends on the nu
 launch is one loop on one core that lets go of Python's lock, so chunks of rows run on a pool of threads.
 """
 
-from collections.abc import Sequence
+import os
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
 from itertools import pairwise
 from typing import Any, Self
 
@@ -107,12 +109,30 @@ def find_device(name: str) -> Any:
     """Warp's device of this name. Raises InputError, naming those that are there."""
     if wp.config.log_level == wp.LOG_INFO:  # no greeting on a user's terminal, unless one was asked for
         wp.config.log_level = wp.LOG_ERROR
-    wp.init()
+    with _native_messages_hidden() if name == "cpu" else nullcontext():
+        wp.init()
     try:
         return wp.get_device(name)
     except (ValueError, RuntimeError) as error:
         there = ", ".join(str(d.alias) for d in wp.get_devices())
         raise InputError(f"device = {name!r} is not there; this machine has {there}.") from error
+
+
+@contextmanager
+def _native_messages_hidden() -> Iterator[None]:
+    """Warp's native part warns on a machine without a GPU, which is no news to who asked for the CPU."""
+    try:
+        stderr = os.dup(2)
+    except OSError:  # no standard error to guard
+        yield
+        return
+    try:
+        with open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(stderr, 2)
+        os.close(stderr)
 
 
 def _check_threads(threads: int | None) -> int:

@@ -1,7 +1,7 @@
 """Coefficient of friction from an area: shear of junctions, with an offset for ploughing.
 
-μ = μ_p + τ0 A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a measured
-coefficient fixes τ0, are choices of the study.
+μ = μ_p + τ0 A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a
+measured coefficient fixes τ0, are choices of the study.
 """
 
 import math

@@ -33,3 +33,12 @@ def section_in(annotation: Any) -> type[BaseModel] | None:
     """The section that an annotation, maybe optional, stands for."""
     options = getattr(annotation, "__args__", None) or (annotation,)
     return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
+
+
+def given_keys(section: BaseModel, prefix: str = "") -> set[str]:
+    """Dotted names of the keys that were given, not left to their defaults."""
+    found = set()
+    for name in section.model_fields_set:
+        value = getattr(section, name)
+        found |= given_keys(value, f"{prefix}{name}.") if isinstance(value, BaseModel) else {prefix + name}
+    return found

@@ -9,10 +9,12 @@ from typing import Any, Self
 
 from pydantic import Field, ValidationError, model_validator
 
+from warpwear import render
 from warpwear.contact import CappedFoundation
 from warpwear.errors import InputError
 from warpwear.grid import Grid
 from warpwear.messages import sentence
+from warpwear.schema import given_keys
 from warpwear.sections import (
     About,
     Checks,
@@ -50,12 +52,18 @@ ALTERNATIVES: tuple[tuple[frozenset[str], ...], ...] = (
     ),
 )
 
+UNUSED_BY_KIND: dict[str, tuple[str, ...]] = {
+    "flat": ("ra", "sq", "hurst", "roll_off", "cut_off", "seed", "period", "feed", "fine_ra", "lay"),
+    "self-affine": ("feed", "fine_ra", "lay"),
+    "milled": (),
+}
+
 
 class Study(Section):
     """One study: sections of keys (see `warpwear.sections`), each number in mm, N, MPa or s.
 
     Make one with `Study.load(path_or_preset)` or from sections: `Study(sphere={"radius": "3 mm"}, ...)`.
-    Frozen; `replace` gives a changed copy. Raises InputError for anything that cannot be computed as it stands.
+    Frozen; `replace` gives a changed copy. Raises InputError for anything that cannot be computed.
     """
 
     study: About = About()
@@ -109,7 +117,8 @@ class Study(Section):
         ):
             raise ValueError(
                 f"stepping.increment = {largest:g} mm is beyond the explicit stability limit "
-                f"2/(k K) = {limit:.3g} mm; allowed are smaller increments, scheme = 'implicit', or force = true"
+                f"2/(k K) = {limit:.3g} mm; allowed are smaller increments, scheme = 'implicit', "
+                "or force = true"
             )
         return self
 
@@ -152,47 +161,29 @@ class Study(Section):
         asked = self.stepping.load_tolerance
         return self.hardness * self.cells.cell_area if asked == "one cell" else float(asked)
 
-    def notices(self) -> list[str]:
-        """What is given but not used, each as a sentence."""
-        found = []
+    def inapplicable(self) -> dict[str, str]:
+        """Keys that nothing uses under the choices made -> why, as the end of a sentence."""
+        found = {}
         synthetic = self.disc.synthetic
         if synthetic is not None:
-            unused = {
-                "flat": {
-                    "ra",
-                    "sq",
-                    "hurst",
-                    "roll_off",
-                    "cut_off",
-                    "seed",
-                    "period",
-                    "feed",
-                    "fine_ra",
-                    "lay",
-                },
-                "self-affine": {"feed", "fine_ra", "lay"},
-                "milled": set(),
-            }[synthetic.kind] & synthetic.model_fields_set
-            found += [
-                f"disc.synthetic.{k} does not apply to kind = '{synthetic.kind}'." for k in sorted(unused)
-            ]
-            measured = {
-                "extend",
-                "level",
-                "sliding_axis",
-                "pixel",
-                "height_unit",
-            } & self.disc.model_fields_set
-            found += [f"disc.{k} does not apply to a synthetic surface." for k in sorted(measured)]
-        if isinstance(self.stepping.load_tolerance, float) and not (
-            self._rigid_steps and self.law.compliance == 0.0
-        ):
-            found.append(
-                "stepping.load_tolerance applies to a bearing area only; here the balance holds to 1e-12."
-            )
-        late = [s for s in self.output.snapshots if s > self.sliding.total]
-        found += [f"The snapshot at {s:g} mm lies beyond the sliding distance." for s in late]
+            why = f"does not apply to kind = '{synthetic.kind}'"
+            found |= dict.fromkeys((f"disc.synthetic.{k}" for k in UNUSED_BY_KIND[synthetic.kind]), why)
+            of_files = ("extend", "level", "sliding_axis", "pixel", "height_unit")
+            found |= dict.fromkeys((f"disc.{k}" for k in of_files), "does not apply to a synthetic surface")
+        if not (self.law.compliance == 0.0 and self._rigid_steps):
+            found["stepping.load_tolerance"] = "does not apply: with compliance the balance holds to 1e-12"
         return found
+
+    def notices(self) -> list[str]:
+        """What is given but not used, each as a sentence."""
+        given = given_keys(self)
+        found = [f"{key} {why}." for key, why in self.inapplicable().items() if key in given]
+        late = [s for s in self.output.snapshots if s > self.sliding.total]
+        return found + [f"The snapshot at {s:g} mm lies beyond the sliding distance." for s in late]
+
+    def to_toml(self) -> str:
+        """The whole study after defaults, as TOML that `load` reads back without loss."""
+        return render.to_toml(self)
 
     @classmethod
     def load(cls, path_or_preset: str | Path) -> Self:
@@ -217,7 +208,7 @@ class Study(Section):
         return cls(**sections)
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Mapping[str, Any]) -> Self:
-        """A copy with keys changed, by dotted name ({"grid.cell": "2 um"}) or section (grid={"cell": "2 um"}).
+        """A copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
 
         A key that says the same in another way is dropped: a new sphere.diameter replaces sphere.radius.
         """

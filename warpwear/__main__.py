@@ -1,0 +1,5 @@
+"""`python -m warpwear`."""
+
+from warpwear.cli import main
+
+main()

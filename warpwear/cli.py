@@ -1,0 +1,179 @@
+"""The command line. Exit status 0, 2 for bad input with one plain sentence, 130 when interrupted."""
+
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from warpwear import __version__
+from warpwear.errors import ConvergenceError, InputError
+
+STUDY = "STUDY is a TOML file, a run folder or the name of a preset (see 'warpwear studies')."
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Entry point: turns errors for people into one sentence and an exit status."""
+    try:
+        status = commands.main(arguments, prog_name="warpwear", standalone_mode=False)
+    except (InputError, ConvergenceError) as error:
+        _fail(str(error))
+    except click.ClickException as error:
+        _fail(error.format_message())
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("warpwear: interrupted.", err=True)
+        sys.exit(130)
+    except BrokenPipeError:  # the reader of a pipe has left
+        sys.exit(0)
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _fail(message: str) -> None:
+    click.echo(f"warpwear: {message}", err=True)
+    sys.exit(2)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, message="%(prog)s %(version)s")
+def commands() -> None:
+    """Contact, wear and friction of rough surfaces on fine meshes.
+
+    \b
+    warpwear run v3-fine            the main job: 1 µm cells, about half a minute
+    warpwear run my-disc.toml       the same for your own disc
+    """
+
+
+def with_changes(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option --set."""
+    return click.option(
+        "--set",
+        "changes",
+        metavar="KEY=VALUE",
+        multiple=True,
+        help="Change a key of the study by its dotted name, e.g. --set grid.cell='2 um'. Repeatable.",
+    )(command)
+
+
+@commands.command(epilog=STUDY)
+@click.argument("study")
+@click.option("--out", type=click.Path(path_type=Path), help="Run folder. [default: the study's name]")
+@click.option("--device", default="cpu", show_default=True, help="cpu, or cuda:0 for the first GPU.")
+@click.option("--threads", type=int, help="Threads of the CPU; changes no result. [default: all cores]")
+@with_changes
+@click.option("--no-plots", is_flag=True, help="Draw no figures.")
+@click.option("--overwrite", is_flag=True, help="Replace the run that the folder holds.")
+def run(
+    study: str,
+    out: Path | None,
+    device: str,
+    threads: int | None,
+    changes: tuple[str, ...],
+    no_plots: bool,
+    overwrite: bool,
+) -> None:
+    """Run STUDY and write its run folder.
+
+    The folder gets study.toml, result.h5, history.csv, summary.json, figures and log.txt.
+    """
+    from warpwear.runner import run as run_study
+
+    loaded = _load(study, changes)
+    folder = out if out is not None else Path(loaded.study.name)
+    with run_study(
+        loaded,
+        out=folder,
+        device=device,
+        threads=threads,
+        plots=not no_plots,
+        overwrite=overwrite,
+        progress=True,
+    ) as result:
+        click.echo(_report(result.summary))
+    click.echo(f"written to {folder}/")
+
+
+@commands.command()
+def studies() -> None:
+    """List the presets."""
+    from warpwear.study import Study, presets
+
+    for name in presets():
+        click.echo(f"{name:<10} {Study.load(name).study.description}")
+
+
+@commands.command(epilog=STUDY)
+@click.argument("study")
+@with_changes
+def show(study: str, changes: tuple[str, ...]) -> None:
+    """Print the whole STUDY after defaults, each assumption marked."""
+    from warpwear import render
+
+    loaded = _load(study, changes)
+    click.echo(render.to_marked_toml(loaded))
+    for notice in loaded.notices():
+        click.echo(f"note: {notice}", err=True)
+
+
+@commands.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+def plot(folder: Path) -> None:
+    """Draw the figures of the run in DIR (again)."""
+    from warpwear.results import Result
+
+    with Result.open(folder) as result:
+        for path in result.plot.save_all(folder / "figures"):
+            click.echo(path)
+
+
+def _load(study: str, changes: tuple[str, ...]) -> Any:
+    from warpwear.study import Study
+
+    parsed = {}
+    for change in changes:
+        key, equals, value = change.partition("=")
+        if not equals:
+            raise InputError(f"--set {change!r}: KEY=VALUE is expected, such as grid.cell='2 um'.")
+        parsed[key.strip()] = _value(value.strip())
+    return Study.load(study).replace(parsed)
+
+
+def _value(text: str) -> Any:
+    """A value as TOML reads it; anything else is text, so that quotes may be left to the shell."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def _report(summary: dict[str, Any]) -> str:
+    s = summary
+    cof = s["cof"]
+    lines = [
+        f"{s['name']}: {s['distance_mm']:g} mm slid in {s['steps']} steps, {s['elapsed_s']:.1f} s",
+        f"  scar              {s['scar_mm']['along']:.4g} × {s['scar_mm']['across']:.4g} mm (along × across)",
+        f"  area in contact   {s['area_mm2']['contact']:.4g} mm², {100 * s['area_real_over_nominal']:.3g} % of "
+        "the scar",
+        f"  other areas       at hardness {s['area_mm2']['plastic']:.4g}, ever touched "
+        f"{s['area_mm2']['touched']:.4g}, running sum {s['area_mm2']['cumulative']:.4g} mm²",
+        f"  pressure          mean {s['pressure_MPa']['mean']:.4g}, "
+        f"largest {s['pressure_MPa']['max']:.4g} MPa",
+        f"  deepest wear      sphere {s['depth_um']['sphere']:.4g}, disc {s['depth_um']['disc']:.4g} µm",
+        f"  worn volume       sphere {s['volume_mm3']['sphere']:.5g}, "
+        f"disc {s['volume_mm3']['disc']:.5g} mm³",
+    ]
+    if cof["end"] is not None:
+        lines.append(
+            f"  friction          {cof['first']:.3g} at first, {cof['end']:.3g} at the end "
+            f"(area: {s['cof_area']}; relative to the end: {cof['first'] / cof['end']:.3g})"
+        )
+    lines.append(
+        f"  checks            load residual {s['load_residual_N']['largest']:.2g} N at most, volumes off "
+        f"Archard's by {max(abs(v) for v in s['conservation_relative'].values()):.1g}"
+    )
+    lines += [f"  note: {warning}" for warning in s["warnings"]]
+    if s["assumptions"]:
+        lines.append(f"  {len(s['assumptions'])} assumptions: see summary.json or 'warpwear show'")
+    return "\n".join(lines)

@@ -1,0 +1,55 @@
+"""Progress of a run on standard error: a bar with the time left on a terminal, plain lines elsewhere."""
+
+import sys
+import time
+
+from tqdm import tqdm
+
+from warpwear.study import Study
+
+
+class Progress:
+    """Counts steps; says where the run is about every tenth of them, or in a bar."""
+
+    def __init__(self, study: Study, *, quiet: bool = False) -> None:
+        self._name = study.study.name
+        self._quiet = quiet
+        self._bar: tqdm | None = None
+        self._steps = self._done = 0
+        self._started = time.perf_counter()
+        self._next = 0.1
+
+    def start(self, steps: int) -> None:
+        """The run begins; it has this many steps."""
+        self._steps = steps
+        self._started = time.perf_counter()
+        if not self._quiet and sys.stderr.isatty():
+            self._bar = tqdm(total=steps, desc=self._name, unit="step", leave=False)
+
+    def step(self, row: dict[str, float]) -> None:
+        """One step is done."""
+        self._done += 1
+        if self._bar is not None:
+            self._bar.update()
+            if self._done % 20 == 0:
+                self._bar.set_postfix_str(
+                    f"{row['distance']:.4g} mm, {row['area_contact']:.4g} mm²", refresh=False
+                )
+        elif self._done >= self._next * self._steps:
+            elapsed = time.perf_counter() - self._started
+            left = elapsed / self._done * (self._steps - self._done)
+            self.say(
+                f"{self._name}: step {self._done} of {self._steps}, {row['distance']:.4g} mm slid, "
+                f"{row['area_contact']:.4g} mm² in contact, {elapsed:.0f} s gone, about {left:.0f} s left"
+            )
+            self._next = self._done / self._steps + 0.1
+
+    def say(self, line: str) -> None:
+        """A line for the user."""
+        if not self._quiet:
+            tqdm.write(line, file=sys.stderr)
+
+    def end(self) -> None:
+        """The run is over, one way or another."""
+        if self._bar is not None:
+            self._bar.close()

@@ -1,0 +1,93 @@
+"""A study as TOML text, for files and for people."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import tomli_w
+
+from warpwear.schema import given_keys, key_of
+
+if TYPE_CHECKING:
+    from warpwear.study import Study
+
+
+def to_toml(study: "Study") -> str:
+    """The whole study after defaults, as TOML that `Study.load` reads back without loss."""
+    return tomli_w.dumps(_without_nothing(study.model_dump()))
+
+
+def to_marked_toml(study: "Study") -> str:
+    """The same for people: keys that apply, each default marked, each assumption with its reason."""
+    given = given_keys(study)
+    reasons = assumptions(study)
+    lines: list[str] = []
+    section = ""
+    for name, value in _applicable(study):
+        parent, _, key = name.rpartition(".")
+        if parent != section:
+            section = parent
+            lines += ["", f"[{section}]"]
+        text = tomli_w.dumps({key: _readable(value)}, indent=0).strip().replace("\n", " ")
+        mark = f"ASSUMED: {reasons[name]}" if name in reasons else "" if name in given else "default"
+        lines.append(f"{text:<38}# {mark}" if mark else text)
+    return "\n".join(lines[1:])
+
+
+def assumptions(study: "Study") -> dict[str, str]:
+    """Dotted key -> why it was assumed: in the study's own words, or by a default that is a choice."""
+    given = given_keys(study)
+    found = {}
+    for name, _ in _applicable(study):
+        if name in study.assumed:
+            found[name] = study.assumed[name]
+        elif name not in given:
+            info = key_of(type(study), name)
+            extra = info.json_schema_extra if info else None
+            if isinstance(extra, dict) and "assumed" in extra:
+                found[name] = str(extra["assumed"])
+    return found
+
+
+def _applicable(study: "Study") -> Iterator[tuple[str, Any]]:
+    """Dotted names and values of the keys that something uses."""
+    skipped = study.inapplicable()
+    nested = _without_nothing(study.model_dump(exclude={"assumed"}))
+
+    def walk(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+        for key, value in sorted(content.items(), key=lambda item: isinstance(item[1], dict)):
+            if isinstance(value, dict):
+                yield from walk(f"{prefix}{key}.", value)
+            elif prefix + key not in skipped:
+                yield prefix + key, value
+
+    for name, content in nested.items():
+        yield from walk(f"{name}.", content)
+
+
+def _readable(value: Any) -> Any:
+    """Text with units as a person would write it: 3 um for 0.003 mm, 20 mm/min for 0.333 mm/s."""
+    if isinstance(value, list):
+        return [_readable(v) for v in value]
+    if not isinstance(value, str):
+        return value
+    first, _, unit = value.partition(" ")
+    try:
+        number = float(first)
+    except ValueError:
+        return value
+    if unit == "mm" and 0.0 < abs(number) < 0.1:
+        return f"{1.0e3 * number:g} um"
+    if unit == "mm/s":
+        return f"{60.0 * number:g} mm/min"
+    return f"{number:g} {unit}"
+
+
+def _without_nothing(nested: dict[str, Any]) -> dict[str, Any]:
+    """TOML has no word for None: such keys are left out. Tuples become lists."""
+    kept: dict[str, Any] = {}
+    for key, value in nested.items():
+        if isinstance(value, dict):
+            kept[key] = _without_nothing(value)
+        elif value is not None:
+            kept[key] = list(value) if isinstance(value, tuple) else value
+    return kept

@@ -1,0 +1,187 @@
+"""Results: one HDF5 file a run, written step by step, read by `Result`."""
+
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+import h5py
+import numpy as np
+
+from warpwear import __version__
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray, Grid
+from warpwear.history import COLUMNS
+from warpwear.study import Study
+
+if TYPE_CHECKING:
+    from warpwear.figures import Plotter
+
+FIELDS = {"pressure": "MPa", "wear_sphere": "mm", "wear_disc": "mm", "gap": "mm"}
+FILE_NAME = "result.h5"
+#: Cells along a side of a compressed block.
+CHUNK = 256
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Fields at one sliding distance, each of shape (nx, ny), axis 0 along the sliding direction."""
+
+    distance: float  # [mm]
+    pressure: FloatArray  # [MPa], solved in the step that ends here
+    wear_sphere: FloatArray  # [mm]
+    wear_disc: FloatArray  # [mm]
+    gap: FloatArray  # [mm], after the step's wear
+
+
+class ResultWriter:
+    """Writes a run into an open HDF5 file."""
+
+    def __init__(self, file: h5py.File, study: Study, grid: Grid, *, device: str, threads: int) -> None:
+        self._file = file
+        file.attrs.update(
+            version=__version__,
+            study=study.to_toml(),
+            device=device,
+            threads=threads,
+            precision="float64",
+            finished=False,
+        )
+        for name, centres in (("x", grid.x), ("y", grid.y)):
+            file.create_dataset(f"grid/{name}", data=centres).attrs["units"] = "mm"
+        file.create_group("snapshots")
+
+    def add_snapshot(self, snapshot: Snapshot) -> None:
+        """Keep the fields of one distance."""
+        snapshots = self._file["snapshots"]
+        group = snapshots.create_group(f"{len(snapshots):04d}")
+        group.attrs["distance"] = snapshot.distance
+        for name, units in FIELDS.items():
+            values = getattr(snapshot, name)
+            chunks = tuple(min(CHUNK, n) for n in values.shape)
+            dataset = group.create_dataset(
+                name, data=values, chunks=chunks, compression="gzip", compression_opts=1, shuffle=True
+            )
+            dataset.attrs["units"] = units
+
+    def finish(self, history: Mapping[str, FloatArray], record: Mapping[str, Any], *, finished: bool) -> None:
+        """Keep the history and what else the run recorded, and mark it as finished or interrupted."""
+        group = self._file.create_group("history")
+        for column in COLUMNS:
+            dataset = group.create_dataset(
+                column.name, data=history[column.name], compression="gzip", shuffle=True, chunks=True
+            )
+            dataset.attrs["units"] = column.units
+            dataset.attrs["meaning"] = column.meaning
+        self._file.attrs["record"] = json.dumps(record)
+        self._file.attrs["finished"] = finished
+        self._file.flush()
+
+
+class Result:
+    """A run: its history, its snapshots, its figures. Open one with `Result.open(path)`."""
+
+    def __init__(self, file: h5py.File, folder: Path | None = None) -> None:
+        self._file = file
+        self.folder = folder
+
+    @classmethod
+    def open(cls, path: str | Path) -> Self:
+        """The result in a run folder or an HDF5 file. Raises InputError."""
+        path = Path(path)
+        file = path / FILE_NAME if path.is_dir() else path
+        if not file.is_file():
+            raise InputError(f"{path} holds no result: a run folder or its {FILE_NAME} is expected.")
+        try:
+            opened = h5py.File(file, "r")
+        except OSError as error:
+            raise InputError(f"{file} is no HDF5 file or is damaged: {error}.") from error
+        if "history" not in opened or "study" not in opened.attrs:
+            opened.close()
+            raise InputError(f"{file} is an HDF5 file, but not a result of warpwear.")
+        return cls(opened, file.parent)
+
+    @cached_property
+    def history(self) -> dict[str, FloatArray]:
+        """Column name -> one value a step, shape (steps,). Units and meanings: `warpwear.history.COLUMNS`."""
+        return {name: dataset[()] for name, dataset in self._file["history"].items()}
+
+    @cached_property
+    def study(self) -> Study:
+        """The study that was run."""
+        return Study(**tomllib.loads(self._file.attrs["study"]))
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Version, device, threads, precision, finished."""
+        return {k: v for k, v in self._file.attrs.items() if k != "study"}
+
+    @property
+    def finished(self) -> bool:
+        """False for a run that was interrupted."""
+        return bool(self._file.attrs["finished"])
+
+    @cached_property
+    def x(self) -> FloatArray:
+        """Centres of the cells along the sliding direction [mm], shape (nx,)."""
+        values: FloatArray = self._file["grid/x"][()]
+        return values
+
+    @cached_property
+    def y(self) -> FloatArray:
+        """Centres of the cells across the sliding direction [mm], shape (ny,)."""
+        values: FloatArray = self._file["grid/y"][()]
+        return values
+
+    @cached_property
+    def snapshot_distances(self) -> FloatArray:
+        """Sliding distances of the snapshots [mm]."""
+        return np.array([group.attrs["distance"] for group in self._file["snapshots"].values()])
+
+    def snapshot(self, index: int) -> Snapshot:
+        """Snapshot number `index`; -1 is the end. Raises IndexError."""
+        names = list(self._file["snapshots"])
+        group = self._file["snapshots"][names[index]]
+        return Snapshot(float(group.attrs["distance"]), **{name: group[name][()] for name in FIELDS})
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """What `summary.json` says: scar, depths, volumes, areas, residuals, conservation, assumptions."""
+        from warpwear.summary import summarise
+
+        return summarise(self)
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """What the run recorded beside numbers: the surface, notices and warnings, elapsed time."""
+        found: dict[str, Any] = json.loads(self._file.attrs.get("record", "{}"))
+        return found
+
+    @property
+    def plot(self) -> "Plotter":
+        """Figures: `result.plot.cof()` and so on return a matplotlib figure."""
+        from warpwear.figures import Plotter
+
+        return Plotter(self)
+
+    def close(self) -> None:
+        """Close the file. What was read stays."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        distance = self.history["distance"]
+        state = "finished" if self.finished else "interrupted"
+        name = self.study.study.name
+        return f"<Result of '{name}': {distance[-1]:g} mm in {distance.size} steps, {state}>"

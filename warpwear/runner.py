@@ -1,0 +1,237 @@
+"""Runs a study: checks that can fail first, then the step loop, then what it leaves behind."""
+
+import json
+import logging
+import math
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import psutil
+
+from warpwear import __version__, friction
+from warpwear.errors import InputError
+from warpwear.execution import Executor
+from warpwear.grid import FloatArray, Grid
+from warpwear.history import COLUMNS
+from warpwear.micro import MicroModel, Step
+from warpwear.progress import Progress
+from warpwear.results import FILE_NAME, Result, ResultWriter, Snapshot
+from warpwear.stepping import increments
+from warpwear.study import Study
+from warpwear.surface_of import surface_of
+
+#: Fields alive at the peak of a run (gap, wear of both bodies, heights or pressure, and room to work).
+FIELDS_NEEDED = 6
+
+
+def run(
+    study: Study,
+    *,
+    out: str | Path | None = None,
+    device: str = "cpu",
+    threads: int | None = None,
+    plots: bool = True,
+    overwrite: bool = False,
+    progress: bool = False,
+) -> Result:
+    """Run a study and return its result.
+
+    out: run folder to write (study.toml, result.h5, history.csv, summary.json, figures, log.txt); without it
+    the result lives in memory. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
+    result depends on it. overwrite: replace a run that is there already. progress: report on standard error.
+
+    Raises InputError for anything that cannot be computed or would be wrong (a contact at the domain's edge,
+    say) and ConvergenceError for an unbalanced contact; neither leaves a folder behind. KeyboardInterrupt
+    leaves an unfinished run.
+    """
+    folder = None if out is None else _check_folder(Path(out), overwrite=overwrite)
+    grid = study.cells
+    _check_memory(grid)
+    log = logging.getLogger("warpwear")
+    with Executor(grid, device=device, threads=threads) as executor, _work_folder(folder) as work:
+        handler = logging.FileHandler(work / "log.txt", encoding="utf-8") if work else logging.NullHandler()
+        handler.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
+        log.addHandler(handler)
+        log.setLevel(logging.INFO)
+        try:
+            file = (
+                h5py.File(work / FILE_NAME, "w")
+                if work
+                else h5py.File("memory", "w", driver="core", backing_store=False)
+            )
+            log.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
+            writer = ResultWriter(file, study, grid, device=str(executor.device), threads=executor.threads)
+            loop = _Loop(study, executor, writer, Progress(study, quiet=not progress))
+            loop.run()
+            result = Result(file, None)
+            if work:
+                _write_tables(work, study, result)
+        finally:
+            log.removeHandler(handler)
+            handler.close()
+        if work and folder:
+            file.close()
+            _move_into_place(work, folder)
+            result = Result.open(folder)
+    if folder and plots:
+        result.plot.save_all(folder / "figures")
+    if loop.interrupted:
+        raise KeyboardInterrupt
+    return result
+
+
+class _Loop:
+    """The steps of one run and what is kept of them."""
+
+    def __init__(self, study: Study, executor: Executor, writer: ResultWriter, progress: Progress) -> None:
+        self.study = study
+        self.interrupted = False
+        self._writer = writer
+        self._progress = progress
+        self._log = logging.getLogger("warpwear")
+        grid = executor.grid
+        surface = surface_of(study.disc)
+        self.warnings = [*study.notices(), *surface.notices(grid.x, grid.y)]
+        for warning in self.warnings:
+            self._warn(warning)
+        self._surface_record = surface.record()
+        heights = surface.heights(grid.x, grid.y)
+        self._model = MicroModel(study, heights, executor)
+        self._executor = executor
+        self._rows: list[dict[str, float]] = []
+
+    def run(self) -> None:
+        study = self.study
+        stops = set(study.output.snapshots)
+        total = study.sliding.total
+        plan = list(increments(study.stepping.plan, total, stops))
+        started = time.perf_counter()
+        self._progress.start(len(plan))
+        try:
+            for increment, distance in plan:
+                keep = distance in stops or distance == total
+                step = self._model.advance(increment, with_pressure=keep)
+                self._check_edge(step)
+                self._rows.append(step.row | {"distance": distance})
+                if keep:
+                    self._keep(step, distance)
+                self._progress.step(step.row)
+        except KeyboardInterrupt:
+            if not self._rows:
+                raise
+            self.interrupted = True
+        finally:
+            self._progress.end()
+        history = self._history(finished=not self.interrupted)
+        elapsed = time.perf_counter() - started
+        self._log.info("%d steps in %.1f s", len(self._rows), elapsed)
+        record = {"surface": self._surface_record, "warnings": self.warnings, "elapsed_s": elapsed}
+        self._writer.finish(history, record, finished=not self.interrupted)
+
+    def _history(self, *, finished: bool) -> dict[str, FloatArray]:
+        history = {
+            column.name: np.array([row.get(column.name, math.nan) for row in self._rows])
+            for column in COLUMNS
+        }
+        study = self.study
+        history["cof"] = friction.coefficient(
+            study.friction, history, load=study.contact.load, finished=finished
+        )
+        return history
+
+    def _keep(self, step: Step, distance: float) -> None:
+        assert step.pressure is not None
+        state, to_numpy = self._model.state, self._executor.to_numpy
+        self._writer.add_snapshot(
+            Snapshot(
+                distance,
+                pressure=step.pressure,
+                wear_sphere=to_numpy(state.wear_sphere),
+                wear_disc=to_numpy(state.wear_disc),
+                gap=to_numpy(state.gap),
+            )
+        )
+
+    def _check_edge(self, step: Step) -> None:
+        if not step.touches_edge or self.study.sphere.curvature == 0.0:
+            return
+        sentence = (
+            f"grid.extent = {self.study.grid.extent:g} mm is too small: the contact reached the domain's "
+            f"edge after {step.row['distance']:g} mm of sliding, so what lies beyond it would be missing"
+        )
+        if self.study.checks.strict:
+            raise InputError(f"{sentence}; a larger extent is needed.")
+        if f"{sentence}." not in self.warnings:
+            self.warnings.append(f"{sentence}.")
+            self._warn(f"{sentence}.")
+
+    def _warn(self, sentence: str) -> None:
+        self._log.warning(sentence)
+        self._progress.say(f"note: {sentence}")
+
+
+def _check_folder(folder: Path, *, overwrite: bool) -> Path:
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"out = {folder} is a file; the name of a folder is expected.")
+    if folder.is_dir() and any(folder.iterdir()):
+        ours = (folder / FILE_NAME).is_file()
+        if not ours:
+            raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
+        if not overwrite:
+            raise InputError(f"out = {folder} already holds a run; give another --out, or --overwrite it.")
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder.parent):
+            pass
+    except OSError as error:
+        raise InputError(f"out = {folder} cannot be written: {error.strerror}.") from error
+    return folder
+
+
+def _check_memory(grid: Grid) -> None:
+    needed = FIELDS_NEEDED * 8 * grid.cells
+    there = psutil.virtual_memory().available
+    if needed > there:
+        raise InputError(
+            f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, which need "
+            f"{needed / 2**30:.1f} GiB of memory; {there / 2**30:.1f} GiB are free, so larger cells or a "
+            "smaller grid.extent are needed."
+        )
+
+
+@contextmanager
+def _work_folder(folder: Path | None) -> Iterator[Path | None]:
+    """A folder beside the run folder, gone again unless it was moved into place."""
+    if folder is None:
+        yield None
+        return
+    work = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    work.chmod(0o755)
+    try:
+        yield work
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def _move_into_place(work: Path, folder: Path) -> None:
+    if folder.is_dir():
+        shutil.rmtree(folder)
+    work.rename(folder)
+
+
+def _write_tables(folder: Path, study: Study, result: Result) -> None:
+    (folder / "study.toml").write_text(study.to_toml(), encoding="utf-8")
+    header = ",".join(f"{column.name} [{column.units}]" for column in COLUMNS)
+    table = np.column_stack([result.history[column.name] for column in COLUMNS])
+    np.savetxt(folder / "history.csv", table, delimiter=",", header=header, comments="", fmt="%.12g")
+    summary: dict[str, Any] = result.summary
+    (folder / "summary.json").write_text(
+        json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
+    )

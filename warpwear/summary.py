@@ -1,0 +1,126 @@
+"""What a run amounts to, in one page of numbers."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from warpwear import friction, render
+from warpwear.grid import FloatArray
+
+if TYPE_CHECKING:
+    from warpwear.results import Result
+
+
+def summarise(result: "Result") -> dict[str, Any]:
+    """Scar, depths, volumes, areas, friction, residuals, conservation, assumptions. JSON-ready."""
+    study, history = result.study, result.history
+    end = {name: float(values[-1]) for name, values in history.items()}
+    sphere, disc = study.wear_coefficients
+    load = study.contact.load
+    return {
+        "name": study.study.name,
+        **{
+            k: v.item() if isinstance(v, np.generic) else v
+            for k, v in result.attributes.items()
+            if k != "record"
+        },
+        "steps": int(history["distance"].size),
+        "cell_um": 1.0e3 * study.grid.cell,
+        "distance_mm": end["distance"],
+        "load_N": load,
+        "hardness_MPa": _finite(study.hardness),
+        "wear_coefficient_mm3_per_Nm": {"sphere": 1.0e3 * sphere, "disc": 1.0e3 * disc},
+        "wear_coefficient_per_Pa": {"sphere": 1.0e-6 * sphere, "disc": 1.0e-6 * disc},
+        "scar_mm": {"along": end["patch_along"], "across": end["patch_across"]},
+        "approach_um": 1.0e3 * end["approach"],
+        "depth_um": {b: 1.0e3 * end[f"wear_depth_{b}"] for b in ("sphere", "disc")},
+        "volume_mm3": {b: end[f"wear_volume_{b}"] for b in ("sphere", "disc")},
+        "area_mm2": {a: end[f"area_{a}"] for a in ("contact", "plastic", "touched", "cumulative", "nominal")},
+        "area_real_over_nominal": end["area_contact"] / end["area_nominal"],
+        "pressure_MPa": {p: end[f"pressure_{p}"] for p in ("mean", "std", "max")},
+        "pressure_mean_over_steps_MPa": {
+            "smallest": float(history["pressure_mean"].min()),
+            "largest": float(history["pressure_mean"].max()),
+            "std": float(history["pressure_mean"].std()),
+        },
+        "cof": {"first": _finite(history["cof"][0]), "end": _finite(end["cof"])},
+        "cof_area": study.friction.area,
+        "cof_shape": _shape(result),
+        "shear_strength_MPa_at_same_coefficient": friction.calibrations(
+            study.friction, history, load=load, hardness=study.hardness
+        ),
+        "hertz": hertz(result),
+        "load_residual_N": {
+            "largest": float(np.abs(history["load_residual"]).max()),
+            "end": end["load_residual"],
+        },
+        "conservation_relative": {
+            body: _relative(end[f"wear_volume_{body}"], end[f"archard_volume_{body}"])
+            for body in ("sphere", "disc")
+        },
+        "disc_volume_over_KFL": _ratio(end["wear_volume_disc"], disc * load * end["distance"]),
+        **result.record,
+        "assumptions": render.assumptions(study),
+    }
+
+
+def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float]:
+    """How a quantity grows with the distance slid.
+
+    exponent: m = d ln(value) / d ln(distance) over the second half (least squares). levelling: λ, the slope
+    over the second half by that over 1/80 to 1/10 of the distance (secants). A straight line from the origin
+    has 1 and 1, a square root 0.5 and 0.25.
+    """
+    total = distance[-1]
+    late = distance >= 0.5 * total
+    exponent = float(np.polyfit(np.log(distance[late]), np.log(values[late]), 1)[0])
+
+    def secant(start: float, end: float) -> float:
+        low, high = np.interp([start * total, end * total], distance, values)
+        return float((high - low) / ((end - start) * total))
+
+    early = secant(1.0 / 80.0, 0.1)
+    return {"exponent_m": exponent, "levelling_lambda": secant(0.5, 1.0) / early if early else math.nan}
+
+
+def _shape(result: "Result") -> dict[str, float] | None:
+    distance = result.history["distance"]
+    if distance.size < 20 or distance[0] > distance[-1] / 80.0:
+        return None
+    found = shape_of_growth(distance, result.history[f"area_{result.study.friction.area}"])
+    return {k: v for k, v in found.items() if math.isfinite(v)}
+
+
+def hertz(result: "Result") -> dict[str, float] | None:
+    """Hertz's smooth elastic contact of the same bodies, if their elastic constants are given.
+
+    Source: Johnson, Contact Mechanics (1985), section 4.2.
+    """
+    study = result.study
+    bodies = (study.sphere, study.disc)
+    if any(b.young is None or b.poisson is None for b in bodies) or study.sphere.curvature == 0.0:
+        return None
+    modulus = 1.0 / sum((1.0 - b.poisson**2) / b.young for b in bodies)  # type: ignore[operator]
+    radius, load = 1.0 / study.sphere.curvature, study.contact.load
+    a = (0.75 * load * radius / modulus) ** (1.0 / 3.0)
+    return {
+        "effective_modulus_MPa": modulus,
+        "radius_um": 1.0e3 * a,
+        "area_mm2": math.pi * a**2,
+        "peak_pressure_MPa": 1.5 * load / (math.pi * a**2),
+        "approach_um": 1.0e3 * a**2 / radius,
+    }
+
+
+def _relative(value: float, expected: float) -> float:
+    return (value - expected) / expected if expected else value
+
+
+def _ratio(value: float, expected: float) -> float | None:
+    return value / expected if expected else None
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity and no NaN."""
+    return float(value) if math.isfinite(value) else None

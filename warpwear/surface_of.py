@@ -1,0 +1,34 @@
+"""From the [disc] section of a study to its surface."""
+
+from typing import Any
+
+from warpwear.sections import Disc
+from warpwear.surfaces.base import Surface
+
+
+def surface_of(disc: Disc) -> Surface:
+    """The disc's surface. Raises InputError for a file that cannot be used."""
+    if disc.synthetic is not None:
+        from warpwear.surfaces.synthetic import Flat, Milled, SelfAffine
+
+        given: dict[str, Any] = {
+            name: getattr(disc.synthetic, name)
+            for name in ("ra", "sq", "hurst", "roll_off", "cut_off", "seed", "period")
+        }
+        if disc.synthetic.kind == "flat":
+            return Flat()
+        if disc.synthetic.kind == "self-affine":
+            return SelfAffine(**given)
+        return Milled(
+            **given, feed=disc.synthetic.feed, fine_ra=disc.synthetic.fine_ra, lay=disc.synthetic.lay
+        )
+    from warpwear.surfaces.measured import read_measured
+
+    return read_measured(
+        str(disc.surface),
+        extend=disc.extend,
+        level=disc.level,
+        sliding_axis=disc.sliding_axis,
+        pixel=disc.pixel,
+        height_unit=disc.height_unit,
+    )
