@@ -161,8 +161,7 @@ def _report(summary: dict[str, Any]) -> str:
         f"  pressure          mean {s['pressure_MPa']['mean']:.4g}, "
         f"largest {s['pressure_MPa']['max']:.4g} MPa",
         f"  deepest wear      sphere {s['depth_um']['sphere']:.4g}, disc {s['depth_um']['disc']:.4g} µm",
-        f"  worn volume       sphere {s['volume_mm3']['sphere']:.5g}, "
-        f"disc {s['volume_mm3']['disc']:.5g} mm³",
+        f"  worn volume       sphere {s['volume_mm3']['sphere']:.5g}, disc {s['volume_mm3']['disc']:.5g} mm³",
     ]
     if cof["end"] is not None:
         lines.append(

@@ -154,9 +154,9 @@ class Plotter:
                 disc = sphere + approach - cut(last.gap)
                 unworn = disc + cut(last.wear_disc)
                 panel.plot(place, 1e3 * unworn, color=DISC, lw=0.5, alpha=0.5, label="disc, unworn")
-                panel.plot(place, 1e3 * disc, color=DISC, lw=0.9, label="disc, worn")
                 panel.plot(place, 1e3 * sphere0, color=SPHERE, lw=0.6, ls="--", label="sphere, unworn")
-                panel.plot(place, 1e3 * sphere, color=SPHERE, lw=0.9, label="sphere, worn")
+                panel.plot(place, 1e3 * sphere, color=SPHERE, lw=1.8, label="sphere, worn")
+                panel.plot(place, 1e3 * disc, color=DISC, lw=0.8, label="disc, worn")
                 bottom = min(unworn.min(), disc.min(), sphere0.min())
                 top = max(unworn.max(), sphere.min() + 0.25 * (sphere.max() - sphere.min()))
                 room = 0.05 * (top - bottom)
@@ -208,6 +208,8 @@ class Plotter:
         axes.figure.colorbar(image, ax=axes, label=label, shrink=0.8)
         axes.set_xlabel("along sliding, x, mm")
         axes.set_ylabel("across, y, mm")
+        axes.xaxis.set_major_locator(MaxNLocator(4))
+        axes.yaxis.set_major_locator(MaxNLocator(5))
         return image
 
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import h5py
 import numpy as np
@@ -64,7 +65,7 @@ def run(
             file = (
                 h5py.File(work / FILE_NAME, "w")
                 if work
-                else h5py.File("memory", "w", driver="core", backing_store=False)
+                else h5py.File(f"memory-{uuid4()}", "w", driver="core", backing_store=False)
             )
             log.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
             writer = ResultWriter(file, study, grid, device=str(executor.device), threads=executor.threads)
