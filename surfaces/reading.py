@@ -116,6 +116,10 @@ def _read_instrument(
         ) from error
     try:
         with open_topography(str(path)) as reader:
+            if (
+                reader.format() == "hgt"
+            ):  # a headerless map of the Earth: any file of 2n² bytes passes for one
+                raise ValueError("no reader knows the format")
             channels = [c for c in reader.channels if getattr(c, "is_height_channel", True)]
             if not channels:
                 raise ValueError("no channel of heights")
@@ -129,6 +133,9 @@ def _read_instrument(
                 sizes = tuple(n * p for n, p in zip(channel.nb_grid_pts, given or (1.0, 1.0), strict=True))
             topography = channel.topography(physical_sizes=sizes)
             heights = topography.heights()
+            if reader.format() == "asc" and min(heights.shape) == 3:
+                # SurfaceTopography's issue 93: an incomplete list of points passes for a three-column matrix
+                raise ValueError("a list of points x y z that is no complete regular grid")
             unit = topography.unit if isinstance(topography.unit, str) else None
             pixel = tuple(float(p) for p in topography.pixel_size) if sizes is None else None
             return heights, pixel, unit, str(reader.format())
@@ -169,9 +176,10 @@ def _height_factor(path: Path, unit: str | None) -> float:
 
 
 def _pixel_of_file(path: Path, pixel: tuple[float, ...] | None, unit: str | None) -> tuple[float, float]:
-    if pixel is None:
+    if pixel is None or unit is None:
+        lacks = "names none" if pixel is None else "gives its own without a unit"
         raise InputError(
-            f"disc.pixel is not given and disc.surface '{path}' names none: allowed is one length or one per "
+            f"disc.pixel is not given and disc.surface '{path}' {lacks}: allowed is one length or one per "
             "axis, from 0.1 nm to 1 mm"
         )
     factor = _height_factor(path, unit)

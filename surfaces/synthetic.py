@@ -171,7 +171,7 @@ class Milled:
         _check("feed", self.feed, self.feed > self.cut_off, f"more than cut_off ({self.cut_off:g} mm)")
         _check("fine_ra", self.fine_ra, self.fine_ra >= 0.0, "0 or a positive length")
         _check("lay", self.lay, abs(self.lay) <= 180.0, "an angle from -180 to 180 degrees", unit="degrees")
-        if self.ra is not None and self.fine_ra >= self.ra:
+        if self.fine_ra >= (self.ra or self.sq or 0.0):  # Ra is below Sq, so this refuses nothing sound
             raise self._too_fine()
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
