@@ -116,9 +116,7 @@ def _read_instrument(
         ) from error
     try:
         with open_topography(str(path)) as reader:
-            if (
-                reader.format() == "hgt"
-            ):  # a headerless map of the Earth: any file of 2n² bytes passes for one
+            if reader.format() == "hgt":  # a headerless map of the Earth: any 2n² bytes pass for one
                 raise ValueError("no reader knows the format")
             channels = [c for c in reader.channels if getattr(c, "is_height_channel", True)]
             if not channels:
