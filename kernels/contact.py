@@ -6,6 +6,7 @@ contact by more than 1e-12 of it; `base − gap` is exact near contact, so the o
 
 import warp as wp
 
+from warpwear.kernels.reductions import sum_of
 from warpwear.kernels.types import LANES, ONE, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
@@ -50,17 +51,16 @@ def carried(
     for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
         s = stiffness_in[stiffness_row, k]
         g = gap_in[row, k]
+        p = Cells(ZERO)
+        between = Cells(ZERO)
         for j in range(LANES):
-            p = ((base - g[j]) + offset) * s[j]
-            pressure[j] = pressure[j] + wp.min(wp.max(p, ZERO), cap)
-            slope[j] = slope[j] + wp.where(p > ZERO and p < cap, s[j], ZERO)
-    total = ZERO
-    total_slope = ZERO
-    for j in range(LANES):
-        total += pressure[j]
-        total_slope += slope[j]
-    sums_out[slot, 0] = total
-    sums_out[slot, 1] = total_slope
+            q = ((base - g[j]) + offset) * s[j]
+            p[j] = wp.min(wp.max(q, ZERO), cap)
+            between[j] = wp.where(q > ZERO and q < cap, s[j], ZERO)
+        pressure += p
+        slope += between
+    sums_out[slot, 0] = sum_of(pressure)
+    sums_out[slot, 1] = sum_of(slope)
 
 
 @wp.kernel
@@ -77,12 +77,11 @@ def bearing(
     count = Cells(ZERO)
     for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
         g = gap_in[row, k]
+        indicator = Cells(ZERO)
         for j in range(LANES):
-            count[j] = count[j] + in_contact(g[j], approach)
-    total = ZERO
-    for j in range(LANES):
-        total += count[j]
-    sums_out[slot, 0] = total
+            indicator[j] = in_contact(g[j], approach)
+        count += indicator
+    sums_out[slot, 0] = sum_of(count)
 
 
 @wp.kernel

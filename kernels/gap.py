@@ -60,8 +60,10 @@ def bounds(
     high = Cells(-ABSENT)
     for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
         g = gap_in[row, k]
+        there = Cells(-ABSENT)
         for j in range(LANES):
-            low[j] = wp.min(low[j], g[j])
-            high[j] = wp.max(high[j], wp.where(g[j] < ABSENT / wp.float64(2.0), g[j], -ABSENT))
+            there[j] = wp.where(g[j] < ABSENT / wp.float64(2.0), g[j], -ABSENT)
+        low = wp.min(low, g)
+        high = wp.max(high, there)
     extremes_out[slot, 0] = wp.min(low)
     extremes_out[slot, 1] = wp.max(high)

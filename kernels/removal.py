@@ -3,6 +3,7 @@
 import warp as wp
 
 from warpwear.kernels.contact import pressure_of
+from warpwear.kernels.reductions import sum_of
 from warpwear.kernels.types import LANES, ONE, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
@@ -41,6 +42,7 @@ def remove(
     stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
     factor_row = wp.min(row, distance_factor_in.shape[0] - 1)
 
+    vectors = gap_out.shape[1]
     pressure = Cells(ZERO)
     factored = Cells(ZERO)
     deviation = Cells(ZERO)
@@ -52,61 +54,76 @@ def remove(
     highest_pressure = Cells(ZERO)
     deepest_sphere = Cells(ZERO)
     deepest_disc = Cells(ZERO)
-    first = Cells(NOWHERE)
-    last = Cells(NOWHERE)
+    from_first = Cells(ZERO)  # vectors from the first one touched to the row's end, 0 for none
+    to_last = Cells(ZERO)  # vectors from the row's start to the last one touched, 0 for none
 
-    for k in range(slot % slots_per_row, gap_out.shape[1], slots_per_row):
+    # What a cell does is written lane by lane, what is summed over cells vector by vector: only so does the
+    # compiler keep all these sums in SIMD registers (half the time of sums written lane by lane; a product of
+    # a vector and a scalar here doubles it: measure with bench/step.py after a change).
+    for k in range(slot % slots_per_row, vectors, slots_per_row):
         s = stiffness_in[stiffness_row, k]
         f = distance_factor_in[factor_row, k]
         g = gap_out[row, k]
         a = wear_sphere_out[row, k]
         b = wear_disc_out[row, k]
+        p = Cells(ZERO)
+        d = Cells(ZERO)
+        is_contact = Cells(ZERO)
+        is_capped = Cells(ZERO)
+        is_touched = Cells(ZERO)
+        to_end = Cells(ZERO)
+        from_start = Cells(ZERO)
+        vectors_to_end = wp.float64(vectors - k)
+        vectors_from_start = wp.float64(k + 1)
         for j in range(LANES):
-            p = pressure_of((base - g[j]) + offset, s[j], cap, tie_width, tie_pressure)
-            da = removal_sphere * p
-            db = removal_disc * f[j] * p
+            q = pressure_of((base - g[j]) + offset, s[j], cap, tie_width, tie_pressure)
+            da = removal_sphere * q
+            db = removal_disc * f[j] * q
+            p[j] = q
             g[j] = g[j] + (da + db)
             a[j] = a[j] + da
             b[j] = b[j] + db
-            d = wp.where(p > ZERO, p - pressure_reference, ZERO)
-            ever = p + a[j] + b[j] > ZERO
-            pressure[j] = pressure[j] + p
-            factored[j] = factored[j] + f[j] * p
-            deviation[j] = deviation[j] + d * d
-            contact[j] = contact[j] + wp.where(p > ZERO, ONE, ZERO)
-            capped[j] = capped[j] + wp.where(p >= cap, ONE, ZERO)
-            touched[j] = touched[j] + wp.where(ever, ONE, ZERO)
-            worn_sphere[j] = worn_sphere[j] + a[j]
-            worn_disc[j] = worn_disc[j] + b[j]
-            highest_pressure[j] = wp.max(highest_pressure[j], p)
-            deepest_sphere[j] = wp.max(deepest_sphere[j], a[j])
-            deepest_disc[j] = wp.max(deepest_disc[j], b[j])
-            first[j] = wp.max(first[j], wp.where(ever, -wp.float64(k), NOWHERE))
-            last[j] = wp.max(last[j], wp.where(ever, wp.float64(k), NOWHERE))
+            d[j] = wp.where(q > ZERO, q - pressure_reference, ZERO)
+            is_contact[j] = wp.where(q > ZERO, ONE, ZERO)
+            is_capped[j] = wp.where(q >= cap, ONE, ZERO)
+            ever = q + a[j] + b[j] > ZERO
+            is_touched[j] = wp.where(ever, ONE, ZERO)
+            to_end[j] = wp.where(ever, vectors_to_end, ZERO)
+            from_start[j] = wp.where(ever, vectors_from_start, ZERO)
         gap_out[row, k] = g
         wear_sphere_out[row, k] = a
         wear_disc_out[row, k] = b
+        pressure += p
+        factored += wp.cw_mul(f, p)
+        deviation += wp.cw_mul(d, d)
+        contact += is_contact
+        capped += is_capped
+        touched += is_touched
+        worn_sphere += a
+        worn_disc += b
+        highest_pressure = wp.max(highest_pressure, p)
+        deepest_sphere = wp.max(deepest_sphere, a)
+        deepest_disc = wp.max(deepest_disc, b)
+        from_first = wp.max(from_first, to_end)
+        to_last = wp.max(to_last, from_start)
 
-    total = Cells(ZERO)
+    sums_out[slot, 0] = sum_of(pressure)
+    sums_out[slot, 1] = sum_of(factored)
+    sums_out[slot, 2] = sum_of(deviation)
+    sums_out[slot, 3] = sum_of(contact)
+    sums_out[slot, 4] = sum_of(capped)
+    sums_out[slot, 5] = sum_of(touched)
+    sums_out[slot, 6] = sum_of(worn_sphere)
+    sums_out[slot, 7] = sum_of(worn_disc)
     first_column = NOWHERE
     last_column = NOWHERE
     for j in range(LANES):
-        total[0] = total[0] + pressure[j]
-        total[1] = total[1] + factored[j]
-        total[2] = total[2] + deviation[j]
-        total[3] = total[3] + contact[j]
-        total[4] = total[4] + capped[j]
-        total[5] = total[5] + touched[j]
-        total[6] = total[6] + worn_sphere[j]
-        total[7] = total[7] + worn_disc[j]
-        lane = wp.float64(j)
-        width = wp.float64(LANES)
-        if last[j] >= ZERO:
-            first_column = wp.max(first_column, first[j] * width - lane)
-            last_column = wp.max(last_column, last[j] * width + lane)
-    for column in range(sums_out.shape[1]):
-        sums_out[slot, column] = total[column]
-    here = total[5] > ZERO
+        if to_last[j] > ZERO:
+            first_vector = wp.float64(vectors) - from_first[j]
+            last_vector = to_last[j] - ONE
+            first_column = wp.max(first_column, -(first_vector * wp.float64(LANES) + wp.float64(j)))
+            last_column = wp.max(last_column, last_vector * wp.float64(LANES) + wp.float64(j))
+    here = sum_of(touched) > ZERO
     maxima_out[slot, 0] = wp.max(highest_pressure)
     maxima_out[slot, 1] = wp.max(deepest_sphere)
     maxima_out[slot, 2] = wp.max(deepest_disc)
