@@ -154,8 +154,8 @@ def _report(summary: dict[str, Any]) -> str:
     lines = [
         f"{s['name']}: {s['distance_mm']:g} mm slid in {s['steps']} steps, {s['elapsed_s']:.1f} s",
         f"  scar              {s['scar_mm']['along']:.4g} × {s['scar_mm']['across']:.4g} mm (along × across)",
-        f"  area in contact   {s['area_mm2']['contact']:.4g} mm², {100 * s['area_real_over_nominal']:.3g} % of "
-        "the scar",
+        f"  area in contact   {s['area_mm2']['contact']:.4g} mm², "
+        f"{100 * s['area_real_over_nominal']:.3g} % of the scar",
         f"  other areas       at hardness {s['area_mm2']['plastic']:.4g}, ever touched "
         f"{s['area_mm2']['touched']:.4g}, running sum {s['area_mm2']['cumulative']:.4g} mm²",
         f"  pressure          mean {s['pressure_MPa']['mean']:.4g}, "

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, told apart by colour-blind readers.
 SPHERE, DISC, CONTACT, NEUTRAL, ACCENT, SUM = "#0072B2", "#D55E00", "#009E73", "#444444", "#CC79A7", "#E69F00"
 WIDTH, HEIGHT = 3.5, 2.7  # one column [inch]
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.size": 8,
     "axes.labelsize": 8,
     "legend.fontsize": 7,
@@ -71,7 +71,8 @@ class Plotter:
             axes.set_ylim(bottom=0.0)
             end = float(history["cof"][-1])
             if np.isfinite(end) and end > 0.0:
-                relative = axes.secondary_yaxis("right", functions=(lambda v: v / end, lambda v: v * end))
+                to_relative: Any = (lambda v: v / end, lambda v: v * end)
+                relative = axes.secondary_yaxis("right", functions=to_relative)
                 relative.set_ylabel("relative to its end, 1")
                 relative.spines["right"].set_visible(True)
             axes.set_title(f"shear of the area: {AREAS[f'area_{study.friction.area}'][0]}", fontsize=8)

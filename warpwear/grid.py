@@ -37,9 +37,14 @@ class Grid:
     @property
     def x(self) -> FloatArray:
         """Centres of the cells along the sliding direction [mm], shape (nx,), 0 = under the apex."""
-        return (np.arange(self.nx) - 0.5 * (self.nx - 1)) * self.cell
+        return _centres(self.nx, self.cell)
 
     @property
     def y(self) -> FloatArray:
         """Centres of the cells across the sliding direction [mm], shape (ny,)."""
-        return (np.arange(self.ny) - 0.5 * (self.ny - 1)) * self.cell
+        return _centres(self.ny, self.cell)
+
+
+def _centres(n: int, cell: float) -> FloatArray:
+    centres: FloatArray = (np.arange(n, dtype=np.float64) - 0.5 * (n - 1)) * cell
+    return centres

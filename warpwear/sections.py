@@ -5,9 +5,18 @@ Numbers are kept in mm, N, MPa and s. A key whose default is a choice of ours an
 with a notice (see `Study.notices`), so that changing one key can change a kind.
 """
 
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    model_validator,
+)
 
 from warpwear.quantities import (
     NOT_NEGATIVE,
@@ -78,7 +87,10 @@ class Sphere(Body):
     @property
     def curvature(self) -> float:
         """1/R [1/mm], 0 for a flat."""
-        return 1.0 / self.radius if self.radius is not None else 2.0 / self.diameter
+        if self.radius is not None:
+            return 1.0 / self.radius
+        assert self.diameter is not None
+        return 2.0 / self.diameter
 
 
 class Synthetic(Section):
@@ -93,7 +105,7 @@ class Synthetic(Section):
     seed: int = key(0, "seed of the random numbers", assumed="one surface of many")
     period: Length = key("2 mm", "length after which the surface repeats", assumed="wider than the contact")
     feed: Length = key("0.65 mm", "milled: distance of the feed marks")
-    fine_ra: Length = key("0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra")
+    fine_ra: LengthOrZero = key("0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra")
     lay: Angle = key(
         "90 deg", "milled: angle between feed marks and sliding", assumed="sliding across the marks"
     )
@@ -104,11 +116,6 @@ class Synthetic(Section):
             return self
         if (self.ra is None) == (self.sq is None):
             raise ValueError("disc.synthetic.ra or disc.synthetic.sq must be given, and not both")
-        if not self.cut_off < self.roll_off < self.period:
-            raise ValueError(
-                f"disc.synthetic needs cut_off < roll_off < period, not {1e3 * self.cut_off:g} µm, "
-                f"{1e3 * self.roll_off:g} µm and {1e3 * self.period:g} µm"
-            )
         return self
 
 
@@ -155,25 +162,34 @@ class Contact(Section):
     )
 
 
-class DimensionlessCoefficient(float):
-    """Archard's k of V = k F L / H."""
+@dataclass(frozen=True)
+class ArchardCoefficient:
+    """K of V = K F L [mm³/(N·m)], hardness contained; or k of V = k F L / H, dimensionless."""
+
+    value: float
+    dimensionless: bool = False
+
+    @classmethod
+    def read(cls, given: Any) -> Self:
+        """From text with a unit, or a bare number. Raises ValueError."""
+        if isinstance(given, cls):
+            return given
+        bare = isinstance(given, int | float) and not isinstance(given, bool)
+        value = float(given) if bare else parse(given, "mm^3/N/m")
+        return cls(NOT_NEGATIVE.check(value), bare)
+
+    def write(self) -> str | float:
+        """What `read` reads back."""
+        return self.value if self.dimensionless else text(self.value, "mm^3/N/m")
+
+    def resolved(self, hardness: float) -> float:
+        """K [mm²/N] = 1e-3 mm³/(N·m) (thesis eqs 4.12 and 4.13)."""
+        return self.value / hardness if self.dimensionless else 1.0e-3 * self.value
 
 
-def _wear_coefficient(value: Any) -> float:
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        number = DimensionlessCoefficient(value)
-    else:
-        number = parse(value, "mm^3/N/m")  # type: ignore[assignment]
-    if not 0.0 <= number < float("inf"):
-        raise ValueError("must be at least 0 and finite")
-    return number
-
-
-def _wear_text(value: float) -> str | float:
-    return float(value) if isinstance(value, DimensionlessCoefficient) else text(value, "mm^3/N/m")
-
-
-WearCoefficient = Annotated[float, BeforeValidator(_wear_coefficient), PlainSerializer(_wear_text)]
+WearCoefficient = Annotated[
+    ArchardCoefficient, PlainValidator(ArchardCoefficient.read), PlainSerializer(ArchardCoefficient.write)
+]
 
 
 class Wear(Section):
@@ -241,9 +257,10 @@ class Sliding(Section):
         """Sliding distance of the whole test [mm]."""
         if self.distance is not None:
             return self.distance
-        if self.duration is not None:
+        assert self.stroke is not None  # one of the other ways was given, and they need it
+        if self.duration is not None and self.frequency is not None:
             return 2.0 * self.stroke * self.frequency * self.duration
-        return self.stroke * (self.passes if self.passes is not None else 2 * self.cycles)
+        return self.stroke * (self.passes or 2 * (self.cycles or 0))
 
 
 def _tolerance(value: Any) -> Any:
@@ -267,12 +284,13 @@ class Stepping(Section):
 
     @model_validator(mode="after")
     def _one_plan(self) -> Self:
-        growing = [n for n in ("first", "growth", "largest") if getattr(self, n) is not None]
+        given = {"first": self.first, "growth": self.growth, "largest": self.largest}
+        growing = [name for name, value in given.items() if value is not None]
         if self.increment is not None and growing:
             raise ValueError(f"stepping.increment and stepping.{growing[0]} exclude each other")
         if self.increment is None and len(growing) not in (0, 3):
             raise ValueError("stepping.first, stepping.growth and stepping.largest need each other")
-        if growing and self.first > self.largest:
+        if self.first is not None and self.largest is not None and self.first > self.largest:
             raise ValueError("stepping.first must not exceed stepping.largest")
         return self
 
@@ -281,7 +299,7 @@ class Stepping(Section):
         """First increment [mm], growth, largest [mm]."""
         if self.increment is not None:
             return self.increment, 1.0, self.increment
-        if self.first is not None:
+        if self.first is not None and self.growth is not None and self.largest is not None:
             return self.first, self.growth, self.largest
         return DEFAULT_PLAN
 

@@ -19,7 +19,6 @@ from warpwear.sections import (
     About,
     Checks,
     Contact,
-    DimensionlessCoefficient,
     Disc,
     Friction,
     GridSection,
@@ -142,12 +141,8 @@ class Study(Section):
 
     @property
     def wear_coefficients(self) -> tuple[float, float]:
-        """K of sphere and disc [mm²/N], hardness contained (thesis eqs 4.12 and 4.13)."""
-
-        def resolved(k: float) -> float:
-            return k / self.hardness if isinstance(k, DimensionlessCoefficient) else 1.0e-3 * k
-
-        return resolved(self.wear.sphere), resolved(self.wear.disc)
+        """K of sphere and disc [mm²/N], hardness contained."""
+        return self.wear.sphere.resolved(self.hardness), self.wear.disc.resolved(self.hardness)
 
     @property
     def cells(self) -> Grid:
@@ -163,7 +158,7 @@ class Study(Section):
 
     def inapplicable(self) -> dict[str, str]:
         """Keys that nothing uses under the choices made -> why, as the end of a sentence."""
-        found = {}
+        found: dict[str, str] = {}
         synthetic = self.disc.synthetic
         if synthetic is not None:
             why = f"does not apply to kind = '{synthetic.kind}'"

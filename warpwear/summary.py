@@ -98,10 +98,14 @@ def hertz(result: "Result") -> dict[str, float] | None:
     Source: Johnson, Contact Mechanics (1985), section 4.2.
     """
     study = result.study
-    bodies = (study.sphere, study.disc)
-    if any(b.young is None or b.poisson is None for b in bodies) or study.sphere.curvature == 0.0:
+    if study.sphere.curvature == 0.0:
         return None
-    modulus = 1.0 / sum((1.0 - b.poisson**2) / b.young for b in bodies)  # type: ignore[operator]
+    compliance = 0.0
+    for body in (study.sphere, study.disc):
+        if body.young is None or body.poisson is None:
+            return None
+        compliance += (1.0 - body.poisson**2) / body.young
+    modulus = 1.0 / compliance
     radius, load = 1.0 / study.sphere.curvature, study.contact.load
     a = (0.75 * load * radius / modulus) ** (1.0 / 3.0)
     return {

@@ -1,0 +1,185 @@
+"""A study is read, checked and said back; bad input is one sentence with field, value and what is allowed."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from warpwear import InputError, Study
+from warpwear.render import assumptions, to_marked_toml
+from warpwear.study import presets
+
+BAD = [
+    ({"contact.hardnes": "3 MPa"}, r"'contact\.hardnes' .*did you mean 'contact\.hardness'"),
+    ({"contcat": {}}, r"'contcat' .*did you mean 'contact'"),
+    ({"contact.load": "-8 N"}, r"contact\.load = '-8 N': must be greater than 0 N"),
+    ({"contact.load": "nan N"}, r"contact\.load = 'nan N': is not a number"),
+    ({"contact.load": "inf N"}, r"contact\.load = 'inf N': must be finite"),
+    ({"contact.load": "8 mm"}, r"contact\.load = '8 mm': has the wrong dimension: .*'8 N'"),
+    ({"contact.load": "8 bananas"}, r"contact\.load = '8 bananas': cannot be read"),
+    ({"contact.load": 8}, r"contact\.load = 8: needs its unit"),
+    ({"contact.load": "9 kN"}, r"contact\.load = 9000 N is more than the domain carries .*13\d\d N"),
+    ({"contact.hardness": "nan MPa"}, r"contact\.hardness = 'nan MPa'"),
+    ({"contact.hardness": "inf MPa", "stepping.scheme": "explicit"}, r"contact\.hardness = inf MPa needs"),
+    ({"contact.law": "half"}, r"contact\.law = 'half' is not allowed; allowed: 'foundation'"),
+    ({"grid.cell": "0 um"}, r"grid\.cell = '0 um': must be greater than 0 mm"),
+    ({"grid.cell": "7 um"}, r"grid\.extent = 1\.5 mm is not a whole number .*cells of 7 µm.*1\.498 mm"),
+    ({"sphere.radius": "3 mm", "sphere.diameter": "6 mm"}, r"sphere\.radius or sphere\.diameter"),
+    ({"sliding.distance": "1 m", "sliding.passes": 3}, r"sliding distance needs one of .*given: "),
+    ({"sliding.duration": "1 h"}, r"sliding\.duration and sliding\.frequency need each other"),
+    ({"stepping.increment": "1 mm", "stepping.first": "1 um"}, r"stepping\.increment and stepping\.first"),
+    ({"stepping.growth": 0.9}, r"stepping\.growth = 0\.9: must be at least 1"),
+    ({"friction.coefficient": 0.5, "friction.shear_strength": "3 MPa"}, r"exclude each other"),
+    ({"friction.coefficient": 4.0}, r"friction\.coefficient = 4\.0: must be at most 3"),
+    ({"disc.surface": "a.sur", "disc.synthetic": {"kind": "flat"}}, r"disc\.surface .*\[disc\.synthetic\]"),
+    ({"disc.level": "cubic"}, r"disc\.level = 'cubic' is not allowed; allowed: 'none' or 'plane'"),
+    ({"disc.synthetic.kind": "sandy"}, r"disc\.synthetic\.kind = 'sandy' is not allowed; .*'flat'"),
+    ({"wear.sphere": "-1e-4 mm^3/N/m"}, r"wear\.sphere = '-1e-4 mm\^3/N/m': must be at least 0"),
+    ({"wear.disc": "1 mm"}, r"wear\.disc = '1 mm': has the wrong dimension"),
+    ({"output.snapshots": ["3 N"]}, r"output\.snapshots\.0 = '3 N': has the wrong dimension"),
+    ({"study": 3}, r"study = 3 is not a section"),
+    ({"contact.load.x": 3}, r"'contact\.load\.x' is no key"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), BAD, ids=[",".join(c) for c, _ in BAD])
+def test_bad_input_is_one_sentence(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        Study.load("v3-fine").replace(changes)
+    sentence = str(caught.value)
+    assert "\n" not in sentence
+    assert sentence.endswith((".", "?"))
+
+
+def test_a_missing_key_is_named() -> None:
+    with pytest.raises(InputError, match=r"^sphere is missing"):
+        Study()
+    with pytest.raises(InputError, match=r"contact\.load is missing: normal load"):
+        Study.load("v3").replace({"contact": {"hardness": "590 MPa"}})
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"[contact\n", "is not TOML"),
+        (b"\xff\xfe\x00", "cannot be read"),
+        (b"", "sphere is missing"),
+        (b"disc = 3", "missing"),
+    ],
+)
+def test_a_file_that_is_no_study(tmp_path: Path, content: bytes, message: str) -> None:
+    path = tmp_path / "study.toml"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=message):
+        Study.load(path)
+
+
+def test_an_unknown_name_suggests_the_nearest() -> None:
+    with pytest.raises(InputError, match=r"neither a file nor a preset .*Did you mean 'v3-fine'\?"):
+        Study.load("v3fine")
+
+
+def test_an_explicit_step_beyond_the_stability_limit_is_refused_with_the_limit() -> None:
+    # 2/(k K) = 2 / (2e5 × 2.21e-6) = 4.52 mm
+    explicit = {"stepping.scheme": "explicit", "contact.stiffness": "2e5 N/mm^3"}
+    study = Study.load("v3-fine").replace(explicit | {"stepping.increment": "4.5 mm"})
+    with pytest.raises(InputError, match=r"stepping\.increment = 4\.6 mm .*4\.52 mm.*force = true"):
+        study.replace({"stepping.increment": "4.6 mm"})
+    assert study.replace({"stepping.increment": "4.6 mm", "stepping.force": True}).stepping.force
+    # Without a foundation there is no such limit, and an implicit step has none either.
+    study.replace({"stepping.increment": "4.6 mm", "contact.stiffness": "inf N/mm^3"})
+    study.replace({"stepping.increment": "4.6 mm", "stepping.scheme": "implicit"})
+
+
+@pytest.mark.parametrize("name", presets())
+def test_presets_come_back_from_their_own_text(name: str) -> None:
+    study = Study.load(name)
+    assert Study(**tomllib.loads(study.to_toml())) == study
+    assert study.study.name == name
+    assert study.notices() == []
+
+
+def test_the_presets_are_the_thesis() -> None:
+    v3, fine = Study.load("v3"), Study.load("v3-fine")
+    assert (v3.cells.nx, v3.load_tolerance, v3.stepping.plan) == (150, 0.5, (0.3, 1.0, 0.3))
+    assert (v3.stepping.scheme, v3.wear.distance_factor, v3.friction.area) == (
+        "explicit",
+        "across",
+        "cumulative",
+    )
+    assert (fine.cells.nx, fine.stepping.plan) == (1500, (0.003, 1.02, 3.0))
+    assert (fine.stepping.scheme, fine.wear.distance_factor, fine.friction.area) == (
+        "implicit",
+        "none",
+        "contact",
+    )
+    assert fine.load_tolerance == pytest.approx(590e-6)
+    for study in (v3, fine):
+        assert study.wear_coefficients == pytest.approx((9.4e-7, 12.7e-7))
+        assert study.sliding.total == 2400.0
+        assert study.friction.shear_strength == 3.83
+
+
+def test_show_marks_what_the_thesis_does_not_give() -> None:
+    shown = to_marked_toml(Study.load("v3"))
+    assert re.search(r'^hardness = "590 MPa" +# ASSUMED: not in the thesis', shown, re.MULTILINE)
+    assert re.search(r'^stiffness = "inf N/mm\^3" +# ASSUMED', shown, re.MULTILINE)
+    assert re.search(r'^load = "8 N"$', shown, re.MULTILINE)
+    assert re.search(r'^ra = "3 um"$', shown, re.MULTILINE)
+    assert "feed" not in shown  # a milled surface's key does not apply
+    assert tomllib.loads(shown)["contact"]["load"] == "8 N"  # marks are comments: the text is a study
+    # What a user sets is no longer assumed.
+    given = Study.load("v3").replace({"contact.hardness": "1800 MPa"})
+    assert "contact.hardness" in assumptions(Study.load("v3"))
+    assert "contact.hardness" not in assumptions(given)
+
+
+def test_replacing_one_way_of_saying_drops_the_other() -> None:
+    fine = Study.load("v3-fine")
+    assert fine.replace({"sphere.diameter": "8 mm"}).sphere.curvature == 0.25
+    assert fine.replace({"stepping.increment": "0.3 mm"}).stepping.plan == (0.3, 1.0, 0.3)
+    assert fine.replace(sliding={"passes": 2}).sliding.total == 60.0
+    assert fine.replace({"disc.surface": "a.sur"}).disc.synthetic is None
+    assert fine.sphere.radius == 3.0  # the original is untouched
+
+
+def test_keys_that_do_not_apply_are_noticed() -> None:
+    flat = Study.load("v3").replace({"disc.synthetic.kind": "flat"})
+    assert any("disc.synthetic.ra does not apply to kind = 'flat'" in n for n in flat.notices())
+    short = Study.load("v3").replace({"sliding.distance": "30 mm"})
+    assert [n for n in short.notices() if "600 mm lies beyond" in n]
+
+
+def test_wear_coefficients_in_every_unit() -> None:
+    study = Study.load("v3")
+    for text in ("9.4e-4 mm^3/N/m", "9.4e-4 mm**3/(N*m)", "9.4e-13 m^2/N", "9.4e-13 / Pa"):
+        assert study.replace({"wear.sphere": text}).wear_coefficients[0] == pytest.approx(9.4e-7)
+    # A bare number is Archard's k of V = k F L / H.
+    assert study.replace({"wear.sphere": 5.546e-4}).wear_coefficients[0] == pytest.approx(9.4e-7)
+
+
+def test_sliding_in_every_way() -> None:
+    study = Study.load("v3").replace({"sliding.stroke": "30 mm"})
+    for way in (
+        {"sliding.passes": 80},
+        {"sliding.cycles": 40},
+        {"sliding.duration": "40 min", "sliding.frequency": "1 / min"},
+    ):
+        assert study.replace(way).sliding.total == pytest.approx(2400.0)
+
+
+def test_the_hardness_defaults_to_the_softer_body() -> None:
+    softer = Study.load("v3").replace(
+        contact={"load": "8 N"}, sphere={"hardness": "3 GPa"}, disc={"hardness": "1.8 GPa"}
+    )
+    nested = softer.model_dump(exclude_unset=True)
+    del nested["contact"]["hardness"]
+    assert Study(**nested).hardness == pytest.approx(1800.0)
+
+
+def test_a_surface_is_relative_to_its_study(tmp_path: Path) -> None:
+    study = Study.load("v3").replace({"disc.surface": "disc.npy"})
+    (tmp_path / "s.toml").write_text(study.to_toml())
+    assert Study.load(tmp_path / "s.toml").disc.surface == str(tmp_path.resolve() / "disc.npy")
