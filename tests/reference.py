@@ -17,9 +17,9 @@ TIE = 1.0e-12
 
 @dataclass(frozen=True)
 class Contact:
-    """A solved contact. approach: of the bearing area the highest cell in contact, any up to the next will do."""
+    """A solved contact."""
 
-    approach: float
+    approach: float  # of a bearing area the highest cell in contact; any value up to the next cell will do
     pressure: FloatArray
     plastic: NDArray[np.bool_]  # cells at hardness
     residual: float  # carried at hardness − asked for
