@@ -2,7 +2,10 @@
 
 
 class InputError(ValueError):
-    """Bad input: the message names the field, the value and what is allowed. Exit status 2."""
+    """Bad input: one sentence that names the field, the value and what is allowed. Exit status 2."""
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(sentence if sentence.endswith((".", "?")) else f"{sentence}.")
 
 
 class ConvergenceError(RuntimeError):

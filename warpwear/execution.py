@@ -8,7 +8,7 @@ launch is one loop on one core that lets go of Python's lock, so chunks of rows 
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, Self
 
@@ -109,7 +109,7 @@ def find_device(name: str) -> Any:
     """Warp's device of this name. Raises InputError, naming those that are there."""
     if wp.config.log_level == wp.LOG_INFO:  # no greeting on a user's terminal, unless one was asked for
         wp.config.log_level = wp.LOG_ERROR
-    with _native_messages_hidden() if name == "cpu" else nullcontext():
+    with _native_messages_hidden():
         wp.init()
     try:
         return wp.get_device(name)
@@ -120,7 +120,7 @@ def find_device(name: str) -> Any:
 
 @contextmanager
 def _native_messages_hidden() -> Iterator[None]:
-    """Warp's native part warns on a machine without a GPU, which is no news to who asked for the CPU."""
+    """Warp's native part warns on a machine without a GPU; where that matters, our own words follow."""
     try:
         stderr = os.dup(2)
     except OSError:  # no standard error to guard

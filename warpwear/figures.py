@@ -75,7 +75,8 @@ class Plotter:
                 relative = axes.secondary_yaxis("right", functions=to_relative)
                 relative.set_ylabel("relative to its end, 1")
                 relative.spines["right"].set_visible(True)
-            axes.set_title(f"shear of the area: {AREAS[f'area_{study.friction.area}'][0]}", fontsize=8)
+            area = AREAS[f"area_{study.friction.area}"][0]
+            axes.set_title(f"friction from the area: {area}", fontsize=8)
 
         return _figure(draw)
 
@@ -156,7 +157,7 @@ class Plotter:
                 unworn = disc + cut(last.wear_disc)
                 panel.plot(place, 1e3 * unworn, color=DISC, lw=0.5, alpha=0.5, label="disc, unworn")
                 panel.plot(place, 1e3 * sphere0, color=SPHERE, lw=0.6, ls="--", label="sphere, unworn")
-                panel.plot(place, 1e3 * sphere, color=SPHERE, lw=1.8, label="sphere, worn")
+                panel.plot(place, 1e3 * sphere, color=SPHERE, lw=2.6, alpha=0.4, label="sphere, worn")
                 panel.plot(place, 1e3 * disc, color=DISC, lw=0.8, label="disc, worn")
                 bottom = min(unworn.min(), disc.min(), sphere0.min())
                 top = max(unworn.max(), sphere.min() + 0.25 * (sphere.max() - sphere.min()))

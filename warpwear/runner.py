@@ -94,6 +94,7 @@ class _Loop:
     def __init__(self, study: Study, executor: Executor, writer: ResultWriter, progress: Progress) -> None:
         self.study = study
         self.interrupted = False
+        self._edge_told = False
         self._writer = writer
         self._progress = progress
         self._log = logging.getLogger("warpwear")
@@ -169,7 +170,8 @@ class _Loop:
         )
         if self.study.checks.strict:
             raise InputError(f"{sentence}; a larger extent is needed.")
-        if f"{sentence}." not in self.warnings:
+        if not self._edge_told:
+            self._edge_told = True
             self.warnings.append(f"{sentence}.")
             self._warn(f"{sentence}.")
 

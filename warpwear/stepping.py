@@ -18,8 +18,13 @@ def increments(
     done = 0.0
     for stop in sorted({s for s in stops if 0.0 < s < distance} | {distance}):
         while done < stop:
+            left = stop - done
             # A remainder too small to be a step of its own is rounding.
-            end = stop if done + planned >= stop - 1.0e-6 * planned else done + planned
-            yield end - done, end
-            done = end
+            if planned >= left - 1.0e-6 * planned:
+                same = abs(left - planned) <= 1.0e-6 * planned
+                yield planned if same else left, stop
+                done = stop
+            else:
+                done += planned
+                yield planned, done
             planned = min(planned * growth, largest)

@@ -1,0 +1,95 @@
+"""The command line as a user meets it, in processes of its own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+QUICK = ["--set", "grid.cell=20 um", "--set", "sliding.distance=3 mm"]
+
+
+def warpwear(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    return subprocess.run(
+        [sys.executable, "-m", "warpwear", *arguments],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        env=environment,
+        timeout=120,
+        check=False,
+    )
+
+
+def test_a_run_from_the_command_line(tmp_path: Path) -> None:
+    done = warpwear("run", "v3-fine", *QUICK, "--threads", "1", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "v3-fine" / "figures" / "cof.png").is_file()
+    assert "area in contact" in done.stdout
+    assert "written to v3-fine/" in done.stdout
+    # Plain lines where there is no terminal, and nothing of Warp's own talk.
+    assert "s left" in done.stderr
+    assert "\r" not in done.stderr
+    assert "CUDA" not in done.stderr + done.stdout
+    again = warpwear("run", "v3-fine", *QUICK, cwd=tmp_path)
+    assert again.returncode == 2
+    assert "already holds a run" in again.stderr
+    plotted = warpwear("plot", "v3-fine", cwd=tmp_path)
+    assert plotted.returncode == 0
+    assert len(plotted.stdout.splitlines()) == 7
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "nothing"], "STUDY = 'nothing' is neither a file nor a preset"),
+        (["run", "v3", "--set", "contact.load=-8 N"], "contact.load = '-8 N': must be greater than 0 N"),
+        (["run", "v3", "--set", "contact.load"], "KEY=VALUE is expected"),
+        (["run", "v3", "--set", "contact.laod=8 N"], "did you mean 'contact.load'"),
+        (["run", "v3", "--device", "cuda:7"], "device = 'cuda:7' is not there"),
+        (["run", "v3", "--threads", "many"], "'many' is not a valid integer"),
+        (["run"], "Missing argument"),
+        (["walk"], "No such command 'walk'"),
+        (["plot", "nowhere"], "holds no result"),
+        (["show", "v3", "--set", "disc.surface=a.sur", "--set", "disc.synthetic.kind=flat"], "not both"),
+    ],
+)
+def test_bad_input_is_exit_status_2_and_one_sentence(
+    tmp_path: Path, arguments: list[str], message: str
+) -> None:
+    done = warpwear(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_listing_and_showing(tmp_path: Path) -> None:
+    listed = warpwear("studies", cwd=tmp_path)
+    assert [line.split()[0] for line in listed.stdout.splitlines()] == ["v3", "v3-fine"]
+    shown = warpwear("show", "v3", "--set", "disc.synthetic.kind=flat", cwd=tmp_path)
+    assert shown.returncode == 0
+    assert "ASSUMED" in shown.stdout
+    assert "note: disc.synthetic.ra does not apply" in shown.stderr
+    # What `show` prints is a study.
+    (tmp_path / "mine.toml").write_text(warpwear("show", "v3", cwd=tmp_path).stdout)
+    assert warpwear("show", "mine.toml", cwd=tmp_path).returncode == 0
+
+
+def test_help_is_quick_and_needs_no_warp(tmp_path: Path) -> None:
+    code = "import sys; from warpwear.cli import main\ntry: main(['--help'])\nexcept SystemExit: pass\n"
+    code += "print([m for m in ('warp', 'scipy', 'matplotlib', 'pint', 'h5py') if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_the_rooms_have_one_name(tmp_path: Path) -> None:
+    for room in ("kernels", "surfaces"):
+        done = subprocess.run(
+            [sys.executable, "-c", f"import {room}"], cwd=ROOT, capture_output=True, text=True, check=False
+        )
+        assert f"import this package as warpwear.{room}" in done.stderr

@@ -1,0 +1,52 @@
+"""Coefficient of friction: each area, each way of fixing the shear strength."""
+
+import math
+
+import numpy as np
+import pytest
+
+from warpwear import friction
+from warpwear.sections import Friction
+
+HISTORY = {
+    "area_contact": np.array([0.01, 0.5, 1.25]),
+    "area_touched": np.array([0.01, 0.6, 1.3]),
+    "area_cumulative": np.array([0.01, 0.51, 1.76]),
+    "area_nominal": np.array([0.1, 0.7, 1.4]),
+}
+LOAD = 8.0
+
+
+def cof(given: Friction, *, finished: bool = True) -> np.ndarray:
+    return friction.coefficient(given, HISTORY, load=LOAD, finished=finished)
+
+
+def test_a_given_strength() -> None:
+    # Thesis eq 4.18
+    assert cof(Friction(shear_strength="4 MPa")) == pytest.approx([0.005, 0.25, 0.625])
+    assert cof(Friction(shear_strength="4 MPa", ploughing=0.1)) == pytest.approx([0.105, 0.35, 0.725])
+
+
+@pytest.mark.parametrize("area", ["contact", "touched", "cumulative", "nominal"])
+def test_calibrated_at_the_end_and_at_the_start(area: str) -> None:
+    # Thesis eq 4.19
+    at_end = cof(Friction(coefficient=0.6, calibrate="end", area=area, ploughing=0.1))
+    assert at_end[-1] == pytest.approx(0.6)
+    areas = HISTORY[f"area_{area}"]
+    assert at_end - 0.1 == pytest.approx(0.5 * areas / areas[-1])
+    at_start = cof(Friction(coefficient=0.6, calibrate="initial", area=area))
+    assert at_start == pytest.approx(0.6 * areas / areas[0])
+
+
+def test_a_coefficient_that_waits_for_the_end_is_not_a_number_before() -> None:
+    waiting = Friction(coefficient=0.6, calibrate="end")
+    assert np.isnan(cof(waiting, finished=False)).all()
+    assert np.isfinite(cof(Friction(coefficient=0.6, calibrate="initial"), finished=False)).all()
+
+
+def test_every_calibration_is_told() -> None:
+    told = friction.calibrations(Friction(), HISTORY, load=LOAD, hardness=590.0)
+    assert told["contact_end"] == pytest.approx(0.6 * 8.0 / 1.25)
+    assert told["contact_initial"] == pytest.approx(0.6 * 8.0 / 0.01)
+    assert told["hardness"] == pytest.approx(590.0 / (3.0 * math.sqrt(3.0)))
+    assert len(told) == 9

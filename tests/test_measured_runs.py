@@ -1,0 +1,66 @@
+"""Studies whose disc is a measured file, from the file to the figures."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import warpwear
+from warpwear import InputError, Study
+
+SHARED = Path(__file__).parents[2] / "shared" / "surfaces"
+
+
+def study_of(path: Path, **changes: str) -> Study:
+    common = {
+        "disc.surface": str(path),
+        "grid.cell": "5 um",
+        "sliding.distance": "30 mm",
+        "output.snapshots": [],
+    }
+    return Study.load("v3-fine").replace(common | {k.replace("__", "."): v for k, v in changes.items()})
+
+
+def needs(path: Path) -> Path:
+    pytest.importorskip("SurfaceTopography")
+    if not path.is_file():
+        pytest.skip("the measured file is not here")
+    return path
+
+
+@pytest.mark.parametrize("name", ["al3d-1.al3d", "sur-2.sur"])
+def test_a_measured_disc_runs_and_draws_its_figures(tmp_path: Path, name: str) -> None:
+    extend = {"disc__extend": "mirror"} if name.endswith(".al3d") else {}
+    result = warpwear.run(study_of(needs(SHARED / name), **extend), out=tmp_path / "out")
+    assert result.finished
+    assert len(list((tmp_path / "out" / "figures").glob("*.png"))) == len(result.plot.NAMES)
+    assert max(map(abs, result.summary["conservation_relative"].values())) < 1e-10
+    record = result.summary["surface"]
+    assert record["kind"] == "measured"
+    assert record["file"].endswith(name)
+    assert record["missing"] == (0 if name.endswith(".al3d") else pytest.approx(117, abs=60))
+
+
+def test_a_measurement_that_is_too_small_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"disc\.extend is \"refuse\".*allowed is \"mirror\""):
+        warpwear.run(study_of(needs(SHARED / "al3d-1.al3d")), out=tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_npy_file_equals_the_surface_it_holds(tmp_path: Path) -> None:
+    # The heights of a synthetic disc, saved and measured back, give the same contact.
+    synthetic = Study.load("v3-fine").replace(
+        {"grid.cell": "5 um", "sliding.distance": "30 mm", "output.snapshots": []}
+    )
+    grid = synthetic.cells
+    from warpwear.surface_of import surface_of
+
+    heights = surface_of(synthetic.disc).heights(grid.x, grid.y)
+    np.save(tmp_path / "disc.npy", 1e3 * heights)
+    measured = study_of(tmp_path / "disc.npy", disc__pixel="5 um", disc__height_unit="um", disc__level="none")
+    one, other = warpwear.run(synthetic), warpwear.run(measured)
+    for name in ("area_contact", "area_touched", "wear_depth_disc"):
+        np.testing.assert_allclose(other.history[name], one.history[name], rtol=1e-9)
+    # The file's heights are taken from their mean plane.
+    shift = one.history["approach"] - other.history["approach"]
+    np.testing.assert_allclose(shift, -heights.mean(), atol=1e-12)

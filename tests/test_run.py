@@ -1,0 +1,238 @@
+"""A run from study to folder: what it writes, what it refuses, what it leaves alone."""
+
+import csv
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+import warpwear
+from warpwear import InputError, Result, Study
+from warpwear.history import COLUMNS
+from warpwear.micro import MicroModel
+
+QUICK = {"grid.cell": "20 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm"]}
+
+
+def quick(**changes: Any) -> Study:
+    dotted = {k.replace("__", "."): v for k, v in changes.items()}
+    return Study.load("v3-fine").replace(QUICK | dotted)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of one finished run."""
+    out = tmp_path_factory.mktemp("runs") / "quick"
+    warpwear.run(quick(), out=out).close()
+    return out
+
+
+def test_the_folder_holds_everything(folder: Path) -> None:
+    names = {p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file()}
+    assert {"study.toml", "result.h5", "history.csv", "summary.json", "log.txt"} <= names
+    figures = sorted(p.name for p in (folder / "figures").iterdir())
+    assert figures == [
+        "areas.png",
+        "cof.png",
+        "pressure.png",
+        "pressure_map.png",
+        "profiles.png",
+        "volumes.png",
+        "wear_map.png",
+    ]
+    assert not [p for p in folder.parent.iterdir() if p.name.startswith(".")]
+
+
+def test_the_hdf5_file_is_as_documented(folder: Path) -> None:
+    with h5py.File(folder / "result.h5") as file:
+        assert file.attrs["finished"]
+        assert {"version", "study", "device", "precision", "threads"} <= set(file.attrs)
+        assert set(file["history"]) == {c.name for c in COLUMNS}
+        rows = {d.shape for d in file["history"].values()}
+        assert len(rows) == 1
+        for column in COLUMNS:
+            assert file["history"][column.name].attrs["units"] == column.units
+            assert file["history"][column.name].dtype == np.float64
+        assert [g.attrs["distance"] for g in file["snapshots"].values()] == [3.0, 30.0]
+        for group in file["snapshots"].values():
+            assert set(group) == {"pressure", "wear_sphere", "wear_disc", "gap"}
+            assert {d.shape for d in group.values()} == {(75, 75)}
+            assert all(d.compression for d in group.values())
+        assert file["grid/x"].shape == file["grid/y"].shape == (75,)
+
+
+def test_the_tables_agree_with_the_result(folder: Path) -> None:
+    with Result.open(folder) as result, (folder / "history.csv").open() as file:
+        header, *rows = csv.reader(file)
+        assert header == [f"{c.name} [{c.units}]" for c in COLUMNS]
+        table = np.array(rows, dtype=float)
+        for i, column in enumerate(COLUMNS):
+            np.testing.assert_allclose(table[:, i], result.history[column.name], rtol=1e-11)
+        summary = json.loads((folder / "summary.json").read_text())
+        assert summary["area_mm2"]["contact"] == result.history["area_contact"][-1]
+        assert summary["finished"] is True
+        assert summary["assumptions"]["contact.hardness"].startswith("not in the thesis")
+        assert max(map(abs, summary["conservation_relative"].values())) < 1e-10
+        assert summary["load_residual_N"]["largest"] < 1e-12 * 8.0
+        assert summary["surface"]["kind"] == "self-affine"
+
+
+def test_snapshots_and_history_describe_one_state(folder: Path) -> None:
+    with Result.open(folder / "result.h5") as result:
+        last, history = result.snapshot(-1), {k: v[-1] for k, v in result.history.items()}
+        area = result.study.cells.cell_area
+        contact = last.pressure > 0.0
+        assert contact.sum() * area == pytest.approx(history["area_contact"])
+        assert last.pressure.sum() * area == pytest.approx(8.0, rel=1e-12)
+        assert last.pressure[contact].mean() == pytest.approx(history["pressure_mean"])
+        assert last.pressure[contact].std() == pytest.approx(history["pressure_std"])
+        assert last.pressure.max() == history["pressure_max"]
+        for body in ("sphere", "disc"):
+            wear = getattr(last, f"wear_{body}")
+            assert wear.max() == history[f"wear_depth_{body}"]
+            assert wear.sum() * area == pytest.approx(history[f"wear_volume_{body}"])
+        touched = last.wear_sphere > 0.0
+        assert touched.sum() * area == pytest.approx(history["area_touched"])
+        rows, columns = np.flatnonzero(touched.any(axis=1)), np.flatnonzero(touched.any(axis=0))
+        cell = result.study.grid.cell
+        assert (rows[-1] - rows[0] + 1) * cell == pytest.approx(history["patch_along"])
+        assert (columns[-1] - columns[0] + 1) * cell == pytest.approx(history["patch_across"])
+        nominal = np.pi / 4.0 * history["patch_along"] * history["patch_across"]
+        assert history["area_nominal"] == pytest.approx(nominal)
+        assert history["time"] == pytest.approx(30.0 / (20.0 / 60.0))
+
+
+def test_a_run_folder_is_a_study_again(folder: Path) -> None:
+    assert Study.load(folder) == Study.load(folder / "study.toml")
+    with Result.open(folder) as result:
+        again = warpwear.run(result.study)
+        for name in ("approach", "area_contact", "wear_volume_disc", "cof"):
+            np.testing.assert_array_equal(again.history[name], result.history[name])
+
+
+def test_every_figure_has_labels_with_units(folder: Path) -> None:
+    with Result.open(folder) as result:
+        for name in result.plot.NAMES:
+            figure = getattr(result.plot, name)()
+            for axes in figure.axes:
+                label = axes.get_ylabel() or axes.get_xlabel()
+                assert "," in label, f"{name}: an axis without a unit"
+
+
+def test_a_static_contact_has_one_row(tmp_path: Path) -> None:
+    result = warpwear.run(quick(sliding__distance="0 mm"), out=tmp_path / "static")
+    history = result.history
+    assert history["distance"].tolist() == [0.0]
+    assert history["wear_volume_disc"].tolist() == [0.0]
+    assert history["area_contact"][0] == pytest.approx(8.0 / 590.0, abs=(20e-3) ** 2)
+    assert history["area_touched"][0] == history["area_contact"][0]
+    assert result.snapshot_distances.tolist() == [0.0]
+
+
+def test_a_rigid_flat_has_no_edge() -> None:
+    result = warpwear.run(quick(sphere__radius="inf mm", sliding__distance="0.3 mm"))
+    assert result.history["area_contact"][-1] > 0.0
+    assert result.finished
+
+
+def test_nothing_is_overwritten_silently(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    warpwear.run(quick(sliding__distance="0 mm"), out=out, plots=False).close()
+    before = (out / "result.h5").read_bytes()
+    with pytest.raises(InputError, match=r"already holds a run"):
+        warpwear.run(quick(), out=out)
+    assert (out / "result.h5").read_bytes() == before
+    warpwear.run(quick(), out=out, plots=False, overwrite=True).close()
+    assert (out / "result.h5").read_bytes() != before
+    foreign = tmp_path / "mine"
+    foreign.mkdir()
+    (foreign / "thesis.doc").touch()
+    for overwrite in (False, True):
+        with pytest.raises(InputError, match="holds other files"):
+            warpwear.run(quick(), out=foreign, overwrite=overwrite)
+    with pytest.raises(InputError, match="is a file"):
+        warpwear.run(quick(), out=foreign / "thesis.doc")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"grid.extent": "0.4 mm"},
+            r"grid\.extent = 0\.4 mm is too small: the contact reached the domain's edge",
+        ),
+        ({"grid.cell": "1 nm"}, r"grid\.cell = 0\.001 µm makes .* need .* GiB of memory; .* are free"),
+        ({"disc.surface": "nowhere.sur"}, r"disc\.surface"),
+        (
+            {"disc.synthetic.cut_off": "200 um"},
+            r"disc\.synthetic\.roll_off is 0\.1 mm: allowed is more than cut_off",
+        ),
+    ],
+)
+def test_what_cannot_be_computed_leaves_nothing_behind(
+    tmp_path: Path, changes: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        warpwear.run(quick().replace(changes), out=tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_edge_can_be_overruled_and_is_recorded() -> None:
+    result = warpwear.run(quick(grid__extent="0.4 mm", checks__strict=False))
+    warnings = [w for w in result.summary["warnings"] if "domain's edge" in w]
+    assert len(warnings) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"device": "cuda:9"}, r"device = 'cuda:9' is not there; this machine has cpu"),
+        ({"device": "gpu"}, r"device = 'gpu' is not there"),
+        ({"threads": 0}, r"threads = 0 is not possible"),
+        ({"threads": 10_000}, r"threads = 10000 is not possible; allowed are 1 to \d+"),
+    ],
+)
+def test_a_device_that_is_not_there(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        warpwear.run(quick(), **arguments)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match="cannot be written"):
+        warpwear.run(quick(), out=tmp_path / "out")
+
+
+def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    advance, calls = MicroModel.advance, []
+
+    def interrupted(self: MicroModel, *args: Any, **kwargs: Any) -> Any:
+        calls.append(1)
+        if len(calls) > 20:
+            raise KeyboardInterrupt
+        return advance(self, *args, **kwargs)
+
+    monkeypatch.setattr(MicroModel, "advance", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        warpwear.run(quick(friction={"coefficient": 0.6}), out=tmp_path / "out", plots=False)
+    with Result.open(tmp_path / "out") as result:
+        assert not result.finished
+        assert result.history["distance"].size == 20
+        assert "interrupted" in repr(result)
+
+
+def test_results_that_are_none(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="holds no result"):
+        Result.open(tmp_path)
+    (tmp_path / "result.h5").write_bytes(b"nothing")
+    with pytest.raises(InputError, match="no HDF5 file"):
+        Result.open(tmp_path)
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["a"] = 1
+    with pytest.raises(InputError, match="not a result of warpwear"):
+        Result.open(tmp_path / "other.h5")
