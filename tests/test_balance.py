@@ -257,14 +257,13 @@ def test_worn_run_equals_reference(
 
 
 @pytest.mark.parametrize("kind", RUNS)
-def test_threads_do_not_change_a_bit(kind: str, device: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One and two threads: bit-identical fields and history."""
-    monkeypatch.setattr("warpwear.execution.CELLS_PER_THREAD", 1)
+def test_threads_do_not_change_a_bit(kind: str, device: str, threads: int) -> None:
+    """Once more, and with two threads: bit-identical fields and history."""
     changes = RUNS[kind] | {"wear.distance_factor": "radial"}
     this = study(**(changes if "stepping.increment" in changes else changes | GROWING))
     outcomes = []
-    for threads in (1, 2):
-        with Executor(Grid(61, 75, CELL), device=device, threads=threads) as executor:
+    for count in (1, threads):
+        with Executor(Grid(61, 75, CELL), device=device, threads=count) as executor:
             model = MicroModel(this, rough((61, 75), 4), executor)
             rows = [list(model.advance(0.1).row.values()) for _ in range(30)]
             fields = [executor.to_numpy(f).copy() for f in vars(model.state).values()]

@@ -45,7 +45,7 @@ def test_a_coefficient_that_waits_for_the_end_is_not_a_number_before() -> None:
 
 
 def test_every_calibration_is_told() -> None:
-    told = friction.calibrations(Friction(), HISTORY, load=LOAD, hardness=590.0)
+    told = friction.calibrations(Friction(coefficient=0.6), HISTORY, load=LOAD, hardness=590.0)
     assert told["contact_end"] == pytest.approx(0.6 * 8.0 / 1.25)
     assert told["contact_initial"] == pytest.approx(0.6 * 8.0 / 0.01)
     assert told["hardness"] == pytest.approx(590.0 / (3.0 * math.sqrt(3.0)))

@@ -165,7 +165,10 @@ def test_nothing_is_overwritten_silently(tmp_path: Path) -> None:
             {"grid.extent": "0.4 mm"},
             r"grid\.extent = 0\.4 mm is too small: the contact reached the domain's edge",
         ),
-        ({"grid.cell": "1 nm"}, r"grid\.cell = 0\.001 µm makes .* need .* GiB of memory; .* are free"),
+        (
+            {"grid.cell": "1 nm"},
+            r"grid\.cell = 0\.001 µm makes .* need .* GiB of memory; the host has .* GiB free",
+        ),
         ({"disc.surface": "nowhere.sur"}, r"disc\.surface"),
         (
             {"disc.synthetic.cut_off": "200 um"},
@@ -177,7 +180,7 @@ def test_what_cannot_be_computed_leaves_nothing_behind(
     tmp_path: Path, changes: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
-        warpwear.run(quick().replace(changes), out=tmp_path / "out")
+        warpwear.run(quick().replace(changes), out=tmp_path / "new" / "out")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -218,10 +221,12 @@ def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytes
         return advance(self, *args, **kwargs)
 
     monkeypatch.setattr(MicroModel, "advance", interrupted)
+    study = quick(friction__coefficient=0.6, friction__calibrate="end")
     with pytest.raises(KeyboardInterrupt):
-        warpwear.run(quick(friction={"coefficient": 0.6}), out=tmp_path / "out", plots=False)
-    with Result.open(tmp_path / "out") as result:
+        warpwear.run(study, out=tmp_path / "deep" / "out", plots=False)
+    with Result.open(tmp_path / "deep" / "out") as result:
         assert not result.finished
+        assert np.isnan(result.history["cof"]).all()  # τ0 waits for the end of the test
         assert result.history["distance"].size == 20
         assert "interrupted" in repr(result)
 

@@ -148,6 +148,7 @@ def test_replacing_one_way_of_saying_drops_the_other() -> None:
 def test_keys_that_do_not_apply_are_noticed() -> None:
     flat = Study.load("v3").replace({"disc.synthetic.kind": "flat"})
     assert any("disc.synthetic.ra does not apply to kind = 'flat'" in n for n in flat.notices())
+    assert "feed" not in flat.to_toml()
     short = Study.load("v3").replace({"sliding.distance": "30 mm"})
     assert [n for n in short.notices() if "600 mm lies beyond" in n]
 
@@ -183,3 +184,16 @@ def test_a_surface_is_relative_to_its_study(tmp_path: Path) -> None:
     study = Study.load("v3").replace({"disc.surface": "disc.npy"})
     (tmp_path / "s.toml").write_text(study.to_toml())
     assert Study.load(tmp_path / "s.toml").disc.surface == str(tmp_path.resolve() / "disc.npy")
+
+
+def test_what_a_study_leaves_out_is_shown_as_assumed() -> None:
+    nested = Study.load("v3-fine").model_dump(exclude_unset=True)
+    for section in ("stepping", "friction", "assumed"):
+        del nested[section]
+    study = Study(**nested)
+    assert study.stepping.plan == (0.003, 1.02, 3.0)
+    assert {"stepping.first", "friction.coefficient", "contact.stiffness"} <= set(assumptions(study))
+    shown = to_marked_toml(study)
+    assert re.search(r"^coefficient = 0\.6 +# ASSUMED", shown, re.MULTILINE)
+    assert re.search(r'^first = "3 um" +# ASSUMED', shown, re.MULTILINE)
+    assert Study(**tomllib.loads(study.to_toml())).stepping.plan == study.stepping.plan

@@ -168,6 +168,11 @@ def _report(summary: dict[str, Any]) -> str:
             f"  friction          {cof['first']:.3g} at first, {cof['end']:.3g} at the end "
             f"(area: {s['cof_area']}; relative to the end: {cof['first'] / cof['end']:.3g})"
         )
+    tau = s["shear_strength_MPa_for_reference"]
+    lines.append(
+        f"  shear strength    {tau['contact_end']:.3g} MPa makes {s['cof_reference']:g} of the area in contact at "
+        f"the end, {tau['contact_initial']:.3g} of that at the start; H/(3√3) is {tau['hardness']:.3g}"
+    )
     lines.append(
         f"  checks            load residual {s['load_residual_N']['largest']:.2g} N at most, volumes off "
         f"Archard's by {max(abs(v) for v in s['conservation_relative'].values()):.1g}"

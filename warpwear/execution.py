@@ -26,6 +26,9 @@ CELLS_PER_THREAD = 50_000
 #: On a GPU neighbouring threads read neighbouring vectors of one row.
 SLOTS_PER_ROW_CUDA = 32
 
+#: Fields alive at the peak of a run: gap, wear of both bodies, heights or pressure, and room to work.
+FIELDS_NEEDED = 6
+
 Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
 
 
@@ -41,6 +44,7 @@ class Executor:
         self.grid = grid
         self.device = find_device(device)
         self.threads = _check_threads(threads)
+        _check_memory(grid, self.device)
         on_cpu = self.device.is_cpu
         self.slots_per_row = 1 if on_cpu else SLOTS_PER_ROW_CUDA
         self.slots = grid.nx * self.slots_per_row
@@ -133,6 +137,20 @@ def _native_messages_hidden() -> Iterator[None]:
     finally:
         os.dup2(stderr, 2)
         os.close(stderr)
+
+
+def _check_memory(grid: Grid, device: Any) -> None:
+    free = {"the host": psutil.virtual_memory().available}
+    if device.is_cuda:
+        free[str(device)] = device.free_memory
+    needed = FIELDS_NEEDED * 8 * grid.cells
+    for place, there in free.items():
+        if needed > there:
+            raise InputError(
+                f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, which need "
+                f"{needed / 2**30:.1f} GiB of memory; {place} has {there / 2**30:.1f} GiB free, so larger "
+                "cells or a smaller grid.extent are needed."
+            )
 
 
 def _check_threads(threads: int | None) -> int:

@@ -10,9 +10,6 @@ from collections.abc import Mapping
 from warpwear.grid import FloatArray
 from warpwear.sections import Friction
 
-#: Coefficient that fixes τ0 where a study gives neither.
-ASSUMED_COEFFICIENT = 0.6
-
 
 def shear_strength(
     friction: Friction, areas: FloatArray, *, load: float, area_end: float | None = None
@@ -24,14 +21,13 @@ def shear_strength(
     """
     if friction.shear_strength is not None:
         return friction.shear_strength
-    coefficient = friction.coefficient if friction.coefficient is not None else ASSUMED_COEFFICIENT
     if friction.calibrate == "initial":
         area = float(areas[0])
     elif area_end is not None:
         area = area_end
     else:
         return math.nan
-    return (coefficient - friction.ploughing) * load / area
+    return (friction.coefficient - friction.ploughing) * load / area
 
 
 def coefficient(
@@ -46,16 +42,15 @@ def coefficient(
 def calibrations(
     friction: Friction, history: Mapping[str, FloatArray], *, load: float, hardness: float
 ) -> dict[str, float]:
-    """τ0 [MPa] that each area would ask for at the same coefficient, at the start and at the end.
+    """τ0 [MPa] that each area would ask for at `friction.coefficient`, at the start and at the end.
 
     What "the" shear strength is depends on the area that it was calibrated with; H/(3√3) is the usual
     estimate from hardness.
     """
-    mu = friction.coefficient if friction.coefficient is not None else ASSUMED_COEFFICIENT
     found = {}
     for name in ("contact", "touched", "cumulative", "nominal"):
         areas = history[f"area_{name}"]
         for when, area in (("initial", areas[0]), ("end", areas[-1])):
-            found[f"{name}_{when}"] = (mu - friction.ploughing) * load / float(area)
+            found[f"{name}_{when}"] = (friction.coefficient - friction.ploughing) * load / float(area)
     found["hardness"] = hardness / (3.0 * math.sqrt(3.0))
     return found

@@ -12,8 +12,16 @@ if TYPE_CHECKING:
 
 
 def to_toml(study: "Study") -> str:
-    """The whole study after defaults, as TOML that `Study.load` reads back without loss."""
-    return tomli_w.dumps(_without_nothing(study.model_dump()))
+    """Every key that applies, after defaults, as TOML that `Study.load` reads back without loss."""
+    nested: dict[str, Any] = {}
+    for name, value in _applicable(study):
+        *parents, key = name.split(".")
+        section = nested
+        for parent in parents:
+            section = section.setdefault(parent, {})
+        section[key] = value
+    applicable = {name: why for name, why in study.assumed.items() if name not in study.inapplicable()}
+    return tomli_w.dumps(nested | ({"assumed": applicable} if applicable else {}))
 
 
 def to_marked_toml(study: "Study") -> str:

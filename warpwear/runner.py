@@ -14,12 +14,11 @@ from uuid import uuid4
 
 import h5py
 import numpy as np
-import psutil
 
 from warpwear import __version__, friction
 from warpwear.errors import InputError
 from warpwear.execution import Executor
-from warpwear.grid import FloatArray, Grid
+from warpwear.grid import FloatArray
 from warpwear.history import COLUMNS
 from warpwear.micro import MicroModel, Step
 from warpwear.progress import Progress
@@ -27,9 +26,6 @@ from warpwear.results import FILE_NAME, Result, ResultWriter, Snapshot
 from warpwear.stepping import increments
 from warpwear.study import Study
 from warpwear.surface_of import surface_of
-
-#: Fields alive at the peak of a run (gap, wear of both bodies, heights or pressure, and room to work).
-FIELDS_NEEDED = 6
 
 
 def run(
@@ -54,7 +50,6 @@ def run(
     """
     folder = None if out is None else _check_folder(Path(out), overwrite=overwrite)
     grid = study.cells
-    _check_memory(grid)
     log = logging.getLogger("warpwear")
     with Executor(grid, device=device, threads=threads) as executor, _work_folder(folder) as work:
         handler = logging.FileHandler(work / "log.txt", encoding="utf-8") if work else logging.NullHandler()
@@ -190,23 +185,11 @@ def _check_folder(folder: Path, *, overwrite: bool) -> Path:
         if not overwrite:
             raise InputError(f"out = {folder} already holds a run; give another --out, or --overwrite it.")
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder.parent):
+        with tempfile.TemporaryFile(dir=_nearest_folder(folder)):
             pass
     except OSError as error:
         raise InputError(f"out = {folder} cannot be written: {error.strerror}.") from error
     return folder
-
-
-def _check_memory(grid: Grid) -> None:
-    needed = FIELDS_NEEDED * 8 * grid.cells
-    there = psutil.virtual_memory().available
-    if needed > there:
-        raise InputError(
-            f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, which need "
-            f"{needed / 2**30:.1f} GiB of memory; {there / 2**30:.1f} GiB are free, so larger cells or a "
-            "smaller grid.extent are needed."
-        )
 
 
 @contextmanager
@@ -215,7 +198,7 @@ def _work_folder(folder: Path | None) -> Iterator[Path | None]:
     if folder is None:
         yield None
         return
-    work = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    work = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=_nearest_folder(folder)))
     work.chmod(0o755)
     try:
         yield work
@@ -223,7 +206,13 @@ def _work_folder(folder: Path | None) -> Iterator[Path | None]:
         shutil.rmtree(work, ignore_errors=True)
 
 
+def _nearest_folder(path: Path) -> Path:
+    """The nearest parent that exists: a run that fails leaves no new parents behind."""
+    return next(parent for parent in path.absolute().parents if parent.is_dir())
+
+
 def _move_into_place(work: Path, folder: Path) -> None:
+    folder.parent.mkdir(parents=True, exist_ok=True)
     if folder.is_dir():
         shutil.rmtree(folder)
     work.rename(folder)

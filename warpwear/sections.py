@@ -272,9 +272,9 @@ class Stepping(Section):
 
     scheme: Literal["explicit", "implicit"] = key("implicit", "pressure of the step's start, or of its end")
     increment: Length | None = key(None, "fixed sliding increment")
-    first: Length | None = key(None, "growing increments: the first")
-    growth: Growth | None = key(None, "ratio of an increment to the last")
-    largest: Length | None = key(None, "growing increments: the largest")
+    first: Length = key("3 um", "growing increments: the first", assumed="nanometres of wear")
+    growth: Growth = key(1.02, "ratio of an increment to the last", assumed="grow with the distance slid")
+    largest: Length = key("3 mm", "growing increments: the largest", assumed="a tenth of a usual stroke")
     load_tolerance: Annotated[
         float | Literal["one cell"],
         BeforeValidator(_tolerance),
@@ -284,14 +284,13 @@ class Stepping(Section):
 
     @model_validator(mode="after")
     def _one_plan(self) -> Self:
-        given = {"first": self.first, "growth": self.growth, "largest": self.largest}
-        growing = [name for name, value in given.items() if value is not None]
+        growing = {"first", "growth", "largest"} & self.model_fields_set
         if self.increment is not None and growing:
-            raise ValueError(f"stepping.increment and stepping.{growing[0]} exclude each other")
-        if self.increment is None and len(growing) not in (0, 3):
-            raise ValueError("stepping.first, stepping.growth and stepping.largest need each other")
-        if self.first is not None and self.largest is not None and self.first > self.largest:
-            raise ValueError("stepping.first must not exceed stepping.largest")
+            raise ValueError(f"stepping.increment and stepping.{min(growing)} exclude each other")
+        if self.first > self.largest:
+            raise ValueError(
+                f"stepping.first = {self.first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
+            )
         return self
 
     @property
@@ -299,32 +298,30 @@ class Stepping(Section):
         """First increment [mm], growth, largest [mm]."""
         if self.increment is not None:
             return self.increment, 1.0, self.increment
-        if self.first is not None and self.growth is not None and self.largest is not None:
-            return self.first, self.growth, self.largest
-        return DEFAULT_PLAN
-
-
-#: Increments when a study gives none: small enough for the first asperities, at most a tenth of a stroke.
-DEFAULT_PLAN = (3.0e-3, 1.02, 3.0)
+        return self.first, self.growth, self.largest
 
 
 class Friction(Section):
     """[friction]"""
 
     shear_strength: Pressure | None = key(None, "interfacial shear strength τ0")
-    coefficient: FrictionCoefficient | None = key(None, "measured coefficient that fixes τ0, instead")
-    calibrate: Literal["end", "initial"] | None = key(None, "when the measured coefficient holds")
+    coefficient: FrictionCoefficient = key(
+        0.6, "measured coefficient that fixes τ0, instead", assumed="for want of a measured one"
+    )
+    calibrate: Literal["end", "initial"] = key("end", "when the measured coefficient holds")
     ploughing: FrictionOffset = key(0.0, "part of the coefficient that does not shear")
     area: Literal["contact", "touched", "cumulative", "nominal"] = key("contact", "area that shears")
 
     @model_validator(mode="after")
     def _one_strength(self) -> Self:
-        if self.shear_strength is not None and self.coefficient is not None:
-            raise ValueError("friction.shear_strength and friction.coefficient exclude each other")
-        if self.calibrate is not None and self.coefficient is None:
-            raise ValueError("friction.calibrate needs friction.coefficient")
-        if self.coefficient is not None and self.coefficient <= self.ploughing:
-            raise ValueError("friction.coefficient must exceed friction.ploughing")
+        measured = {"coefficient", "calibrate"} & self.model_fields_set
+        if self.shear_strength is not None and measured:
+            raise ValueError(f"friction.shear_strength and friction.{max(measured)} exclude each other")
+        if self.shear_strength is None and self.coefficient <= self.ploughing:
+            raise ValueError(
+                f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
+                f"{self.ploughing:g}"
+            )
         return self
 
 

@@ -167,6 +167,12 @@ class Study(Section):
             found |= dict.fromkeys((f"disc.{k}" for k in of_files), "does not apply to a synthetic surface")
         if not (self.law.compliance == 0.0 and self._rigid_steps):
             found["stepping.load_tolerance"] = "does not apply: with compliance the balance holds to 1e-12"
+        if self.stepping.increment is not None:
+            growing = ("stepping.first", "stepping.growth", "stepping.largest")
+            found |= dict.fromkeys(growing, "does not apply to a fixed stepping.increment")
+        if self.friction.shear_strength is not None:
+            measured = ("friction.coefficient", "friction.calibrate")
+            found |= dict.fromkeys(measured, "does not apply with a friction.shear_strength")
         return found
 
     def notices(self) -> list[str]:

@@ -47,7 +47,8 @@ def summarise(result: "Result") -> dict[str, Any]:
         "cof": {"first": _finite(history["cof"][0]), "end": _finite(end["cof"])},
         "cof_area": study.friction.area,
         "cof_shape": _shape(result),
-        "shear_strength_MPa_at_same_coefficient": friction.calibrations(
+        "cof_reference": study.friction.coefficient,
+        "shear_strength_MPa_for_reference": friction.calibrations(
             study.friction, history, load=load, hardness=study.hardness
         ),
         "hertz": hertz(result),
