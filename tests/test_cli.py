@@ -12,13 +12,13 @@ QUICK = ["--set", "grid.cell=20 um", "--set", "sliding.distance=3 mm"]
 
 
 def warpwear(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     return subprocess.run(
         [sys.executable, "-m", "warpwear", *arguments],
         cwd=cwd,
         capture_output=True,
         text=True,
-        env=environment,
+        env=os.environ | {"PYTHONPATH": path},
         timeout=120,
         check=False,
     )

@@ -82,15 +82,21 @@ def run(
 
     loaded = _load(study, changes)
     folder = out if out is not None else Path(loaded.study.name)
-    with run_study(
-        loaded,
-        out=folder,
-        device=device,
-        threads=threads,
-        plots=not no_plots,
-        overwrite=overwrite,
-        progress=True,
-    ) as result:
+    try:
+        result = run_study(
+            loaded,
+            out=folder,
+            device=device,
+            threads=threads,
+            plots=not no_plots,
+            overwrite=overwrite,
+            progress=True,
+        )
+    except KeyboardInterrupt:
+        if folder.is_dir():
+            click.echo(f"the steps that were done are in {folder}/, marked as unfinished", err=True)
+        raise
+    with result:
         click.echo(_report(result.summary))
     click.echo(f"written to {folder}/")
 
@@ -170,8 +176,9 @@ def _report(summary: dict[str, Any]) -> str:
         )
     tau = s["shear_strength_MPa_for_reference"]
     lines.append(
-        f"  shear strength    {tau['contact_end']:.3g} MPa makes {s['cof_reference']:g} of the area in contact at "
-        f"the end, {tau['contact_initial']:.3g} of that at the start; H/(3√3) is {tau['hardness']:.3g}"
+        f"  shear strength    {tau['contact_end']:.3g} MPa makes {s['cof_reference']:g} of the area in "
+        f"contact at the end, {tau['contact_initial']:.3g} of that at the start; H/(3√3) is "
+        f"{tau['hardness']:.3g}"
     )
     lines.append(
         f"  checks            load residual {s['load_residual_N']['largest']:.2g} N at most, volumes off "

@@ -128,7 +128,8 @@ class _Loop:
             self._progress.end()
         history = self._history(finished=not self.interrupted)
         elapsed = time.perf_counter() - started
-        self._log.info("%d steps in %.1f s", len(self._rows), elapsed)
+        how = "interrupted after" if self.interrupted else "finished:"
+        self._log.info("%s %d steps in %.1f s", how, len(self._rows), elapsed)
         record = {"surface": self._surface_record, "warnings": self.warnings, "elapsed_s": elapsed}
         self._writer.finish(history, record, finished=not self.interrupted)
 
