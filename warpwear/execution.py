@@ -89,7 +89,7 @@ class Executor:
     def field(self, values: FloatArray) -> Field:
         """A field from an array of shape (nx, ny), (1, ny) (every row the same) or (1, 1).
 
-        On a CPU it shares the memory of an array that needs no padding.
+        On a CPU it shares the memory of an array that needs no padding. Padding is 0.
         """
         rows = values.shape[0]
         padded = values

@@ -91,8 +91,9 @@ class MicroModel:
             )
             pressure = self._executor.to_numpy(field)
         wear_sphere, wear_disc = self._wear
-        reference = self._row["pressure_mean"] or balance.cap
-        reference = reference if math.isfinite(reference) else 0.0
+        # The scatter is summed about a value near the mean: of a bearing area the mean itself.
+        near_mean = balance.cap if self._rigid(increment) else self._row["pressure_mean"] or balance.cap
+        reference = near_mean if math.isfinite(near_mean) else 0.0
         self._executor.launch(
             removal.remove,
             inputs=[
