@@ -184,7 +184,6 @@ def _report(summary: dict[str, Any]) -> str:
         f"  checks            load residual {s['load_residual_N']['largest']:.2g} N at most, volumes off "
         f"Archard's by {max(abs(v) for v in s['conservation_relative'].values()):.1g}"
     )
-    lines += [f"  note: {warning}" for warning in s["warnings"]]
     if s["assumptions"]:
         lines.append(f"  {len(s['assumptions'])} assumptions: see summary.json or 'warpwear show'")
     return "\n".join(lines)

@@ -179,8 +179,8 @@ class Study(Section):
         """What is given but not used, each as a sentence."""
         given = given_keys(self)
         found = [f"{key} {why}." for key, why in self.inapplicable().items() if key in given]
-        late = [s for s in self.output.snapshots if s > self.sliding.total]
-        return found + [f"The snapshot at {s:g} mm lies beyond the sliding distance." for s in late]
+        late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > self.sliding.total)
+        return [*found, f"output.snapshots beyond the sliding distance: {late} mm."] if late else found
 
     def to_toml(self) -> str:
         """The whole study after defaults, as TOML that `load` reads back without loss."""
