@@ -134,6 +134,29 @@ def plot(folder: Path) -> None:
             click.echo(path)
 
 
+@commands.command("export")
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder to write. [default: DIR/export]")
+@click.option("--format", "formats", multiple=True, help="sdf, xyz or npy; repeatable. [default: all]")
+@click.option("--snapshot", default=-1, show_default=True, help="Number of the snapshot; -1 is the end.")
+@click.option("--overwrite", is_flag=True, help="Replace files that are there.")
+def export_command(
+    folder: Path, out: Path | None, formats: tuple[str, ...], snapshot: int, overwrite: bool
+) -> None:
+    """Write both worn bodies of the run in DIR as files for other software.
+
+    sdf is ASCII after ISO 25178-71, xyz a line a point in mm, npy heights in mm.
+    """
+    from warpwear.export import WRITERS, export
+    from warpwear.results import Result
+
+    with Result.open(folder) as result:
+        where = out if out is not None else (result.folder or folder) / "export"
+        chosen = formats or tuple(WRITERS)
+        for path in export(result, where, snapshot=snapshot, formats=chosen, overwrite=overwrite):
+            click.echo(path)
+
+
 def _load(study: str, changes: tuple[str, ...]) -> Any:
     from warpwear.study import Study
 
