@@ -10,11 +10,14 @@ ROWS = 64  # of a block: the terms of a polynomial at every point at once would 
 SWEEPS = 8  # of the relaxation at each scale; more changes a filled height by less than its neighbours differ
 
 
-def without_polynomial(heights: FloatArray, *, degree: int) -> FloatArray:
+def without_polynomial(
+    heights: FloatArray, *, degree: int, where: npt.NDArray[np.bool_] | None = None
+) -> FloatArray:
     """Heights [mm], shape (nx, ny), NaN where missing, less their least-squares polynomial of total degree.
 
-    Degree 0 takes off the mean, 1 the mean plane. Fitted to the valid points by normal equations, in products
-    of Legendre polynomials over the field: there they stay well conditioned.
+    Degree 0 takes off the mean, 1 the mean plane. Fitted to the valid points (of `where`, same shape, if
+    given: to them only) by normal equations, in products of Legendre polynomials over the field: there they
+    stay well conditioned.
     """
     nx, ny = heights.shape
     basis_x = legendre.legvander(np.linspace(-1.0, 1.0, nx), degree)
@@ -27,6 +30,8 @@ def without_polynomial(heights: FloatArray, *, degree: int) -> FloatArray:
         for start in range(0, nx, ROWS):
             block = levelled[start : start + ROWS]
             valid = ~np.isnan(block)
+            if where is not None:
+                valid &= where[start : start + ROWS]
             rows = np.stack(
                 [np.multiply.outer(basis_x[start : start + ROWS, i], basis_y[:, j])[valid] for i, j in terms]
             )

@@ -1,26 +1,28 @@
-"""Measured surfaces: levelled, filled, and interpolated at any points."""
+"""Measured surfaces: prepared by a chain of operations, and interpolated at any points."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.fft
 import scipy.ndimage
 import scipy.sparse
 
 from warpwear.errors import InputError
 from warpwear.surfaces.base import FloatArray, spacing
-from warpwear.surfaces.levelling import filled, without_polynomial
+from warpwear.surfaces.chain import Chain, prepare
+from warpwear.surfaces.filtering import low_pass
 from warpwear.surfaces.parameters import roughness
 from warpwear.surfaces.reading import Reading, read
+from warpwear.surfaces.spectrum import slope_against_cut_off
 
 EXTENSIONS = ("refuse", "mirror", "periodic")
-HIGHEST_DEGREE = 12
-LARGEST_SQ = 1.0  # mm: above it a unit is wrong
 CUT_OFF_CELLS = 2.0  # cut-off wavelength of the filter against aliasing: the shortest wave cells can carry
 BLOCK_VALUES = 2**18  # 2 MiB of float64: what one block of rows may hold beside the output
 SLACK = 1e-9  # relative, for lengths that should be equal
+SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: more is worth a notice
+MUCH_MISSING = 5.0  # percent
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,7 +61,7 @@ class Measured:
         field = self.levelled
         for axis, cut_off in enumerate(self._cut_offs(x, y)):
             if cut_off is not None:
-                field = _low_pass(field, axis=axis, pixel=self.pixel[axis], cut_off=cut_off, edge=edge)
+                field = low_pass(field, axis=axis, pixel=self.pixel[axis], cut_off=cut_off, edge=edge)
         knots = scipy.ndimage.spline_filter(field, order=3, mode=edge)
         along = _spline_rows(x, count=knots.shape[0], pixel=self.pixel[0], edge=edge)
         across = _spline_rows(y, count=knots.shape[1], pixel=self.pixel[1], edge=edge)
@@ -70,7 +72,10 @@ class Measured:
         return sampled
 
     def notices(self, x: FloatArray, y: FloatArray) -> list[str]:
-        """Whether the points leave the measurement, were filtered for, or are finer than its pixels."""
+        """Whether the points leave the measurement, were filtered for, or are finer than its pixels.
+
+        And whether much of the measurement is missing, or its rms slope depends on the shortest wavelength.
+        """
         told = []
         reach = _reach(x, y)
         if any(r > s * (1 + SLACK) for r, s in zip(reach, self.size, strict=True)):
@@ -85,8 +90,10 @@ class Measured:
             for pixel, cell, cut_off in zip(self.pixel, cells, self._cut_offs(x, y), strict=True)
         )
         if along == across:
-            return told + along
-        return told + [f"along x: {text}" for text in along] + [f"along y: {text}" for text in across]
+            told += along
+        else:
+            told += [f"along x: {text}" for text in along] + [f"along y: {text}" for text in across]
+        return told + self._doubts(max(*cells, *self.pixel))
 
     def record(self) -> dict[str, Any]:
         """File, format, grid, pixel, what was done, and the roughness of the levelled measurement."""
@@ -102,6 +109,25 @@ class Measured:
             "sku": found["sku"],
             "rms_slope": found["rms_slope"],
         }
+
+    def _doubts(self, cell: float) -> list[str]:
+        """What is uncertain about the measurement itself when its finest point is one cell [mm] wide."""
+        told = []
+        filled = self.details.get("filled_percent", 0.0)
+        if filled > MUCH_MISSING:
+            told.append(
+                f"{filled:.3g} % of the measurement is missing and was filled: it is too smooth there"
+            )
+        shortest = max(2.0 * cell, self.details.get("s_filter_um", 0.0) * 1e-3)
+        fine, coarse = slope_against_cut_off(
+            self.levelled, pixel=self.pixel, cut_offs=np.array([shortest, 2.0 * shortest])
+        )
+        if fine - coarse > SLOPE_CHANGE * fine:
+            told.append(
+                f"the rms slope still depends on the shortest wavelength: {fine:.3g} from {_um(shortest)} "
+                f"on, {coarse:.3g} from {_um(2 * shortest)} on; so does the contact"
+            )
+        return told
 
     def _check_reach(self, x: FloatArray, y: FloatArray) -> None:
         needed = _reach(x, y)
@@ -126,57 +152,55 @@ def read_measured(
     path: str | Path,
     *,
     extend: str = "refuse",
-    level: str | int = "plane",
-    sliding_axis: str = "x",
     pixel: float | tuple[float, float] | None = None,
     height_unit: str | None = None,
+    array: str | None = None,
+    height_sign: str = "up",
+    crop: Sequence[float] | None = None,
+    sliding_axis: str = "x",
+    outliers: float | None = None,
+    level: str | int = "plane",
+    s_filter: float | None = None,
+    l_filter: float | None = None,
 ) -> Measured:
     """The surface in a measured file.
 
-    level: "plane" takes off the least-squares mean plane, a degree from 0 to 12 the polynomial of that total
-    degree, "none" the mean height only (heights are over the mean plane by definition). Missing points are
-    then filled from their rim, coarse to fine towards a harmonic surface (`levelling.filled`), and counted.
-    sliding_axis: which of the file's axes lies along the sliding direction; "y" transposes.
-    pixel [mm] (one, or one per axis of the file) and height_unit override the file; .npy needs both.
-    InputError, naming the field of ``disc``, for anything that is no plausible areal measurement.
+    pixel [mm] (one, or one per axis of the file) and height_unit override the file; .npy needs both. array:
+    which of a .npz. The other options are the chain of operations, in the order in which they are done: see
+    `chain.Chain`. Heights are over their mean in the end. InputError, naming the field of ``disc``, for
+    anything that is no plausible areal measurement.
     """
     _check_extend(extend)
-    degree = _degree(level)
-    if sliding_axis not in ("x", "y"):
-        raise InputError(f'disc.sliding_axis is {sliding_axis!r}: allowed is "x" or "y"')
-    reading = read(path, pixel=pixel, height_unit=height_unit)
-    heights, used = reading.heights, reading.pixel
-    if sliding_axis == "y":
-        heights, used = np.ascontiguousarray(heights.T), (used[1], used[0])
-    levelled = without_polynomial(heights, degree=degree)
-    sq = float(np.sqrt(np.nanmean(np.square(levelled))))
-    if not sq <= LARGEST_SQ:
-        raise InputError(
-            f"disc.surface '{path}' has Sq = {sq:.3g} mm after levelling: allowed is at most "
-            f"{LARGEST_SQ:g} mm, or give disc.height_unit"
-        )
-    missing = int(np.isnan(levelled).sum())
-    details = _details(Path(path), reading, heights, level=level, sliding_axis=sliding_axis, missing=missing)
-    details["sq_valid_points_um"] = sq * 1e3
-    complete = filled(levelled)
-    complete.flags.writeable = False
-    return Measured(levelled=complete, pixel=used, extend=extend, details=details)
+    chain = Chain(
+        height_sign=height_sign,
+        crop=crop,
+        sliding_axis=sliding_axis,
+        outliers=outliers,
+        level=level,
+        s_filter=s_filter,
+        l_filter=l_filter,
+    )
+    reading = read(path, pixel=pixel, height_unit=height_unit, array=array)
+    prepared = prepare(reading, chain, name=str(path))
+    details = _of_file(Path(path), reading) | {"sliding_axis": sliding_axis, "level": level}
+    size = prepared.heights.size
+    details |= {
+        "missing": prepared.missing,
+        "missing_percent": 100.0 * prepared.missing / size,
+        "outliers_removed": prepared.removed,
+        "filled_percent": 100.0 * (prepared.missing + prepared.removed) / size,
+        "operations": list(prepared.operations),
+        "sq_valid_points_um": prepared.sq_valid * 1e3,
+    }
+    if s_filter is not None:
+        details["s_filter_um"] = s_filter * 1e3
+    prepared.heights.flags.writeable = False
+    return Measured(levelled=prepared.heights, pixel=prepared.pixel, extend=extend, details=details)
 
 
-def _details(
-    path: Path, reading: Reading, heights: FloatArray, *, level: str | int, sliding_axis: str, missing: int
-) -> dict[str, Any]:
+def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
     nx, ny = reading.heights.shape
     px, py = reading.pixel
-    done = {
-        "none": "mean height taken off",
-        "plane": "least-squares plane taken off",
-    }.get(str(level), f"least-squares polynomial of degree {level} taken off")
-    operations = [done]
-    if sliding_axis == "y":
-        operations.insert(0, "transposed: the file's y is along the sliding direction")
-    if missing:
-        operations.append("missing points filled from their rim (harmonic, coarse to fine)")
     return {
         "file": path.name,
         "format": reading.format,
@@ -186,30 +210,15 @@ def _details(
         "file_grid": [nx, ny],
         "file_pixel_um": [px * 1e3, py * 1e3],
         "file_extent_mm": [nx * px, ny * py],
-        "sliding_axis": sliding_axis,
-        "level": level,
-        "height_min_um": float(np.nanmin(heights)) * 1e3,
-        "height_max_um": float(np.nanmax(heights)) * 1e3,
-        "sq_as_read_um": float(np.nanstd(heights)) * 1e3,
-        "missing": missing,
-        "missing_percent": 100.0 * missing / heights.size,
-        "operations": operations,
+        "height_min_um": float(np.nanmin(reading.heights)) * 1e3,
+        "height_max_um": float(np.nanmax(reading.heights)) * 1e3,
+        "sq_as_read_um": float(np.nanstd(reading.heights)) * 1e3,
     }
 
 
 def _check_extend(extend: str) -> None:
     if extend not in EXTENSIONS:
         raise InputError(f'disc.extend is {extend!r}: allowed is "refuse", "mirror" or "periodic"')
-
-
-def _degree(level: str | int) -> int:
-    degree = {"none": 0, "plane": 1}.get(level) if isinstance(level, str) else level
-    if degree is None or isinstance(level, bool) or not 0 <= degree <= HIGHEST_DEGREE:
-        raise InputError(
-            f'disc.level is {level!r}: allowed is "none", "plane" or a polynomial degree from 0 to '
-            f"{HIGHEST_DEGREE}"
-        )
-    return degree
 
 
 def _reach(x: FloatArray, y: FloatArray) -> tuple[float, float]:
@@ -229,29 +238,6 @@ def _sampling(pixel: float, cell: float, cut_off: float | None) -> list[str]:
             "is in the result"
         ]
     return []
-
-
-def _low_pass(field: FloatArray, *, axis: int, pixel: float, cut_off: float, edge: str) -> FloatArray:
-    """Gaussian low-pass of heights [mm] along an axis, pixel and cut-off in mm.
-
-    ISO 16610-21: transmission exp(−π (α λc/λ)²), α² = ln 2/π, that is 2^−(λc/λ)². Applied to the waves
-    themselves, since weights sampled at pixels are off where the cut-off is only a few of them.
-    """
-    count = field.shape[axis]
-    if edge == "grid-wrap":
-        frequency, shape = scipy.fft.rfftfreq(count, pixel), [1, 1]
-        waves = scipy.fft.rfft(field, axis=axis)
-    else:
-        # the cosine transform is the Fourier transform of the field reflected at its outer edge
-        frequency, shape = np.arange(count) / (2.0 * count * pixel), [1, 1]
-        waves = scipy.fft.dct(field, type=2, axis=axis)
-    shape[axis] = frequency.size
-    waves *= np.exp2(-np.square(cut_off * frequency)).reshape(shape)
-    if edge == "grid-wrap":
-        smooth: FloatArray = scipy.fft.irfft(waves, n=count, axis=axis, overwrite_x=True)
-    else:
-        smooth = scipy.fft.idct(waves, type=2, axis=axis, overwrite_x=True)
-    return smooth
 
 
 def _spline_rows(points: FloatArray, *, count: int, pixel: float, edge: str) -> scipy.sparse.csr_array:

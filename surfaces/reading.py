@@ -1,4 +1,4 @@
-"""Measured files as they are: heights, pixel and units out of instrument formats and .npy."""
+"""Measured files as they are: heights, pixel and units out of instrument formats, text, .npy and .npz."""
 
 import math
 from dataclasses import dataclass
@@ -8,6 +8,8 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.surfaces.base import FloatArray
+from warpwear.surfaces.point_cloud import gridded, units_in
+from warpwear.surfaces.text_table import Table, read_table
 
 MILLIMETRES = {
     "km": 1e6,
@@ -24,14 +26,19 @@ MILLIMETRES = {
 }
 SMALLEST_PIXEL, LARGEST_PIXEL = 1e-7, 1.0  # mm: what no instrument for roughness goes beyond
 READABLE = (
-    "allowed is an areal height map that SurfaceTopography reads (.al3d, .sur, .x3p, .opd, .plu, .mnt, .sdf, "
-    "xyz text and others) or a 2-D .npy"
+    "allowed is an areal height map that SurfaceTopography reads (.al3d, .sur, .x3p, .opd, .plu, .mnt, .sdf "
+    "and others), text of points x y z or of a matrix, or a 2-D array in .npy or .npz"
 )
+TEXT = (".xyz", ".txt", ".csv", ".asc", ".dat", ".tsv", ".hfm")
+HEIGHT_NAMES = ("heights", "height", "z", "surface", "topography")  # of the array in a .npz that has several
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What a file holds: heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm]."""
+    """What a file holds: heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm].
+
+    unit is that of the heights; notes say what was decided while reading.
+    """
 
     heights: FloatArray
     pixel: tuple[float, float]
@@ -39,16 +46,34 @@ class Reading:
     unit: str
     pixel_given: bool
     unit_given: bool
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class _Raw:
+    """A file's values in its own units; pixel None where it has none, unit None where it names none."""
+
+    heights: np.ma.MaskedArray | np.ndarray
+    format: str
+    pixel: tuple[float, ...] | None = None
+    lateral_unit: str | None = None
+    height_unit: str | None = None
+    notes: tuple[str, ...] = ()
 
 
 def read(
-    path: str | Path, *, pixel: float | tuple[float, float] | None = None, height_unit: str | None = None
+    path: str | Path,
+    *,
+    pixel: float | tuple[float, float] | None = None,
+    height_unit: str | None = None,
+    array: str | None = None,
 ) -> Reading:
     """Read one height map.
 
-    pixel [mm] (one, or one per axis of the file) and height_unit override what the file says; a .npy, and a
-    text file without them, needs both. Axis 0 is the file's x. InputError, naming ``disc.surface``,
-    ``disc.pixel`` or ``disc.height_unit``, for whatever is no areal measurement or cannot be.
+    pixel [mm] (one, or one per axis of the file) and height_unit override what the file says; .npy, .npz and
+    text without them need both. array: the one to take of a .npz that holds several. Axis 0 is the file's x:
+    the columns of a text matrix, whose lines follow y. InputError, naming ``disc.surface``, ``disc.pixel`` or
+    ``disc.height_unit``, for whatever is no areal measurement or cannot be.
     """
     path = Path(path)
     if not path.exists():
@@ -64,26 +89,33 @@ def read(
     given = None if pixel is None else _given_pixel(pixel)
     if height_unit is not None and height_unit.strip().replace("μ", "µ") not in MILLIMETRES:
         raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {', '.join(MILLIMETRES)}")
-    if path.suffix.lower() == ".npy":
-        raw, file_pixel, file_unit, kind = _read_npy(path), None, None, "npy"
+    suffix = path.suffix.lower()
+    if suffix == ".npy":
+        raw = _read_npy(path)
+    elif suffix == ".npz":
+        raw = _read_npz(path, array)
+    elif suffix in TEXT:
+        raw = _read_text(path, given)
     else:
-        raw, file_pixel, file_unit, kind = _read_instrument(path, given)
-    if raw.ndim != 2 or min(raw.shape) < 2:
-        raise _refusal(path, f"holds a line scan or single values (shape {'×'.join(map(str, raw.shape))})")
-    unit = height_unit if height_unit is not None else file_unit
+        raw = _read_instrument(path, given)
+    if raw.heights.ndim != 2 or min(raw.heights.shape) < 2:
+        shape = "×".join(map(str, raw.heights.shape))
+        raise _refusal(path, f"holds a line scan or single values (shape {shape})")
+    unit = height_unit if height_unit is not None else raw.height_unit
     factor = _height_factor(path, unit)
-    used = given if given is not None else _pixel_of_file(path, file_pixel, file_unit)
-    heights = np.ma.filled(raw.astype(np.float64), np.nan) * factor
+    used = given if given is not None else _pixel_of_file(path, raw.pixel, raw.lateral_unit)
+    heights = np.ma.filled(raw.heights.astype(np.float64), np.nan) * factor
     heights[~np.isfinite(heights)] = np.nan
     if np.isnan(heights).all():
         raise _refusal(path, "has no valid point, all are missing")
     return Reading(
         heights=heights,
         pixel=used,
-        format=kind,
+        format=raw.format,
         unit=str(unit).strip(),
         pixel_given=given is not None,
         unit_given=height_unit is not None,
+        notes=raw.notes,
     )
 
 
@@ -91,7 +123,7 @@ def _refusal(path: Path, what: str) -> InputError:
     return InputError(f"disc.surface '{path}' {what}: {READABLE}")
 
 
-def _read_npy(path: Path) -> np.ma.MaskedArray | np.ndarray:
+def _read_npy(path: Path) -> _Raw:
     try:
         array = np.load(path, allow_pickle=False)
     except Exception as error:  # the reader is foreign: whatever it raises is a bad file
@@ -100,13 +132,79 @@ def _read_npy(path: Path) -> np.ma.MaskedArray | np.ndarray:
         raise _refusal(path, "is not an array of real numbers")
     if array.size == 0:
         raise _refusal(path, "is empty")
-    return array
+    return _Raw(heights=array, format="npy")
 
 
-def _read_instrument(
-    path: Path, given: tuple[float, float] | None
-) -> tuple[np.ma.MaskedArray | np.ndarray, tuple[float, ...] | None, str | None, str]:
-    """Heights and pixel in the file's unit (pixel None when it has none), the unit, the format."""
+def _read_npz(path: Path, name: str | None) -> _Raw:
+    try:
+        with np.load(path, allow_pickle=False) as content:
+            names = list(content.files)
+            if name is not None:
+                chosen = name if name in names else None
+            elif len(names) == 1:
+                chosen = names[0]
+            else:
+                usual = [n for n in names if n.lower() in HEIGHT_NAMES]
+                chosen = usual[0] if len(usual) == 1 else None
+            array = None if chosen is None else content[chosen]
+    except Exception as error:  # the reader is foreign: whatever it raises is a bad file
+        raise _refusal(path, f"cannot be read as .npz ({_first_line(error)})") from error
+    if array is None:
+        held = ", ".join(names) or "none"
+        asked = f"no array {name!r}" if name is not None else "several arrays"
+        raise InputError(f"disc.surface '{path}' holds {asked}: disc.array names one of: {held}")
+    if array.dtype.kind not in "fiu":
+        raise _refusal(path, "is not an array of real numbers")
+    if array.size == 0:
+        raise _refusal(path, "is empty")
+    return _Raw(heights=array, format="npz", notes=(f"array {chosen!r} of the file",))
+
+
+def _read_text(path: Path, given: tuple[float, float] | None) -> _Raw:
+    try:
+        table = read_table(path)
+    except ValueError as error:
+        if str(error) in ("no text", "no table of numbers"):  # an instrument's own format by that name
+            return _read_instrument(path, given)
+        raise _refusal(path, f"cannot be read as text ({error})") from error
+    columns = table.values.shape[1]
+    lateral, height = units_in(table.header)
+    if columns < 3:
+        return _Raw(heights=table.values[:, 0], format="text")
+    if columns == 3 or 3 < columns <= 7 < table.values.shape[0]:
+        try:
+            cloud = gridded(table.values)
+        except ValueError as error:
+            if columns == 3:
+                raise _refusal(path, f"cannot be read as a list of points x y z ({error})") from error
+        else:
+            extra = (f"columns after the third ignored, {columns - 3}",) if columns > 3 else ()
+            return _Raw(
+                heights=cloud.heights,
+                format="xyz",
+                pixel=cloud.pixel,
+                lateral_unit=lateral,
+                height_unit=height,
+                notes=cloud.notes + extra,
+            )
+    return _read_matrix(path, table, given)
+
+
+def _read_matrix(path: Path, table: Table, given: tuple[float, float] | None) -> _Raw:
+    """A matrix in text; where it has a header, sizes and units as SurfaceTopography understands them."""
+    if table.header:
+        try:
+            found = _read_instrument(path, given)
+        except InputError:
+            pass  # a header it does not know, or the package is not here: the numbers are read all the same
+        else:
+            if found.heights.shape == table.values.T.shape:
+                return found
+    lateral, height = units_in(table.header)
+    return _Raw(heights=table.values.T, format="text", lateral_unit=lateral, height_unit=height)
+
+
+def _read_instrument(path: Path, given: tuple[float, float] | None) -> _Raw:
     try:
         from SurfaceTopography import open_topography  # 2 s, so only when needed
     except ImportError as error:
@@ -124,7 +222,7 @@ def _read_instrument(
             default = reader.default_channel
             channel = next((c for c in channels if c.index == default.index), channels[0])
             if channel.dim != 2:
-                return np.zeros(channel.nb_grid_pts or 1), None, None, str(reader.format())
+                return _Raw(heights=np.zeros(channel.nb_grid_pts or 1), format=str(reader.format()))
             sizes = None
             if channel.physical_sizes is None:
                 # Only to get at the heights: the pixel used is the study's, or there is an error
@@ -136,7 +234,13 @@ def _read_instrument(
                 raise ValueError("a list of points x y z that is no complete regular grid")
             unit = topography.unit if isinstance(topography.unit, str) else None
             pixel = tuple(float(p) for p in topography.pixel_size) if sizes is None else None
-            return heights, pixel, unit, str(reader.format())
+            return _Raw(
+                heights=heights,
+                format=str(reader.format()),
+                pixel=pixel,
+                lateral_unit=unit,
+                height_unit=unit,
+            )
     except Exception as error:  # the reader is foreign: whatever it raises is a bad file
         raise _refusal(path, f"cannot be read as a surface ({_first_line(error)})") from error
 

@@ -42,6 +42,7 @@ Speed = Annotated[float, Quantity("mm/s")]
 PoissonRatio = Annotated[float, Number(Range(or_equal=True, most=0.5))]
 HurstExponent = Annotated[float, Number(Range(most=1.0))]
 Growth = Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))]
+Deviations = Annotated[float, Number(Range(least=3.0, or_equal=True))]
 FrictionCoefficient = Annotated[float, Number(Range(most=3.0))]
 FrictionOffset = Annotated[float, Number(Range(or_equal=True, most=3.0))]
 
@@ -123,6 +124,13 @@ def _pixel(value: Any) -> Any:
     return (value, value) if isinstance(value, str) else value
 
 
+def _crop(value: Any) -> Any:
+    value = _pixel(value)
+    if isinstance(value, list | tuple) and len(value) not in (2, 4):
+        raise ValueError("needs a size, a size along x and along y, or four lengths x0, x1, y0, y1")
+    return value
+
+
 class Disc(Body):
     """[disc]"""
 
@@ -131,16 +139,26 @@ class Disc(Body):
     extend: Literal["refuse", "mirror", "periodic"] = key(
         "refuse", "when the file is smaller than the domain"
     )
-    level: Literal["none", "plane"] | Annotated[int, Field(ge=1, le=12)] = key(
-        "plane", "form removed from the measurement: none, plane or degree of a polynomial"
+    height_sign: Literal["up", "down"] = key("up", "down turns the file's heights over: it gives depths")
+    crop: Annotated[tuple[LengthOrZero, ...], BeforeValidator(_crop)] | None = key(
+        None, "part of the file used: x0, x1, y0, y1 from its corner, or a size around its middle"
     )
     sliding_axis: Literal["x", "y"] = key("x", "axis of the file along which the sphere slides")
+    outliers: Deviations | None = key(
+        None, "points farther than so many robust standard deviations from the local median are removed"
+    )
+    level: Literal["none", "plane", "sphere"] | Annotated[int, Field(ge=1, le=12)] = key(
+        "plane", "form removed from the measurement: none, plane, sphere or degree of a polynomial"
+    )
+    s_filter: Length | None = key(None, "waves shorter than this are filtered out (Gaussian, ISO 16610-61)")
+    l_filter: Length | None = key(None, "waves longer than this are filtered out (Gaussian, ISO 16610-61)")
     pixel: Annotated[tuple[Length, Length], BeforeValidator(_pixel)] | None = key(
         None, "distance of the file's points, needed by .npy; overrides what a file says"
     )
     height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = key(
         None, "unit of the file's heights, needed by .npy; overrides what a file says"
     )
+    array: str | None = key(None, "which array of a .npz that holds several")
 
     @model_validator(mode="after")
     def _one_surface(self) -> Self:

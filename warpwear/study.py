@@ -51,6 +51,15 @@ ALTERNATIVES: tuple[tuple[frozenset[str], ...], ...] = (
     ),
 )
 
+#: Keys of [disc] that say how a measured file is read and prepared.
+OF_FILES = ("extend", "pixel", "height_unit", "array", "height_sign", "crop") + (
+    "sliding_axis",
+    "outliers",
+    "level",
+    "s_filter",
+    "l_filter",
+)
+
 UNUSED_BY_KIND: dict[str, tuple[str, ...]] = {
     "flat": ("ra", "sq", "hurst", "roll_off", "cut_off", "seed", "period", "feed", "fine_ra", "lay"),
     "self-affine": ("feed", "fine_ra", "lay"),
@@ -163,8 +172,7 @@ class Study(Section):
         if synthetic is not None:
             why = f"does not apply to kind = '{synthetic.kind}'"
             found |= dict.fromkeys((f"disc.synthetic.{k}" for k in UNUSED_BY_KIND[synthetic.kind]), why)
-            of_files = ("extend", "level", "sliding_axis", "pixel", "height_unit")
-            found |= dict.fromkeys((f"disc.{k}" for k in of_files), "does not apply to a synthetic surface")
+            found |= dict.fromkeys((f"disc.{k}" for k in OF_FILES), "does not apply to a synthetic surface")
         if not (self.law.compliance == 0.0 and self._rigid_steps):
             found["stepping.load_tolerance"] = "does not apply: with compliance the balance holds to 1e-12"
         if self.stepping.increment is not None:

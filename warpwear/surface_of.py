@@ -27,8 +27,14 @@ def surface_of(disc: Disc) -> Surface:
     return read_measured(
         str(disc.surface),
         extend=disc.extend,
-        level=disc.level,
-        sliding_axis=disc.sliding_axis,
         pixel=disc.pixel,
         height_unit=disc.height_unit,
+        array=disc.array,
+        height_sign=disc.height_sign,
+        crop=disc.crop,
+        sliding_axis=disc.sliding_axis,
+        outliers=disc.outliers,
+        level=disc.level,
+        s_filter=disc.s_filter,
+        l_filter=disc.l_filter,
     )

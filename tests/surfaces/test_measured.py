@@ -116,8 +116,9 @@ def test_filter_works_on_both_axes_each_with_its_own_cell():
     assert np.abs(surface.heights(x, y)).max() == pytest.approx(0.25, abs=1e-3)
 
 
-def test_says_what_sampling_did(rough):
-    surface = measured(rough, extend="mirror")
+def test_says_what_sampling_did():
+    smooth = np.multiply.outer(wave(60, 0.04), wave(40, 0.04))
+    surface = measured(smooth, extend="mirror")
     same, coarse, fine = (centres(20, cell) for cell in (PIXEL, 0.0015, 0.00025))
     assert surface.notices(same, same) == []
     (notice,) = surface.notices(coarse, coarse)
@@ -128,7 +129,15 @@ def test_says_what_sampling_did(rough):
     assert [n.startswith("along x") for n in surface.notices(coarse, same)] == [True]
     assert [n.startswith("along y") for n in surface.notices(same, fine)] == [True]
     assert "mirrored" in surface.notices(centres(70), same)[0]
-    assert "repeated" in measured(rough, extend="periodic").notices(centres(70), same)[0]
+    assert "repeated" in measured(smooth, extend="periodic").notices(centres(70), same)[0]
+
+
+def test_says_when_slopes_depend_on_the_shortest_wave(rough):
+    same = centres(20)
+    (notice,) = measured(rough).notices(same, same)
+    assert "rms slope still depends on the shortest wavelength" in notice
+    assert "from 2 µm on" in notice
+    assert "from 4 µm on" in notice
 
 
 def test_memory_stays_near_the_output(rough):
@@ -202,7 +211,7 @@ def test_heights_cannot_be_written_to(saved):
     ("bad", "field"),
     [
         ({"extend": "repeat"}, "extend"),
-        ({"level": "sphere"}, "level"),
+        ({"level": "cubic"}, "level"),
         ({"level": -1}, "level"),
         ({"level": 13}, "level"),
         ({"level": True}, "level"),

@@ -120,6 +120,8 @@ def test_a_list_of_points_is_gridded_or_refused(tmp_path):
     with pytest.raises(InputError, match=r"disc\.pixel is not given.* without a unit"):
         read(path, height_unit="um")
     np.savetxt(path, np.delete(points, [7, 100, 333], axis=0))
+    assert np.isnan(read(path, pixel=0.002, height_unit="um").heights).sum() == 3
+    np.savetxt(path, np.random.default_rng(1).random((500, 3)))
     with pytest.raises(InputError, match=r"disc\.surface .*disc\.xyz.*list of points"):
         read(path, pixel=0.002, height_unit="um")
 

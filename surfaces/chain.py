@@ -1,0 +1,248 @@
+"""What is done to a measurement before it is a surface: a fixed order of operations, each one recorded."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from warpwear.errors import InputError
+from warpwear.surfaces.base import FloatArray
+from warpwear.surfaces.filtering import areal_low_pass
+from warpwear.surfaces.levelling import filled, without_polynomial
+from warpwear.surfaces.outliers import outliers
+from warpwear.surfaces.reading import Reading
+from warpwear.surfaces.sphere_fit import NoSphere, fit_sphere, places
+
+HIGHEST_DEGREE = 12
+LARGEST_SQ = 1.0  # mm: above it a unit is wrong
+STEEPEST = (
+    5.0  # median slope: above it a unit is wrong, as no instrument sees a surface of 79° over half its area
+)
+FEWEST_DEVIATIONS = 3.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chain:
+    """The operations, in the order in which they are done; every default does nothing but take the plane off.
+
+    height_sign: "up" as in the file, "down" turns heights over (files that give depths).
+    crop: (x0, x1, y0, y1) [mm] in the file's frame, whose zero is the outer corner of its first pixel; or
+        (size_x, size_y) [mm] around the middle.
+    sliding_axis: which of the file's axes lies along the sliding direction; "y" transposes.
+    outliers: points farther than so many robust standard deviations from the local median become missing.
+    level: form removed by least squares: "none" (the mean only), "plane", a degree from 0 to 12, "sphere".
+    (Missing points are then filled from their rim, coarse to fine; see `levelling.filled`.)
+    s_filter, l_filter: cut-offs [mm] of the areal Gaussian filters of ISO 16610-61 that take off what is
+        shorter (S) and longer (L), 50 % transmission at the cut-off, mirrored at the edges.
+    """
+
+    height_sign: str = "up"
+    crop: Sequence[float] | None = None
+    sliding_axis: str = "x"
+    outliers: float | None = None
+    level: str | int = "plane"
+    s_filter: float | None = None
+    l_filter: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.height_sign not in ("up", "down"):
+            raise InputError(f'disc.height_sign is {self.height_sign!r}: allowed is "up" or "down"')
+        if self.sliding_axis not in ("x", "y"):
+            raise InputError(f'disc.sliding_axis is {self.sliding_axis!r}: allowed is "x" or "y"')
+        degree_of(self.level)
+        limit = self.outliers
+        if limit is not None and not FEWEST_DEVIATIONS <= limit < math.inf:
+            raise InputError(
+                f"disc.outliers is {limit!r}: allowed is a number of robust standard deviations, at least "
+                f"{FEWEST_DEVIATIONS:g}"
+            )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prepared:
+    """Complete heights [mm], shape (nx, ny), over their mean; pixel [mm], axis 0 along sliding.
+
+    measured: which of them the file holds and the outlier step left. operations: what was done, one sentence
+    each, in order. missing, removed: numbers of points missing in the file and of outliers.
+    sq_valid: Sq [mm] of the measured points after levelling, before the filters.
+    """
+
+    heights: FloatArray
+    pixel: tuple[float, float]
+    measured: npt.NDArray[np.bool_]
+    operations: tuple[str, ...]
+    missing: int
+    removed: int
+    sq_valid: float
+
+
+def prepare(reading: Reading, chain: Chain, *, name: str) -> Prepared:
+    """Apply the chain to what was read from the file `name`. InputError for what cannot be or is absurd."""
+    heights, pixel = reading.heights, reading.pixel
+    done = list(reading.notes)
+    if chain.height_sign == "down":
+        heights = -heights
+        done.append("heights turned over: the file gives depths")
+    if chain.crop is not None:
+        heights, told = _cropped(heights, pixel, chain.crop)
+        done.append(told)
+    if chain.sliding_axis == "y":
+        heights, pixel = np.ascontiguousarray(heights.T), (pixel[1], pixel[0])
+        done.append("transposed: the file's y is along the sliding direction")
+    missing = int(np.isnan(heights).sum())
+    if missing == heights.size:
+        raise InputError(f"disc.crop leaves no valid point of disc.surface '{name}'")
+    removed = 0
+    if chain.outliers is not None:
+        found = outliers(heights, deviations=chain.outliers)
+        heights = np.where(found.where, np.nan, heights)
+        removed = found.points
+        done.append(
+            f"outliers: {removed} points in {found.groups} groups farther than {chain.outliers:g} robust "
+            f"standard deviations ({1e3 * found.limit:.4g} µm) from the median of 5 × 5 points removed"
+            + (f", the farthest {1e3 * found.farthest:.4g} µm" if removed else "")
+        )
+    heights, told = _levelled(heights, pixel, chain.level)
+    done.append(told)
+    sq = float(np.sqrt(np.nanmean(np.square(heights))))
+    _check_plausible(heights, pixel, sq, name=name, unit=reading.unit)
+    measured = ~np.isnan(heights)
+    if missing + removed:
+        heights = filled(heights)
+        share = 100.0 * (missing + removed) / heights.size
+        done.append(
+            f"{missing + removed} missing points ({share:.3g} %) filled from their rim (harmonic, coarse to "
+            "fine)"
+        )
+    heights, told_filters = _filtered(heights, pixel, chain)
+    return Prepared(
+        heights=heights,
+        pixel=pixel,
+        measured=measured,
+        operations=(*done, *told_filters),
+        missing=missing,
+        removed=removed,
+        sq_valid=sq,
+    )
+
+
+def degree_of(level: str | int) -> int | Literal["sphere"]:
+    """Degree of the polynomial that a level takes off, or "sphere". InputError for anything else."""
+    if level == "sphere":
+        return "sphere"
+    degree = {"none": 0, "plane": 1}.get(level) if isinstance(level, str) else level
+    if degree is None or isinstance(level, bool) or not 0 <= degree <= HIGHEST_DEGREE:
+        raise InputError(
+            f'disc.level is {level!r}: allowed is "none", "plane", "sphere" or a polynomial degree from 0 to '
+            f"{HIGHEST_DEGREE}"
+        )
+    return degree
+
+
+def _cropped(
+    heights: FloatArray, pixel: tuple[float, float], crop: Sequence[float]
+) -> tuple[FloatArray, str]:
+    extent = tuple(n * p for n, p in zip(heights.shape, pixel, strict=True))
+    if len(crop) == 2:
+        bounds = [
+            edge for size, e in zip(crop, extent, strict=True) for edge in ((e - size) / 2, (e + size) / 2)
+        ]
+    else:
+        bounds = list(crop)
+    shown = ", ".join(f"{v:.6g}" for v in crop)
+    allowed = (
+        f"allowed is x0, x1, y0, y1 within the measurement, {extent[0]:.6g} × {extent[1]:.6g} mm, or a size "
+        "along x and y up to that"
+    )
+    if len(bounds) != 4:
+        raise InputError(f"disc.crop is ({shown}) mm: {allowed}")
+    slices = []
+    for low, high, size, step in zip(bounds[::2], bounds[1::2], extent, pixel, strict=True):
+        slack = 1e-6 * step
+        first, last = math.ceil((low - slack) / step), math.floor((high + slack) / step)
+        if not -slack <= low < high <= size + slack or last - first < 2:
+            raise InputError(f"disc.crop is ({shown}) mm: {allowed}")
+        slices.append(slice(max(first, 0), last))
+    kept = np.ascontiguousarray(heights[tuple(slices)])
+    told = (
+        f"cropped to x {bounds[0]:.6g} to {bounds[1]:.6g} mm and y {bounds[2]:.6g} to {bounds[3]:.6g} mm of "
+        f"the file, {kept.shape[0]} × {kept.shape[1]} points"
+    )
+    return kept, told
+
+
+def _levelled(heights: FloatArray, pixel: tuple[float, float], level: str | int) -> tuple[FloatArray, str]:
+    degree = degree_of(level)
+    if degree == "sphere":
+        try:
+            sphere = fit_sphere(heights, pixel=pixel)
+        except NoSphere as error:
+            raise InputError(
+                f'disc.level is "sphere" and no sphere fits the measurement ({error}): allowed is "none", '
+                '"plane" or a degree'
+            ) from error
+        rest = heights - sphere.heights(*places(heights.shape, pixel))
+        rest -= np.nanmean(rest)
+        way = "bulging" if sphere.radius > 0 else "hollow"
+        return rest, f"least-squares sphere of radius {abs(sphere.radius):.5g} mm ({way}) taken off"
+    told = {"none": "mean height taken off", "plane": "least-squares plane taken off"}.get(
+        str(level), f"least-squares polynomial of degree {level} taken off"
+    )
+    return without_polynomial(heights, degree=degree), told
+
+
+def _filtered(heights: FloatArray, pixel: tuple[float, float], chain: Chain) -> tuple[FloatArray, list[str]]:
+    told = []
+    shortest = 2.0 * max(pixel)
+    longest = min(n * p for n, p in zip(heights.shape, pixel, strict=True))
+    for key in ("s_filter", "l_filter"):
+        cut_off = getattr(chain, key)
+        if cut_off is not None and not shortest * (1 - 1e-9) <= cut_off <= longest:
+            raise InputError(
+                f"disc.{key} is {1e3 * cut_off:.4g} µm: allowed is from two pixels, {1e3 * shortest:.4g} µm, "
+                f"to the measurement's shorter side, {1e3 * longest:.4g} µm"
+            )
+    if chain.s_filter is not None and chain.l_filter is not None and chain.s_filter >= chain.l_filter:
+        raise InputError(
+            f"disc.s_filter is {1e3 * chain.s_filter:.4g} µm: allowed is less than disc.l_filter, "
+            f"{1e3 * chain.l_filter:.4g} µm"
+        )
+    if chain.s_filter is not None:
+        heights = areal_low_pass(heights, pixel=pixel, cut_off=chain.s_filter)
+        told.append(_of_filter("S", "shorter", chain.s_filter))
+    if chain.l_filter is not None:
+        heights = heights - areal_low_pass(heights, pixel=pixel, cut_off=chain.l_filter)
+        heights -= heights.mean()
+        told.append(_of_filter("L", "longer", chain.l_filter))
+    return heights, told
+
+
+def _of_filter(kind: str, side: str, cut_off: float) -> str:
+    return (
+        f"{kind}-filter: Gaussian (ISO 16610-61), waves {side} than {1e3 * cut_off:.4g} µm taken off, half "
+        "transmitted there, mirrored at the edges"
+    )
+
+
+def _check_plausible(
+    heights: FloatArray, pixel: tuple[float, float], sq: float, *, name: str, unit: str
+) -> None:
+    smaller = {"km": "m", "m": "mm", "cm": "mm", "mm": "um", "µm": "nm", "um": "nm"}.get(unit)
+    advice = "or give disc.height_unit" + (f', such as "{smaller}" instead of {unit}' if smaller else "")
+    if not sq <= LARGEST_SQ:
+        raise InputError(
+            f"disc.surface '{name}' has Sq = {sq:.3g} mm after levelling: allowed is at most {LARGEST_SQ:g} "
+            f"mm, {advice}"
+        )
+    steps = [np.diff(heights, axis=axis) / pixel[axis] for axis in (0, 1)]
+    valid = [s[~np.isnan(s)] for s in steps]
+    # less the median step: a tilt that is left on is no slope of the surface
+    slope = max((float(np.median(np.abs(v - np.median(v)))) for v in valid if v.size), default=0.0)
+    if slope > STEEPEST:
+        raise InputError(
+            f"disc.surface '{name}' has slopes of {slope:.3g} over half its area: allowed is at most "
+            f"{STEEPEST:g}, {advice}, or give disc.pixel"
+        )

@@ -1,0 +1,177 @@
+"""What a surface has at which wavelength: power spectrum, rms slope against cut-off, roll-off."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.fft
+
+from warpwear.surfaces.base import FloatArray
+
+BINS_PER_DECADE = 12
+FINE_BINS = 4096  # of frequency, for sums over filtered waves
+FLAT_BINS, STEEP_BINS = 3, 4  # that a knee needs below and above it
+LEAST_EXPONENT = 1.0  # of the decay above a knee
+STEEPEST = -6.0  # exponent that no rough surface has: 2 + 2H is at most 4
+SURE_MODES = 100  # of a bin, below which its scatter may look as steep
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Radially averaged power spectral density.
+
+    wavelength [mm], decreasing; density C [mm⁴] at the wavenumbers q = 2π/wavelength, normalised such that
+    ∫ C d²q/(2π)² = Sq²; modes: number of waves averaged. All of shape (bins,), empty bins left out.
+    """
+
+    wavelength: FloatArray
+    density: FloatArray
+    modes: FloatArray
+
+
+@dataclass(frozen=True)
+class RollOff:
+    """Suggested roll-off wavelength [mm], how it was found, the Hurst exponent above it (None: unknown)."""
+
+    wavelength: float | None
+    source: str
+    hurst: float | None = None
+
+
+def power_spectrum(heights: FloatArray, *, pixel: tuple[float, float]) -> Spectrum:
+    """Radially averaged power spectrum of complete, levelled heights [mm], shape (nx, ny); pixel [mm].
+
+    From the Fourier transform under a Hann window, which keeps the jump between opposite edges out of the
+    spectrum; its loss of power is made up for (Jacobs, Junge and Pastewka 2017, sections 3 and 4). Up to the
+    Nyquist frequency of the coarser pixel.
+    """
+    nx, ny = heights.shape
+    window = np.multiply.outer(_hann(nx), _hann(ny))
+    window /= math.sqrt(float(np.mean(np.square(window))))
+    waves = scipy.fft.rfft2((heights - heights.mean()) * window)
+    power = np.square(np.abs(waves))
+    power *= pixel[0] * pixel[1] / (nx * ny)
+    fx, fy = scipy.fft.fftfreq(nx, pixel[0]), scipy.fft.rfftfreq(ny, pixel[1])
+    # a column of the half transform stands for two, but for the first and an even count's last
+    weight = np.full(fy.size, 2.0)
+    weight[0] = 1.0
+    if ny % 2 == 0:
+        weight[-1] = 1.0
+    frequency = np.hypot(fx[:, None], fy[None, :])
+    lowest = 1.0 / max(nx * pixel[0], ny * pixel[1])
+    highest = 0.5 / max(pixel)
+    count = max(int(BINS_PER_DECADE * math.log10(highest / lowest)), 2)
+    edges = np.geomspace(lowest * (1 - 1e-9), highest * (1 + 1e-9), count + 1)
+    place = np.digitize(frequency, edges).ravel()
+    weights = np.broadcast_to(weight, frequency.shape).ravel()
+    modes = np.bincount(place, weights, minlength=count + 2)[1:-1]
+    total = np.bincount(place, weights * power.ravel(), minlength=count + 2)[1:-1]
+    mean_log = np.bincount(place, weights * np.log(np.maximum(frequency.ravel(), lowest / 2)), count + 2)[
+        1:-1
+    ]
+    used = (modes > 0) & (total > 0)
+    return Spectrum(
+        wavelength=np.exp(-mean_log[used] / modes[used]),
+        density=total[used] / modes[used],
+        modes=modes[used],
+    )
+
+
+def slope_against_cut_off(
+    heights: FloatArray, *, pixel: tuple[float, float], cut_offs: FloatArray
+) -> FloatArray:
+    """Rms slope [-] after an S-filter with each of the cut-offs [mm], shape (n,); 0 is none.
+
+    heights [mm], shape (nx, ny), complete. The filter is the Gaussian one of ISO 16610-61, mirrored at the
+    edges; slopes are those of the waves themselves, so that pixels only limit the waves.
+    """
+    nx, ny = heights.shape
+    waves = scipy.fft.dctn(heights - heights.mean(), type=2, norm="ortho")
+    energy = np.square(waves, out=waves)
+    energy /= nx * ny
+    squared = np.add.outer(
+        np.square(np.arange(nx) / (2.0 * nx * pixel[0])), np.square(np.arange(ny) / (2.0 * ny * pixel[1]))
+    )
+    # one sum over bins of √f² stands for a filter of the field for each cut-off
+    frequency = np.sqrt(squared)
+    place = (frequency * (FINE_BINS / float(frequency.max()))).astype(np.intp).ravel()
+    energy *= squared
+    slopes = np.bincount(place, energy.ravel()) * (2.0 * math.pi) ** 2
+    moment = np.bincount(place, (energy * squared).ravel()) * (2.0 * math.pi) ** 2
+    # the frequency of a bin is the one of its waves' slopes
+    middle = np.divide(moment, slopes, out=np.zeros_like(slopes), where=slopes > 0.0)
+    passed = np.exp2(-2.0 * np.square(cut_offs)[:, None] * middle[None, :])
+    return np.asarray(np.sqrt(passed @ slopes))
+
+
+def autocorrelation_length(
+    heights: FloatArray, *, pixel: tuple[float, float], level: float = 0.2
+) -> float | None:
+    """Shortest distance [mm] in which the autocorrelation falls to `level`: Sal of ISO 25178-2.
+
+    heights [mm], shape (nx, ny), complete, levelled. None when it does not fall so far within a quarter of
+    the field. Padded with zeros, so that opposite edges do not meet; the loss of overlap is made up for.
+    """
+    nx, ny = heights.shape
+    shape = [scipy.fft.next_fast_len(n + n // 4, real=True) for n in (nx, ny)]
+    waves = scipy.fft.rfft2(heights - heights.mean(), s=shape)
+    raw = scipy.fft.irfft2(np.square(np.abs(waves)), s=shape)
+    mx, my = nx // 4, ny // 4
+    i, j = np.arange(-mx, mx + 1), np.arange(my + 1)
+    overlap = np.multiply.outer(nx - np.abs(i), ny - j)
+    near = raw[np.ix_(i, j)] / overlap
+    if near[mx, 0] <= 0.0:
+        return None
+    below = near < level * near[mx, 0]
+    if not below.any():
+        return None
+    distance = np.hypot((i * pixel[0])[:, None], (j * pixel[1])[None, :])
+    return float(distance[below].min())
+
+
+def suggested_roll_off(spectrum: Spectrum, *, correlation: float | None, resolved: float) -> RollOff:
+    """The wavelength above which the spectrum is flat: its knee, or else from the autocorrelation length.
+
+    The knee is that of the best fit of a constant below it and a power law above, in logarithms, among
+    wavelengths above `resolved` [mm] (two pixels, or the S-filter). It counts when at least three bins lie
+    on the flat side and the power law explains the rest; else four autocorrelation lengths are suggested
+    (a quarter wave is how far heights of one wavelength stay alike), where that is known.
+    """
+    kept = spectrum.wavelength > 1.5 * resolved
+    # nor does a sharp cut-off of the surface itself belong to the power law
+    fall = np.diff(np.log(spectrum.density)) / np.diff(-np.log(spectrum.wavelength))
+    cliff = np.flatnonzero((fall < STEEPEST) & (spectrum.modes[1:] > SURE_MODES))
+    if cliff.size:
+        kept[max(cliff[0], 1) :] = False
+    q = -np.log(spectrum.wavelength[kept])
+    c = np.log(spectrum.density[kept])
+    # few waves to a bin scatter much; many differ by the model's faults, not by chance
+    weight = 1.0 / (0.02 + 1.0 / spectrum.modes[kept])
+    best: tuple[float, float, float] | None = None
+    for knee in np.linspace(q[0], q[-1], 200) if q.size > FLAT_BINS + STEEP_BINS else []:
+        if np.sum(q <= knee) < FLAT_BINS or np.sum(q > knee) < STEEP_BINS:
+            continue
+        ramp = np.maximum(q - knee, 0.0)
+        design = np.stack([np.ones_like(q), -ramp], axis=1) * np.sqrt(weight)[:, None]
+        solution, *_ = np.linalg.lstsq(design, c * np.sqrt(weight), rcond=None)
+        error = float(np.sum(weight * np.square(c - solution[0] + solution[1] * ramp)))
+        if best is None or error < best[0]:
+            best = (error, float(knee), float(solution[1]))
+    if best is not None and best[2] > LEAST_EXPONENT:
+        # flat must be flat: a straight line through all the low waves may not fall by itself
+        flat = q <= best[1]
+        tilt = np.polyfit(q[flat], c[flat], 1, w=np.sqrt(weight[flat]))[0]
+        if tilt > -0.5 * best[2]:
+            hurst = best[2] / 2.0 - 1.0
+            return RollOff(
+                wavelength=math.exp(-best[1]),
+                source="knee of the power spectrum",
+                hurst=hurst if 0.0 < hurst <= 1.2 else None,
+            )
+    if correlation is not None:
+        return RollOff(wavelength=4.0 * correlation, source="four autocorrelation lengths (no clear knee)")
+    return RollOff(wavelength=None, source="not in the field: the spectrum still rises at its longest waves")
+
+
+def _hann(count: int) -> FloatArray:
+    return 0.5 - 0.5 * np.cos(2.0 * math.pi * (np.arange(count) + 0.5) / count)
