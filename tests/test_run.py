@@ -34,16 +34,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_folder_holds_everything(folder: Path) -> None:
     names = {p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file()}
     assert {"study.toml", "result.h5", "history.csv", "summary.json", "log.txt"} <= names
-    figures = sorted(p.name for p in (folder / "figures").iterdir())
-    assert figures == [
-        "areas.png",
-        "cof.png",
-        "pressure.png",
-        "pressure_map.png",
-        "profiles.png",
-        "volumes.png",
-        "wear_map.png",
-    ]
+    drawn = {p.stem for p in (folder / "figures").iterdir()}
+    assert {"cof", "areas", "pressure", "pressure_map", "profiles"} <= drawn
     assert not [p for p in folder.parent.iterdir() if p.name.startswith(".")]
 
 
@@ -78,7 +70,14 @@ def test_the_tables_agree_with_the_result(folder: Path) -> None:
         assert summary["assumptions"]["contact.hardness"].startswith("not in the thesis")
         assert max(map(abs, summary["conservation_relative"].values())) < 1e-10
         assert summary["load_residual_N"]["largest"] < 1e-12 * 8.0
+        assert summary["assumptions"]["contact.stiffness"]  # a default that is a choice
         assert summary["surface"]["kind"] == "self-affine"
+        on_the_grid = summary["surface"]["on_the_grid"]
+        last = result.snapshot(-1)
+        x, y = np.meshgrid(result.x, result.y, indexing="ij")
+        disc = 3.0 - np.sqrt(9.0 - x**2 - y**2) + last.wear_sphere + last.wear_disc - last.gap
+        assert on_the_grid["sq_um"] == pytest.approx(1e3 * disc.std(), rel=1e-9)
+        assert 0.1 < on_the_grid["rms_slope"] < 0.4
 
 
 def test_snapshots_and_history_describe_one_state(folder: Path) -> None:
@@ -146,16 +145,22 @@ def test_nothing_is_overwritten_silently(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"already holds a run"):
         warpwear.run(quick(), out=out)
     assert (out / "result.h5").read_bytes() == before
+    (out / "figures").mkdir()
+    (out / "figures" / "cof.png").touch()
+    (out / "notes.txt").write_text("mine")
     warpwear.run(quick(), out=out, plots=False, overwrite=True).close()
     assert (out / "result.h5").read_bytes() != before
+    assert (out / "notes.txt").read_text() == "mine"
+    assert not (out / "figures" / "cof.png").exists()  # it would show the run that is gone
     foreign = tmp_path / "mine"
     foreign.mkdir()
     (foreign / "thesis.doc").touch()
     for overwrite in (False, True):
         with pytest.raises(InputError, match="holds other files"):
             warpwear.run(quick(), out=foreign, overwrite=overwrite)
-    with pytest.raises(InputError, match="is a file"):
-        warpwear.run(quick(), out=foreign / "thesis.doc")
+    for inside in ("thesis.doc", "thesis.doc/run"):
+        with pytest.raises(InputError, match=r"thesis\.doc is a file"):
+            warpwear.run(quick(), out=foreign / inside)
 
 
 @pytest.mark.parametrize(
@@ -241,3 +246,19 @@ def test_results_that_are_none(tmp_path: Path) -> None:
         file["a"] = 1
     with pytest.raises(InputError, match="not a result of warpwear"):
         Result.open(tmp_path / "other.h5")
+
+
+def test_an_absurd_coefficient_and_a_contact_of_few_cells_are_told() -> None:
+    absurd = warpwear.run(quick(friction__area="cumulative"))
+    assert any("which no contact has" in warning for warning in absurd.summary["warnings"])
+    coarse = warpwear.run(quick(contact__load="0.5 N"))
+    assert any("cells are in contact" in warning for warning in coarse.summary["warnings"])
+    fine = warpwear.run(quick(contact__load="30 N"))
+    assert not [w for w in fine.summary["warnings"] if "cells are in contact" in w or "no contact has" in w]
+
+
+def test_a_preset_runs_by_its_name(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(quick(sliding__distance="0 mm").to_toml())
+    assert warpwear.run(tmp_path).finished
+    with pytest.raises(InputError, match="folder without a study"):
+        Study.load(tmp_path.parent)

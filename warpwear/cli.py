@@ -1,5 +1,6 @@
 """The command line. Exit status 0, 2 for bad input with one plain sentence, 130 when interrupted."""
 
+import signal
 import sys
 import tomllib
 from collections.abc import Callable
@@ -78,8 +79,10 @@ def run(
 
     The folder gets study.toml, result.h5, history.csv, summary.json, figures and log.txt.
     """
+    from warpwear.results import Result
     from warpwear.runner import run as run_study
 
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # a batch system's way of pressing Ctrl-C
     loaded = _load(study, changes)
     folder = out if out is not None else Path(loaded.study.name)
     try:
@@ -93,8 +96,10 @@ def run(
             progress=True,
         )
     except KeyboardInterrupt:
-        if folder.is_dir():
-            click.echo(f"the steps that were done are in {folder}/, marked as unfinished", err=True)
+        if (folder / "result.h5").is_file():
+            with Result.open(folder) as result:
+                how = "finished, without all its figures" if result.finished else "unfinished"
+                click.echo(f"{folder}/ holds the run as far as it came: {how}", err=True)
         raise
     with result:
         click.echo(_report(result.summary))
@@ -125,13 +130,44 @@ def show(study: str, changes: tuple[str, ...]) -> None:
 
 @commands.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-def plot(folder: Path) -> None:
-    """Draw the figures of the run in DIR (again)."""
+@click.option("--only", "names", metavar="NAME", multiple=True, help="Only this figure. Repeatable.")
+@click.option("--format", "file_format", default="png", show_default=True, help="png, pdf or svg.")
+def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
+    """Draw the figures of the run in DIR (again).
+
+    They go into DIR/figures. Figures that make no sense for the run are left out, with the reason.
+    """
     from warpwear.results import Result
 
     with Result.open(folder) as result:
-        for path in result.plot.save_all(folder / "figures"):
-            click.echo(path)
+        plotter, where = result.plot, (result.folder or folder) / "figures"
+        plotter.check(names, file_format=file_format)
+        left_out = {} if names else plotter.left_out
+        for name in dict.fromkeys(names or plotter.NAMES):
+            if name not in left_out:
+                click.echo(plotter.save(name, where, file_format=file_format))
+        for reason in dict.fromkeys(left_out.values()):
+            missing = ", ".join(name for name, why in left_out.items() if why == reason)
+            click.echo(f"note: no {missing}: {reason}", err=True)
+
+
+@commands.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option(
+    "--out", type=click.Path(path_type=Path), help=".mp4 or .gif file. [default: DIR/animation.mp4 or .gif]"
+)
+@click.option("--fps", default=5.0, show_default=True, help="Frames a second; a frame is a snapshot.")
+@click.option("--overwrite", is_flag=True, help="Replace a file that is there.")
+def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None:
+    """Film the run in DIR: the wearing disc, the pressure and the coefficient of friction.
+
+    mp4 needs ffmpeg; without it the default is gif.
+    """
+    from warpwear.animation import animate as animate_result
+    from warpwear.results import Result
+
+    with Result.open(folder) as result:
+        click.echo(animate_result(result, out, frames_per_second=fps, overwrite=overwrite))
 
 
 @commands.command("export")
@@ -184,7 +220,7 @@ def _report(summary: dict[str, Any]) -> str:
         f"{s['name']}: {s['distance_mm']:g} mm slid in {s['steps']} steps, {s['elapsed_s']:.1f} s",
         f"  scar              {s['scar_mm']['along']:.4g} × {s['scar_mm']['across']:.4g} mm (along × across)",
         f"  area in contact   {s['area_mm2']['contact']:.4g} mm², "
-        f"{100 * s['area_real_over_nominal']:.3g} % of the scar",
+        f"{s['area_real_over_nominal']:.3g} of the nominal area (the scar as an ellipse)",
         f"  other areas       at hardness {s['area_mm2']['plastic']:.4g}, ever touched "
         f"{s['area_mm2']['touched']:.4g}, running sum {s['area_mm2']['cumulative']:.4g} mm²",
         f"  pressure          mean {s['pressure_MPa']['mean']:.4g}, "

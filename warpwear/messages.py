@@ -5,12 +5,13 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from warpwear.schema import all_keys, key_of
+from warpwear.schema import all_keys, key_of, section_in
 
 
 def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     """The first problem of a study, for its author."""
-    first = error.errors()[0]
+    # A misspelt section is unknown and leaves the right one missing: the first is the cause.
+    first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     # Branches of a union (an int or one of some words) are pydantic's, not the user's.
     name = ".".join(
         str(p) for p in first["loc"] if not str(p).startswith(("literal[", "constrained-", "function-"))
@@ -24,6 +25,8 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         return f"'{name}' is no key of a study{hint}"
     if kind == "missing":
         return f"{name} is missing{_expected(model, name)}."
+    if kind in ("tuple_type", "list_type"):
+        return f"{name} = {value!r}: must be a list in brackets, such as ['30 mm', '240 mm']."
     if kind in ("model_type", "dict_type", "model_attributes_type"):
         return f"{name} = {value!r} is not a section; write [{name}] and its keys below it."
     message = str(first["ctx"]["error"]) if "ctx" in first and "error" in first["ctx"] else first["msg"]
@@ -52,5 +55,7 @@ def _siblings(model: type[BaseModel], name: str) -> list[str]:
 
 def _expected(model: type[BaseModel], name: str) -> str:
     info: Any = key_of(model, name)
+    if info is not None and section_in(info.annotation) is not None:
+        return f": a section [{name}] with {', '.join(section_in(info.annotation).model_fields)}"
     meaning = getattr(info, "description", None)
     return f": {meaning}" if meaning else ""

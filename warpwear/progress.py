@@ -7,6 +7,9 @@ from tqdm import tqdm
 
 from warpwear.study import Study
 
+#: Longest silence of a run that writes plain lines [s].
+EVERY_SECONDS = 30.0
+
 
 class Progress:
     """Counts steps; says where the run is about every tenth of them, or in a bar."""
@@ -16,13 +19,13 @@ class Progress:
         self._quiet = quiet
         self._bar: tqdm | None = None
         self._steps = self._done = 0
-        self._started = time.perf_counter()
+        self._started = self._said = time.perf_counter()
         self._next = 0.1
 
     def start(self, steps: int) -> None:
         """The run begins; it has this many steps."""
         self._steps = steps
-        self._started = time.perf_counter()
+        self._started = self._said = time.perf_counter()
         if not self._quiet and sys.stderr.isatty():
             self._bar = tqdm(total=steps, desc=self._name, unit="step", leave=False)
 
@@ -35,8 +38,9 @@ class Progress:
                 self._bar.set_postfix_str(
                     f"{row['distance']:.4g} mm, {row['area_contact']:.4g} mm²", refresh=False
                 )
-        elif self._done >= self._next * self._steps:
+        elif self._done >= self._next * self._steps or time.perf_counter() - self._said > EVERY_SECONDS:
             elapsed = time.perf_counter() - self._started
+            self._said = time.perf_counter()
             left = elapsed / self._done * (self._steps - self._done)
             self.say(
                 f"{self._name}: step {self._done} of {self._steps}, {row['distance']:.4g} mm slid, "

@@ -1,6 +1,7 @@
 """Quantities in text, such as "9.4e-4 mm^3/N/m", to numbers in the units of the solver: mm, N, MPa, s."""
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -22,6 +23,14 @@ EXAMPLES = {
 }
 
 
+# One number, then units of letters; digits in a unit are exponents. Not left to a parser of expressions,
+# which would read "8,5 N" as 85 N and "2 400 mm" as 800 mm.
+_NUMBER_AND_UNIT = re.compile(
+    r"\s*(?P<number>[+-]?(?:\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|inf|nan))"
+    r"\s*(?P<unit>/?\s*(?:[^\W\d_]|[²³])+(?:(?:\s*(?:\^|\*\*)\s*-?\d)|[^\W\d_]|[²³\s()*/·])*)?\s*"
+)
+
+
 @cache
 def _registry() -> Any:
     import pint
@@ -35,8 +44,14 @@ def parse(value: Any, unit: str) -> float:
 
     if isinstance(value, bool) or not isinstance(value, str):
         raise ValueError(f"needs its unit: {EXAMPLES[unit]}")
+    if "," in value:
+        raise ValueError(f"has a comma: write the number with a decimal point, {EXAMPLES[unit]}")
+    found = _NUMBER_AND_UNIT.fullmatch(value)
+    if found is None:
+        raise ValueError(f"is not one number with one unit: {EXAMPLES[unit]} is expected")
+    asked = found["unit"] or "dimensionless"
     try:
-        quantity = _registry().Quantity(value)
+        quantity = _registry().Quantity(float(found["number"]), f"1{asked}" if asked[0] == "/" else asked)
         number = float(quantity.to(unit).magnitude)
     except pint.DimensionalityError:
         raise ValueError(f"has the wrong dimension: {EXAMPLES[unit]} is expected") from None

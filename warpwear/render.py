@@ -20,8 +20,8 @@ def to_toml(study: "Study") -> str:
         for parent in parents:
             section = section.setdefault(parent, {})
         section[key] = value
-    applicable = {name: why for name, why in study.assumed.items() if name not in study.inapplicable()}
-    return tomli_w.dumps(nested | ({"assumed": applicable} if applicable else {}))
+    assumed = assumptions(study)  # of defaults too, which look like given values in this text
+    return tomli_w.dumps(nested | ({"assumed": assumed} if assumed else {}))
 
 
 def to_marked_toml(study: "Study") -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from warpwear import __version__, friction
 from warpwear.errors import InputError
 from warpwear.execution import Executor
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, Grid
 from warpwear.history import COLUMNS
 from warpwear.micro import MicroModel, Step
 from warpwear.progress import Progress
@@ -26,10 +26,16 @@ from warpwear.results import FILE_NAME, Result, ResultWriter, Snapshot
 from warpwear.stepping import increments
 from warpwear.study import Study
 from warpwear.surface_of import surface_of
+from warpwear.surfaces.parameters import roughness
+
+#: A coefficient of friction beyond this is a mistake, not a result.
+ABSURD_COEFFICIENT = 3.0
+#: A contact of fewer cells is not resolved.
+FEW_CELLS = 20
 
 
 def run(
-    study: Study,
+    study: Study | str | Path,
     *,
     out: str | Path | None = None,
     device: str = "cpu",
@@ -38,7 +44,7 @@ def run(
     overwrite: bool = False,
     progress: bool = False,
 ) -> Result:
-    """Run a study and return its result.
+    """Run a study (or the one in a file, or a preset) and return its result.
 
     out: run folder to write (study.toml, result.h5, history.csv, summary.json, figures, log.txt); without it
     the result lives in memory. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
@@ -48,6 +54,8 @@ def run(
     say) and ConvergenceError for an unbalanced contact; neither leaves a folder behind. KeyboardInterrupt
     leaves an unfinished run.
     """
+    if not isinstance(study, Study):
+        study = Study.load(study)
     folder = None if out is None else _check_folder(Path(out), overwrite=overwrite)
     grid = study.cells
     log = logging.getLogger("warpwear")
@@ -76,7 +84,7 @@ def run(
             file.close()
             _move_into_place(work, folder)
             result = Result.open(folder)
-    if folder and plots:
+    if folder and plots and not loop.interrupted:
         result.plot.save_all(folder / "figures")
     if loop.interrupted:
         raise KeyboardInterrupt
@@ -98,8 +106,8 @@ class _Loop:
         self.warnings = [*study.notices(), *surface.notices(grid.x, grid.y)]
         for warning in self.warnings:
             self._warn(warning)
-        self._surface_record = surface.record()
         heights = surface.heights(grid.x, grid.y)
+        self._surface_record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
         self._model = MicroModel(study, heights, executor)
         self._executor = executor
         self._rows: list[dict[str, float]] = []
@@ -127,6 +135,7 @@ class _Loop:
         finally:
             self._progress.end()
         history = self._history(finished=not self.interrupted)
+        self._check_results(history)
         elapsed = time.perf_counter() - started
         how = "interrupted after" if self.interrupted else "finished:"
         self._log.info("%s %d steps in %.1f s", how, len(self._rows), elapsed)
@@ -168,17 +177,42 @@ class _Loop:
             raise InputError(f"{sentence}; a larger extent is needed.")
         if not self._edge_told:
             self._edge_told = True
-            self.warnings.append(f"{sentence}.")
-            self._warn(f"{sentence}.")
+            self._add_warning(f"{sentence}.")
+
+    def _check_results(self, history: dict[str, FloatArray]) -> None:
+        highest = history["cof"].max()
+        if highest > ABSURD_COEFFICIENT:
+            self._add_warning(
+                f"The coefficient of friction reaches {highest:.3g}, which no contact has: the shear "
+                f"strength belongs to another area than friction.area = '{self.study.friction.area}'."
+            )
+        fewest = history["cells_in_contact"].min()
+        if fewest < FEW_CELLS:
+            self._add_warning(
+                f"At times only {fewest:.0f} cells are in contact: smaller cells are needed to trust "
+                "the result."
+            )
+
+    def _add_warning(self, sentence: str) -> None:
+        self.warnings.append(sentence)
+        self._warn(sentence)
 
     def _warn(self, sentence: str) -> None:
         self._log.warning(sentence)
         self._progress.say(f"note: {sentence}")
 
 
+def _roughness_on(grid: Grid, heights: FloatArray) -> dict[str, float]:
+    """What the cells see of the surface: after filling, filtering, mirroring and sampling."""
+    found = roughness(heights, pixel=(grid.cell, grid.cell))
+    lengths = {f"{key}_um": 1.0e3 * found.pop(key) for key in ("sa", "sq", "sz")}
+    return lengths | found
+
+
 def _check_folder(folder: Path, *, overwrite: bool) -> Path:
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"out = {folder} is a file; the name of a folder is expected.")
+    for path in (folder, *folder.parents):
+        if path.exists() and not path.is_dir():
+            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected.")
     if folder.is_dir() and any(folder.iterdir()):
         ours = (folder / FILE_NAME).is_file()
         if not ours:
@@ -213,10 +247,18 @@ def _nearest_folder(path: Path) -> Path:
 
 
 def _move_into_place(work: Path, folder: Path) -> None:
+    """All files of the run at once; into a folder that is there, file by file, leaving others alone."""
+    from warpwear.figures import Plotter
+
     folder.parent.mkdir(parents=True, exist_ok=True)
-    if folder.is_dir():
-        shutil.rmtree(folder)
-    work.rename(folder)
+    if not folder.is_dir():
+        work.rename(folder)
+        return
+    for figure in (folder / "figures").glob("*"):
+        if figure.stem in Plotter.NAMES:  # of the run that is replaced
+            figure.unlink()
+    for item in work.iterdir():
+        item.replace(folder / item.name)
 
 
 def _write_tables(folder: Path, study: Study, result: Result) -> None:

@@ -62,7 +62,9 @@ class Section(BaseModel):
 class About(Section):
     """[study]"""
 
-    name: str = key("study", "name of the run and of its folder")
+    name: Annotated[str, Field(pattern=r"^[^/\\\s.][^/\\]*$")] = key(
+        "study", "name of the run and of its folder, without slashes"
+    )
     description: str = key("", "one line for people")
     model: Literal["micro"] = key("micro", "resolved roughness on one fine grid")
 

@@ -52,7 +52,13 @@ ALTERNATIVES: tuple[tuple[frozenset[str], ...], ...] = (
 )
 
 #: Keys of [disc] that say how a measured file is read and prepared.
-OF_FILES = ("extend", "pixel", "height_unit", "array", "height_sign", "crop") + (
+OF_FILES = (
+    "extend",
+    "pixel",
+    "height_unit",
+    "array",
+    "height_sign",
+    "crop",
     "sliding_axis",
     "outliers",
     "level",
@@ -202,6 +208,8 @@ class Study(Section):
             return cls(**tomllib.loads(source.read_text(encoding="utf-8")))
         path = Path(path_or_preset)
         if path.is_dir():
+            if not (path / "study.toml").is_file():
+                raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
             path = path / "study.toml"
         try:
             sections = tomllib.loads(path.read_text(encoding="utf-8"))
