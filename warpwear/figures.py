@@ -1,256 +1,166 @@
-"""Figures of a result. One style; every axis has its unit; the same colour for the same body everywhere."""
+"""Figures of a result: the table of their names, when each makes sense, and how they are written."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from difflib import get_close_matches
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
-from warpwear.grid import FloatArray
-from warpwear.results import Result, Snapshot
+from warpwear import figure_style, figures_fields, figures_history, figures_setup, figures_shape
+from warpwear.errors import InputError
+from warpwear.figure_data import FigureData
+from warpwear.results import Result
 
-if TYPE_CHECKING:
-    from matplotlib.image import AxesImage
+FORMATS = ("png", "pdf", "svg")
+#: Says in one sentence why a run has no such figure; None if it has.
+Reason = Callable[[FigureData], str | None]
 
-# Okabe and Ito's colours, told apart by colour-blind readers.
-SPHERE, DISC, CONTACT, NEUTRAL, ACCENT, SUM = "#0072B2", "#D55E00", "#009E73", "#444444", "#CC79A7", "#E69F00"
-WIDTH, HEIGHT = 3.5, 2.7  # one column [inch]
-STYLE: dict[Any, Any] = {
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "lines.linewidth": 1.2,
-    "savefig.dpi": 200,
-}
-AREAS = {
-    "area_contact": ("in contact", CONTACT, "-"),
-    "area_plastic": ("at hardness", DISC, ":"),
-    "area_touched": ("ever touched", SPHERE, "--"),
-    "area_nominal": ("nominal (scar)", NEUTRAL, "-."),
-    "area_cumulative": ("running sum", SUM, "-"),
-}
+
+class Entry(NamedTuple):
+    """A figure of the table."""
+
+    draw: Callable[[FigureData], Figure]
+    reasons: tuple[Reason, ...] = ()
 
 
 class Plotter:
-    """`result.plot.NAME()` returns a matplotlib figure; `save_all` writes every figure as a PNG."""
+    """`result.plot.NAME()` returns a matplotlib figure; `save_all` writes every figure that the run has."""
 
-    NAMES = ("cof", "areas", "pressure", "pressure_map", "wear_map", "profiles", "volumes")
+    NAMES: tuple[str, ...]
 
     def __init__(self, result: Result) -> None:
-        self._result = result
-        self._snapshots: dict[int, Snapshot] = {}
+        self._data = FigureData(result)
 
-    def save_all(self, folder: Path) -> list[Path]:
-        """Write all figures into the folder; returns their paths."""
-        folder.mkdir(parents=True, exist_ok=True)
-        return [self.save(name, folder) for name in self.NAMES]
+    def __getattr__(self, name: str) -> Callable[[], Figure]:
+        if name not in FIGURES:
+            raise AttributeError(_unknown(name))
+        draw = FIGURES[name].draw
 
-    def save(self, name: str, folder: Path) -> Path:
-        """Write one figure as a PNG; returns its path."""
-        path = folder / f"{name}.png"
+        @wraps(draw)
+        def figure() -> Figure:
+            reason = self.reason(name)
+            if reason is not None:
+                raise InputError(f"there is no figure '{name}': {reason}")
+            return draw(self._data)
+
+        return figure
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *FIGURES]
+
+    def reason(self, name: str) -> str | None:
+        """Why the run has no such figure, in one sentence; None if it has. InputError for an unknown name."""
+        if name not in FIGURES:
+            raise InputError(_unknown(name))
+        return next((why for reason in FIGURES[name].reasons if (why := reason(self._data))), None)
+
+    @property
+    def left_out(self) -> dict[str, str]:
+        """Name -> reason, of the figures that make no sense for this run."""
+        return {name: why for name in FIGURES if (why := self.reason(name))}
+
+    def save_all(self, folder: Path, *, file_format: str = "png") -> list[Path]:
+        """Write all figures but `left_out` into the folder; returns their paths. file_format: of FORMATS."""
+        left_out = self.left_out
+        return [self.save(name, folder, file_format=file_format) for name in FIGURES if name not in left_out]
+
+    def save(self, name: str, folder: Path, *, file_format: str = "png") -> Path:
+        """Write one figure; returns its path. InputError for a name or a format that is not known."""
+        self.check([name], file_format=file_format)
         figure: Figure = getattr(self, name)()
-        with _style():
-            figure.savefig(path)
+        path = folder / f"{name}.{file_format}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            # Without a date the same run gives the same file.
+            with figure_style.style():
+                figure.savefig(path, metadata={} if file_format == "png" else {_DATE[file_format]: None})
+        except OSError as error:
+            raise InputError(f"{path} cannot be written: {error.strerror}.") from error
         return path
 
-    def cof(self) -> Figure:
-        """Coefficient of friction over the distance slid, and relative to its end value."""
-        history = self._result.history
-        study = self._result.study
-
-        def draw(axes: Axes) -> None:
-            _over_distance(axes, history["distance"], history["cof"], color=NEUTRAL)
-            axes.set_ylabel("coefficient of friction, 1")
-            axes.set_ylim(bottom=0.0)
-            end = float(history["cof"][-1])
-            if np.isfinite(end) and end > 0.0:
-                to_relative: Any = (lambda v: v / end, lambda v: v * end)
-                relative = axes.secondary_yaxis("right", functions=to_relative)
-                relative.set_ylabel("relative to its end, 1")
-                relative.spines["right"].set_visible(True)
-            area = AREAS[f"area_{study.friction.area}"][0]
-            axes.set_title(f"friction from the area: {area}", fontsize=8)
-
-        return _figure(draw)
-
-    def areas(self) -> Figure:
-        """The four areas and the nominal one over the distance slid."""
-        history = self._result.history
-
-        def draw(axes: Axes) -> None:
-            for name, (label, color, line) in AREAS.items():
-                values = np.where(history[name] > 0.0, history[name], np.nan)
-                if np.isfinite(values).any():
-                    _over_distance(axes, history["distance"], values, color=color, ls=line, label=label)
-            _logarithmic(axes, history["distance"])
-            axes.set_ylabel("area, mm²")
-            axes.legend(loc="upper left")
-
-        return _figure(draw)
-
-    def pressure(self) -> Figure:
-        """Mean and largest pressure of the cells in contact over the distance slid."""
-        history = self._result.history
-
-        def draw(axes: Axes) -> None:
-            distance = history["distance"]
-            _over_distance(axes, distance, history["pressure_mean"], color=CONTACT, label="mean")
-            _over_distance(axes, distance, history["pressure_max"], color=NEUTRAL, ls=":", label="largest")
-            hardness = self._result.study.hardness
-            if np.isfinite(hardness):
-                axes.axhline(hardness, color=ACCENT, lw=0.8, ls="--", label="hardness")
-            _logarithmic(axes, distance)
-            axes.set_ylabel("pressure in contact, MPa")
-            axes.legend(loc="best")
-
-        return _figure(draw)
-
-    def pressure_map(self) -> Figure:
-        """Pressure over the domain at the first and the last snapshot."""
-        first, last = self._snapshot(0), self._snapshot(-1)
-        shown = [last] if first.distance == last.distance else [first, last]
-
-        def draw(axes: Any) -> None:
-            for panel, snapshot in zip(np.atleast_1d(axes), shown, strict=True):
-                pressure = np.where(snapshot.pressure > 0.0, snapshot.pressure, np.nan)
-                self._map(panel, pressure, "viridis", "pressure, MPa")
-                panel.set_title(_at(snapshot.distance), fontsize=8)
-
-        return _figure(draw, columns=len(shown))
-
-    def wear_map(self) -> Figure:
-        """Wear depth of both bodies at the end."""
-        last = self._snapshot(-1)
-
-        def draw(axes: Any) -> None:
-            deepest = 1.0e3 * max(last.wear_sphere.max(), last.wear_disc.max(), 1.0e-12)
-            for panel, body in zip(axes, ("sphere", "disc"), strict=True):
-                depth = 1.0e3 * getattr(last, f"wear_{body}")
-                self._map(panel, depth, "magma_r", f"wear of the {body}, µm", top=deepest)
-                panel.set_title(_at(last.distance), fontsize=8)
-
-        return _figure(draw, columns=2)
-
-    def profiles(self) -> Figure:
-        """Both bodies along and across the sliding direction through the middle, at contact."""
-        result, last = self._result, self._snapshot(-1)
-        grid = result.study.cells
-        approach = float(result.history["approach"][-1])
-        curvature = result.study.sphere.curvature
-
-        def draw(axes: Any) -> None:
-            cuts: tuple[tuple[str, FloatArray, Callable[[FloatArray], FloatArray]], ...] = (
-                ("along sliding, x", result.x, lambda f: f[:, grid.ny // 2]),
-                ("across sliding, y", result.y, lambda f: f[grid.nx // 2, :]),
-            )
-            for panel, (label, place, cut) in zip(axes, cuts, strict=True):
-                sphere0 = _sag(place, curvature) - approach
-                sphere = sphere0 + cut(last.wear_sphere)
-                disc = sphere + approach - cut(last.gap)
-                unworn = disc + cut(last.wear_disc)
-                panel.plot(place, 1e3 * unworn, color=DISC, lw=0.5, alpha=0.5, label="disc, unworn")
-                panel.plot(place, 1e3 * sphere0, color=SPHERE, lw=0.6, ls="--", label="sphere, unworn")
-                panel.plot(place, 1e3 * sphere, color=SPHERE, lw=2.6, alpha=0.4, label="sphere, worn")
-                panel.plot(place, 1e3 * disc, color=DISC, lw=0.8, label="disc, worn")
-                bottom = min(unworn.min(), disc.min(), sphere0.min())
-                top = max(unworn.max(), sphere.min() + 0.25 * (sphere.max() - sphere.min()))
-                room = 0.05 * (top - bottom)
-                panel.set_ylim(1e3 * (bottom - room), 1e3 * (top + room))
-                panel.set_xlabel(f"{label}, mm")
-            axes[0].set_ylabel("height over the disc's mean plane, µm")
-            figure = axes[0].figure
-            handles, labels = axes[0].get_legend_handles_labels()
-            figure.legend(handles, labels, loc="outside upper center", ncols=4)
-
-        return _figure(draw, columns=2)
-
-    def volumes(self) -> Figure:
-        """Worn volume and deepest cell of both bodies over the distance slid."""
-        history = self._result.history
-
-        def draw(axes: Any) -> None:
-            distance = history["distance"]
-            for body, color in (("sphere", SPHERE), ("disc", DISC)):
-                volume = 1e3 * history[f"wear_volume_{body}"]
-                _over_distance(axes[0], distance, volume, color=color, label=body)
-                depth = 1e3 * history[f"wear_depth_{body}"]
-                _over_distance(axes[1], distance, depth, color=color, label=body)
-            axes[0].set_ylabel("worn volume, 10⁻³ mm³")
-            axes[1].set_ylabel("deepest cell, µm")
-            axes[0].legend(loc="upper left")
-
-        return _figure(draw, columns=2)
-
-    def _snapshot(self, index: int) -> Snapshot:
-        if index not in self._snapshots:
-            self._snapshots[index] = self._result.snapshot(index)
-        return self._snapshots[index]
-
-    def _map(
-        self, axes: Axes, values: FloatArray, colours: str, label: str, *, top: float | None = None
-    ) -> "AxesImage":
-        x, y = self._result.x, self._result.y
-        half = 0.5 * self._result.study.grid.cell
-        image = axes.imshow(
-            values.T,
-            origin="lower",
-            extent=(x[0] - half, x[-1] + half, y[0] - half, y[-1] + half),
-            cmap=colours,
-            vmin=0.0,
-            vmax=top,
-            interpolation="auto",
-        )
-        axes.figure.colorbar(image, ax=axes, label=label, shrink=0.8)
-        axes.set_xlabel("along sliding, x, mm")
-        axes.set_ylabel("across, y, mm")
-        axes.xaxis.set_major_locator(MaxNLocator(4))
-        axes.yaxis.set_major_locator(MaxNLocator(5))
-        return image
+    def check(self, names: Sequence[str], *, file_format: str = "png") -> None:
+        """InputError for a name or a format that is not known, before anything is drawn."""
+        if file_format not in FORMATS:
+            raise InputError(f"format = '{file_format}' is not known; allowed: {', '.join(FORMATS)}")
+        for name in names:
+            if name not in FIGURES:
+                raise InputError(_unknown(name))
 
 
-def _figure(draw: Callable[[Any], None], *, columns: int = 1) -> Figure:
-    with _style():
-        figure = Figure(figsize=(WIDTH * columns, HEIGHT), layout="constrained")
-        FigureCanvasAgg(figure)
-        axes = figure.subplots(1, columns)
-        draw(axes)
-    return figure
+_DATE = {"pdf": "CreationDate", "svg": "Date"}
 
 
-def _style() -> Any:
-    import matplotlib
-
-    return matplotlib.rc_context(STYLE)
-
-
-def _over_distance(axes: Axes, distance: FloatArray, values: FloatArray, **style: Any) -> None:
-    if distance.size == 1:
-        style |= {"marker": "o", "ms": 4}
-    axes.plot(distance, values, **style)
-    axes.set_xlabel("sliding distance, mm")
-    axes.xaxis.set_major_locator(MaxNLocator(6))
+def _unknown(name: str) -> str:
+    near = get_close_matches(name, FIGURES, n=1, cutoff=0.5)
+    hint = f"did you mean '{near[0]}'? " if near else ""
+    return f"'{name}' is no figure; {hint}Allowed: {', '.join(FIGURES)}"
 
 
-def _logarithmic(axes: Axes, distance: FloatArray) -> None:
-    if distance.size > 1:
-        axes.set_xscale("log")
-    axes.set_yscale("log")
+def _no_course(data: FigureData) -> str | None:
+    if data.steps < 2:
+        return "the run has one step, so nothing changes over the distance"
+    return None
 
 
-def _at(distance: float) -> str:
-    return f"after {distance:.4g} mm of sliding" if distance else "static contact"
+def _no_cof(data: FigureData) -> str | None:
+    if not np.isfinite(data.history["cof"]).any():
+        return "the coefficient of friction is calibrated at the end, which the run did not reach"
+    return None
 
 
-def _sag(place: FloatArray, curvature: float) -> FloatArray:
-    if curvature == 0.0:
-        return np.zeros_like(place)
-    from warpwear.surfaces.sphere import sag
+def _no_time(data: FigureData) -> str | None:
+    if not np.isfinite(data.history["time"]).any():
+        return "sliding.speed is not given, so there is no time"
+    return None
 
-    return sag(place, np.zeros(1), radius=1.0 / curvature)[:, 0]
+
+def _no_curvature(data: FigureData) -> str | None:
+    if data.study.sphere.curvature == 0.0:
+        return "a rigid flat has no radius of contact"
+    return None
+
+
+def _no_snapshot(data: FigureData) -> str | None:
+    if data.result.snapshot_distances.size == 0:
+        return "the run was interrupted before its first snapshot"
+    return None
+
+
+def _no_wear_of(*bodies: str) -> Reason:
+    def reason(data: FigureData) -> str | None:
+        if not any(data.history[f"wear_depth_{body}"][-1] > 0.0 for body in bodies):
+            return f"nothing is worn off the {' or the '.join(bodies)}"
+        return None
+
+    return reason
+
+
+_SPHERE = (_no_snapshot, _no_wear_of("sphere"))
+_DISC = (_no_snapshot, _no_wear_of("disc"))
+_BOTH = _no_wear_of("sphere", "disc")
+
+FIGURES: dict[str, Entry] = {
+    "setup": Entry(figures_setup.setup, (_no_snapshot,)),
+    "cof": Entry(figures_history.cof, (_no_course, _no_cof)),
+    "cof_time": Entry(figures_history.cof_time, (_no_course, _no_cof, _no_time)),
+    "areas": Entry(figures_history.areas, (_no_course,)),
+    "pressure": Entry(figures_history.pressure, (_no_course,)),
+    "contact_radius": Entry(figures_history.contact_radius, (_no_course, _no_curvature)),
+    "volumes": Entry(figures_history.volumes, (_no_course, _BOTH)),
+    "pressure_map": Entry(figures_fields.pressure_map, (_no_snapshot,)),
+    "pressure_3d": Entry(figures_fields.pressure_3d, (_no_snapshot,)),
+    "pressure_profiles": Entry(figures_fields.pressure_profiles, (_no_snapshot,)),
+    "contact_map": Entry(figures_fields.contact_map, (_no_snapshot,)),
+    "wear_map": Entry(figures_shape.wear_map, (_no_snapshot, _BOTH)),
+    "sphere_map": Entry(figures_shape.sphere_map, _SPHERE),
+    "sphere_3d": Entry(figures_shape.sphere_3d, _SPHERE),
+    "sphere_profiles": Entry(figures_shape.sphere_profiles, _SPHERE),
+    "disc_map": Entry(figures_shape.disc_map, _DISC),
+    "disc_3d": Entry(figures_shape.disc_3d, _DISC),
+    "disc_profiles": Entry(figures_shape.disc_profiles, _DISC),
+    "profiles": Entry(figures_shape.profiles, (_no_snapshot,)),
+}
+Plotter.NAMES = tuple(FIGURES)

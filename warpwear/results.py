@@ -168,6 +168,12 @@ class Result:
 
         return Plotter(self)
 
+    def _repr_html_(self) -> str:
+        """A notebook's view of the result."""
+        from warpwear.notebook import to_html
+
+        return to_html(self)
+
     def close(self) -> None:
         """Close the file. What was read stays."""
         self._file.close()

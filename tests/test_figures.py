@@ -1,0 +1,293 @@
+"""Figures: all of them drawn of several kinds of run, legible, with units, or left out with a reason."""
+
+import base64
+import itertools
+import re
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+from matplotlib.text import Text
+from PIL import Image
+
+import warpwear
+from warpwear import InputError, Result, Study
+from warpwear.animation import FFMpegWriter, animate
+from warpwear.cli import main
+from warpwear.figure_data import FigureData, State
+
+SMALL = {"grid.cell": "20 um", "sliding.distance": "30 mm"}
+RUNS: dict[str, dict[str, Any]] = {
+    "rough": {"output.snapshots": ["0.3 mm", "3 mm", "10 mm"]},
+    "end only": {"output.snapshots": []},
+    "static": {"sliding.distance": "0 mm", "output.snapshots": []},
+    "flat": {"sphere.radius": "inf mm", "sliding.distance": "3 mm", "output.snapshots": ["1 mm"]},
+    "published": {
+        "stepping.scheme": "explicit",
+        "stepping.load_tolerance": "0.5 N",
+        "friction.area": "cumulative",
+        "output.snapshots": ["1 mm", "10 mm"],
+    },
+}
+STATIC = {"setup", "pressure_map", "pressure_3d", "pressure_profiles", "contact_map", "profiles"}
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
+    """A finished run of each kind, in a folder without figures."""
+    where = tmp_path_factory.mktemp("runs")
+    return {
+        name: warpwear.run(
+            Study.load("v3-fine").replace(SMALL | changes), out=where / name.replace(" ", "-"), plots=False
+        )
+        for name, changes in RUNS.items()
+    }
+
+
+def drawn(result: Result, name: str) -> tuple[Figure, Any]:
+    figure: Figure = getattr(result.plot, name)()
+    figure.canvas.draw()
+    return figure, figure.canvas.get_renderer()  # type: ignore[attr-defined]
+
+
+def axes_of(figure: Figure) -> list[Axes]:
+    """All axes: panels, colour bars, secondary axes."""
+    return [child for axes in figure.axes for child in (axes, *axes.child_axes)]
+
+
+def axes_lines(axes: Axes) -> list[Any]:
+    """Those of x, y and z."""
+    return [getattr(axes, f"{n}axis") for n in "xyz" if hasattr(axes, f"{n}axis")]
+
+
+def shown_ticks(axis: Any) -> list[Text]:
+    low, high = sorted(axis.get_view_interval())
+    room = 1e-9 * (high - low)
+    ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+    inside = [t for t in ticks if low - room <= t.get_loc() <= high + room]
+    labels = [label for t in inside for label in (t.label1, t.label2)]
+    return [label for label in labels if label.get_visible() and label.get_text()]
+
+
+def texts_of(figure: Figure) -> list[Text]:
+    found: list[Text] = []
+    for axes in axes_of(figure):
+        for axis in axes_lines(axes):
+            found += [axis.label, *shown_ticks(axis)]
+        found += [axes.title, *axes.texts]
+    for legend in figure.legends:
+        found += legend.get_texts()
+    return [text for text in found if text.get_visible() and text.get_text()]
+
+
+def outline(text: Text, renderer: Any) -> Polygon:
+    """Corners of a text, turned as it is and half a pixel smaller on each side [pixels]."""
+    turned = text.get_window_extent(renderer)
+    angle = text.get_rotation()
+    text.set_rotation(0.0)
+    flat = text.get_window_extent(renderer)
+    text.set_rotation(angle)
+    half = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * [flat.width - 1.0, flat.height - 1.0]
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    middle = np.array([turned.x0 + turned.x1, turned.y0 + turned.y1]) / 2.0
+    return Polygon(half @ np.array([[c, s], [-s, c]]) + middle)
+
+
+def is_empty(axes: Axes) -> bool:
+    values = [image.get_array() for image in axes.images]
+    values += [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines]
+    if any(np.isfinite(np.ma.filled(v, np.nan)).any() for v in values if v is not None):
+        return False
+    return not axes.collections
+
+
+def each_figure(results: dict[str, Result]) -> list[tuple[str, str, Result]]:
+    return [
+        (run, name, r) for run, r in results.items() for name in r.plot.NAMES if name not in r.plot.left_out
+    ]
+
+
+def test_every_figure_of_every_run_is_fit_to_print(results: dict[str, Result]) -> None:
+    faults: list[str] = []
+    for run, name, result in each_figure(results):
+        figure, renderer = drawn(result, name)
+        where = f"{run}, {name}"
+        if figure.get_figwidth() not in (3.5, 7.0):
+            faults.append(f"{where}: {figure.get_figwidth()} inch is no column's width")
+        for axes in axes_of(figure):
+            if axes in figure.axes and not hasattr(axes, "_colorbar") and is_empty(axes):
+                faults.append(f"{where}: an empty panel")
+            for axis in axes_lines(axes):
+                label = axis.label.get_text()
+                if shown_ticks(axis) and not re.search(r", (–|mm|mm²|µm|MPa|s|min|h|10⁻³ mm³)$", label):
+                    faults.append(f"{where}: an axis without a unit: '{label}'")
+        texts = [(text.get_text(), outline(text, renderer)) for text in texts_of(figure)]
+        for (a, outline_a), (b, outline_b) in itertools.combinations(texts, 2):
+            if outline_a.get_path().intersects_path(outline_b.get_path()):
+                faults.append(f"{where}: '{a}' and '{b}' overlap")
+        for text, shape in texts:
+            low, high = shape.get_xy().min(axis=0), shape.get_xy().max(axis=0)
+            if (low < -1.0).any() or (high > np.array([figure.bbox.x1, figure.bbox.y1]) + 1.0).any():
+                faults.append(f"{where}: '{text}' leaves the page")
+        small = [t.get_text() for t in texts_of(figure) if float(t.get_fontsize()) < 7.0]
+        if small:
+            faults.append(f"{where}: {small} too small to read")
+    assert not faults, "\n".join(faults)
+
+
+def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Result], tmp_path: Path) -> None:
+    plot = results["static"].plot
+    assert set(plot.NAMES) - set(plot.left_out) == STATIC
+    written = plot.save_all(tmp_path)
+    assert {path.stem for path in written} == STATIC
+    with pytest.raises(InputError, match="there is no figure 'cof': the run has one step"):
+        plot.cof()
+    assert results["flat"].plot.left_out == {"contact_radius": "a rigid flat has no radius of contact"}
+    assert not results["rough"].plot.left_out
+    no_speed = warpwear.run(
+        Study.load("v3").replace({"grid.cell": "20 um", "sliding.speed": None, "sliding.distance": "3 mm"})
+    )
+    assert "sliding.speed" in str(no_speed.plot.reason("cof_time"))
+
+
+def test_an_interrupted_run_without_snapshots_still_plots(results: dict[str, Result], tmp_path: Path) -> None:
+    source = results["end only"].folder
+    assert source is not None
+    with h5py.File(source / "result.h5") as old, h5py.File(tmp_path / "result.h5", "w") as new:
+        for name in ("grid", "history"):
+            old.copy(name, new)
+        new.create_group("snapshots")
+        new.attrs.update(old.attrs)
+        new["history/cof"][...] = np.nan
+        new.attrs["finished"] = False
+    with Result.open(tmp_path) as result:
+        names = {path.stem for path in result.plot.save_all(tmp_path / "figures")}
+        assert names == {"areas", "pressure", "contact_radius", "volumes"}
+        assert "interrupted" in result._repr_html_()
+
+
+def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:
+    plot = results["rough"].plot
+    for kind, start in (("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")):
+        path = plot.save("disc_3d", tmp_path, file_format=kind)
+        assert path.name == f"disc_3d.{kind}"
+        assert path.read_bytes().startswith(start)
+    with Image.open(tmp_path / "disc_3d.png") as image:
+        assert image.width == 7 * 300
+    assert b"Type3" not in (tmp_path / "disc_3d.pdf").read_bytes()
+    first = (tmp_path / "disc_3d.pdf").read_bytes()
+    assert plot.save("disc_3d", tmp_path, file_format="pdf").read_bytes() == first
+    with pytest.raises(InputError, match="'pressure_mpa' is no figure; did you mean 'pressure_map'"):
+        plot.save("pressure_mpa", tmp_path)
+    with pytest.raises(InputError, match="format = 'eps' is not known; allowed: png, pdf, svg"):
+        plot.save("cof", tmp_path, file_format="eps")
+    with pytest.raises(AttributeError):
+        _ = plot.nothing
+
+
+def test_plot_on_the_command_line(
+    results: dict[str, Result], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = results["static"].folder
+    with pytest.raises(SystemExit) as ended:
+        main(["plot", str(folder), "--only", "contact_map", "--only", "setup", "--format", "svg"])
+    assert ended.value.code == 0
+    assert [Path(line).name for line in capsys.readouterr().out.split()] == ["contact_map.svg", "setup.svg"]
+    for arguments, message in (
+        (["--only", "contact_mpa"], "did you mean 'contact_map'"),
+        (["--format", "eps"], "format = 'eps' is not known"),
+        (["--only", "cof"], "there is no figure 'cof': the run has one step"),
+    ):
+        with pytest.raises(SystemExit) as ended:
+            main(["plot", str(folder), *arguments])
+        assert ended.value.code == 2
+        assert message in capsys.readouterr().err
+
+
+def test_reduction_keeps_what_it_promises(results: dict[str, Result]) -> None:
+    result = results["rough"]
+    data = FigureData(result)
+    view, snapshot = data.read(0, blocks=20), result.snapshot(0)
+    window = data.window_of(20)
+    side = (window.extent[1] - window.extent[0]) / view.pressure.shape[0]
+    assert window.factor > 1
+    # The scar is inside the window, so the load and the volumes are too.
+    assert view.pressure_mean.sum() * side**2 == pytest.approx(8.0, rel=1e-12)
+    volume = snapshot.wear_disc.sum() * result.study.cells.cell_area
+    assert view.wear_disc.sum() * side**2 == pytest.approx(volume, rel=1e-12)
+    assert view.pressure.max() == snapshot.pressure.max()
+    last = data.last
+    assert (last.state > State.TOUCHED).sum() * (20e-3) ** 2 == pytest.approx(
+        result.history["area_contact"][-1]
+    )
+    published = FigureData(results["published"]).last
+    assert set(np.unique(published.state)) == {State.UNTOUCHED, State.TOUCHED, State.AT_HARDNESS}
+
+
+def test_a_notebook_shows_a_result(results: dict[str, Result]) -> None:
+    html = results["rough"]._repr_html_()
+    images = re.findall(r"data:image/png;base64,([^']+)'", html)
+    assert len(images) == 2
+    assert all(base64.b64decode(image).startswith(b"\x89PNG") for image in images)
+    assert "30 mm in" in html
+    assert len(re.findall("data:image", results["static"]._repr_html_())) == 1
+
+
+def test_a_film_has_a_frame_a_snapshot(results: dict[str, Result], tmp_path: Path) -> None:
+    result = results["rough"]
+    path = animate(result, tmp_path / "wear.gif", frames_per_second=4.0)
+    with Image.open(path) as film:
+        assert film.n_frames == result.snapshot_distances.size == 4
+        assert film.info["duration"] == 250
+        assert film.width % 2 == film.height % 2 == 0
+    assert [p.name for p in tmp_path.iterdir()] == ["wear.gif"]
+    with pytest.raises(
+        InputError, match=r"wear\.gif is there already; give another --out, or --overwrite it"
+    ):
+        animate(result, path)
+    before = path.stat().st_mtime_ns
+    animate(result, path, overwrite=True)
+    assert path.stat().st_mtime_ns != before
+
+
+@pytest.mark.parametrize(
+    ("out", "fps", "message"),
+    [
+        ("wear.avi", 5.0, r"wear\.avi: the name of a \.mp4 or a \.gif file is expected"),
+        ("wear.gif", 0.0, r"fps = 0 is not possible"),
+        ("no/wear.gif", 5.0, r"the folder .*no does not exist"),
+    ],
+)
+def test_what_cannot_be_filmed_is_refused(
+    results: dict[str, Result], tmp_path: Path, out: str, fps: float, message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        animate(results["rough"], tmp_path / out, frames_per_second=fps)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_film_needs_snapshots_and_an_encoder(
+    results: dict[str, Result], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(InputError, match=r"at least two snapshots, .* kept 1; .*--set output\.snapshots="):
+        animate(results["end only"])
+    monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
+    with pytest.raises(InputError, match=r"needs ffmpeg, which is not installed"):
+        animate(results["rough"], tmp_path / "wear.mp4")
+    folder = results["flat"].folder
+    assert folder is not None
+    with pytest.raises(SystemExit) as ended:
+        main(["animate", str(folder)])
+    assert ended.value.code == 0
+    assert (folder / "animation.gif").is_file()
+
+
+@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="ffmpeg is not installed")
+def test_a_film_in_mp4(results: dict[str, Result], tmp_path: Path) -> None:
+    path = animate(results["rough"], tmp_path / "wear.mp4")
+    assert b"ftyp" in path.read_bytes()[:16]

@@ -1,0 +1,145 @@
+"""The wear of a run as a film: the disc, the pressure and the coefficient of friction, a frame a snapshot."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.animation import FFMpegWriter, PillowWriter
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from warpwear import figure_style as fs
+from warpwear.errors import InputError
+from warpwear.figure_axes import draw_map
+from warpwear.figure_data import FigureData, View
+from warpwear.results import Result
+
+#: Blocks along a side of a map, pixels an inch: even numbers of pixels, which H.264 asks for.
+BLOCKS, DPI, SIZE = 250, 160, (9.0, 2.9)
+#: Formats by their suffix.
+WRITERS: dict[str, Any] = {".mp4": FFMpegWriter, ".gif": PillowWriter}
+
+
+def animate(
+    result: Result, out: str | Path | None = None, *, frames_per_second: float = 5.0, overwrite: bool = False
+) -> Path:
+    """Write a film with one frame a snapshot; returns its path.
+
+    out: a .mp4 (by ffmpeg) or .gif file; by default animation.mp4 in the run folder, or .gif where ffmpeg is
+    not installed. Raises InputError for fewer than two snapshots, for what cannot be written, and for a file
+    that is there.
+    """
+    path = _check(result, out, frames_per_second=frames_per_second, overwrite=overwrite)
+    partial = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
+    try:
+        with fs.style():
+            film = _Film(result)
+            writer = WRITERS[path.suffix.lower()](fps=frames_per_second)
+            with writer.saving(film.figure, str(partial), DPI):
+                for index in range(result.snapshot_distances.size):
+                    film.show(index)
+                    writer.grab_frame()
+        partial.replace(path)
+    except OSError as error:
+        raise InputError(f"out = {path} cannot be written: {error.strerror or error}") from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return path
+
+
+def _check(result: Result, out: str | Path | None, *, frames_per_second: float, overwrite: bool) -> Path:
+    kept = result.snapshot_distances.size
+    if kept < 2:
+        raise InputError(
+            f"a film needs at least two snapshots, and this run kept {kept}; run it with more of them, "
+            'such as --set output.snapshots=\'["30 mm", "600 mm", "1200 mm"]\''
+        )
+    if not 0.0 < frames_per_second <= 100.0:
+        raise InputError(f"fps = {frames_per_second:g} is not possible; allowed: more than 0, to 100")
+    if out is None:
+        suffix = ".mp4" if FFMpegWriter.isAvailable() else ".gif"
+        path = (result.folder or Path()) / f"animation{suffix}"
+    else:
+        path = Path(out)
+    suffix = path.suffix.lower()
+    if suffix not in WRITERS:
+        raise InputError(f"out = {path}: the name of a {' or a '.join(WRITERS)} file is expected")
+    if not WRITERS[suffix].isAvailable():
+        raise InputError(f"out = {path} needs ffmpeg, which is not installed; a .gif file needs nothing")
+    if path.exists() and (path.is_dir() or not overwrite):
+        raise InputError(f"out = {path} is there already; give another --out, or --overwrite it")
+    if not path.parent.is_dir():
+        raise InputError(f"out = {path}: the folder {path.parent} does not exist")
+    return path
+
+
+class _Film:
+    """The figure whose contents change from frame to frame; scales stay."""
+
+    def __init__(self, result: Result) -> None:
+        self._data = FigureData(result)
+        self._rows = [self._data.row_of(distance) for distance in result.snapshot_distances]
+        self.figure = Figure(figsize=SIZE, layout="constrained")
+        FigureCanvasAgg(self.figure)
+        self._disc_axes, self._pressure_axes, friction = self.figure.subplots(1, 3)
+        first, last = self._read(0), self._read(len(self._rows) - 1)
+        window = self._data.window_of(BLOCKS)
+        disc = [1e3 * view.disc for view in (first, last)]
+        low, high = min(np.nanmin(d) for d in disc), max(np.nanmax(d) for d in disc)
+        label = "height of the disc, µm"
+        self._disc = draw_map(
+            self._disc_axes, disc[0], window, fs.HEIGHTS, label, low=float(low), high=float(high)
+        )
+        norm = self._norm()
+        ends: dict[str, Any] = {"norm": norm} if norm else {"low": 0.0, "high": self._largest}
+        self._pressure = draw_map(
+            self._pressure_axes, _shown(first), window, fs.PRESSURES, "pressure, MPa", **ends
+        )
+        self._line, self._point = self._course(friction)
+
+    def show(self, index: int) -> None:
+        """Draw snapshot number `index`."""
+        view = self._read(index)
+        self._disc.set_data(1e3 * view.disc.T)
+        self._pressure.set_data(_shown(view).T)
+        self._disc_axes.set_title(f"disc {fs.after(view.distance)}")
+        history = self._data.history
+        mean, scatter = (float(history[f"pressure_{name}"][view.row]) for name in ("mean", "std"))
+        self._pressure_axes.set_title(f"{fs.with_scatter(mean, scatter)} MPa in contact")
+        so_far = slice(0, view.row + 1)
+        self._line.set_data(history["distance"][so_far], self._values[so_far])
+        self._point.set_data([history["distance"][view.row]], [self._values[view.row]])
+
+    def _read(self, index: int) -> View:
+        return self._data.read(index, blocks=BLOCKS)
+
+    @property
+    def _largest(self) -> float:
+        return float(self._data.history["pressure_max"][self._rows].max())
+
+    def _norm(self) -> LogNorm | None:
+        """Logarithmic where the pressure falls by much as the scar grows: all frames share one scale."""
+        least = float(self._data.history["pressure_mean"][self._rows].min())
+        return LogNorm(0.5 * least, self._largest, clip=True) if self._largest > 5.0 * least else None
+
+    def _course(self, axes: Axes) -> Any:
+        """The third panel's line up to now and its end; the area where there is no friction yet."""
+        history = self._data.history
+        known = bool(np.isfinite(history["cof"]).any())
+        self._values = history["cof" if known else "area_contact"]
+        axes.set_ylabel("coefficient of friction, –" if known else "area in contact, mm²")
+        axes.set_xlabel("sliding distance, mm")
+        axes.set_xlim(0.0, 1.03 * float(history["distance"][-1]))
+        axes.set_ylim(0.0, 1.05 * float(np.nanmax(self._values)))
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+        (line,) = axes.plot([], [], color=fs.NEUTRAL)
+        (point,) = axes.plot([], [], "o", color=fs.NEUTRAL, ms=4, clip_on=False)
+        return line, point
+
+
+def _shown(view: View) -> Any:
+    return np.where(view.pressure > 0.0, view.pressure, np.nan)

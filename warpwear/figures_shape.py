@@ -1,0 +1,194 @@
+"""Figures of the bodies' shapes: what is left of them and what is gone."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from warpwear import figure_style as fs
+from warpwear.figure_axes import (
+    ACROSS,
+    ALONG,
+    draw_map,
+    draw_surface,
+    exaggeration,
+    finish_3d,
+    map_figure,
+    new_3d_figure,
+    panels_of,
+)
+from warpwear.figure_data import SURFACE_BLOCKS, FigureData, Profile
+from warpwear.grid import FloatArray
+
+COLOURS = {"sphere": fs.SPHERE, "disc": fs.DISC}
+
+
+def wear_map(data: FigureData) -> Figure:
+    """Wear depth of both bodies at the end."""
+    last = data.last
+
+    def draw(axes: Any) -> None:
+        deepest = 1.0e3 * max(last.wear_sphere.max(), last.wear_disc.max())
+        for panel, body in panels_of(axes, ("sphere", "disc")):
+            depth = 1.0e3 * getattr(last, f"wear_{body}")
+            depth = np.where(depth > 0.0, depth, np.nan)
+            draw_map(panel, depth, data.window, fs.DEPTHS, "wear depth, µm", low=0.0, high=deepest)
+            panel.set_title(f"{data.name_of(body)} {fs.after(last.distance)}")
+
+    return map_figure(draw, 2)
+
+
+def sphere_map(data: FigureData) -> Figure:
+    """Shape of the sphere, unworn and at the snapshots."""
+    return _maps(data, "sphere")
+
+
+def disc_map(data: FigureData) -> Figure:
+    """Shape of the disc, unworn and at the snapshots."""
+    return _maps(data, "disc")
+
+
+def sphere_3d(data: FigureData) -> Figure:
+    """The sphere turned over, unworn and at the end, in 3-D."""
+    return _surfaces(data, "sphere")
+
+
+def disc_3d(data: FigureData) -> Figure:
+    """The disc, unworn and at the end, in 3-D."""
+    return _surfaces(data, "disc")
+
+
+def sphere_profiles(data: FigureData) -> Figure:
+    """The sphere's shape through the middle, all snapshots overlaid."""
+    return _profiles(data, "sphere")
+
+
+def disc_profiles(data: FigureData) -> Figure:
+    """The disc's shape through the middle, all snapshots overlaid."""
+    return _profiles(data, "disc")
+
+
+def _unworn(data: FigureData, body: str) -> FloatArray:
+    """[mm]; a mean of the worn shape plus the mean of the wear."""
+    worn: FloatArray = getattr(data.last, body)
+    return worn + getattr(data.last, f"wear_{body}")
+
+
+def _maps(data: FigureData, body: str) -> Figure:
+    views = data.views
+    if len(views) == 4:  # with the unworn one four panels; the third says least
+        views = [views[0], views[1], views[3]]
+    titles = ["unworn", *(fs.after(view.distance) for view in views)]
+    fields = [1e3 * _unworn(data, body), *(1e3 * getattr(view, body) for view in views)]
+    low = min(float(np.nanmin(field)) for field in fields)
+    high = max(float(np.nanmax(field)) for field in fields)
+    label, extend = f"height of the {data.name_of(body)}, µm", "neither"
+    if data.name_of(body) == "sphere":  # its flank at the corners would take half of the colours
+        low = min(float(np.nanmin(field[:, field.shape[1] // 2])) for field in fields)
+        extend = "min"
+
+    def draw(axes: Any) -> None:
+        for panel, (title, field) in panels_of(axes, list(zip(titles, fields, strict=True))):
+            image = draw_map(panel, field, data.window, fs.HEIGHTS, None, low=low, high=high)
+            panel.set_title(title)
+        # One scale for all: what changes is the disc, not the colours.
+        axes[0].figure.colorbar(image, ax=list(axes), label=label, shrink=0.8, extend=extend)
+
+    return map_figure(draw, len(fields))
+
+
+def _surfaces(data: FigureData, body: str) -> Figure:
+    titles = ["unworn", fs.after(data.last.distance)]
+    fields = [_coarse(field) for field in (_unworn(data, body), getattr(data.last, body))]
+    low = min(float(np.nanmin(field)) for field in fields)
+    high = max(float(np.nanmax(field)) for field in fields)
+    figure, panels = new_3d_figure(2)
+    for axes, title, field in zip(panels, titles, fields, strict=True):
+        draw_surface(axes, field, data.window, COLOURS[body], low=low, high=high)
+        axes.set_zlim(1e3 * low, 1e3 * high)
+        scale = exaggeration(axes, data.window)
+        turned = ", turned over" if body == "sphere" else ""
+        title = f"{data.name_of(body)}{turned}, {title}\nheights drawn {scale:g} times as large"
+        finish_3d(axes, data.window, "height, µm", title)
+    return figure
+
+
+def _coarse(field: FloatArray) -> FloatArray:
+    """Every so many blocks of a map their mean: facets that 3-D can draw."""
+    n = -(-max(field.shape) // SURFACE_BLOCKS)
+    nx, ny = field.shape[0] // n, field.shape[1] // n
+    coarse: FloatArray = field[: nx * n, : ny * n].reshape(nx, n, ny, n).mean(axis=(1, 3))
+    return coarse
+
+
+def _profiles(data: FigureData, body: str) -> Figure:
+    views = data.views
+    sign = -1.0 if body == "sphere" else 1.0  # heights are positive out of the material
+
+    def unworn(profile: Profile) -> FloatArray:
+        worn: FloatArray = sign * getattr(profile, body)
+        return worn + getattr(profile, f"wear_{body}")
+
+    def draw(axes: Any) -> None:
+        shades = fs.tints(COLOURS[body], len(views))
+        for panel, cut in zip(axes, ("along", "across"), strict=True):
+            first: Profile = getattr(views[0], cut)
+            panel.plot(first.place, 1e3 * unworn(first), color="#AAAAAA", lw=0.8, label="unworn")
+            for view, colour, line in zip(views, shades, fs.LINES, strict=False):
+                profile: Profile = getattr(view, cut)
+                heights = 1e3 * sign * getattr(profile, body)
+                style = {"color": colour, "ls": line, "lw": 1.0, "label": fs.after(view.distance)}
+                panel.plot(profile.place, heights, **style)
+            panel.xaxis.set_major_locator(MaxNLocator(6))
+        axes[1].sharey(axes[0])
+        axes[1].tick_params(which="both", labelleft=False)
+        axes[0].set_xlabel(ALONG)
+        axes[1].set_xlabel(ACROSS)
+        axes[0].set_ylabel("height, µm")
+        fs.legend_above(axes[0].figure, axes[0], columns=len(views) + 1)
+
+    return fs.new_figure(draw, columns=2)
+
+
+def profiles(data: FigureData) -> Figure:
+    """Both bodies along and across the sliding direction through the middle, in contact, at the end."""
+    last = data.last
+    approach = float(data.history["approach"][last.row])
+    worn = bool(last.wear_sphere.any() or last.wear_disc.any())
+    slider = data.name_of("sphere")
+
+    def draw(axes: Any) -> None:
+        seen = []
+        for panel, cut, label in zip(axes, (last.along, last.across), (ALONG, ACROSS), strict=True):
+            seen.append(_both(panel, cut, approach, slider=slider, worn=worn))
+            panel.set_xlabel(label)
+            panel.xaxis.set_major_locator(MaxNLocator(6))
+        low, high = min(low for low, _ in seen), max(high for _, high in seen)
+        room = 0.05 * (high - low)
+        axes[1].sharey(axes[0])
+        axes[1].tick_params(which="both", labelleft=False)
+        axes[0].set_ylim(1e3 * (low - room), 1e3 * (high + room))
+        axes[0].set_ylabel("height over the disc, µm")
+        fs.legend_above(axes[0].figure, axes[0], columns=4)
+
+    return fs.new_figure(draw, columns=2)
+
+
+def _both(panel: Any, cut: Profile, approach: float, *, slider: str, worn: bool) -> tuple[float, float]:
+    """Draws both bodies; returns the heights between which they are to be seen [mm]."""
+    sphere, disc = cut.sphere - approach, cut.disc
+    unworn_sphere, unworn_disc = sphere - cut.wear_sphere, disc + cut.wear_disc
+
+    def line(heights: FloatArray, colour: str, label: str, **style: Any) -> None:
+        panel.plot(cut.place, 1e3 * heights, color=colour, label=label, **style)
+
+    if worn:
+        line(unworn_disc, fs.tints(fs.DISC, 2)[0], "disc, unworn", lw=0.5)
+        line(unworn_sphere, fs.SPHERE, f"{slider}, unworn", lw=0.7, ls="--")
+    state = ", worn" if worn else ""
+    line(sphere, fs.SPHERE, f"{slider}{state}", lw=2.6, alpha=0.4)
+    line(disc, fs.DISC, f"disc{state}", lw=0.8)
+    bottom = min(float(np.nanmin(heights)) for heights in (unworn_disc, disc, unworn_sphere))
+    rise = float(np.nanmax(sphere) - np.nanmin(sphere))
+    return bottom, max(float(np.nanmax(unworn_disc)), float(np.nanmin(sphere)) + 0.25 * rise)
