@@ -161,7 +161,7 @@ def test_keys_that_do_not_apply_are_noticed() -> None:
     assert any("disc.synthetic.ra does not apply to kind = 'flat'" in n for n in flat.notices())
     assert "feed" not in flat.to_toml()
     short = Study.load("v3").replace({"sliding.distance": "30 mm"})
-    assert short.notices() == ["output.snapshots beyond the sliding distance: 600, 1200, 2400 mm."]
+    assert short.notices() == ["output.snapshots beyond the sliding distance: 240, 600, 1200, 2400 mm."]
 
 
 def test_wear_coefficients_in_every_unit() -> None:

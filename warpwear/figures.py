@@ -9,7 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from warpwear import figure_style, figures_fields, figures_history, figures_setup, figures_shape
+from warpwear import (
+    figure_style,
+    figures_fields,
+    figures_history,
+    figures_setup,
+    figures_shape,
+    figures_surface,
+)
 from warpwear.errors import InputError
 from warpwear.figure_data import FigureData
 from warpwear.results import Result
@@ -129,6 +136,12 @@ def _no_snapshot(data: FigureData) -> str | None:
     return None
 
 
+def _one_snapshot(data: FigureData) -> str | None:
+    if data.result.snapshot_distances.size < 2:
+        return "one snapshot shows no course; ask for more with output.snapshots"
+    return None
+
+
 def _no_wear_of(*bodies: str) -> Reason:
     def reason(data: FigureData) -> str | None:
         if not any(data.history[f"wear_depth_{body}"][-1] > 0.0 for body in bodies):
@@ -162,5 +175,7 @@ FIGURES: dict[str, Entry] = {
     "disc_3d": Entry(figures_shape.disc_3d, _DISC),
     "disc_profiles": Entry(figures_shape.disc_profiles, _DISC),
     "profiles": Entry(figures_shape.profiles, (_no_snapshot,)),
+    "roughness": Entry(figures_surface.roughness, (_one_snapshot, _no_wear_of("disc"))),
+    "islands": Entry(figures_surface.islands, (_one_snapshot,)),
 }
 Plotter.NAMES = tuple(FIGURES)

@@ -19,6 +19,7 @@ from warpwear.history import COLUMNS
 from warpwear.study import Study
 
 if TYPE_CHECKING:
+    from warpwear.evolution import SurfaceEvolution
     from warpwear.figures import Plotter
 
 FIELDS = {"pressure": "MPa", "wear_sphere": "mm", "wear_disc": "mm", "gap": "mm"}
@@ -154,6 +155,13 @@ class Result:
         from warpwear.summary import summarise
 
         return summarise(self)
+
+    @cached_property
+    def surface_evolution(self) -> "SurfaceEvolution":
+        """Roughness inside the scar and islands of contact at every snapshot."""
+        from warpwear.evolution import surface_evolution
+
+        return surface_evolution(self)
 
     @property
     def record(self) -> dict[str, Any]:

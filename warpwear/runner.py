@@ -6,7 +6,7 @@ import math
 import shutil
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,10 @@ import numpy as np
 
 from warpwear import __version__, friction
 from warpwear.errors import InputError
+from warpwear.evolution import COLUMNS as EVOLUTION
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.history import COLUMNS
+from warpwear.history import COLUMNS, Column
 from warpwear.micro import MicroModel, Step
 from warpwear.progress import Progress
 from warpwear.results import FILE_NAME, Result, ResultWriter, Snapshot
@@ -261,11 +262,16 @@ def _move_into_place(work: Path, folder: Path) -> None:
         item.replace(folder / item.name)
 
 
+def _write_table(path: Path, columns: Sequence[Column], table: Mapping[str, FloatArray]) -> None:
+    header = ",".join(f"{column.name} [{column.units}]" for column in columns)
+    rows = np.column_stack([table[column.name] for column in columns])
+    np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.12g")
+
+
 def _write_tables(folder: Path, study: Study, result: Result) -> None:
     (folder / "study.toml").write_text(study.to_toml(), encoding="utf-8")
-    header = ",".join(f"{column.name} [{column.units}]" for column in COLUMNS)
-    table = np.column_stack([result.history[column.name] for column in COLUMNS])
-    np.savetxt(folder / "history.csv", table, delimiter=",", header=header, comments="", fmt="%.12g")
+    _write_table(folder / "history.csv", COLUMNS, result.history)
+    _write_table(folder / "surface.csv", EVOLUTION, result.surface_evolution.table)
     summary: dict[str, Any] = result.summary
     (folder / "summary.json").write_text(
         json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
