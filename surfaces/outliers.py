@@ -36,11 +36,12 @@ class Outliers:
 def outliers(heights: FloatArray, *, deviations: float) -> Outliers:
     """Points farther than so many robust standard deviations from the local median surface.
 
-    heights [mm], shape (nx, ny), NaN where missing. The local median is that of 5 × 5 pixels; beyond the edges
-    heights go on in odd reflection, which keeps a tilt. The standard deviation is 1.4826 times the median
-    absolute deviation from the local mean of the same pixels, over the whole field, so neither knows of the
-    spikes. (From the mean, since that is Gaussian on a Gaussian surface: at 6 nothing of one is removed; on a
-    smooth surface the median is mostly the point itself.) Form and tilt do not matter over 5 pixels.
+    heights [mm], shape (nx, ny), NaN where missing. The local median is that of 5 × 5 pixels; beyond the
+    edges heights go on in odd reflection, which keeps a tilt. The standard deviation is 1.4826 times the
+    median absolute deviation from the local mean of the same pixels, over the whole field, so neither knows
+    of the spikes. (From the mean, since that is Gaussian on a Gaussian surface: at 6 nothing of one is
+    removed; on a smooth surface the median is mostly the point itself.) Form and tilt do not matter over 5
+    pixels.
     """
     valid = ~np.isnan(heights)
     framed = np.pad(filled(heights), WINDOW // 2, mode="reflect", reflect_type="odd")
