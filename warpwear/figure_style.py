@@ -28,7 +28,6 @@ PRESSURES = LinearSegmentedColormap.from_list(
 )
 HEIGHTS = matplotlib.colormaps["cividis"]
 DEPTHS = matplotlib.colormaps["magma_r"]
-LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 
 STYLE: dict[Any, Any] = {
     "font.size": 8,
@@ -78,16 +77,18 @@ def new_figure(
     return figure
 
 
-def tints(colour: str, count: int) -> list[Any]:
-    """Shades of one body's colour from pale to dark, for what follows in time."""
+def in_time(colour: str, count: int) -> list[dict[str, Any]]:
+    """Lines for what follows in time: a body's colour from pale to dark, the last one solid."""
     scale = shades(colour)
-    return [scale(place) for place in (np.linspace(0.0, 1.0, count) if count > 1 else [0.5])]
+    places = np.linspace(0.0, 1.0, count) if count > 1 else np.array([0.5])
+    kinds = [*(":", "-.", "--")[: count - 1], "-"]
+    return [{"color": scale(place), "ls": kind, "lw": 1.1} for place, kind in zip(places, kinds, strict=True)]
 
 
 def shades(colour: str) -> LinearSegmentedColormap:
     """From a pale to a dark shade of a body's colour."""
     base = np.array(to_rgb(colour))
-    dark, pale = 0.35 * base, base + 0.55 * (1.0 - base)
+    dark, pale = 0.35 * base, base + 0.4 * (1.0 - base)
     return LinearSegmentedColormap.from_list("shades", [pale, base, dark])
 
 

@@ -77,10 +77,9 @@ def pressure_profiles(data: FigureData) -> Figure:
 
     def draw(axes: Any) -> None:
         logarithmic = bool(tops) and max(tops) > 5.0 * min(tops)
-        for view, colour, line in zip(views, fs.tints(fs.CONTACT, len(views)), fs.LINES, strict=False):
+        for view, line in zip(views, fs.in_time(fs.CONTACT, len(views)), strict=True):
             for panel, profile in zip(axes, (view.along, view.across), strict=True):
-                style = {"color": colour, "ls": line, "lw": 1.0, "label": fs.after(view.distance)}
-                panel.plot(profile.bins, profile.pressure, **style)
+                panel.plot(profile.bins, profile.pressure, label=fs.after(view.distance), **line)
         for panel, label in zip(axes, (ALONG, ACROSS), strict=True):
             panel.set_xlabel(label)
             panel.xaxis.set_major_locator(MaxNLocator(6))

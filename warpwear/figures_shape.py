@@ -101,6 +101,8 @@ def _maps(data: FigureData, body: str) -> Figure:
 def _surfaces(data: FigureData, body: str) -> Figure:
     titles = ["unworn", fs.after(data.last.distance)]
     fields = [_coarse(field) for field in (_unworn(data, body), getattr(data.last, body))]
+    if data.name_of(body) == "sphere":  # a cap, whose corners do not set the scale
+        fields = [_cap(field) for field in fields]
     low = min(float(np.nanmin(field)) for field in fields)
     high = max(float(np.nanmax(field)) for field in fields)
     figure, panels = new_3d_figure(2)
@@ -122,6 +124,12 @@ def _coarse(field: FloatArray) -> FloatArray:
     return coarse
 
 
+def _cap(field: FloatArray) -> FloatArray:
+    """NaN beyond the largest circle."""
+    x, y = (np.linspace(-1.0, 1.0, n) for n in field.shape)
+    return np.where(np.add.outer(x**2, y**2) <= 1.0, field, np.nan)
+
+
 def _profiles(data: FigureData, body: str) -> Figure:
     views = data.views
     sign = -1.0 if body == "sphere" else 1.0  # heights are positive out of the material
@@ -131,15 +139,14 @@ def _profiles(data: FigureData, body: str) -> Figure:
         return worn + getattr(profile, f"wear_{body}")
 
     def draw(axes: Any) -> None:
-        shades = fs.tints(COLOURS[body], len(views))
+        lines = fs.in_time(COLOURS[body], len(views))
         for panel, cut in zip(axes, ("along", "across"), strict=True):
             first: Profile = getattr(views[0], cut)
-            panel.plot(first.place, 1e3 * unworn(first), color="#AAAAAA", lw=0.8, label="unworn")
-            for view, colour, line in zip(views, shades, fs.LINES, strict=False):
+            panel.plot(first.place, 1e3 * unworn(first), color="#999999", lw=0.5, label="unworn")
+            for view, line in zip(views, lines, strict=True):
                 profile: Profile = getattr(view, cut)
                 heights = 1e3 * sign * getattr(profile, body)
-                style = {"color": colour, "ls": line, "lw": 1.0, "label": fs.after(view.distance)}
-                panel.plot(profile.place, heights, **style)
+                panel.plot(profile.place, heights, label=fs.after(view.distance), **line)
             panel.xaxis.set_major_locator(MaxNLocator(6))
         axes[1].sharey(axes[0])
         axes[1].tick_params(which="both", labelleft=False)
@@ -180,11 +187,11 @@ def _both(panel: Any, cut: Profile, approach: float, *, slider: str, worn: bool)
     sphere, disc = cut.sphere - approach, cut.disc
     unworn_sphere, unworn_disc = sphere - cut.wear_sphere, disc + cut.wear_disc
 
-    def line(heights: FloatArray, colour: str, label: str, **style: Any) -> None:
+    def line(heights: FloatArray, colour: Any, label: str, **style: Any) -> None:
         panel.plot(cut.place, 1e3 * heights, color=colour, label=label, **style)
 
     if worn:
-        line(unworn_disc, fs.tints(fs.DISC, 2)[0], "disc, unworn", lw=0.5)
+        line(unworn_disc, fs.shades(fs.DISC)(0.0), "disc, unworn", lw=0.5)
         line(unworn_sphere, fs.SPHERE, f"{slider}, unworn", lw=0.7, ls="--")
     state = ", worn" if worn else ""
     line(sphere, fs.SPHERE, f"{slider}{state}", lw=2.6, alpha=0.4)
