@@ -8,6 +8,7 @@ bisection.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,10 @@ TIE = 1.0e-12
 #: Stands for 1/c where c = 0: any overlap reaches the cap.
 RIGID = 1.0e300
 MAX_EVALUATIONS = 400
+#: Searches, each from a base nearer the solution.
+MAX_ROUNDS = 3
+#: First step of a search that starts where the solution is [mm]; steps grow until they bracket it.
+FIRST_REACH = 1.0e-18
 
 
 @dataclass(frozen=True)
@@ -89,11 +94,25 @@ class Balancer:
             start, low, high = lowest, 0.0, highest - lowest + reach
             step = 0.5 * high
 
-        def carried(offset: float) -> tuple[float, float]:
-            return self._carried(gap_field, stiffness, start, offset, hardness)
+        base = start
+        evaluations = 0
+        for _ in range(MAX_ROUNDS):
 
-        offset, force, evaluations = _newton_in_bracket(carried, load, step, low, high)
-        return Balance(start, offset, hardness, force - load, evaluations=evaluations)
+            def carried(offset: float, base: float = base) -> tuple[float, float]:
+                return self._carried(gap_field, stiffness, base, offset, hardness)
+
+            found = _newton_in_bracket(carried, load, step, low, high)
+            evaluations += found.evaluations
+            if found.converged(load):
+                residual = found.force - load
+                return Balance(base, found.offset, hardness, residual, evaluations=evaluations)
+            # Down to neighbouring numbers: from a base at the solution the offset has digits again.
+            base, step = base + found.offset, 0.0
+            low, high = -math.inf, math.inf
+        raise ConvergenceError(
+            f"the load balance did not converge: {found.force - load:.3g} N of {load:.6g} N are left "
+            f"(allowed {TOLERANCE * load:.1g} N) near an approach of {base:.9g} mm."
+        )
 
     def bearing(self, gap_field: Field, *, load: float, hardness: float, tolerance: float) -> Balance:
         """Balance of the bearing area, area × hardness = load, by bisection (thesis eqs 4.8–4.11).
@@ -156,24 +175,36 @@ class Balancer:
         return float(self._sums.numpy()[:, 0].sum())
 
 
+class _Found(NamedTuple):
+    """Where a search ended."""
+
+    offset: float  # [mm]
+    force: float  # [N]
+    evaluations: int
+
+    def converged(self, load: float) -> bool:
+        return abs(self.force - load) <= TOLERANCE * load
+
+
 def _newton_in_bracket(
     carried: Callable[[float], tuple[float, float]], load: float, guess: float, low: float, high: float
-) -> tuple[float, float, int]:
-    """Offset with |force − load| ≤ TOLERANCE load, the force there, and the evaluations it took.
+) -> _Found:
+    """Looks for the offset with |force − load| ≤ TOLERANCE load until the bracket is down to one number.
 
     Newton's step is taken while it stays inside the bracket and the bracket halves at least every second
     evaluation: alone it crawls where c H is a few nanometres. Sides of the bracket that are not known yet are
     looked for in doubling steps.
     """
     offset = guess
-    reach = max(abs(guess), 1.0e-9)
+    reach = abs(guess) or FIRST_REACH
     width_before = math.inf
-    residual = math.nan
+    found = _Found(offset, math.nan, 0)
     for evaluation in range(1, MAX_EVALUATIONS):
         force, slope = carried(offset)
+        found = _Found(offset, force, evaluation)
+        if found.converged(load):
+            break
         residual = force - load
-        if abs(residual) <= TOLERANCE * load:
-            return offset, force, evaluation
         if residual < 0.0:
             low = offset
         else:
@@ -191,7 +222,4 @@ def _newton_in_bracket(
         offset = newton if low < newton < high and not stalled else 0.5 * (low + high)
         if not low < offset < high:  # the bracket is down to neighbouring numbers
             break
-    raise ConvergenceError(
-        f"the load balance did not converge: {residual:.3g} N of {load:.6g} N are left "
-        f"(allowed {TOLERANCE * load:.1g} N) with the approach known to {high - low:.3g} mm."
-    )
+    return found
