@@ -61,6 +61,10 @@ def islands(data: FigureData) -> Figure:
                 label=f"{table['distance'][index]:.4g} mm",
             )
         sizes.set(xscale="log", yscale="log", xlabel="area of an island, mm²")
+        # To a whole decade, and only decades labelled: labels between them would run into each other.
+        everything = np.log10(np.concatenate(evolution.island_areas))
+        sizes.set_xlim(0.8 * 10.0 ** everything.min(), 10.0 ** np.floor(everything.max() + 1.0))
+        sizes.tick_params(axis="x", which="minor", labelbottom=False)
         sizes.set_ylabel("islands at least as large, –")
         sizes.legend(loc="lower left")
 
