@@ -134,6 +134,9 @@ def test_every_figure_of_every_run_is_fit_to_print(results: dict[str, Result]) -
             low, high = shape.get_xy().min(axis=0), shape.get_xy().max(axis=0)
             if (low < -1.0).any() or (high > np.array([figure.bbox.x1, figure.bbox.y1]) + 1.0).any():
                 faults.append(f"{where}: '{text}' leaves the page")
+        for axes, other in itertools.permutations(figure.axes, 2):
+            if axes.title.get_text() and axes.title.get_window_extent(renderer).overlaps(other.bbox):
+                faults.append(f"{where}: '{axes.title.get_text()}' runs into another panel")
         small = [t.get_text() for t in texts_of(figure) if float(t.get_fontsize()) < 7.0]
         if small:
             faults.append(f"{where}: {small} too small to read")

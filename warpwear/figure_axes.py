@@ -21,8 +21,8 @@ BOX, ROW_3D, ELEVATION, AZIMUTH = 0.4, 2.75, 32.0, -58.0
 LIGHT = LightSource(azdeg=300, altdeg=50)
 
 
-def map_figure(draw: Callable[[Any], None], panels: int) -> Figure:
-    """One panel in a column, two or three beside each other, four as two by two."""
+def map_figure(draw: Callable[[Any], None], panels: int, *, above: float = 0.0) -> Figure:
+    """One panel in a column, two or three beside each other, four as two by two. above: room [inch] a row."""
 
     def draw_and_tidy(axes: Any) -> None:
         draw(axes)
@@ -30,8 +30,9 @@ def map_figure(draw: Callable[[Any], None], panels: int) -> Figure:
             panel.label_outer()
 
     if panels == 4:
-        return fs.new_figure(draw_and_tidy, rows=2, columns=2, height=3.0)
-    return fs.new_figure(draw_and_tidy, columns=panels, height={1: 3.0, 2: 2.9, 3: 2.4}[panels])
+        return fs.new_figure(draw_and_tidy, rows=2, columns=2, height=3.0 + above)
+    height = {1: 3.0, 2: 2.9, 3: 2.0}[panels] + above
+    return fs.new_figure(draw_and_tidy, columns=panels, height=height)
 
 
 def panels_of(axes: Any, shown: Sequence[Shown]) -> Iterator[tuple[Axes, Shown]]:

@@ -148,4 +148,5 @@ def after(distance: float) -> str:
 
 def with_scatter(mean: float, scatter: float) -> str:
     """Mean ± standard deviation; the latter left out where it is only round-off."""
-    return f"{mean:.3g} ± {scatter:.2g}" if scatter > 1e-6 * mean else f"{mean:.3g}"
+    shown = f"{float(f'{mean:.3g}'):g}"
+    return f"{shown} ± {float(f'{scatter:.2g}'):g}" if scatter > 1e-6 * mean else shown

@@ -26,7 +26,7 @@ BARS = 45
 
 
 def pressure_map(data: FigureData) -> Figure:
-    """Pressure on the cells in contact at the snapshots."""
+    """Pressure on the cells in contact at the snapshots, with its mean ± standard deviation."""
     views = data.views
 
     def draw(axes: Any) -> None:
@@ -38,7 +38,7 @@ def pressure_map(data: FigureData) -> Figure:
             if scatter < UNIFORM * mean and not (view.state == State.AT_HARDNESS).any():
                 top *= 2.0
             draw_map(panel, pressure, data.window, fs.PRESSURES, "pressure, MPa", low=0.0, high=top)
-            panel.set_title(f"{fs.after(view.distance)}\n{fs.with_scatter(mean, scatter)} MPa in contact")
+            panel.set_title(f"{fs.after(view.distance)}\n{fs.with_scatter(mean, scatter)} MPa")
 
     return map_figure(draw, len(views))
 
@@ -117,4 +117,4 @@ def contact_map(data: FigureData) -> Figure:
         columns = 4 if len(views) > 1 else 2
         figure.legend(handles=handles, loc="outside upper center", ncols=columns)
 
-    return map_figure(draw, len(views))
+    return map_figure(draw, len(views), above=0.25)
