@@ -12,6 +12,7 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Result, Study
+from warpwear.execution import Executor
 from warpwear.history import COLUMNS
 from warpwear.micro import MicroModel
 
@@ -171,8 +172,8 @@ def test_nothing_is_overwritten_silently(tmp_path: Path) -> None:
             r"grid\.extent = 0\.4 mm is too small: the contact reached the domain's edge",
         ),
         (
-            {"grid.cell": "1 nm"},
-            r"grid\.cell = 0\.001 µm makes .* need .* GiB of memory; the host has .* GiB free",
+            {"grid.cell": "50 nm"},
+            r"grid\.cell = 0\.05 µm makes .* need .* GiB of memory; the host has .* GiB free",
         ),
         ({"disc.surface": "nowhere.sur"}, r"disc\.surface"),
         (
@@ -262,3 +263,74 @@ def test_a_preset_runs_by_its_name(tmp_path: Path) -> None:
     assert warpwear.run(tmp_path).finished
     with pytest.raises(InputError, match="folder without a study"):
         Study.load(tmp_path.parent)
+
+
+def test_a_smooth_wear_rate_that_is_very_low_still_balances() -> None:
+    # Steps of picometres and less: the approach needs more digits than it has from the lowest gap.
+    low = {"wear.sphere": "1e-8 mm^3/N/m", "wear.disc": "1e-8 mm^3/N/m"}
+    for kind in ("flat", "self-affine"):
+        result = warpwear.run(quick().replace(low | {"disc.synthetic.kind": kind}))
+        assert np.abs(result.history["load_residual"]).max() < 1e-12 * 8.0
+        assert max(map(abs, result.summary["conservation_relative"].values())) < 1e-10
+
+
+def test_no_hardness_is_no_number_in_the_summary(tmp_path: Path) -> None:
+    with warpwear.run(quick(contact__hardness="inf MPa"), out=tmp_path / "out") as result:
+        assert result.summary["hardness_MPa"] is None
+        assert "hardness" not in result.summary["shear_strength_MPa_for_reference"]
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["hardness_MPa"] is None
+
+
+def test_hertz_is_told_when_the_bodies_are_known() -> None:
+    steel = {"young": "193 GPa", "poisson": 0.29}
+    alloy = {"young": "200 GPa", "poisson": 0.29}
+    hertz = warpwear.run(quick(sliding__distance="0 mm").replace(disc=steel, sphere=alloy)).summary["hertz"]
+    assert hertz["effective_modulus_MPa"] == pytest.approx(1.072e5, rel=1e-3)
+    assert hertz["radius_um"] == pytest.approx(55.16, rel=1e-3)
+    assert hertz["peak_pressure_MPa"] == pytest.approx(1255.0, rel=1e-3)
+    assert hertz["approach_um"] == pytest.approx(1.0143, rel=1e-3)
+    assert hertz["area_mm2"] == pytest.approx(0.00956, rel=1e-3)
+
+
+def test_a_sphere_that_is_worn_away_is_no_result() -> None:
+    tiny = {"sphere.radius": "0.1 mm", "grid.extent": "0.4 mm", "disc.synthetic.kind": "flat"}
+    with pytest.raises(InputError, match=r"sphere\.radius = 0\.1 mm is too small: .*the sphere's rim"):
+        warpwear.run(quick(grid__cell="5 um").replace(tiny | {"sliding.distance": "2400 mm"}))
+
+
+@pytest.mark.parametrize(
+    "side", [(0, 12), (24, 12), (12, 0), (12, 24)], ids=["x low", "x high", "y low", "y high"]
+)
+def test_the_edge_is_watched_on_every_side(side: tuple[int, int]) -> None:
+    study = quick(grid__extent="0.5 mm", sliding__distance="0.003 mm")
+    heights = np.zeros(study.cells.shape)
+    with Executor(study.cells, threads=1) as executor:
+        for place, expected in (((12, 12), False), (side, True)):
+            peaks = heights.copy()
+            peaks[place] = 1.0  # far above the sphere's sag
+            peaks[12, 12] = max(peaks[12, 12], 0.9999)
+            one_cell = study.replace({"contact.load": "0.3 N"})
+            step = MicroModel(one_cell, peaks, executor).advance(0.003)
+            assert step.touches_edge is expected
+
+
+def test_the_log_says_what_ran(folder: Path) -> None:
+    log = (folder / "log.txt").read_text()
+    assert warpwear.__version__ in log
+    assert "finished: 268 steps" in log
+
+
+def test_a_result_that_is_none_is_not_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "result.h5").write_text("mine")
+    with pytest.raises(InputError, match="holds other files"):
+        warpwear.run(quick(), out=tmp_path, overwrite=True)
+    assert (tmp_path / "result.h5").read_text() == "mine"
+
+
+def test_an_empty_folder_is_used_as_it_is(tmp_path: Path) -> None:
+    # It may be a mount point, which cannot be replaced by another folder.
+    before = tmp_path.stat().st_ino
+    warpwear.run(quick(sliding__distance="0 mm"), out=tmp_path, plots=False).close()
+    assert tmp_path.stat().st_ino == before
+    assert (tmp_path / "result.h5").is_file()
+    assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]

@@ -29,7 +29,10 @@ BAD = [
     ({"study.name": "../x"}, r"study\.name = '\.\./x'"),
     ({"output.snapshots": "5 mm"}, r"output\.snapshots = '5 mm': must be a list in brackets"),
     ({"wera": {"sphere": "1 mm"}}, r"'wera' is no key .*did you mean 'wear'"),
-    ({"contact.load": "9 kN"}, r"contact\.load = 9000 N is more than the domain carries .*13\d\d N"),
+    (
+        {"contact.load": "9 kN"},
+        r"contact\.load = 9000 N is more than the domain under the sphere carries .*13\d\d N",
+    ),
     ({"contact.hardness": "nan MPa"}, r"contact\.hardness = 'nan MPa'"),
     ({"contact.hardness": "inf MPa", "stepping.scheme": "explicit"}, r"contact\.hardness = inf MPa needs"),
     ({"contact.law": "half"}, r"contact\.law = 'half' is not allowed; allowed: 'foundation'"),
@@ -49,6 +52,18 @@ BAD = [
     ({"wear.disc": "1 mm"}, r"wear\.disc = '1 mm': has the wrong dimension"),
     ({"output.snapshots": ["3 N"]}, r"output\.snapshots\.0 = '3 N': has the wrong dimension"),
     ({"study": 3}, r"study = 3 is not a section"),
+    ({"contact.load": {"a": 1}}, r"contact\.load = \{'a': 1\}: needs its unit"),
+    ({"wear.sphere": 1e-4, "contact.hardness": "inf MPa"}, r"wear\.sphere = 0\.0001 is k of .*finite"),
+    ({"wear.sphere": 10**400}, r"wear\.sphere = 1000.*: is too large"),
+    ({"sliding.passes": 10**400}, r"sliding\.passes = 1000"),
+    ({"sphere.radius": "1 mm", "grid.extent": "4 mm", "contact.hardness": "1 MPa"}, r"carries .*3\.142 N"),
+    ({"stepping.increment": "1 nm"}, r"sliding\.distance = 2400 mm takes 2\.4e\+09 steps .*1,000,000"),
+    ({"stepping.largest": "1 nm", "stepping.first": "0.1 nm"}, r"takes 2\.4e\+09 steps"),
+    ({"stepping.first": "3 um", "stepping.largest": "1 um"}, r"stepping\.first = 0\.003 mm must not exceed"),
+    ({"grid.cell": "1e-300 mm"}, r"grid\.cell = 1e-300 mm makes more than 1,000,000 cells"),
+    ({"study.name": "x" * 300}, r"study\.name = "),
+    ({"assumed": 3}, r"assumed"),
+    ({"sphere": 3, "sphere.radius": "3 mm"}, r"'sphere\.radius' is no key|sphere = 3 is not a section"),
     ({"contact.load.x": 3}, r"'contact\.load\.x' is no key"),
 ]
 
@@ -73,7 +88,7 @@ def test_a_missing_key_is_named() -> None:
     ("content", "message"),
     [
         (b"[contact\n", "is not TOML"),
-        (b"\xff\xfe\x00", "cannot be read"),
+        (b"\xff\xfe\x00", "is not text"),
         (b"", "sphere is missing"),
         (b"disc = 3", "missing"),
     ],
@@ -161,7 +176,7 @@ def test_keys_that_do_not_apply_are_noticed() -> None:
     assert any("disc.synthetic.ra does not apply to kind = 'flat'" in n for n in flat.notices())
     assert "feed" not in flat.to_toml()
     short = Study.load("v3").replace({"sliding.distance": "30 mm"})
-    assert short.notices() == ["output.snapshots beyond the sliding distance: 240, 600, 1200, 2400 mm."]
+    assert short.notices() == ["output.snapshots that no step ends at: 240, 600, 1200, 2400 mm."]
 
 
 def test_wear_coefficients_in_every_unit() -> None:
@@ -192,8 +207,8 @@ def test_the_hardness_defaults_to_the_softer_body() -> None:
 
 
 def test_a_surface_is_relative_to_its_study(tmp_path: Path) -> None:
-    study = Study.load("v3").replace({"disc.surface": "disc.npy"})
-    (tmp_path / "s.toml").write_text(study.to_toml())
+    text = to_marked_toml(Study.load("v3").replace({"disc.surface": "disc.npy"}))
+    (tmp_path / "s.toml").write_text(text)
     assert Study.load(tmp_path / "s.toml").disc.surface == str(tmp_path.resolve() / "disc.npy")
 
 
@@ -208,3 +223,39 @@ def test_what_a_study_leaves_out_is_shown_as_assumed() -> None:
     assert re.search(r"^coefficient = 0\.6 +# ASSUMED", shown, re.MULTILINE)
     assert re.search(r'^first = "3 um" +# ASSUMED', shown, re.MULTILINE)
     assert Study(**tomllib.loads(study.to_toml())).stepping.plan == study.stepping.plan
+
+
+def test_a_load_tolerance_must_be_smaller_than_the_load() -> None:
+    with pytest.raises(
+        InputError, match=r"load_tolerance = 100 N .*must be smaller than contact\.load = 8 N"
+    ):
+        Study.load("v3").replace({"stepping.load_tolerance": "100 N"})
+    # A static contact without a foundation is a bearing area too, whatever the scheme.
+    static = Study.load("v3-fine").replace(
+        {"sliding.distance": "0 mm", "output.snapshots": [], "stepping.load_tolerance": "3 N"}
+    )
+    assert static.notices() == []
+    assert 'load_tolerance = "3.0 N"' in static.to_toml()
+
+
+def test_explicit_growing_steps_are_judged_by_the_largest_that_is_taken() -> None:
+    explicit = {"stepping.scheme": "explicit", "contact.stiffness": "2e6 N/mm^3", "output.snapshots": []}
+    study = Study.load("v3-fine").replace(explicit | {"sliding.distance": "0.1 mm"})
+    with pytest.raises(InputError, match=r"stepping\.largest = 3 mm .*0\.452 mm"):
+        study.replace({"sliding.distance": "30 mm"})
+
+
+@pytest.mark.parametrize(
+    "text", ["a = " + "9" * 5000, "a = " + "[" * 5000], ids=["a number of 5000 digits", "endless nesting"]
+)
+def test_toml_that_no_parser_takes(tmp_path: Path, text: str) -> None:
+    (tmp_path / "s.toml").write_text(text)
+    with pytest.raises(InputError, match="is not TOML"):
+        Study.load(tmp_path / "s.toml")
+    with pytest.raises(InputError):
+        Study.load("x" * 300)
+
+
+def test_what_is_shown_keeps_every_digit_that_counts() -> None:
+    study = Study.load("v3-fine").replace({"grid.cell": f"{1.5 / 7001!r} mm"})
+    assert Study(**tomllib.loads(to_marked_toml(study))).cells.nx == 7001

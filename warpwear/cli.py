@@ -21,6 +21,8 @@ def main(arguments: list[str] | None = None) -> None:
         status = commands.main(arguments, prog_name="warpwear", standalone_mode=False)
     except (InputError, ConvergenceError) as error:
         _fail(str(error))
+    except MemoryError:
+        _fail("the memory ran out; larger cells (grid.cell) or a smaller grid.extent are needed.")
     except click.ClickException as error:
         _fail(error.format_message())
     except (click.Abort, KeyboardInterrupt):
@@ -254,7 +256,7 @@ def _value(text: str) -> Any:
     """A value as TOML reads it; anything else is text, so that quotes may be left to the shell."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):  # no TOML, a number of thousands of digits, endless nesting
         return text
 
 
@@ -279,11 +281,12 @@ def _report(summary: dict[str, Any]) -> str:
             f"(area: {s['cof_area']}; relative to the end: {cof['first'] / cof['end']:.3g})"
         )
     tau = s["shear_strength_MPa_for_reference"]
-    lines.append(
-        f"  shear strength    {tau['contact_end']:.3g} MPa makes {s['cof_reference']:g} of the area in "
-        f"contact at the end, {tau['contact_initial']:.3g} of that at the start; H/(3√3) is "
-        f"{tau['hardness']:.3g}"
-    )
+    if tau:
+        by_hardness = f"; H/(3√3) is {tau['hardness']:.3g}" if "hardness" in tau else ""
+        lines.append(
+            f"  shear strength    {tau['contact_end']:.3g} MPa makes {s['cof_reference']:g} of the area in "
+            f"contact at the end, {tau['contact_initial']:.3g} of that at the start{by_hardness}"
+        )
     lines.append(
         f"  checks            load residual {s['load_residual_N']['largest']:.2g} N at most, volumes off "
         f"Archard's by {max(abs(v) for v in s['conservation_relative'].values()):.1g}"

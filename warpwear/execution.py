@@ -27,7 +27,7 @@ CELLS_PER_THREAD = 50_000
 SLOTS_PER_ROW_CUDA = 32
 
 #: Fields alive at the peak of a run: gap, wear of both bodies, heights or pressure, and room to work.
-FIELDS_NEEDED = 6
+FIELDS_NEEDED = 6.0
 
 Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
 
@@ -37,14 +37,22 @@ class Executor:
 
     Use as a context manager, so that its threads end with it.
 
-    Raises InputError for a device that is not there or more threads than cores.
+    fields_needed: fields that a run holds at its peak. Raises InputError for a device that is not there, more
+    threads than cores, and a grid whose fields no memory holds.
     """
 
-    def __init__(self, grid: Grid, *, device: str = "cpu", threads: int | None = None) -> None:
+    def __init__(
+        self,
+        grid: Grid,
+        *,
+        device: str = "cpu",
+        threads: int | None = None,
+        fields_needed: float = FIELDS_NEEDED,
+    ) -> None:
         self.grid = grid
         self.device = find_device(device)
         self.threads = _check_threads(threads)
-        _check_memory(grid, self.device)
+        _check_memory(grid, self.device, fields_needed)
         on_cpu = self.device.is_cpu
         self.slots_per_row = 1 if on_cpu else SLOTS_PER_ROW_CUDA
         self.slots = grid.nx * self.slots_per_row
@@ -139,11 +147,11 @@ def _native_messages_hidden() -> Iterator[None]:
         os.close(stderr)
 
 
-def _check_memory(grid: Grid, device: Any) -> None:
+def _check_memory(grid: Grid, device: Any, fields_needed: float) -> None:
     free = {"the host": psutil.virtual_memory().available}
     if device.is_cuda:
         free[str(device)] = device.free_memory
-    needed = FIELDS_NEEDED * 8 * grid.cells
+    needed = fields_needed * 8 * grid.cells
     for place, there in free.items():
         if needed > there:
             raise InputError(

@@ -47,10 +47,13 @@ def calibrations(
     What "the" shear strength is depends on the area that it was calibrated with; H/(3√3) is the usual
     estimate from hardness.
     """
-    found = {}
+    found: dict[str, float] = {}
+    if friction.coefficient <= friction.ploughing:  # nothing is left to shear
+        return found
     for name in ("contact", "touched", "cumulative", "nominal"):
         areas = history[f"area_{name}"]
         for when, area in (("initial", areas[0]), ("end", areas[-1])):
             found[f"{name}_{when}"] = (friction.coefficient - friction.ploughing) * load / float(area)
-    found["hardness"] = hardness / (3.0 * math.sqrt(3.0))
+    if math.isfinite(hardness):
+        found["hardness"] = hardness / (3.0 * math.sqrt(3.0))
     return found

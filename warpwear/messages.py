@@ -30,10 +30,9 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     if kind in ("model_type", "dict_type", "model_attributes_type"):
         return f"{name} = {value!r} is not a section; write [{name}] and its keys below it."
     message = str(first["ctx"]["error"]) if "ctx" in first and "error" in first["ctx"] else first["msg"]
-    if kind == "value_error" and isinstance(
-        value, dict | BaseModel
-    ):  # of a whole section: says its names itself
-        return f"{message}."
+    info = key_of(model, name)
+    if kind == "value_error" and (not name or (info and section_in(info.annotation))):
+        return f"{message}."  # of a whole section, so it says its names itself
     if kind == "literal_error":
         options = sorted(
             {

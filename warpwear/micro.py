@@ -29,8 +29,9 @@ class Step:
     """One solved and worn increment."""
 
     balance: Balance
-    row: dict[str, float]  # the columns of warpwear.history except cof
-    touches_edge: bool
+    row: dict[str, float]  # the columns of warpwear.history except time and cof
+    touches_edge: bool  # of the domain
+    touches_rim: bool  # of the sphere: the contact is as wide as the sphere itself
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
 
 
@@ -92,7 +93,8 @@ class MicroModel:
             pressure = self._executor.to_numpy(field)
         wear_sphere, wear_disc = self._wear
         # The scatter is summed about a value near the mean: of a bearing area the mean itself.
-        near_mean = balance.cap if self._rigid(increment) else self._row["pressure_mean"] or balance.cap
+        rigid = self.study.uses_bearing_area
+        near_mean = balance.cap if rigid else self._row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
         self._executor.launch(
             removal.remove,
@@ -117,7 +119,7 @@ class MicroModel:
 
     def _balance(self, stiffness: Field, increment: float) -> Balance:
         load = self.study.contact.load
-        if self._rigid(increment):
+        if self.study.uses_bearing_area:
             return self._balancer.bearing(
                 self.state.gap,
                 load=load,
@@ -134,21 +136,16 @@ class MicroModel:
             step=sum(self._wear) * self._row["pressure_mean"] * increment,
         )
 
-    def _compliance(self, increment: float) -> FloatArray:
-        """c of every cell [mm³/N], in the shape of the distance factor."""
-        sphere, disc = self._wear
-        return self._law.compliance + (sphere + disc * self._factor) * increment
-
-    def _rigid(self, increment: float) -> bool:
-        implicit = self.study.stepping.scheme == "implicit"
-        return not self._compliance(increment if implicit else 0.0).any()
-
     def _stiffness_of(self, increment: float) -> Field:
+        """1/c of the cells of a step that wears by this increment implicitly; one row where all are alike."""
         if self._stiffness is None or self._stiffness[0] != increment:
-            compliance = self._compliance(increment)
+            sphere, disc = self._wear
+            values = self._factor * (disc * increment)
+            values += self._law.compliance + sphere * increment
             with np.errstate(divide="ignore"):
-                values = np.where(compliance > 0.0, 1.0 / compliance, RIGID)
-            shape = (compliance.shape[0], self._executor.grid.ny)
+                np.reciprocal(values, out=values)
+            np.minimum(values, RIGID, out=values)
+            shape = (values.shape[0], self._executor.grid.ny)
             self._stiffness = increment, self._executor.field(np.broadcast_to(values, shape))
         return self._stiffness[1]
 
@@ -168,11 +165,8 @@ class MicroModel:
         across = (most["last_column"] + most["first_column"] + 1.0) * grid.cell
         sphere, disc = self._wear
         before = self._row
-        distance = before["distance"] + increment
-        speed = self.study.sliding.speed
         self._row = {
-            "distance": distance,
-            "time": distance / speed if speed else math.nan,
+            "distance": before["distance"] + increment,
             "increment": increment,
             "approach": balance.approach,
             "load": self.study.contact.load,
@@ -198,10 +192,17 @@ class MicroModel:
             + disc * total["pressure_times_factor"] * area * increment,
             "evaluations": float(balance.evaluations),
         }
+        # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
+        reach = max(
+            max(-grid.x[int(-most["first_row"])], grid.x[int(most["last_row"])]),
+            max(-grid.y[int(-most["first_column"])], grid.y[int(most["last_column"])]),
+        )
+        curvature = self.study.sphere.curvature
+        beyond_sphere = (reach + 1.5 * grid.cell) * curvature >= 1.0
         at_edge = (
             -most["first_row"] < 1.0
             or most["last_row"] > grid.nx - 2
             or -most["first_column"] < 1.0
             or most["last_column"] > grid.ny - 2
         )
-        return Step(balance, self._row, at_edge, pressure)
+        return Step(balance, self._row, at_edge, beyond_sphere, pressure)

@@ -122,7 +122,10 @@ class Number:
     def read(self, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise ValueError("must be a number without a unit")
-        return self.range.check(float(value))
+        try:
+            return self.range.check(float(value))
+        except OverflowError:
+            raise ValueError("is too large") from None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(self.read, handler(float))

@@ -1,6 +1,7 @@
 """A study as TOML text, for files and for people."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import tomli_w
@@ -19,7 +20,7 @@ def to_toml(study: "Study") -> str:
         section = nested
         for parent in parents:
             section = section.setdefault(parent, {})
-        section[key] = value
+        section[key] = str(Path(value).absolute()) if name == "disc.surface" else value
     assumed = assumptions(study)  # of defaults too, which look like given values in this text
     return tomli_w.dumps(nested | ({"assumed": assumed} if assumed else {}))
 
@@ -84,10 +85,17 @@ def _readable(value: Any) -> Any:
     except ValueError:
         return value
     if unit == "mm" and 0.0 < abs(number) < 0.1:
-        return f"{1.0e3 * number:g} um"
+        return _short(1.0e3 * number, "um", back=1.0e-3) or value
     if unit == "mm/s":
-        return f"{60.0 * number:g} mm/min"
-    return f"{number:g} {unit}"
+        return _short(60.0 * number, "mm/min", back=1.0 / 60.0) or value
+    return _short(number, unit, back=1.0) or value
+
+
+def _short(number: float, unit: str, *, back: float) -> str | None:
+    """Few digits, if they are all there are."""
+    text = f"{number:g} {unit}"
+    exact = abs(float(f"{number:g}") * back - number * back) <= 1e-15 * abs(number * back)
+    return text if exact or number == float(f"{number:g}") else None
 
 
 def _without_nothing(nested: dict[str, Any]) -> dict[str, Any]:

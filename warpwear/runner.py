@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -18,7 +18,7 @@ import numpy as np
 from warpwear import __version__, friction
 from warpwear.errors import InputError
 from warpwear.evolution import COLUMNS as EVOLUTION
-from warpwear.execution import Executor
+from warpwear.execution import FIELDS_NEEDED, Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.history import COLUMNS, Column
 from warpwear.micro import MicroModel, Step
@@ -29,6 +29,7 @@ from warpwear.study import Study
 from warpwear.surface_of import surface_of
 from warpwear.surfaces.parameters import roughness
 
+LOG = logging.getLogger("warpwear")
 #: A coefficient of friction beyond this is a mistake, not a result.
 ABSURD_COEFFICIENT = 3.0
 #: A contact of fewer cells is not resolved.
@@ -58,37 +59,27 @@ def run(
     if not isinstance(study, Study):
         study = Study.load(study)
     folder = None if out is None else _check_folder(Path(out), overwrite=overwrite)
-    grid = study.cells
-    log = logging.getLogger("warpwear")
-    with Executor(grid, device=device, threads=threads) as executor, _work_folder(folder) as work:
-        handler = logging.FileHandler(work / "log.txt", encoding="utf-8") if work else logging.NullHandler()
-        handler.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
-        log.addHandler(handler)
-        log.setLevel(logging.INFO)
-        try:
-            file = (
-                h5py.File(work / FILE_NAME, "w")
-                if work
-                else h5py.File(f"memory-{uuid4()}", "w", driver="core", backing_store=False)
-            )
-            log.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
-            writer = ResultWriter(file, study, grid, device=str(executor.device), threads=executor.threads)
+    # A radial factor is a field of its own, and so is the stiffness that it makes differ from cell to cell.
+    fields = FIELDS_NEEDED + 2.0 * (study.wear.distance_factor == "radial")
+    executor = Executor(study.cells, device=device, threads=threads, fields_needed=fields)
+    with executor, _writing_to(folder) as work:
+        with _log_to(work), _result_file(work) as file:
+            LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
+            place = {"device": str(executor.device), "threads": executor.threads}
+            writer = ResultWriter(file, study, executor.grid, **place)
             loop = _Loop(study, executor, writer, Progress(study, quiet=not progress))
             loop.run()
             result = Result(file, None)
             if work:
                 _write_tables(work, study, result)
-        finally:
-            log.removeHandler(handler)
-            handler.close()
         if work and folder:
-            file.close()
+            result.close()
             _move_into_place(work, folder)
             result = Result.open(folder)
-    if folder and plots and not loop.interrupted:
-        result.plot.save_all(folder / "figures")
     if loop.interrupted:
         raise KeyboardInterrupt
+    if folder and plots:
+        result.plot.save_all(folder / "figures")
     return result
 
 
@@ -101,7 +92,6 @@ class _Loop:
         self._edge_told = False
         self._writer = writer
         self._progress = progress
-        self._log = logging.getLogger("warpwear")
         grid = executor.grid
         surface = surface_of(study.disc)
         self.warnings = [*study.notices(), *surface.notices(grid.x, grid.y)]
@@ -116,16 +106,18 @@ class _Loop:
     def run(self) -> None:
         study = self.study
         stops = set(study.output.snapshots)
-        total = study.sliding.total
-        plan = list(increments(study.stepping.plan, total, stops))
+        total, speed = study.sliding.total, study.sliding.speed
+        plan = study.stepping.plan
+        steps = sum(1 for _ in increments(plan, total, stops))
         started = time.perf_counter()
-        self._progress.start(len(plan))
+        self._progress.start(steps)
         try:
-            for increment, distance in plan:
+            for increment, distance in increments(plan, total, stops):
                 keep = distance in stops or distance == total
                 step = self._model.advance(increment, with_pressure=keep)
                 self._check_edge(step)
-                self._rows.append(step.row | {"distance": distance})
+                time_slid = distance / speed if speed else math.nan
+                self._rows.append(step.row | {"distance": distance, "time": time_slid})
                 if keep:
                     self._keep(step, distance)
                 self._progress.step(step.row)
@@ -139,7 +131,7 @@ class _Loop:
         self._check_results(history)
         elapsed = time.perf_counter() - started
         how = "interrupted after" if self.interrupted else "finished:"
-        self._log.info("%s %d steps in %.1f s", how, len(self._rows), elapsed)
+        LOG.info("%s %d steps in %.1f s", how, len(self._rows), elapsed)
         record = {"surface": self._surface_record, "warnings": self.warnings, "elapsed_s": elapsed}
         self._writer.finish(history, record, finished=not self.interrupted)
 
@@ -168,14 +160,24 @@ class _Loop:
         )
 
     def _check_edge(self, step: Step) -> None:
-        if not step.touches_edge or self.study.sphere.curvature == 0.0:
+        curvature = self.study.sphere.curvature
+        if curvature == 0.0 or not (step.touches_edge or step.touches_rim):
             return
-        sentence = (
-            f"grid.extent = {self.study.grid.extent:g} mm is too small: the contact reached the domain's "
-            f"edge after {step.row['distance']:g} mm of sliding, so what lies beyond it would be missing"
-        )
+        after = f"after {step.row['distance']:g} mm of sliding"
+        if step.touches_rim:
+            sentence = (
+                f"sphere.radius = {1.0 / curvature:g} mm is too small: the contact reached the sphere's rim "
+                f"{after}, so the sphere is worn away"
+            )
+            remedy = "a larger radius, or less load, wear or distance is needed"
+        else:
+            sentence = (
+                f"grid.extent = {self.study.grid.extent:g} mm is too small: the contact reached the domain's "
+                f"edge {after}, so what lies beyond it would be missing"
+            )
+            remedy = "a larger extent is needed"
         if self.study.checks.strict:
-            raise InputError(f"{sentence}; a larger extent is needed.")
+            raise InputError(f"{sentence}; {remedy}.")
         if not self._edge_told:
             self._edge_told = True
             self._add_warning(f"{sentence}.")
@@ -199,7 +201,7 @@ class _Loop:
         self._warn(sentence)
 
     def _warn(self, sentence: str) -> None:
-        self._log.warning(sentence)
+        LOG.warning(sentence)
         self._progress.say(f"note: {sentence}")
 
 
@@ -215,13 +217,12 @@ def _check_folder(folder: Path, *, overwrite: bool) -> Path:
         if path.exists() and not path.is_dir():
             raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected.")
     if folder.is_dir() and any(folder.iterdir()):
-        ours = (folder / FILE_NAME).is_file()
-        if not ours:
+        if not _holds_a_run(folder):
             raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
         if not overwrite:
             raise InputError(f"out = {folder} already holds a run; give another --out, or --overwrite it.")
     try:
-        with tempfile.TemporaryFile(dir=_nearest_folder(folder)):
+        with tempfile.TemporaryFile(dir=folder if folder.is_dir() else _nearest_folder(folder)):
             pass
     except OSError as error:
         raise InputError(f"out = {folder} cannot be written: {error.strerror}.") from error
@@ -229,17 +230,58 @@ def _check_folder(folder: Path, *, overwrite: bool) -> Path:
 
 
 @contextmanager
-def _work_folder(folder: Path | None) -> Iterator[Path | None]:
-    """A folder beside the run folder, gone again unless it was moved into place."""
+def _writing_to(folder: Path | None) -> Iterator[Path | None]:
+    """A work folder inside or beside the run folder, gone again at the end. InputError if it cannot write."""
     if folder is None:
         yield None
         return
-    work = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=_nearest_folder(folder)))
-    work.chmod(0o755)
+    inside = folder if folder.is_dir() else _nearest_folder(folder)
     try:
-        yield work
+        work = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=inside))
+        work.chmod(0o755)
+        try:
+            yield work
+        finally:
+            shutil.rmtree(work, ignore_errors=True)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise InputError(f"out = {folder} could not be written and holds no run: {why}.") from error
+
+
+@contextmanager
+def _log_to(work: Path | None) -> Iterator[None]:
+    handler = logging.FileHandler(work / "log.txt", encoding="utf-8") if work else logging.NullHandler()
+    handler.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
+    LOG.addHandler(handler)
+    LOG.setLevel(logging.INFO)
+    try:
+        yield
     finally:
-        shutil.rmtree(work, ignore_errors=True)
+        LOG.removeHandler(handler)
+        handler.close()
+
+
+@contextmanager
+def _result_file(work: Path | None) -> Iterator[h5py.File]:
+    """The HDF5 file of the run, in memory without a folder. Closed here only when something went wrong."""
+    if work is None:
+        file = h5py.File(f"memory-{uuid4()}", "w", driver="core", backing_store=False)
+    else:
+        file = h5py.File(work / FILE_NAME, "w")
+    try:
+        yield file
+    except BaseException:
+        with suppress(Exception):  # a full disk fails to be flushed once more
+            file.close()
+        raise
+
+
+def _holds_a_run(folder: Path) -> bool:
+    try:
+        Result.open(folder).close()
+    except InputError:
+        return False
+    return True
 
 
 def _nearest_folder(path: Path) -> Path:
@@ -258,7 +300,7 @@ def _move_into_place(work: Path, folder: Path) -> None:
     for figure in (folder / "figures").glob("*"):
         if figure.stem in Plotter.NAMES:  # of the run that is replaced
             figure.unlink()
-    for item in work.iterdir():
+    for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):  # the result last
         item.replace(folder / item.name)
 
 

@@ -44,6 +44,7 @@ HurstExponent = Annotated[float, Number(Range(most=1.0))]
 Growth = Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))]
 Deviations = Annotated[float, Number(Range(least=3.0, or_equal=True))]
 FrictionCoefficient = Annotated[float, Number(Range(most=3.0))]
+Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 FrictionOffset = Annotated[float, Number(Range(or_equal=True, most=3.0))]
 
 
@@ -62,8 +63,8 @@ class Section(BaseModel):
 class About(Section):
     """[study]"""
 
-    name: Annotated[str, Field(pattern=r"^[^/\\\s.][^/\\]*$")] = key(
-        "study", "name of the run and of its folder, without slashes"
+    name: Annotated[str, Field(pattern=r"^\w[\w .+-]{0,99}$")] = key(
+        "study", "name of the run and of its folder: letters, digits, spaces and . + - _"
     )
     description: str = key("", "one line for people")
     model: Literal["micro"] = key("micro", "resolved roughness on one fine grid")
@@ -195,7 +196,7 @@ class ArchardCoefficient:
         if isinstance(given, cls):
             return given
         bare = isinstance(given, int | float) and not isinstance(given, bool)
-        value = float(given) if bare else parse(given, "mm^3/N/m")
+        value = Number(NOT_NEGATIVE).read(given) if bare else parse(given, "mm^3/N/m")
         return cls(NOT_NEGATIVE.check(value), bare)
 
     def write(self) -> str | float:
@@ -223,6 +224,10 @@ class Wear(Section):
     )
 
 
+#: Along a side: a million squared is more than any memory holds.
+MOST_CELLS = 1_000_000
+
+
 class GridSection(Section):
     """[grid]"""
 
@@ -232,11 +237,16 @@ class GridSection(Section):
     @model_validator(mode="after")
     def _whole_cells(self) -> Self:
         cells = self.extent / self.cell
+        if cells > MOST_CELLS:
+            raise ValueError(
+                f"grid.cell = {self.cell:g} mm makes more than {MOST_CELLS:,} cells along grid.extent = "
+                f"{self.extent:g} mm; larger cells or a smaller extent are needed"
+            )
         if abs(cells - round(cells)) > 1e-6 * cells or round(cells) < 4:
             near = max(round(cells), 4) * self.cell
             raise ValueError(
                 f"grid.extent = {self.extent:g} mm is not a whole number (4 or more) of cells of "
-                f"{1e3 * self.cell:g} µm; the nearest that is, is {near:g} mm"
+                f"{1e3 * self.cell:g} µm; the nearest that is, is {near!r} mm"
             )
         return self
 
@@ -245,8 +255,8 @@ class Sliding(Section):
     """[sliding]"""
 
     distance: LengthOrZero | None = key(None, "total sliding distance; 0 is a static contact")
-    passes: Annotated[int, Field(ge=0)] | None = key(None, "instead of distance: number of strokes")
-    cycles: Annotated[int, Field(ge=0)] | None = key(None, "instead of distance: number of pairs of strokes")
+    passes: Strokes | None = key(None, "instead of distance: number of strokes")
+    cycles: Strokes | None = key(None, "instead of distance: number of pairs of strokes")
     duration: Time | None = key(None, "instead of distance, with frequency: time of the test")
     frequency: Frequency | None = key(None, "cycles in a second")
     stroke: Length | None = key(None, "length of one pass")

@@ -10,6 +10,7 @@ from typing import Any, Self
 from pydantic import Field, ValidationError, model_validator
 
 from warpwear import render
+from warpwear.consistency import check
 from warpwear.contact import CappedFoundation
 from warpwear.errors import InputError
 from warpwear.grid import Grid
@@ -101,53 +102,24 @@ class Study(Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        if self.contact.hardness is None and not self._body_hardnesses:
-            raise ValueError(
-                "contact.hardness, sphere.hardness or disc.hardness must be given ('inf MPa' is none)"
-            )
-        law = self.law
-        if law.hardness == float("inf") and law.compliance == 0.0 and self.sliding.total == 0.0:
-            raise ValueError(
-                "contact.stiffness and contact.hardness cannot both be infinite in a static contact"
-            )
-        carried = law.hardness * self.cells.area
-        if carried < self.contact.load:
-            raise ValueError(
-                f"contact.load = {self.contact.load:g} N is more than the domain carries at this hardness "
-                f"({carried:.4g} N); allowed are smaller loads, a larger grid.extent or contact.hardness"
-            )
-        if law.hardness == float("inf") and law.compliance == 0.0 and self._rigid_steps:
-            raise ValueError(
-                "contact.hardness = inf MPa needs a contact.stiffness, or stepping.scheme = 'implicit' "
-                "with wear"
-            )
-        limit = law.stable_increment(sum(self.wear_coefficients))
-        largest = self.stepping.plan[2]
-        if (
-            self.stepping.scheme == "explicit"
-            and self.sliding.total > 0.0
-            and largest >= limit
-            and not self.stepping.force
-        ):
-            raise ValueError(
-                f"stepping.increment = {largest:g} mm is beyond the explicit stability limit "
-                f"2/(k K) = {limit:.3g} mm; allowed are smaller increments, scheme = 'implicit', "
-                "or force = true"
-            )
+        check(self)
         return self
 
     @property
-    def _rigid_steps(self) -> bool:
-        return self.stepping.scheme == "explicit" or sum(self.wear_coefficients) == 0.0
+    def uses_bearing_area(self) -> bool:
+        """Whether contacts have no compliance: neither a foundation nor implicit wear."""
+        implicit_wear = self.stepping.scheme == "implicit" and sum(self.wear_coefficients) > 0.0
+        return self.law.compliance == 0.0 and not (implicit_wear and self.sliding.total > 0.0)
 
     @property
-    def _body_hardnesses(self) -> list[float]:
+    def body_hardnesses(self) -> list[float]:
+        """Those that are given [MPa]."""
         return [h for h in (self.sphere.hardness, self.disc.hardness) if h is not None]
 
     @property
     def hardness(self) -> float:
         """Largest pressure of a cell [MPa]: contact.hardness, or the softer body's."""
-        return self.contact.hardness if self.contact.hardness is not None else min(self._body_hardnesses)
+        return self.contact.hardness if self.contact.hardness is not None else min(self.body_hardnesses)
 
     @property
     def law(self) -> CappedFoundation:
@@ -179,7 +151,7 @@ class Study(Section):
             why = f"does not apply to kind = '{synthetic.kind}'"
             found |= dict.fromkeys((f"disc.synthetic.{k}" for k in UNUSED_BY_KIND[synthetic.kind]), why)
             found |= dict.fromkeys((f"disc.{k}" for k in OF_FILES), "does not apply to a synthetic surface")
-        if not (self.law.compliance == 0.0 and self._rigid_steps):
+        if not self.uses_bearing_area:
             found["stepping.load_tolerance"] = "does not apply: with compliance the balance holds to 1e-12"
         if self.stepping.increment is not None:
             growing = ("stepping.first", "stepping.growth", "stepping.largest")
@@ -193,8 +165,9 @@ class Study(Section):
         """What is given but not used, each as a sentence."""
         given = given_keys(self)
         found = [f"{key} {why}." for key, why in self.inapplicable().items() if key in given]
-        late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > self.sliding.total)
-        return [*found, f"output.snapshots beyond the sliding distance: {late} mm."] if late else found
+        total = self.sliding.total
+        late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > total or s == 0.0 < total)
+        return [*found, f"output.snapshots that no step ends at: {late} mm."] if late else found
 
     def to_toml(self) -> str:
         """The whole study after defaults, as TOML that `load` reads back without loss."""
@@ -207,17 +180,22 @@ class Study(Section):
             source = resources.files("warpwear") / "presets" / f"{path_or_preset}.toml"
             return cls(**tomllib.loads(source.read_text(encoding="utf-8")))
         path = Path(path_or_preset)
-        if path.is_dir():
-            if not (path / "study.toml").is_file():
-                raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
-            path = path / "study.toml"
         try:
+            if path.is_dir():
+                if not (path / "study.toml").is_file():
+                    raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
+                path = path / "study.toml"
             sections = tomllib.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             raise InputError(_no_such_study(str(path_or_preset))) from None
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"{path} cannot be read: {error}.") from error
-        except tomllib.TOMLDecodeError as error:
+        except OSError as error:
+            raise InputError(f"{str(path)[:200]} cannot be read: {error.strerror}.") from error
+        except UnicodeDecodeError as error:
+            raise InputError(f"{path} is not text, which a study is.") from error
+        except (
+            ValueError,
+            RecursionError,
+        ) as error:  # TOMLDecodeError, numbers of thousands of digits, nesting
             raise InputError(f"{path} is not TOML: {error}.") from error
         surface = sections.get("disc", {}).get("surface") if isinstance(sections.get("disc"), dict) else None
         if isinstance(surface, str):
@@ -236,11 +214,13 @@ class Study(Section):
         for name, value in flat.items():
             for other in _alternatives_of(name) - set(flat):
                 _remove(nested, other)
-                nested.get("assumed", {}).pop(other, None)
             _insert(nested, name, value)
-            assumed = nested.get("assumed", {})
-            for set_now in [k for k in assumed if k == name or k.startswith(name + ".")]:
-                del assumed[set_now]
+            assumed = nested.get("assumed")
+            if not isinstance(assumed, dict):
+                continue
+            replaced = {name} | _alternatives_of(name)
+            for key in [k for k in assumed if k in replaced or k.startswith(f"{name}.")]:
+                del assumed[key]
         return type(self)(**nested)
 
 
@@ -277,4 +257,6 @@ def _remove(nested: dict[str, Any], name: str) -> None:
     *parents, last = name.split(".")
     for parent in parents:
         nested = nested.get(parent, {})
+        if not isinstance(nested, dict):
+            return
     nested.pop(last, None)

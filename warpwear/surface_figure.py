@@ -18,6 +18,7 @@ from warpwear.surfaces.worn_ball import WornBall
 FloatArray = npt.NDArray[np.float64]
 
 PIXELS = 700  # of a map: more than its width on paper holds
+LONG = 4.0  # times as long as wide: drawn out of proportion
 ROW = 2.4  # height of a panel [inch]
 
 
@@ -135,11 +136,13 @@ def _map(
         vmin=low,
         vmax=high if high > low else low + 1.0,
         interpolation="auto",
+        # a long track at its true proportions would be a line
+        aspect="auto" if max(size) > LONG * min(size) else "equal",
     )
     axes.figure.colorbar(image, ax=axes, label=label, extend="both", location="top", shrink=0.6, aspect=30)
     axes.set_xlabel("along sliding, x, mm")
     axes.set_ylabel("across, y, mm")
-    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.xaxis.set_major_locator(MaxNLocator(4 if size[0] > 0.7 * size[1] else 2))
     axes.yaxis.set_major_locator(MaxNLocator(4))
 
 
