@@ -77,8 +77,9 @@ def find_track(
     """
     nx, ny = heights.shape
     y = (np.arange(ny) - 0.5 * (ny - 1)) * pixel[1]
-    outside = np.ones(ny, dtype=bool)
-    inside = ~outside
+    start = without_polynomial(heights, degree=degree).mean(axis=0)
+    inside = _first_guess(start) if width is None else _span(start, start < 0.0, pixel=pixel[1], width=width)
+    outside = ~inside
     for _ in range(ROUNDS):
         levelled = without_polynomial(
             heights, degree=degree, where=np.broadcast_to(outside[None, :], heights.shape)
@@ -106,6 +107,22 @@ def find_track(
 def _standard_error(values: FloatArray) -> float:
     blocks = [block.mean() for block in np.array_split(values, min(BLOCKS, values.size))]
     return float(np.std(blocks, ddof=1) / math.sqrt(len(blocks)))
+
+
+def _first_guess(profile: FloatArray) -> npt.NDArray[np.bool_]:
+    """The deeper half of a trough in a mean profile [mm], (ny,), and as much again on each side.
+
+    Before the first levelling a track tilts and lifts its own reference, so no scatter can be told yet.
+    """
+    count = profile.size
+    centre, deepest = float(np.median(profile)), int(np.argmin(profile))
+    labels = scipy.ndimage.label(profile < 0.5 * (centre + float(profile[deepest])))[0]
+    columns = np.flatnonzero(labels == labels[deepest]) if labels[deepest] else np.array([deepest])
+    least = max(1, math.ceil(2.0 * LEAST_OUTSIDE * count))
+    first = max(int(columns[0]) - columns.size, least)
+    last = min(int(columns[-1]) + columns.size, count - 1 - least)
+    place = np.arange(count)
+    return (place >= first) & (place <= last)
 
 
 def _span(

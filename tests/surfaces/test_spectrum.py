@@ -1,0 +1,135 @@
+"""Power spectrum, slopes, roll-off and profile roughness against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+from warpwear.surfaces.parameters import profile_roughness, roughness
+from warpwear.surfaces.spectrum import (
+    autocorrelation_length,
+    power_spectrum,
+    slope_against_cut_off,
+    suggested_roll_off,
+)
+from warpwear.surfaces.synthetic import SelfAffine
+
+CELL = 0.002
+
+
+@pytest.fixture(scope="module")
+def rough():
+    points = np.arange(1000) * CELL
+    return SelfAffine(sq=0.003).heights(points, points)
+
+
+def test_parameters_of_a_sine_and_a_triangle():
+    x = (np.arange(20000) + 0.5) / 1000
+    for wave, expected in (
+        (np.sin(2 * np.pi * x), {"sa": 2 / math.pi, "sq": math.sqrt(0.5), "sz": 2.0, "sku": 1.5}),
+        (2 * np.abs(2 * (x % 1) - 1) - 1, {"sa": 0.5, "sq": math.sqrt(1 / 3), "sz": 2.0, "sku": 1.8}),
+    ):
+        found = roughness(wave[:, None] * np.ones(5), pixel=(0.01, 0.01))
+        assert {k: found[k] for k in expected} == pytest.approx(expected, rel=0.005)
+        assert found["ssk"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_spectrum_holds_the_variance(rough):
+    # white noise has the density Sq² times the area of a pixel at every wave
+    white = np.random.default_rng(0).normal(size=(300, 400))
+    found = power_spectrum(white, pixel=(0.002, 0.003))
+    level = found.density @ found.modes / found.modes.sum()
+    assert level == pytest.approx(white.var() * 0.002 * 0.003, rel=0.01)
+    spectrum = power_spectrum(rough, pixel=(CELL, CELL))
+    # ∫ C d²q/(2π)², a mode standing for 1/(area of the field)
+    held = spectrum.density @ spectrum.modes / (1000 * CELL) ** 2
+    assert held == pytest.approx(rough.var(), rel=0.05)
+
+
+def test_the_spectrum_falls_as_the_surface_was_made(rough):
+    found = power_spectrum(rough, pixel=(CELL, CELL))
+    middle = (found.wavelength > 0.012) & (found.wavelength < 0.06)
+    slope = np.polyfit(np.log(found.wavelength[middle]), np.log(found.density[middle]), 1)[0]
+    assert slope == pytest.approx(2 + 2 * 0.8, abs=0.1)
+
+
+@pytest.mark.parametrize("length", [0.05, 0.025])
+def test_slope_of_a_sine_behind_the_filter(length):
+    x = (np.arange(1000) + 0.5) * 0.001
+    wave = np.cos(2 * np.pi * x / length)[:, None] * np.ones(30)
+    found = slope_against_cut_off(wave, pixel=(0.001, 0.001), cut_offs=np.array([0.0, length, 0.5 * length]))
+    exact = 2 * math.pi / length / math.sqrt(2)
+    np.testing.assert_allclose(found / exact, [1.0, 0.5, 2**-0.25], rtol=1e-3)
+
+
+def test_slope_of_a_surface_is_its_own(rough):
+    found = slope_against_cut_off(rough, pixel=(CELL, CELL), cut_offs=np.array([0.0]))[0]
+    assert found == pytest.approx(SelfAffine(sq=0.003).rms_slope, rel=0.01)
+    assert slope_against_cut_off(np.zeros((8, 8)), pixel=(1, 1), cut_offs=np.array([0.0, 2.0])).tolist() == [
+        0,
+        0,
+    ]
+
+
+def test_correlation_length_of_a_wave():
+    x = np.arange(600) * 0.001
+    wave = np.cos(2 * np.pi * x / 0.05)[:, None] + np.cos(2 * np.pi * x / 0.05)[None, :]
+    # the autocorrelation (cos + cos)/2 reaches 0.2 first on the diagonal, where it is cos(2π d/√2/0.05)
+    expected = math.sqrt(2) * math.acos(0.2) / (2 * math.pi) * 0.05
+    assert autocorrelation_length(wave, pixel=(0.001, 0.001)) == pytest.approx(expected, abs=0.0015)
+    assert autocorrelation_length(np.zeros((40, 40)), pixel=(1.0, 1.0)) is None
+
+
+@pytest.mark.parametrize("roll_off", [0.05, 0.1, 0.2])
+def test_the_roll_off_is_found(roll_off):
+    points = np.arange(1000) * CELL
+    heights = SelfAffine(sq=0.003, roll_off=roll_off, hurst=0.7).heights(points, points)
+    spectrum = power_spectrum(heights, pixel=(CELL, CELL))
+    found = suggested_roll_off(spectrum, correlation=None, resolved=2 * CELL)
+    assert "knee" in found.source
+    assert found.wavelength == pytest.approx(roll_off, rel=0.25)
+    assert found.hurst == pytest.approx(0.7, abs=0.12)
+
+
+def test_without_a_knee_the_correlation_length_is_said(rough):
+    part = rough[:8, :8] - rough[:8, :8].mean()
+    spectrum = power_spectrum(part, pixel=(CELL, CELL))
+    found = suggested_roll_off(spectrum, correlation=0.01, resolved=2 * CELL)
+    assert found.wavelength == pytest.approx(0.04)
+    assert "autocorrelation" in found.source
+    none = suggested_roll_off(spectrum, correlation=None, resolved=2 * CELL)
+    assert none.wavelength is None
+    assert "not in the field" in none.source
+
+
+def sine(length, count, pixel):
+    return np.sin(2 * np.pi * (np.arange(count) + 0.5) * pixel / length)[:, None] * np.ones(4)
+
+
+def test_ra_of_a_sine():
+    field = sine(0.25, 7500, 0.002)  # 15 mm
+    found = profile_roughness(field, pixel=(0.002, 0.01), axis=0, cut_off=2.5, short=0.008)
+    assert found.ra == pytest.approx(2 / math.pi, rel=0.005)
+    assert found.scatter == pytest.approx(0.0, abs=1e-9)
+    assert (found.profiles, found.cut_off, found.short, found.notes) == (4, 2.5, 0.008, ())
+    # at the cut-offs half is left
+    for length, pixel, count in ((2.5, 0.004, 3750), (0.008, 0.0005, 25000)):
+        half = profile_roughness(
+            sine(length, count, pixel), pixel=(pixel, 1.0), axis=0, cut_off=2.5, short=0.008
+        )
+        assert half.ra == pytest.approx(1 / math.pi, rel=0.02)
+
+
+def test_a_short_profile_reduces_the_cut_off_and_says_so():
+    found = profile_roughness(sine(0.05, 1000, 0.001), pixel=(0.001, 1.0), axis=0, cut_off=2.5, short=0.008)
+    assert (found.cut_off, found.short) == (0.25, 0.0025)
+    assert found.notes == (
+        "λc reduced from 2.5 to 0.25 mm: profiles are 1 mm long",
+        "4 sampling lengths instead of 5",
+    )
+    coarse = profile_roughness(sine(0.05, 200, 0.005), pixel=(0.005, 1.0), axis=0, cut_off=2.5, short=0.008)
+    assert coarse.short is None
+    assert "shorter than two pixels" in coarse.notes[-1]
+    tiny = profile_roughness(sine(0.01, 100, 0.001), pixel=(0.001, 1.0), axis=0, cut_off=2.5, short=0.008)
+    assert tiny.cut_off is None
+    assert "too short for any" in tiny.notes[0]
