@@ -73,7 +73,7 @@ def power_spectrum(heights: FloatArray, *, pixel: tuple[float, float]) -> Spectr
     return Spectrum(
         wavelength=np.exp(-mean_log[used] / modes[used]),
         density=total[used] / modes[used],
-        modes=modes[used],
+        modes=modes[used].astype(np.float64),
     )
 
 

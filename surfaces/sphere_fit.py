@@ -32,7 +32,10 @@ class Sphere:
 
 def places(shape: tuple[int, int], pixel: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
     """Middles of the pixels [mm] along both axes from the middle of the field."""
-    x, y = ((np.arange(n) - 0.5 * (n - 1)) * p for n, p in zip(shape, pixel, strict=True))
+    x, y = (
+        np.asarray((np.arange(n) - 0.5 * (n - 1)) * p, dtype=np.float64)
+        for n, p in zip(shape, pixel, strict=True)
+    )
     return x, y
 
 

@@ -334,3 +334,16 @@ def test_an_empty_folder_is_used_as_it_is(tmp_path: Path) -> None:
     assert tmp_path.stat().st_ino == before
     assert (tmp_path / "result.h5").is_file()
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
+
+
+def test_a_full_disk_is_one_sentence_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import shutil
+    from collections import namedtuple
+
+    usage = namedtuple("usage", "total used free")
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage(2**30, 2**30 - 2**21 - 4096, 2**21 + 4096))
+    with pytest.raises(InputError, match=r"could not be written and holds no run: 2 MiB are needed, 2 MiB"):
+        warpwear.run(quick(), out=tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []

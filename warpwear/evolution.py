@@ -70,8 +70,7 @@ def surface_evolution(result: Result) -> SurfaceEvolution:
 def island_areas(result: Result, snapshot: Snapshot) -> FloatArray:
     """Areas [mm²] of the connected regions in contact, shape (islands,)."""
     labels, _ = ndimage.label(snapshot.pressure > 0.0)
-    areas: FloatArray = np.bincount(labels.ravel())[1:] * result.study.cells.cell_area
-    return areas
+    return np.asarray(np.bincount(labels.ravel())[1:] * result.study.cells.cell_area, dtype=np.float64)
 
 
 def _roughness_in_scar(result: Result, snapshot: Snapshot) -> dict[str, float]:

@@ -54,7 +54,8 @@ def _siblings(model: type[BaseModel], name: str) -> list[str]:
 
 def _expected(model: type[BaseModel], name: str) -> str:
     info: Any = key_of(model, name)
-    if info is not None and section_in(info.annotation) is not None:
-        return f": a section [{name}] with {', '.join(section_in(info.annotation).model_fields)}"
+    section = section_in(info.annotation) if info is not None else None
+    if section is not None:
+        return f": a section [{name}] with {', '.join(section.model_fields)}"
     meaning = getattr(info, "description", None)
     return f": {meaning}" if meaning else ""

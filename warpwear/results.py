@@ -1,6 +1,8 @@
 """Results: one HDF5 file a run, written step by step, read by `Result`."""
 
+import errno
 import json
+import shutil
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
 FIELDS = {"pressure": "MPa", "wear_sphere": "mm", "wear_disc": "mm", "gap": "mm"}
 FILE_NAME = "result.h5"
+#: For attributes, tables and the log beside what is counted [B].
+SPACE_FOR_THE_REST = 2 * 2**20
 #: Cells along a side of a compressed block.
 CHUNK = 256
 
@@ -40,10 +44,14 @@ class Snapshot:
 
 
 class ResultWriter:
-    """Writes a run into an open HDF5 file."""
+    """Writes a run into an open HDF5 file.
+
+    Raises OSError before it writes what the disk may not hold: the HDF5 library does not survive a full disk.
+    """
 
     def __init__(self, file: h5py.File, study: Study, grid: Grid, *, device: str, threads: int) -> None:
         self._file = file
+        self._check_space(0)
         file.attrs.update(
             version=__version__,
             study=study.to_toml(),
@@ -58,6 +66,7 @@ class ResultWriter:
 
     def add_snapshot(self, snapshot: Snapshot) -> None:
         """Keep the fields of one distance."""
+        self._check_space(sum(getattr(snapshot, name).nbytes for name in FIELDS))
         snapshots = self._file["snapshots"]
         group = snapshots.create_group(f"{len(snapshots):04d}")
         group.attrs["distance"] = snapshot.distance
@@ -71,6 +80,7 @@ class ResultWriter:
 
     def finish(self, history: Mapping[str, FloatArray], record: Mapping[str, Any], *, finished: bool) -> None:
         """Keep the history and what else the run recorded, and mark it as finished or interrupted."""
+        self._check_space(sum(values.nbytes for values in history.values()))
         group = self._file.create_group("history")
         for column in COLUMNS:
             dataset = group.create_dataset(
@@ -81,6 +91,16 @@ class ResultWriter:
         self._file.attrs["record"] = json.dumps(record)
         self._file.attrs["finished"] = finished
         self._file.flush()
+
+
+    def _check_space(self, size: int) -> None:
+        """For so many bytes before compression [B]."""
+        if self._file.driver == "core":
+            return
+        free = shutil.disk_usage(Path(self._file.filename).parent).free
+        needed = size + SPACE_FOR_THE_REST
+        if free < needed:
+            raise OSError(errno.ENOSPC, f"{needed / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free")
 
 
 class Result:

@@ -65,8 +65,9 @@ def run(
     with executor, _writing_to(folder) as work:
         with _log_to(work), _result_file(work) as file:
             LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
-            place = {"device": str(executor.device), "threads": executor.threads}
-            writer = ResultWriter(file, study, executor.grid, **place)
+            writer = ResultWriter(
+                file, study, executor.grid, device=str(executor.device), threads=executor.threads
+            )
             loop = _Loop(study, executor, writer, Progress(study, quiet=not progress))
             loop.run()
             result = Result(file, None)

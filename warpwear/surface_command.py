@@ -167,7 +167,7 @@ def _surface(file: Path, preparation: dict[str, str | None]) -> "Measured":
     except ValidationError as error:
         raise InputError(f"disc.{sentence(error, Disc)}") from error
     surface: Any = surface_of(disc)
-    return surface  # type: ignore[no-any-return]
+    return surface
 
 
 def _level(text: str) -> str | int:
