@@ -33,7 +33,9 @@ def test_a_measured_disc_runs_and_draws_its_figures(tmp_path: Path, name: str) -
     extend = {"disc__extend": "mirror"} if name.endswith(".al3d") else {}
     result = warpwear.run(study_of(needs(SHARED / name), **extend), out=tmp_path / "out")
     assert result.finished
-    assert len(list((tmp_path / "out" / "figures").glob("*.png"))) == len(result.plot.NAMES) - len(result.plot.left_out)
+    assert len(list((tmp_path / "out" / "figures").glob("*.png"))) == len(result.plot.NAMES) - len(
+        result.plot.left_out
+    )
     assert max(map(abs, result.summary["conservation_relative"].values())) < 1e-10
     record = result.summary["surface"]
     assert record["kind"] == "measured"
@@ -64,3 +66,31 @@ def test_a_npy_file_equals_the_surface_it_holds(tmp_path: Path) -> None:
     # The file's heights are taken from their mean plane.
     shift = one.history["approach"] - other.history["approach"]
     np.testing.assert_allclose(shift, -heights.mean(), atol=1e-12)
+
+
+def test_a_spike_decides_the_contact_unless_it_is_removed(tmp_path: Path) -> None:
+    from warpwear.surfaces.reading import read
+
+    reading = read(needs(SHARED / "sur-2.sur"))
+    heights = 1e3 * reading.heights
+    spiked = heights.copy()
+    spiked[396, 242] += 50.0  # 0.4 mm from the middle, where the sphere is 27 µm up
+    seen = {}
+    for name, field in (("clean", heights), ("spiked", spiked)):
+        np.save(tmp_path / f"{name}.npy", field)
+        for outliers in (None, 50.0):
+            changes = {
+                "disc.pixel": f"{reading.pixel[0]} mm",
+                "disc.height_unit": "um",
+                "grid.cell": "2 um",
+                "sliding.distance": "0 mm",
+            } | ({} if outliers is None else {"disc.outliers": outliers})
+            result = warpwear.run(study_of(tmp_path / f"{name}.npy").replace(changes))
+            seen[name, outliers] = {
+                key: float(result.history[key][0]) for key in ("area_nominal", "patch_along", "approach")
+            }
+    assert seen["spiked", 50.0] == pytest.approx(seen["clean", 50.0], rel=2e-3)
+    assert seen["clean", None] == pytest.approx(seen["clean", 50.0], rel=0.05)
+    assert seen["spiked", None]["patch_along"] > 2.0 * seen["clean", None]["patch_along"]
+    told = result.summary["surface"]["operations"]
+    assert any("outliers: " in text and "the farthest 50" in text for text in told)

@@ -1,0 +1,150 @@
+"""`warpwear surface` as a user meets it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from warpwear.cli import commands
+from warpwear.errors import InputError
+from warpwear.surfaces.sphere import sag
+from warpwear.surfaces.synthetic import SelfAffine
+
+ROOT = Path(__file__).parents[1]
+SHARED = ROOT.parent / "shared" / "surfaces"
+GIVEN = ("--pixel", "3 um", "--height-unit", "um")
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder to work in, with three files in a folder beside it."""
+    files = tmp_path / "files"
+    files.mkdir()
+    points = (np.arange(300) - 149.5) * 0.003
+    rough = SelfAffine(ra=0.0003, period=1.0).heights(points, points)
+    np.save(files / "rough.npy", 1e3 * rough)
+    trough = -0.01 * np.maximum(1 - np.square(points / 0.15), 0.0)
+    np.save(files / "track.npy", 1e3 * (0.1 * rough + trough[None, :]))
+    worn = np.minimum(-sag(points, points, radius=3.0), -0.005)
+    np.save(files / "ball.npy", 1e3 * (worn + 0.1 * rough))
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def surface(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(commands, ["surface", *map(str, arguments)])
+
+
+def test_a_page_and_a_figure(here: Path) -> None:
+    done = surface(
+        "../files/rough.npy", *GIVEN, "--outliers", "6", "--s-filter", "8 um", "--l-filter", "0.5 mm"
+    )
+    assert done.exit_code == 0, done.output
+    for words in ("300 × 300 points", "pixel 3 × 3 µm (as given)", "Sa 0.", "Sk 0.", "Smr1", "Ra along y"):
+        assert words in done.output
+    for words in ("outliers: 0 points", "S-filter", "L-filter", "roll-off", "no clear lay", "λc reduced"):
+        assert words in done.output
+    assert (here / "rough-surface.png").stat().st_size > 20_000
+    again = surface("../files/rough.npy", *GIVEN)
+    assert isinstance(again.exception, InputError)
+    assert "rough-surface.png is there already" in str(again.exception)
+    assert surface("../files/rough.npy", *GIVEN, "--overwrite").exit_code == 0
+    assert surface("../files/rough.npy", *GIVEN, "--figure", "other.pdf").exit_code == 0
+    assert (here / "other.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_json(here: Path) -> None:
+    done = surface("../files/rough.npy", *GIVEN, "--json", "--crop", "0.6 mm, 0.45 mm", "--sliding-axis", "y")
+    record = json.loads(done.output)
+    assert record["grid"] == [150, 200]
+    assert record["sa_um"] == pytest.approx(0.3, rel=0.1)
+    assert record["bearing"]["sk_um"] == pytest.approx(2.574 * record["sq_um"], rel=0.1)
+    assert len(record["slope_against_cut_off"]["rms_slope"]) == 25
+    assert record["roll_off"]["wavelength_um"] == pytest.approx(100, rel=0.4)
+    assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["al3d-1.al3d", "sur-2.sur", "x3p-2.x3p"])
+def test_real_files(here: Path, name: str) -> None:
+    pytest.importorskip("SurfaceTopography")
+    if not (SHARED / name).is_file():
+        pytest.skip("the measured files are not here")
+    done = surface(SHARED / name)
+    assert done.exit_code == 0, done.output
+    assert (here / f"{Path(name).stem}-surface.png").is_file()
+    assert "nan" not in done.output
+
+
+def test_a_worn_track(here: Path) -> None:
+    done = surface("../files/track.npy", *GIVEN, "--track", "--track-length", "30 mm")
+    assert done.exit_code == 0, done.output
+    assert "over 30 mm" in done.output
+    assert (here / "track-track.png").is_file()
+    record = json.loads(surface("../files/track.npy", *GIVEN, "--track", "--json").output)
+    assert record["track"]["section_net_um2"]["mean"] == pytest.approx(2000, rel=0.01)
+    assert record["track"]["volume_mm3"] == pytest.approx(0.002 * 0.9, rel=0.01)
+
+
+def test_a_worn_ball(here: Path) -> None:
+    done = surface("../files/ball.npy", *GIVEN, "--ball", "--radius", "3 mm")
+    assert done.exit_code == 0, done.output
+    assert (here / "ball-ball.png").is_file()
+    record = json.loads(surface("../files/ball.npy", *GIVEN, "--ball", "--radius", "3 mm", "--json").output)
+    assert record["ball"]["volume_mm3"] == pytest.approx(np.pi * 0.005**2 * (9 - 0.005) / 3, rel=0.02)
+    by_hand = surface("--ball", "--radius", "3 mm", "--diagonals", "0.80 mm", "0.82 mm")
+    assert "depth 27.463 µm, volume 0.0070867 mm³" in by_hand.output
+    record = json.loads(
+        surface("--ball", "--radius", "3 mm", "--diagonals", "800 um", "820 um", "--json").output
+    )
+    assert record["height_um"] == pytest.approx(27.463, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "FILE is missing"),
+        (["none.sur"], "disc.surface 'none.sur' does not exist"),
+        (["../files/rough.npy"], "disc.height_unit is not given"),
+        (["../files/rough.npy", *GIVEN, "--level", "cubic"], "disc.level = 'cubic' is not allowed"),
+        (["../files/rough.npy", *GIVEN, "--outliers", "many"], "--outliers is 'many'"),
+        (["../files/rough.npy", *GIVEN, "--outliers", "1"], "disc.outliers = 1.0: must be at least 3"),
+        (["../files/rough.npy", *GIVEN, "--crop", "1 mm, 2 mm, 3 mm"], "disc.crop = "),
+        (["../files/rough.npy", *GIVEN, "--crop", "5 mm"], "disc.crop is (5, 5) mm"),
+        (["../files/rough.npy", *GIVEN, "--s-filter", "8"], "disc.s_filter = '8': has the wrong dimension"),
+        (
+            ["../files/rough.npy", *GIVEN, "--lambda-c", "-1 mm"],
+            "--lambda-c = '-1 mm': must be greater than 0",
+        ),
+        (["../files/rough.npy", *GIVEN, "--figure", "a.exe"], "allowed endings are .png"),
+        (["../files/rough.npy", *GIVEN, "--figure", "no/a.png"], "the folder no does not exist"),
+        (["../files/rough.npy", *GIVEN, "--track", "--ball"], "exclude each other"),
+        (["../files/rough.npy", *GIVEN, "--radius", "3 mm"], "--radius needs --ball"),
+        (["../files/rough.npy", *GIVEN, "--track-width", "1 mm"], "--track-width needs --track"),
+        (["../files/track.npy", *GIVEN, "--track", "--level", "sphere"], "--level sphere is for a ball"),
+        (["--ball", "--diagonals", "1 mm", "1 mm"], "--diagonals needs --radius"),
+        (["--ball", "--radius", "3 mm", "--diagonals", "9 mm", "1 mm"], "up to the ball's diameter"),
+        (["../files/ball.npy", "--ball", "--diagonals", "1 mm", "1 mm"], "without a FILE"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_leaves_nothing(here: Path, arguments: list[str], message: str) -> None:
+    done = surface(*arguments)
+    assert isinstance(done.exception, InputError), done.output
+    assert message in str(done.exception)
+    assert "\n" not in str(done.exception)
+    assert list(here.iterdir()) == []
+
+
+def test_from_the_shell(here: Path) -> None:
+    run = [sys.executable, "-m", "warpwear", "surface", "../files/rough.npy"]
+    done = subprocess.run(
+        run, cwd=here, capture_output=True, text=True, check=False, env={"PYTHONPATH": str(ROOT), "PATH": ""}
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith("warpwear: disc.height_unit is not given")
+    assert done.stderr.count("\n") == 1
