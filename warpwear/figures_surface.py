@@ -12,10 +12,10 @@ from warpwear.figure_data import FigureData
 #: Parameter -> line. Sq and Sk are heights of the whole, Spk and Svk of peaks and valleys.
 PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
     "sk": ("Sk", {"color": fs.NOMINAL, "ls": "-.", "marker": "D"}),
-    "svk": ("Svk", {"color": fs.SPHERE, "ls": "--", "marker": "v"}),
+    "svk": ("Svk", {"color": fs.TOUCHED, "ls": "--", "marker": "v"}),
     "sq": ("Sq", {"color": fs.HARDNESS, "ls": "-", "marker": "o"}),
     "sa": ("Sa", {"color": fs.SUM, "ls": "-", "marker": "s"}),
-    "spk": ("Spk", {"color": fs.DISC, "ls": ":", "marker": "^"}),
+    "spk": ("Spk", {"color": fs.MEAN_PRESSURE, "ls": ":", "marker": "^"}),
 }
 
 
