@@ -76,13 +76,14 @@ class Measured:
 
         And whether much of the measurement is missing, or its rms slope depends on the shortest wavelength.
         """
-        told = []
+        told = list(self.details.get("overrides", []))
         reach = _reach(x, y)
-        if any(r > s * (1 + SLACK) for r, s in zip(reach, self.size, strict=True)):
+        smaller = any(r > s * (1 + SLACK) for r, s in zip(reach, self.size, strict=True))
+        if smaller and self.extend != "refuse":
+            copies = " × ".join(f"{r / s:.1f}" for r, s in zip(reach, self.size, strict=True))
             told.append(
-                f"the measurement, {_pair(self.size)} mm, is smaller than the grid, {_pair(reach)} mm, "
-                + "and is "
-                + ("mirrored" if self.extend == "mirror" else "repeated")
+                f"the measurement, {_pair(self.size)} mm, is smaller than the grid, {_pair(reach)} mm, and "
+                f"is {'mirrored' if self.extend == 'mirror' else 'repeated'}: {copies} copies"
             )
         cells = (spacing(x), spacing(y))
         along, across = (
@@ -190,6 +191,7 @@ def read_measured(
         "outliers_removed": prepared.removed,
         "filled_percent": 100.0 * (prepared.missing + prepared.removed) / size,
         "operations": list(prepared.operations),
+        "overrides": list(reading.overrides),
         "sq_valid_points_um": prepared.sq_valid * 1e3,
     }
     if s_filter is not None:

@@ -47,6 +47,7 @@ class Reading:
     pixel_given: bool
     unit_given: bool
     notes: tuple[str, ...] = ()
+    overrides: tuple[str, ...] = ()  # where the study contradicts the file, in sentences
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +105,7 @@ def read(
     unit = height_unit if height_unit is not None else raw.height_unit
     factor = _height_factor(path, unit)
     used = given if given is not None else _pixel_of_file(path, raw.pixel, raw.lateral_unit)
+    overrides = _overrides(raw, unit=height_unit, pixel=given)
     heights = np.ma.filled(raw.heights.astype(np.float64), np.nan) * factor
     heights[~np.isfinite(heights)] = np.nan
     if np.isnan(heights).all():
@@ -116,7 +118,23 @@ def read(
         pixel_given=given is not None,
         unit_given=height_unit is not None,
         notes=raw.notes,
+        overrides=overrides,
     )
+
+
+def _overrides(raw: _Raw, *, unit: str | None, pixel: tuple[float, float] | None) -> tuple[str, ...]:
+    """Where what is given differs from what the file says, in sentences."""
+    told = []
+    of_file = MILLIMETRES.get((raw.height_unit or "").strip().replace("μ", "µ"))
+    if unit is not None and of_file is not None and MILLIMETRES[unit.strip().replace("μ", "µ")] != of_file:
+        told.append(f"disc.height_unit = {unit} overrides the unit that the file states, {raw.height_unit}")
+    lateral = MILLIMETRES.get((raw.lateral_unit or "").strip().replace("μ", "µ"))
+    if pixel is not None and raw.pixel is not None and lateral is not None:
+        stated = [p * lateral for p in raw.pixel]
+        if any(abs(a - b) > 1e-6 * b for a, b in zip(pixel, stated, strict=True)):
+            given, own = (" × ".join(f"{1e3 * p:.4g}" for p in pair) for pair in (pixel, stated))
+            told.append(f"disc.pixel = {given} µm overrides the pixel that the file states, {own} µm")
+    return tuple(told)
 
 
 def _refusal(path: Path, what: str) -> InputError:

@@ -92,7 +92,6 @@ class ResultWriter:
         self._file.attrs["finished"] = finished
         self._file.flush()
 
-
     def _check_space(self, size: int) -> None:
         """For so many bytes before compression [B]."""
         if self._file.driver == "core":
@@ -100,7 +99,9 @@ class ResultWriter:
         free = shutil.disk_usage(Path(self._file.filename).parent).free
         needed = size + SPACE_FOR_THE_REST
         if free < needed:
-            raise OSError(errno.ENOSPC, f"{needed / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free")
+            raise OSError(
+                errno.ENOSPC, f"{needed / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free"
+            )
 
 
 class Result:

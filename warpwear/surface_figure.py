@@ -155,6 +155,11 @@ def _bearing(axes: Axes, report: SurfaceReport) -> None:
     for level, ratio in ((b.top, b.smr1), (b.bottom, b.smr2)):
         axes.plot([0 if level == b.top else 100, ratio], [1e3 * level] * 2, color=NEUTRAL, lw=0.6, ls=":")
     axes.set_xlim(0, 100)
+    # A few spikes and pits would squeeze the curve into a line: the ends are cut where they are far off.
+    height = 1e3 * report.height
+    core = height[(report.ratio >= 0.5) & (report.ratio <= 99.5)]
+    room = 0.35 * (core.max() - core.min()) or 1.0
+    axes.set_ylim(max(height.min(), core.min() - room), min(height.max() + 0.1 * room, core.max() + room))
     axes.set_xlabel("material ratio, %")
     axes.set_ylabel("height, µm")
     text = f"Spk {1e3 * b.spk:.3g} µm\nSk {1e3 * b.sk:.3g} µm\nSvk {1e3 * b.svk:.3g} µm"
