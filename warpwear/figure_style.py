@@ -1,6 +1,6 @@
 """The one style of all figures: sizes, colours, line styles, axes. Nothing here knows what is drawn."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import matplotlib
@@ -132,12 +132,14 @@ class PlainNumbers(LogFormatter):
         return f"{x:g}" if super().__call__(x, pos) else ""
 
 
-def legend_above(figure: Figure, axes: Axes | Sequence[Axes], *, columns: int) -> None:
-    """One legend over all panels, where it hides no line."""
+def legend_above(*panels: Axes, columns: int) -> None:
+    """One legend over the figure of these panels, where it hides no line."""
     found: dict[str, Any] = {}
-    for panel in [axes] if isinstance(axes, Axes) else axes:
+    for panel in panels:
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
+    figure = panels[0].get_figure(root=True)
+    assert figure is not None
     figure.legend(list(found.values()), list(found), loc="outside upper center", ncols=columns)
 
 

@@ -91,7 +91,7 @@ def pressure_profiles(data: FigureData) -> Figure:
         axes[1].sharey(axes[0])
         axes[0].set_ylabel(f"mean pressure, middle {1e3 * data.strip:.3g} µm, MPa")
         axes[1].tick_params(which="both", labelleft=False)
-        fs.legend_above(axes[0].figure, axes[0], columns=4)
+        fs.legend_above(axes[0], columns=4)
 
     return fs.new_figure(draw, columns=2)
 

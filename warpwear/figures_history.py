@@ -71,7 +71,7 @@ def areas(data: FigureData) -> Figure:
         fs.scale_distance(axes, distance)
         fs.scale_values(axes, *(data.history[f"area_{name}"] for name in AREAS))
         axes.set_ylabel("area, mm²")
-        fs.legend_above(axes.get_figure(), axes, columns=3)  # type: ignore[arg-type]
+        fs.legend_above(axes, columns=3)
 
     return fs.new_figure(draw)
 
@@ -91,7 +91,7 @@ def pressure(data: FigureData) -> Figure:
         fs.scale_distance(axes, distance)
         fs.scale_values(axes, *shown)
         axes.set_ylabel("pressure in contact, MPa")
-        fs.legend_above(axes.get_figure(), axes, columns=3)  # type: ignore[arg-type]
+        fs.legend_above(axes, columns=3)
 
     return fs.new_figure(draw)
 
@@ -113,7 +113,7 @@ def contact_radius(data: FigureData) -> Figure:
         fs.scale_distance(axes, distance)
         fs.scale_values(axes, *radii.values())
         fs.scale_values(right, mean)
-        fs.legend_above(axes.get_figure(), [axes, right], columns=2)  # type: ignore[arg-type]
+        fs.legend_above(axes, right, columns=2)
 
     return fs.new_figure(draw)
 
@@ -133,7 +133,7 @@ def volumes(data: FigureData) -> Figure:
         for panel in axes:
             panel.set_ylim(bottom=0.0)
             panel.set_xlim(left=0.0)
-        fs.legend_above(axes[0].figure, axes[0], columns=2)
+        fs.legend_above(axes[0], columns=2)
 
     return fs.new_figure(draw, columns=2)
 

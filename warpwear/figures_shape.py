@@ -153,7 +153,7 @@ def _profiles(data: FigureData, body: str) -> Figure:
         axes[0].set_xlabel(ALONG)
         axes[1].set_xlabel(ACROSS)
         axes[0].set_ylabel("height, µm")
-        fs.legend_above(axes[0].figure, axes[0], columns=len(views) + 1)
+        fs.legend_above(axes[0], columns=len(views) + 1)
 
     return fs.new_figure(draw, columns=2)
 
@@ -177,7 +177,7 @@ def profiles(data: FigureData) -> Figure:
         axes[1].tick_params(which="both", labelleft=False)
         axes[0].set_ylim(1e3 * (low - room), 1e3 * (high + room))
         axes[0].set_ylabel("height over the disc, µm")
-        fs.legend_above(axes[0].figure, axes[0], columns=4)
+        fs.legend_above(axes[0], columns=4)
 
     return fs.new_figure(draw, columns=2)
 

@@ -29,7 +29,7 @@ def roughness(data: FigureData) -> Figure:
         fs.scale_distance(axes, table["distance"])
         axes.set_ylim(bottom=0.0)
         axes.set_ylabel("roughness inside the scar, µm")
-        fs.legend_above(axes.get_figure(), axes, columns=5)  # type: ignore[arg-type]
+        fs.legend_above(axes, columns=5)
 
     return fs.new_figure(draw)
 
