@@ -22,6 +22,7 @@ STEEPEST = (
     5.0  # median slope: above it a unit is wrong, as no instrument sees a surface of 79° over half its area
 )
 FEWEST_DEVIATIONS = 3.0
+LARGEST_MISSING = 0.5  # share of the points: beyond it the surface would be invented, not measured
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,6 +106,13 @@ def prepare(reading: Reading, chain: Chain, *, name: str) -> Prepared:
             f"standard deviations ({1e3 * found.limit:.4g} µm) from the median of 5 × 5 points removed"
             + (f", the farthest {1e3 * found.farthest:.4g} µm" if removed else "")
         )
+    share = (missing + removed) / heights.size
+    if share > LARGEST_MISSING:
+        raise InputError(
+            f"disc.surface '{name}' has {100 * share:.3g} % of its points missing"
+            + (f", {removed} of them removed by disc.outliers" if removed else "")
+            + f": allowed are at most {100 * LARGEST_MISSING:g} %"
+        )
     heights, told = _levelled(heights, pixel, chain.level)
     done.append(told)
     sq = float(np.sqrt(np.nanmean(np.square(heights))))
@@ -112,10 +120,9 @@ def prepare(reading: Reading, chain: Chain, *, name: str) -> Prepared:
     measured = ~np.isnan(heights)
     if missing + removed:
         heights = filled(heights)
-        share = 100.0 * (missing + removed) / heights.size
         done.append(
-            f"{missing + removed} missing points ({share:.3g} %) filled from their rim (harmonic, coarse to "
-            "fine)"
+            f"{missing + removed} missing points ({100 * share:.3g} %) filled from their rim (harmonic, "
+            "coarse to fine)"
         )
     heights, told_filters = _filtered(heights, pixel, chain)
     return Prepared(

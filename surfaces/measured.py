@@ -25,6 +25,9 @@ SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: mor
 MUCH_MISSING = 5.0  # percent
 
 
+COARSE = 0.05  # mm: pixel and Sq both above it look like micrometres called millimetres
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measured:
     """A complete measurement: `levelled` heights [mm], shape (nx, ny), of pixels `pixel` (px, py) [mm].
@@ -118,6 +121,13 @@ class Measured:
         if filled > MUCH_MISSING:
             told.append(
                 f"{filled:.3g} % of the measurement is missing and was filled: it is too smooth there"
+            )
+        sq = float(np.std(self.levelled))
+        if min(self.pixel) > COARSE and sq > COARSE:
+            told.append(
+                f"pixel {_pair((1e3 * self.pixel[0], 1e3 * self.pixel[1]))} µm and Sq {1e3 * sq:.3g} µm are "
+                f"large for a measured disc: is the file's unit, {self.details.get('unit')}, right? "
+                "disc.height_unit and disc.pixel override it"
             )
         shortest = max(2.0 * cell, self.details.get("s_filter_um", 0.0) * 1e-3)
         fine, coarse = slope_against_cut_off(

@@ -29,6 +29,9 @@ READABLE = (
     "allowed is an areal height map that SurfaceTopography reads (.al3d, .sur, .x3p, .opd, .plu, .mnt, .sdf "
     "and others), text of points x y z or of a matrix, or a 2-D array in .npy or .npz"
 )
+UNITS = "m, mm, um, µm, nm"  # that a study may give; a file may state any of MILLIMETRES
+HDF5 = (".h5", ".hdf5")
+FARTHEST = 1.0e4  # mm: no height is beyond it
 TEXT = (".xyz", ".txt", ".csv", ".asc", ".dat", ".tsv", ".hfm")
 HEIGHT_NAMES = ("heights", "height", "z", "surface", "topography")  # of the array in a .npz that has several
 
@@ -89,7 +92,7 @@ def read(
         raise _refusal(path, "is empty")
     given = None if pixel is None else _given_pixel(pixel)
     if height_unit is not None and height_unit.strip().replace("μ", "µ") not in MILLIMETRES:
-        raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {', '.join(MILLIMETRES)}")
+        raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {UNITS}")
     suffix = path.suffix.lower()
     if suffix == ".npy":
         raw = _read_npy(path)
@@ -110,6 +113,8 @@ def read(
     heights[~np.isfinite(heights)] = np.nan
     if np.isnan(heights).all():
         raise _refusal(path, "has no valid point, all are missing")
+    if float(np.nanmax(np.abs(heights))) > FARTHEST:
+        raise _refusal(path, f"has heights beyond {FARTHEST:g} mm (unit {unit}), which is no topography")
     return Reading(
         heights=heights,
         pixel=used,
@@ -222,6 +227,19 @@ def _read_matrix(path: Path, table: Table, given: tuple[float, float] | None) ->
     return _Raw(heights=table.values.T, format="text", lateral_unit=lateral, height_unit=height)
 
 
+def _refuse_results(path: Path) -> None:
+    """A result of ours holds many fields, none of them a measurement."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            is_result = "snapshots" in file and "study" in file.attrs
+    except OSError:
+        return  # no HDF5 after all: the reader says so
+    if is_result:
+        raise _refusal(path, "is a result of warpwear; 'warpwear export' writes its worn surfaces")
+
+
 def _read_instrument(path: Path, given: tuple[float, float] | None) -> _Raw:
     try:
         from SurfaceTopography import open_topography  # 2 s, so only when needed
@@ -230,6 +248,8 @@ def _read_instrument(path: Path, given: tuple[float, float] | None) -> _Raw:
             f"disc.surface '{path}' needs SurfaceTopography, which is not installed: allowed without it is "
             '.npy, or run pip install "warpwear[io]"'
         ) from error
+    if path.suffix.lower() in HDF5:
+        _refuse_results(path)
     try:
         with open_topography(str(path)) as reader:
             if reader.format() == "hgt":  # a headerless map of the Earth: any 2n² bytes pass for one
@@ -248,7 +268,7 @@ def _read_instrument(path: Path, given: tuple[float, float] | None) -> _Raw:
             topography = channel.topography(physical_sizes=sizes)
             heights = topography.heights()
             if reader.format() == "asc" and min(heights.shape) == 3:
-                # SurfaceTopography's issue 93: an incomplete list of points passes for a three-column matrix
+                # the reader takes an incomplete list of points for a matrix of three columns
                 raise ValueError("a list of points x y z that is no complete regular grid")
             unit = topography.unit if isinstance(topography.unit, str) else None
             pixel = tuple(float(p) for p in topography.pixel_size) if sizes is None else None
@@ -284,12 +304,12 @@ def _height_factor(path: Path, unit: str | None) -> float:
     if unit is None:
         raise InputError(
             f"disc.height_unit is not given and disc.surface '{path}' names no unit: allowed is one of "
-            f"{', '.join(MILLIMETRES)}"
+            f"{UNITS}"
         )
     factor = MILLIMETRES.get(unit.strip().replace("μ", "µ"))
     if factor is None:
         raise InputError(
-            f"disc.surface '{path}' has the unit {unit!r}: allowed is one of {', '.join(MILLIMETRES)}, or "
+            f"disc.surface '{path}' has the unit {unit!r}: allowed is one of {UNITS}, or "
             "give disc.height_unit and disc.pixel"
         )
     return factor

@@ -168,7 +168,8 @@ def suggested_roll_off(spectrum: Spectrum, *, correlation: float | None, resolve
                 source="knee of the power spectrum",
                 hurst=hurst if 0.0 < hurst <= 1.2 else None,
             )
-    if correlation is not None:
+    # longer than a third of the field, a wave is seen too seldom to tell where the spectrum turns flat
+    if correlation is not None and 4.0 * correlation <= float(spectrum.wavelength.max()) / 3.0:
         return RollOff(wavelength=4.0 * correlation, source="four autocorrelation lengths (no clear knee)")
     return RollOff(wavelength=None, source="not in the field: the spectrum still rises at its longest waves")
 

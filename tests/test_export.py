@@ -86,3 +86,7 @@ def test_beyond_the_sphere_there_is_nothing() -> None:
     sphere = worn_heights(result, result.snapshot(-1), "sphere")
     assert np.isnan(sphere[0, 0])
     assert np.isfinite(sphere[37, 37])
+    disc = worn_heights(result, result.snapshot(-1), "disc")
+    from warpwear.surface_of import surface_of
+
+    np.testing.assert_allclose(disc, surface_of(result.study.disc).heights(result.x, result.y), atol=1e-14)

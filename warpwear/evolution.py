@@ -58,8 +58,8 @@ def surface_evolution(result: Result) -> SurfaceEvolution:
                 **_roughness_in_scar(result, snapshot),
                 "islands": float(islands.size),
                 "islands_of_one_cell": float((islands < one_cell).sum()),
-                "island_area_median": float(np.median(islands)),
-                "island_area_largest": float(islands.max()),
+                "island_area_median": float(np.median(islands)) if islands.size else np.nan,
+                "island_area_largest": float(islands.max(initial=0.0)),
             }
         )
         areas.append(islands)

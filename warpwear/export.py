@@ -1,6 +1,7 @@
 """Worn bodies as files that surface metrology software opens."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -8,23 +9,31 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.results import Result, Snapshot
+from warpwear.surface_of import surface_of
 from warpwear.surfaces.sphere import sag
 
 BODIES = ("sphere", "disc")
+#: A gap beyond this stands for a place beyond the sphere's rim [mm].
+NO_SURFACE = 1.0e20
 
 
 def worn_heights(result: Result, snapshot: Snapshot, body: str) -> FloatArray:
     """Heights of a worn body [mm], positive out of its material, shape (nx, ny).
 
     The disc's are over its mean plane, the sphere's over the apex it had, so that its cap lies below 0.
-    Cells beyond the sphere's edge are NaN.
+    Beyond the sphere's edge the sphere is NaN and the disc as it was before; NaN too if its file is gone.
     """
     curvature = result.study.sphere.curvature
     radius = 1.0 / curvature if curvature else np.inf
     sphere = sag(result.x, result.y, radius=radius) + snapshot.wear_sphere
     with np.errstate(invalid="ignore"):  # beyond the sphere's edge
         heights = -sphere if body == "sphere" else sphere - snapshot.gap
-    return np.where(np.isfinite(sphere), heights, np.nan)
+    beyond = ~np.isfinite(sphere) | (snapshot.gap > NO_SURFACE)
+    heights = np.where(beyond, np.nan, heights)
+    if body == "disc" and beyond.any():
+        with suppress(InputError):
+            heights[beyond] = surface_of(result.study.disc).heights(result.x, result.y)[beyond]
+    return heights
 
 
 def export(

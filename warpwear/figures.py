@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 
 from warpwear import (
     figure_style,
+    figures_evolution,
     figures_fields,
     figures_history,
     figures_setup,
     figures_shape,
-    figures_surface,
 )
 from warpwear.errors import InputError
 from warpwear.figure_data import FigureData
@@ -175,7 +175,7 @@ FIGURES: dict[str, Entry] = {
     "disc_3d": Entry(figures_shape.disc_3d, _DISC),
     "disc_profiles": Entry(figures_shape.disc_profiles, _DISC),
     "profiles": Entry(figures_shape.profiles, (_no_snapshot,)),
-    "roughness": Entry(figures_surface.roughness, (_one_snapshot, _no_wear_of("disc"))),
-    "islands": Entry(figures_surface.islands, (_one_snapshot,)),
+    "roughness": Entry(figures_evolution.roughness, (_one_snapshot, _no_wear_of("disc"))),
+    "islands": Entry(figures_evolution.islands, (_one_snapshot,)),
 }
 Plotter.NAMES = tuple(FIGURES)

@@ -41,7 +41,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
                 if e["type"] == "literal_error" and e["loc"][:2] == first["loc"][:2]
             }
         )
-        more = " or a degree from 1 to 12" if name == "disc.level" else ""
+        more = " or a degree from 0 to 12" if name == "disc.level" else ""
         return f"{name} = {value!r} is not allowed; allowed: {', '.join(options)}{more}."
     return f"{name} = {value!r}: {message[:1].lower()}{message[1:]}."
 

@@ -150,7 +150,7 @@ class Disc(Body):
     outliers: Deviations | None = key(
         None, "points farther than so many robust standard deviations from the local median are removed"
     )
-    level: Literal["none", "plane", "sphere"] | Annotated[int, Field(ge=1, le=12)] = key(
+    level: Literal["none", "plane", "sphere"] | Annotated[int, Field(ge=0, le=12)] = key(
         "plane", "form removed from the measurement: none, plane, sphere or degree of a polynomial"
     )
     s_filter: Length | None = key(None, "waves shorter than this are filtered out (Gaussian, ISO 16610-61)")

@@ -37,7 +37,13 @@ def surface_figure(report: SurfaceReport) -> Figure:
         _map(panels[0], 1e3 * heights, size, label="height, µm", colours=HEIGHTS, low=low, high=high)
         _bearing(panels[1], report)
         spectrum = report.spectrum
-        panels[2].loglog(1e3 * spectrum.wavelength, 1e12 * spectrum.density, color=DISC)
+        if spectrum.density.size:
+            panels[2].loglog(1e3 * spectrum.wavelength, 1e12 * spectrum.density, color=DISC)
+            # a band-limited surface has nothing but rounding below its shortest wave
+            top, bottom = (1e12 * float(v) for v in (spectrum.density.max(), spectrum.density.min()))
+            panels[2].set_ylim(bottom=max(bottom / 2, 1e-12 * top), top=4 * top)
+        else:
+            panels[2].text(0.5, 0.5, "a flat: no waves", transform=panels[2].transAxes, ha="center")
         if report.roll_off.wavelength is not None:
             panels[2].axvline(
                 1e3 * report.roll_off.wavelength, color=NEUTRAL, ls="--", lw=0.8, label="suggested roll-off"
@@ -45,9 +51,6 @@ def surface_figure(report: SurfaceReport) -> Figure:
             _legend(panels[2])
         panels[2].set_xlabel("wavelength, µm")
         panels[2].set_ylabel("power spectral density, µm⁴")
-        # a band-limited surface has nothing but rounding below its shortest wave
-        top = 1e12 * float(spectrum.density.max())
-        panels[2].set_ylim(bottom=max(1e12 * float(spectrum.density.min()) / 2, 1e-12 * top), top=4 * top)
         panels[3].semilogx(1e3 * report.cut_offs, report.slopes, color=DISC)
         panels[3].set_xlabel("shortest wavelength (S-filter), µm")
         panels[3].set_ylabel("rms slope, 1")

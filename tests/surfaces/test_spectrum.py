@@ -94,9 +94,12 @@ def test_the_roll_off_is_found(roll_off):
 def test_without_a_knee_the_correlation_length_is_said(rough):
     part = rough[:8, :8] - rough[:8, :8].mean()
     spectrum = power_spectrum(part, pixel=(CELL, CELL))
-    found = suggested_roll_off(spectrum, correlation=0.01, resolved=2 * CELL)
-    assert found.wavelength == pytest.approx(0.04)
+    found = suggested_roll_off(spectrum, correlation=0.001, resolved=2 * CELL)
+    assert found.wavelength == pytest.approx(0.004)
     assert "autocorrelation" in found.source
+    # The field of 16 µm is too short to tell a roll-off of 40 µm.
+    too_long = suggested_roll_off(spectrum, correlation=0.01, resolved=2 * CELL)
+    assert too_long.wavelength is None
     none = suggested_roll_off(spectrum, correlation=None, resolved=2 * CELL)
     assert none.wavelength is None
     assert "not in the field" in none.source
