@@ -107,8 +107,8 @@ def finish_3d(axes: Any, window: Window, label: str, title: str) -> None:
         axes.set_title(title, y=1.0, pad=7)
     for artist in axes.collections:  # the box is larger than the square that axes in 3-D keep to
         artist.set_clip_on(False)
-    for axis, ticks in ((axes.xaxis, 4), (axes.yaxis, 4), (axes.zaxis, 3)):
-        axis.set_major_locator(MaxNLocator(ticks, prune="both"))  # the ends of two axes meet in a corner
+    for axis, ticks, prune in ((axes.xaxis, 4, "both"), (axes.yaxis, 4, "both"), (axes.zaxis, 3, None)):
+        axis.set_major_locator(MaxNLocator(ticks, prune=prune))  # the ends of x and y meet in a corner
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
     axes.tick_params(pad=-2.5)
 
