@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warpwear.errors import InputError
 from warpwear.surfaces.base import FloatArray
 from warpwear.surfaces.filtering import low_pass
 
 #: λc [mm] of ISO 3274, largest first, and the λs [mm] that belongs to each.
 CUT_OFFS = {8.0: 0.025, 2.5: 0.008, 0.8: 0.0025, 0.25: 0.0025, 0.08: 0.0025}
-LEAST_SAMPLING_LENGTHS = 2  # five are usual; with fewer than two λc is reduced
+SAMPLING_LENGTHS = 5  # usual; fewer are told, and without a single one λc is reduced
 
 
 def slope_along(heights: FloatArray, *, pixel: tuple[float, float], axis: int) -> float:
@@ -83,31 +84,49 @@ def profile_roughness(
     """Ra (ISO 21920-2, formerly ISO 4287) of every profile along an axis.
 
     heights [mm], shape (nx, ny), complete, levelled; cut_off and short: λc and λs [mm] of the Gaussian
-    profile filters (ISO 16610-21), mirrored at the ends, so that whole profiles are evaluated. Where λc
-    leaves fewer than two sampling lengths, the next λc of ISO 3274 that does not is used, with its λs; λs is
-    left out where a wave of it has fewer than two pixels.
+    profile filters (ISO 16610-21). Their mirror at the ends is not evaluated: after filtering, λc/2 is
+    discarded at each end (run-in and run-out, ISO 3274), and Ra is that of the largest whole number of
+    sampling lengths λc in what is left, taken from the middle. Where not one is left, that is where profiles
+    are shorter than 2 λc, the next λc of ISO 3274 that leaves one is used; where none does, there is no λc
+    and whole profiles are evaluated. λs stays the one asked for; only where it is not shorter than a reduced
+    λc (or the profile) does the λs that belongs to that λc replace it, and it is left out where a wave of it
+    has fewer than two pixels. notes tell each of these. Raises InputError where short is not below cut_off.
     """
-    length = heights.shape[axis] * pixel[axis]
+    if short >= cut_off:
+        raise InputError(
+            f"--lambda-s is {1e3 * short:g} µm: must be shorter than --lambda-c, here {1e3 * cut_off:g} µm"
+        )
+    count, step = heights.shape[axis], pixel[axis]
+    length = count * step
     notes = []
     used: float | None = cut_off
-    asked = cut_off
-    if length < LEAST_SAMPLING_LENGTHS * cut_off:
-        smaller = [c for c in CUT_OFFS if c < cut_off and LEAST_SAMPLING_LENGTHS * c <= length]
-        used = smaller[0] if smaller else None
-        if used is None:
-            short = min(short, min(CUT_OFFS.values()))
-            notes.append(f"no λc: profiles of {length:.3g} mm are too short for any of ISO 3274")
-        else:
-            short = min(short, CUT_OFFS[used])
-            notes.append(f"λc reduced from {asked:g} to {used:g} mm: profiles are {length:.3g} mm long")
-    if used is not None and length < 4.999 * used:
-        notes.append(f"{length / used:.2g} sampling lengths instead of 5")
-    smooth = short >= 2.0 * pixel[axis]
+    if _sampling_lengths(length, cut_off) < 1:
+        smaller = (c for c in CUT_OFFS if c < cut_off and _sampling_lengths(length, c) >= 1)
+        used = next(smaller, None)
+        notes.append(
+            f"no λc: profiles of {length:.3g} mm are too short for any of ISO 3274"
+            if used is None
+            else f"λc reduced from {cut_off:g} to {used:g} mm: profiles are {length:.3g} mm long"
+        )
+    whole = 0 if used is None else _sampling_lengths(length, used)
+    if 0 < whole < SAMPLING_LENGTHS:
+        notes.append(f"{whole} sampling length{'s' if whole > 1 else ''} instead of {SAMPLING_LENGTHS}")
+    asked = f"{1e3 * short:g}"
+    if replaced := short >= (length if used is None else used):
+        short = min(CUT_OFFS.values()) if used is None else CUT_OFFS[used]
+    smooth = short >= 2.0 * step * (1.0 - 1e-6)
     if not smooth:
-        notes.append(f"no λs: {1e3 * short:g} µm is shorter than two pixels")
-    rough = low_pass(heights, axis=axis, pixel=pixel[axis], cut_off=short) if smooth else heights
+        instead = f" (instead of {asked} µm)" if replaced else ""
+        notes.append(f"no λs: {1e3 * short:g} µm{instead} is shorter than two pixels")
+    elif replaced:
+        limit = "the profiles" if used is None else "λc"
+        notes.append(f"λs reduced from {asked} to {1e3 * short:g} µm: it must be shorter than {limit}")
+    rough = low_pass(heights, axis=axis, pixel=step, cut_off=short) if smooth else heights
     if used is not None:
-        rough = rough - low_pass(heights, axis=axis, pixel=pixel[axis], cut_off=used)
+        rough = rough - low_pass(rough, axis=axis, pixel=step, cut_off=used)
+        evaluated = min(max(round(whole * used / step), 1), count)
+        first = (count - evaluated) // 2
+        rough = rough[first : first + evaluated] if axis == 0 else rough[:, first : first + evaluated]
     values = np.abs(rough - rough.mean(axis=axis, keepdims=True)).mean(axis=axis)
     return ProfileRoughness(
         ra=float(values.mean()),
@@ -117,3 +136,8 @@ def profile_roughness(
         short=short if smooth else None,
         notes=tuple(notes),
     )
+
+
+def _sampling_lengths(length: float, cut_off: float) -> int:
+    """Whole sampling lengths in a profile [mm] less λc/2 at each end; a thousandth of one may be missing."""
+    return math.floor(length / cut_off - 1.0 + 1e-3)

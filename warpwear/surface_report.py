@@ -48,8 +48,14 @@ class SurfaceReport:
 
 
 def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMBDA_S) -> SurfaceReport:
-    """Everything about a measured surface. cut_off, short: λc and λs [mm] of the roughness profiles."""
+    """Everything about a measured surface. cut_off, short: λc and λs [mm] of the roughness profiles.
+
+    Raises InputError where short is not below cut_off, before anything long is computed.
+    """
     heights, pixel = surface.levelled, surface.pixel
+    profiles = [
+        profile_roughness(heights, pixel=pixel, axis=axis, cut_off=cut_off, short=short) for axis in (0, 1)
+    ]
     bearing = bearing_parameters(heights)
     ratio, height = material_ratio_curve(heights)
     spectrum = power_spectrum(heights, pixel=pixel)
@@ -59,9 +65,6 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     roll_off = suggested_roll_off(spectrum, correlation=correlation, resolved=resolved)
     cut_offs = np.geomspace(2.0 * max(pixel), max(0.25 * min(surface.size), 4.0 * max(pixel)), CUT_OFFS)
     slopes = slope_against_cut_off(heights, pixel=pixel, cut_offs=cut_offs)
-    profiles = [
-        profile_roughness(heights, pixel=pixel, axis=axis, cut_off=cut_off, short=short) for axis in (0, 1)
-    ]
     ra = {
         name: {
             "ra_um": 1e3 * found.ra,

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from warpwear.errors import InputError
 from warpwear.surfaces.parameters import profile_roughness, roughness
 from warpwear.surfaces.spectrum import (
     autocorrelation_length,
@@ -105,34 +106,104 @@ def test_without_a_knee_the_correlation_length_is_said(rough):
     assert "not in the field" in none.source
 
 
-def sine(length, count, pixel):
-    return np.sin(2 * np.pi * (np.arange(count) + 0.5) * pixel / length)[:, None] * np.ones(4)
+def sine(length, count, pixel, phase=0.0):
+    return np.sin(2 * np.pi * (np.arange(count) + 0.5) * pixel / length + phase)[:, None] * np.ones(4)
 
 
-def test_ra_of_a_sine():
-    field = sine(0.25, 7500, 0.002)  # 15 mm
-    found = profile_roughness(field, pixel=(0.002, 0.01), axis=0, cut_off=2.5, short=0.008)
-    assert found.ra == pytest.approx(2 / math.pi, rel=0.005)
-    assert found.scatter == pytest.approx(0.0, abs=1e-9)
-    assert (found.profiles, found.cut_off, found.short, found.notes) == (4, 2.5, 0.008, ())
-    # at the cut-offs half is left
-    for length, pixel, count in ((2.5, 0.004, 3750), (0.008, 0.0005, 25000)):
-        half = profile_roughness(
-            sine(length, count, pixel), pixel=(pixel, 1.0), axis=0, cut_off=2.5, short=0.008
-        )
-        assert half.ra == pytest.approx(1 / math.pi, rel=0.02)
+def ra(field, pixel, cut_off=2.5, short=0.008):
+    return profile_roughness(field, pixel=(pixel, 1.0), axis=0, cut_off=cut_off, short=short)
+
+
+def left(length, cut_off, short):
+    """Ra of a sine of amplitude 1 behind both Gaussian filters, each of which passes half at its cut-off."""
+    return 2 / math.pi * 2 ** -((short / length) ** 2) * (1 - 2 ** -((cut_off / length) ** 2))
+
+
+@pytest.mark.parametrize("phase", [0.0, math.pi / 2], ids=["sine", "cosine"])
+@pytest.mark.parametrize(
+    ("profile", "cut_off", "lengths"),
+    [
+        (15.0, 2.5, (0.25, 0.5, 1.25, 2.5)),
+        (4.8, 0.8, (0.1, 0.2, 1 / 3, 0.4, 0.5, 0.8)),  # 5 sampling lengths
+        (4.0, 0.8, (0.2, 0.32, 0.4, 0.64)),  # 4
+        (1.6, 0.8, (0.1, 0.2, 0.4, 0.8)),  # 1
+    ],
+)
+def test_ra_of_a_sine(profile, cut_off, lengths, phase):
+    for length in lengths:
+        found = ra(sine(length, round(profile / 0.002), 0.002, phase), 0.002, cut_off)
+        assert found.ra == pytest.approx(left(length, cut_off, 0.008), rel=0.005), length
+        assert found.scatter == pytest.approx(0.0, abs=1e-9)
+        assert (found.profiles, found.cut_off, found.short) == (4, cut_off, 0.008)
+
+
+def test_the_short_waves_are_taken_off():
+    for length, phase in ((0.008, 0.0), (0.008, math.pi / 2), (0.016, 0.0)):
+        found = ra(sine(length, 28800, 0.00025, phase), 0.00025)
+        assert found.ra == pytest.approx(left(length, 2.5, 0.008), rel=0.005)
+
+
+def test_ra_along_the_other_axis():
+    field = sine(0.25, 7500, 0.002).T
+    found = profile_roughness(field, pixel=(0.01, 0.002), axis=1, cut_off=2.5, short=0.008)
+    assert found.ra == pytest.approx(left(0.25, 2.5, 0.008), rel=0.005)
+    assert (found.profiles, found.notes) == (4, ())
+
+
+def test_what_lies_at_the_ends_is_not_evaluated():
+    field = np.zeros((7500, 2))
+    field[[0, -1]] = 1.0  # 7500 × 2 µm: λc/2 = 1.25 mm is discarded at each end
+    assert ra(field, 0.002).ra < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("profile", "notes"),
+    [
+        (15.0, ()),
+        (14.998, ()),  # a pixel less
+        (12.4, ("3 sampling lengths instead of 5",)),
+        (12.5, ("4 sampling lengths instead of 5",)),
+        (5.0, ("1 sampling length instead of 5",)),
+        (100.0, ()),
+    ],
+)
+def test_sampling_lengths_are_whole(profile, notes):
+    assert ra(sine(0.25, round(profile / 0.002), 0.002), 0.002).notes == notes
 
 
 def test_a_short_profile_reduces_the_cut_off_and_says_so():
-    found = profile_roughness(sine(0.05, 1000, 0.001), pixel=(0.001, 1.0), axis=0, cut_off=2.5, short=0.008)
-    assert (found.cut_off, found.short) == (0.25, 0.0025)
+    found = ra(sine(0.05, 1000, 0.001), 0.001)
+    assert (found.cut_off, found.short) == (0.25, 0.008)
+    assert found.ra == pytest.approx(left(0.05, 0.25, 0.008), rel=0.005)
     assert found.notes == (
         "λc reduced from 2.5 to 0.25 mm: profiles are 1 mm long",
-        "4 sampling lengths instead of 5",
+        "3 sampling lengths instead of 5",
     )
-    coarse = profile_roughness(sine(0.05, 200, 0.005), pixel=(0.005, 1.0), axis=0, cut_off=2.5, short=0.008)
+    tiny = ra(sine(0.01, 100, 0.001), 0.001)
+    assert (tiny.cut_off, tiny.short) == (None, 0.008)
+    assert tiny.notes == ("no λc: profiles of 0.1 mm are too short for any of ISO 3274",)
+    one = ra(np.zeros((1, 3)), 0.5)  # a profile of one pixel
+    assert (one.ra, one.cut_off) == (0.0, 0.25)
+
+
+def test_the_short_cut_off_stays_the_one_asked_for():
+    assert ra(sine(0.05, 1000, 0.001), 0.001, short=0.1).short == 0.1
+    assert ra(sine(0.05, 250, 0.004), 0.004).short == 0.008  # two pixels are enough
+    coarse = ra(sine(0.05, 200, 0.005), 0.005)
     assert coarse.short is None
-    assert "shorter than two pixels" in coarse.notes[-1]
-    tiny = profile_roughness(sine(0.01, 100, 0.001), pixel=(0.001, 1.0), axis=0, cut_off=2.5, short=0.008)
-    assert tiny.cut_off is None
-    assert "too short for any" in tiny.notes[0]
+    assert coarse.notes[-1] == "no λs: 8 µm is shorter than two pixels"
+    long = ra(sine(0.05, 1000, 0.001), 0.001, short=0.3)
+    assert (long.cut_off, long.short) == (0.25, 0.0025)
+    assert long.notes[-1] == "λs reduced from 300 to 2.5 µm: it must be shorter than λc"
+    both = ra(sine(0.05, 500, 0.002), 0.002, short=0.3)
+    assert both.short is None
+    assert both.notes[-1] == "no λs: 2.5 µm (instead of 300 µm) is shorter than two pixels"
+    tiny = ra(sine(0.01, 100, 0.001), 0.001, short=0.1)
+    assert (tiny.cut_off, tiny.short) == (None, 0.0025)
+    assert tiny.notes[-1] == "λs reduced from 100 to 2.5 µm: it must be shorter than the profiles"
+
+
+@pytest.mark.parametrize("short", [0.8, 2.5])
+def test_cut_offs_the_wrong_way_round_are_refused(short):
+    with pytest.raises(InputError, match=r"--lambda-s is \d+ µm: must be shorter than --lambda-c, here 800"):
+        ra(sine(0.05, 1000, 0.001), 0.001, cut_off=0.8, short=short)
