@@ -23,6 +23,7 @@ BLOCK_VALUES = 2**18  # 2 MiB of float64: what one block of rows may hold beside
 SLACK = 1e-9  # relative, for lengths that should be equal
 SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: more is worth a notice
 MUCH_MISSING = 5.0  # percent
+MANY_OUTLIERS = 0.5  # percent
 
 
 COARSE = 0.05  # mm: pixel and Sq both above it look like micrometres called millimetres
@@ -128,6 +129,12 @@ class Measured:
                 f"pixel {_pair((1e3 * self.pixel[0], 1e3 * self.pixel[1]))} µm and Sq {1e3 * sq:.3g} µm are "
                 f"large for a measured disc: is the file's unit, {self.details.get('unit')}, right? "
                 "disc.height_unit and disc.pixel override it"
+            )
+        removed = self.details.get("outliers_removed", 0)
+        if (share := 100.0 * removed / self.levelled.size) > MANY_OUTLIERS:
+            told.append(
+                f"outliers: {removed} points, {share:.3g} % of the measurement, were removed: more than "
+                "spikes usually are, so real peaks or valleys may be among them; compare without outliers"
             )
         shortest = max(2.0 * cell, self.details.get("s_filter_um", 0.0) * 1e-3)
         fine, coarse = slope_against_cut_off(

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -11,14 +12,22 @@ from warpwear.surfaces.base import FloatArray
 from warpwear.surfaces.levelling import filled
 
 WINDOW = 5  # pixels of the local median: outvotes spikes of up to 12 pixels
+HALF = WINDOW // 2
+ROUNDS = 12  # bounded, as walls of what is wider than the window would be eaten from their corners
+SAMPLES = 200_000  # of a spread, about: more say nothing new of its median
 TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, of Gaussian values
+
+BoolArray = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
 class Outliers:
-    """Where outliers are, shape (nx, ny); the limit [mm] used, and how far off the farthest was [mm]."""
+    """Where outliers are, shape (nx, ny); the limit [mm] used, and how far off the farthest was [mm].
 
-    where: npt.NDArray[np.bool_]
+    The limit is that inside; on the outer two rows and columns it is higher.
+    """
+
+    where: BoolArray
     limit: float
     farthest: float
 
@@ -36,22 +45,116 @@ class Outliers:
 def outliers(heights: FloatArray, *, deviations: float) -> Outliers:
     """Points farther than so many robust standard deviations from the local median surface.
 
-    heights [mm], shape (nx, ny), NaN where missing. The local median is that of 5 × 5 pixels; beyond the
-    edges heights go on in odd reflection, which keeps a tilt. The standard deviation is 1.4826 times the
-    median absolute deviation from the local mean of the same pixels, over the whole field, so neither knows
-    of the spikes. (From the mean, since that is Gaussian on a Gaussian surface: at 6 nothing of one is
-    removed; on a smooth surface the median is mostly the point itself.) Form and tilt do not matter over 5
-    pixels.
+    heights [mm], shape (nx, ny), NaN where missing. The local median is that of 5 × 5 pixels. At the rim,
+    where no window fits, it goes on straight (odd reflection of the medians, not of the heights, so a spike
+    there is not copied and a tilt is kept). The standard deviation is 1.4826 times the median absolute
+    deviation from the local mean of the same pixels, over the whole field, so neither knows of the spikes.
+    (From the mean, since that is Gaussian on a Gaussian surface: at 6 nothing of one is removed; on a smooth
+    surface the median is mostly the point itself.) The outer two rows and columns have their own: of what
+    the same one-sided continuation misses all over the field. Form and tilt do not matter over 5 pixels.
+
+    What is found is replaced by the local median and all points are tested again, until nothing changes (or
+    after 12 rounds; in the end what is near the local mean of the others stays, as that one is Gaussian):
+    blocks of up to 5 × 5 pixels go, from their corners inwards, and rows and columns along the rim. Of
+    larger blocks some or all may stay: they could be the surface. What is real and stands out of a surface
+    smooth over more than half its points (rough valleys of a plateau) cannot be told from spikes and goes.
     """
     valid = ~np.isnan(heights)
-    framed = np.pad(filled(heights), WINDOW // 2, mode="reflect", reflect_type="odd")
-    inside = (slice(WINDOW // 2, -(WINDOW // 2)),) * 2
-    distance = np.abs(framed - scipy.ndimage.median_filter(framed, size=WINDOW))[inside]
-    spread = np.abs(framed - scipy.ndimage.uniform_filter(framed, size=WINDOW))[inside][valid]
-    sigma = TO_SIGMA * float(np.median(spread))
-    if sigma <= 1e-12 * float(np.abs(framed).max()):  # more than half is flat to rounding
-        steps = spread[spread > 1e-12 * float(np.abs(framed).max())]
-        sigma = TO_SIGMA * float(np.median(steps)) if steps.size else math.inf
-    limit = deviations * sigma
-    where = valid & (distance > limit)
-    return Outliers(where=where, limit=limit, farthest=float(distance[where].max()) if where.any() else 0.0)
+    short = [(0, max(0, WINDOW - n)) for n in heights.shape]
+    inside = tuple(slice(0, n) for n in heights.shape)
+    original = np.pad(filled(heights), short, mode="symmetric")
+    valid = np.pad(valid, short)
+    limits = _limits(original, valid, deviations)
+    field = original.copy()
+    core = (slice(HALF, -HALF),) * 2
+    median = np.ascontiguousarray(scipy.ndimage.median_filter(field, size=WINDOW)[core])
+    where = np.zeros(field.shape, dtype=np.bool_)
+    within = np.zeros(field.shape, dtype=np.bool_)
+    within[core] = True
+    rim_too = False
+    for turn in range(ROUNDS):
+        rim_too |= turn == ROUNDS // 2
+        surface = _continued(median)
+        distance = np.abs(original - surface)
+        found = valid & (distance > limits)
+        if not rim_too:  # what is continued from a spike says nothing of the rim
+            found &= within
+        touched = found | where
+        field[touched] = np.where(found, surface, original)[touched]
+        settled = np.array_equal(found, where)
+        where = found
+        if settled and rim_too:
+            break
+        rim_too |= settled
+        _update(median, field, touched)
+    if where.any():
+        where &= np.abs(original - _continued(_mean(field))) > limits
+    return Outliers(
+        where=where[inside],
+        limit=float(limits[HALF, HALF]),
+        farthest=float(distance[where].max()) if where.any() else 0.0,
+    )
+
+
+def _continued(inner: FloatArray) -> FloatArray:
+    """Values of the windows that fit, continued straight to the rim."""
+    return np.pad(inner, HALF, mode="reflect", reflect_type="odd")
+
+
+def _mean(field: FloatArray) -> FloatArray:
+    """Means of the windows that fit."""
+    return scipy.ndimage.uniform_filter(field, size=WINDOW)[HALF:-HALF, HALF:-HALF]
+
+
+def _update(median: FloatArray, field: FloatArray, changed: BoolArray) -> None:
+    """Bring the medians, of the windows that fit, up to date where the field changed."""
+    near = scipy.ndimage.binary_dilation(changed, structure=np.ones((WINDOW, WINDOW)))
+    i, j = np.nonzero(near[HALF:-HALF, HALF:-HALF])
+    windows = np.lib.stride_tricks.sliding_window_view(field, (WINDOW, WINDOW))
+    median[i, j] = np.median(windows[i, j].reshape(i.size, WINDOW**2), axis=1)
+
+
+def _limits(field: FloatArray, valid: BoolArray, deviations: float) -> FloatArray:
+    """Limit [mm] of the distance from the median surface at every point."""
+    mean = _mean(field)
+    flat = 1e-12 * float(np.abs(field).max())
+    limits = np.empty(field.shape)
+    sigmas = np.zeros((HALF + 1, HALF + 1))
+    # `to_x`: pixels from a point to the nearest middle of a window that fits, 0 inside
+    for to_x, to_y in product(range(HALF + 1), repeat=2):
+        spread = _missed(field, valid, mean, to_x, to_y)
+        # no less than nearer: on a smooth form the bias of mean and continuation may cancel
+        sigmas[to_x, to_y] = sigma = max(_robust(spread, flat), float(sigmas[: to_x + 1, : to_y + 1].max()))
+        limits[np.ix_(_at(to_x, field.shape[0]), _at(to_y, field.shape[1]))] = deviations * sigma
+    return limits
+
+
+def _at(to_inside: int, count: int) -> list[int]:
+    """Places along an axis that lie so many pixels outside of the middles of the windows that fit."""
+    if to_inside == 0:
+        return list(range(HALF, count - HALF))
+    return [HALF - to_inside, count - 1 - HALF + to_inside]
+
+
+def _missed(field: FloatArray, valid: BoolArray, mean: FloatArray, to_x: int, to_y: int) -> FloatArray:
+    """How far a mean continued by so many pixels is from the heights, at valid points all over the field."""
+    nx, ny = (n - 2 * t for n, t in zip(mean.shape, (to_x, to_y), strict=True))
+    if nx < 1 or ny < 1:
+        return np.abs(_continued(mean) - field)[valid]
+    step = max(1, int(math.sqrt(nx * ny / SAMPLES)))
+    guess = np.zeros((-(-nx // step), -(-ny // step)))
+    for (weight_x, at_x), (weight_y, at_y) in product(
+        *([(2.0, t), (-1.0, 2 * t)] if t else [(1.0, 0)] for t in (to_x, to_y))
+    ):
+        guess += weight_x * weight_y * mean[at_x : at_x + nx : step, at_y : at_y + ny : step]
+    here = (slice(HALF, HALF + nx, step), slice(HALF, HALF + ny, step))
+    return np.abs(guess - field[here])[valid[here]]
+
+
+def _robust(spread: FloatArray, flat: float) -> float:
+    """Standard deviation of absolute deviations, or of those that are none by rounding if half are."""
+    sigma = TO_SIGMA * float(np.median(spread)) if spread.size else math.inf
+    if sigma > flat:
+        return sigma
+    steps = spread[spread > flat]
+    return TO_SIGMA * float(np.median(steps)) if steps.size else math.inf
