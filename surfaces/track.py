@@ -17,7 +17,8 @@ FOOT = 2.0  # and to which it reaches down from there
 MARGIN = 0.2  # of its width, added on both sides: the ends of pile-up are low
 LEAST_OUTSIDE = 0.05  # of the width across on each side of the track, to level by
 ROUNDS = 20
-BLOCKS = 10  # along the track, whose means are taken as independent
+LEAST_ERRORS = 3.0  # standard errors that the net section of a track found must exceed
+BLOCKS = 10  # along the track, whose means are taken as correlated with their neighbours at most
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,8 +27,9 @@ class Track:
 
     levelled: heights [mm] over the reference, the form of the surface outside the track, shape (nx, ny).
     y: places across [mm] from the middle of the field, (ny,); edges: the track's [mm]; inside: (ny,).
-    below, above: section areas [mm²] under and over the reference inside the track, (nx,); their difference
-    is what was lost. length: of the measured piece [mm].
+    below, above: section areas [mm²] under and over the reference inside the track, (nx,), each of a single
+    section, so both hold its roughness too; their difference, in which that averages out, is what was lost.
+    length: of the measured piece [mm].
     """
 
     levelled: FloatArray
@@ -42,6 +44,21 @@ class Track:
     def net(self) -> FloatArray:
         """Section area lost [mm²], below less above, (nx,)."""
         return self.below - self.above
+
+    @property
+    def below_of_mean(self) -> float:
+        """Area of the mean section under the reference [mm²]: of the trough, roughness averaged out first."""
+        return self._of_mean(-1.0)
+
+    @property
+    def above_of_mean(self) -> float:
+        """Area of the mean section over the reference [mm²]: of pile-up, roughness averaged out first."""
+        return self._of_mean(1.0)
+
+    def _of_mean(self, sign: float) -> float:
+        mean = self.levelled.mean(axis=0)[self.inside]
+        pixel = (self.edges[1] - self.edges[0]) / mean.size
+        return float(np.maximum(sign * mean, 0.0).sum()) * pixel
 
     @property
     def net_error(self) -> float:
@@ -71,8 +88,8 @@ def find_track(
 
     The surface is levelled by a polynomial of the given total degree through what lies outside the track.
     The track is where the mean profile across stands out of its scatter outside, found in rounds, with its
-    pile-up and a margin; or, with `width` [mm], the piece of that width about the
-    middle of the deepest part.
+    pile-up and a margin, if its net section exceeds three standard errors; or, with `width` [mm] and
+    whatever its section, the piece of that width about the middle of the deepest part.
     InputError where there is none, or too little surface beside it to level by.
     """
     nx, ny = heights.shape
@@ -93,7 +110,7 @@ def find_track(
     levelled.flags.writeable = False
     across = levelled[:, inside]
     columns = np.flatnonzero(inside)
-    return Track(
+    track = Track(
         levelled=levelled,
         y=y,
         inside=inside,
@@ -102,11 +119,22 @@ def find_track(
         above=np.maximum(across, 0.0).sum(axis=1) * pixel[1],
         length=nx * pixel[0],
     )
+    net = float(track.net.mean())
+    if width is None and net <= LEAST_ERRORS * track.net_error:
+        raise InputError(
+            f"no track was found: the deepest part has a net section of {1e6 * net:.3g} µm², with a standard "
+            f"error of {1e6 * track.net_error:.2g} µm²; --track-width measures it anyway"
+        )
+    return track
 
 
 def _standard_error(values: FloatArray) -> float:
-    blocks = [block.mean() for block in np.array_split(values, min(BLOCKS, values.size))]
-    return float(np.std(blocks, ddof=1) / math.sqrt(len(blocks)))
+    """Of the mean, from means over blocks; neighbouring blocks that go together count as fewer."""
+    blocks = np.array([block.mean() for block in np.array_split(values, min(BLOCKS, values.size))])
+    rest = blocks - blocks.mean()
+    variance = float(rest @ rest) / (blocks.size - 1)
+    shared = float(rest[1:] @ rest[:-1]) / (blocks.size - 1)
+    return math.sqrt((variance + 2.0 * max(shared, 0.0)) / blocks.size)
 
 
 def _first_guess(profile: FloatArray) -> npt.NDArray[np.bool_]:

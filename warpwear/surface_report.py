@@ -162,6 +162,8 @@ def track_record(track: Track, *, length: float | None) -> dict[str, Any]:
         "depth_of_mean_profile_um": 1e3 * track.depth,
         "section_below_um2": {"mean": 1e6 * track.below.mean(), "std": 1e6 * track.below.std()},
         "section_above_um2": {"mean": 1e6 * track.above.mean(), "std": 1e6 * track.above.std()},
+        "mean_section_below_um2": 1e6 * track.below_of_mean,
+        "mean_section_above_um2": 1e6 * track.above_of_mean,
         "section_net_um2": {
             "mean": 1e6 * track.net.mean(),
             "std": 1e6 * track.net.std(),
@@ -190,11 +192,17 @@ def track_page(file: dict[str, Any], record: dict[str, Any], *, degree: int) -> 
         f"  then             polynomial of degree {degree} through the surface beside the track taken off",
         f"  track            {r['width_mm']:.4g} mm wide with its pile-up (y {r['edges_mm'][0]:.4g} to "
         f"{r['edges_mm'][1]:.4g} mm), mean profile {r['depth_of_mean_profile_um']:.4g} µm deep",
-        f"  sections         {r['sections']} across the sliding direction (mean ± standard deviation)",
+        f"  mean section     {r['mean_section_below_um2']:.5g} µm² below, "
+        f"{r['mean_section_above_um2']:.3g} µm² above (averaged along the track first: trough and pile-up)",
+        f"  single sections  {r['sections']} across the sliding direction (mean ± standard deviation)",
     ]
-    for name, words in (("below", "below"), ("above", "above"), ("net", "below − above")):
+    for name, words in (
+        ("below", "below, with the roughness in it"),
+        ("above", "above, with the roughness in it"),
+        ("net", "below − above"),
+    ):
         found = r[f"section_{name}_um2"]
-        lines.append(f"    {words:<14} {found['mean']:.5g} ± {found['std']:.2g} µm²")
+        lines.append(f"    {words:<31} {found['mean']:.5g} ± {found['std']:.2g} µm²")
     lines.append(
         f"  volume           {r['volume_mm3']:.5g} ± {r['volume_error_mm3']:.1g} mm³ (standard error) over "
         f"the measured {r['length_mm']:.4g} mm"
@@ -215,7 +223,9 @@ def ball_record(ball: WornBall) -> dict[str, Any]:
         "patch_along_mm": ball.along,
         "patch_across_mm": ball.across,
         "volume_mm3": ball.volume,
-        "raised_mm3": ball.raised,
+        "volume_error_mm3": ball.volume_error,
+        "piled_up_mm3": ball.piled_up,
+        "piled_up_error_mm3": ball.piled_up_error,
         "scatter_of_unworn_um": 1e3 * ball.noise,
     }
 
@@ -230,8 +240,10 @@ def ball_page(file: dict[str, Any], record: dict[str, Any], cap: Cap) -> str:
             f"{r['scatter_of_unworn_um']:.3g} µm",
             f"  worn patch       {r['patch_along_mm']:.4g} × {r['patch_across_mm']:.4g} mm (along × across), "
             f"{r['depth_um']:.4g} µm deep",
-            f"  volume           {r['volume_mm3']:.5g} mm³ below the sphere, {r['raised_mm3']:.2g} mm³ above "
-            "it in and around the patch",
+            f"  volume           {r['volume_mm3']:.5g} ± {r['volume_error_mm3']:.1g} mm³ lost in the patch "
+            "(standard error, of roughness and of the sphere's fit)",
+            f"  piled up         {r['piled_up_mm3']:.2g} ± {r['piled_up_error_mm3']:.1g} mm³ net above the "
+            "sphere in the rim beside the patch",
             f"  by two diagonals {cap.volume:.5g} mm³, {1e3 * cap.height:.4g} µm deep, were the patch flat",
         ]
     )

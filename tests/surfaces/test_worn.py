@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
+from warpwear.surface_report import ball_page, ball_record, track_page, track_record
 from warpwear.surfaces.sphere_fit import Sphere, places
 from warpwear.surfaces.synthetic import SelfAffine
 from warpwear.surfaces.track import find_track
@@ -80,11 +81,66 @@ def test_no_track_and_no_room():
         find_track(heights, pixel=(CELL, CELL), width=3.0)
 
 
-def ball(flat, ra):
+FIELD = (np.arange(400) - 199.5) * 0.005
+
+
+def test_roughness_without_a_track_is_none():
+    # waves of half the field: seed 11 has a valley along its whole length, which nothing tells from a track
+    found, refused = [], []
+    for seed in range(40):
+        rough = SelfAffine(sq=0.001, seed=seed, period=2.5, roll_off=1.0, cut_off=0.02).heights(FIELD, FIELD)
+        try:
+            find_track(rough, pixel=(0.005, 0.005))
+            said = ""
+        except InputError as error:
+            said = str(error)
+        if not said:
+            found.append(seed)
+        elif "no track was found" in said:
+            refused.append(seed)
+            assert "--track-width measures it anyway" in said
+            assert find_track(rough, pixel=(0.005, 0.005), width=0.3).below.mean() > 0
+    assert found == [11]
+    assert len(refused) >= 2
+
+
+def test_the_mean_section_has_no_roughness_in_it():
+    rough = SelfAffine(sq=0.001, seed=0, period=2.5, cut_off=0.02).heights(FIELD, FIELD)
+    found = find_track(rough - 0.003 * np.maximum(1 - (2 * FIELD / 0.7) ** 2, 0.0), pixel=(0.005, 0.005))
+    section = 2 / 3 * 0.7 * 0.003
+    assert found.above.mean() > 0.05 * section
+    assert found.above_of_mean < 0.015 * section
+    assert found.below_of_mean == pytest.approx(section, rel=0.05)
+    assert found.below_of_mean - found.above_of_mean == pytest.approx(found.net.mean())
+    text = track_page(FILE, track_record(found, length=None), degree=1)
+    assert "mean section" in text
+    assert "averaged along the track first" in text
+    assert "above, with the roughness in it" in text
+
+
+FILE = {
+    "file": "a.sur",
+    "format": "SUR",
+    "file_grid": [400, 400],
+    "file_pixel_um": [5.0, 5.0],
+    "file_extent_mm": [2.0, 2.0],
+    "pixel_from": "file",
+    "unit_from": "file",
+    "height_min_um": -1.0,
+    "height_max_um": 1.0,
+    "unit": "um",
+    "sq_as_read_um": 1.0,
+    "missing": 0,
+    "missing_percent": 0.0,
+    "operations": [],
+}
+
+
+def ball(flat, ra, *, middle=(0.02, -0.05), seed=2):
     x, y = places((400, 380), (0.005, 0.005))
-    sphere = Sphere((0.02, -0.05, 0.2), 3.0).heights(x, y)
+    sphere = Sphere((*middle, 0.2), 3.0).heights(x, y)
     worn = np.minimum(sphere, 0.2 - flat)
-    rough = SelfAffine(ra=ra, seed=2, period=2.5).heights(x, y)
+    rough = SelfAffine(ra=ra, seed=seed, period=2.5).heights(x, y)
     return worn + rough, float((sphere - worn).sum()) * 0.005**2
 
 
@@ -100,6 +156,49 @@ def test_volume_of_a_worn_ball(flat, ra, radius):
     assert found.along == pytest.approx(diameter, rel=0.05)
     assert found.across == pytest.approx(diameter, rel=0.05)
     assert volume == pytest.approx(math.pi * flat**2 * (9.0 - flat) / 3.0, rel=0.005)
+
+
+def test_a_radius_that_cannot_be_told_is_refused():
+    rim = 0.91 * 0.95
+    heights, volume = ball(3.0 - math.sqrt(9.0 - rim**2), 1e-4, middle=(0.0, 0.0))
+    given = find_worn_ball(heights, pixel=(0.005, 0.005), radius=3.0)
+    assert given.volume == pytest.approx(volume, rel=0.002)
+    with pytest.raises(InputError, match=r"to tell its radius from: --radius gives it, or a wider"):
+        find_worn_ball(heights, pixel=(0.005, 0.005))
+    # a flat that reaches the edges must not pass for the sphere itself
+    heights, _ = ball(3.0 - math.sqrt(9.0 - 0.98**2), 1e-4, middle=(0.09, 0.27))
+    with pytest.raises(InputError, match=r"to tell its radius from|no sphere fits|hollow"):
+        find_worn_ball(heights, pixel=(0.005, 0.005))
+
+
+@pytest.mark.parametrize("flat", [0.0005, 0.001])
+def test_shallow_scars_are_not_cut_short(flat):
+    off, errors = [], []
+    for seed in range(8):
+        heights, volume = ball(flat, 1.6e-4, seed=seed)
+        found = find_worn_ball(heights, pixel=(0.005, 0.005), radius=3.0)
+        off.append(found.volume / volume - 1.0)
+        errors.append(found.volume_error / volume)
+    assert abs(np.mean(off)) < 2.5 * np.mean(errors) / math.sqrt(8)
+    assert (np.abs(off) < 3 * np.array(errors)).all()
+    assert np.mean(errors) == pytest.approx({0.0005: 0.2, 0.001: 0.1}[flat], rel=0.5)
+
+
+def test_pile_up_beside_the_patch_is_net():
+    heights, volume = ball(0.01, 8e-5)
+    x, y = places((400, 380), (0.005, 0.005))
+    rim = math.sqrt(2 * 3.0 * 0.01 - 0.01**2)
+    beyond = np.hypot.outer(x - 0.02, y + 0.05) - rim
+    ridge = np.where(beyond > 0, 0.002 * np.exp(-np.square((beyond - 0.03) / 0.015)), 0.0)
+    none = find_worn_ball(heights, pixel=(0.005, 0.005), radius=3.0)
+    assert abs(none.piled_up) < 3 * none.piled_up_error
+    assert none.piled_up_error < 0.01 * volume
+    found = find_worn_ball(heights + ridge, pixel=(0.005, 0.005), radius=3.0)
+    assert found.piled_up == pytest.approx(ridge.sum() * 0.005**2, rel=0.05)
+    assert found.volume == pytest.approx(volume, rel=0.01)
+    text = ball_page(FILE, ball_record(found), cap_of_diagonals(found.along, found.across, radius=3.0))
+    assert "net above the sphere in the rim beside the patch" in text
+    assert f"± {found.volume_error:.1g} mm³ lost in the patch" in text
 
 
 def test_balls_that_are_none():
