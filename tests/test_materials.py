@@ -1,0 +1,93 @@
+"""The table of materials: numbers against their sources' hardness numbers, names in every spelling."""
+
+import re
+import tomllib
+from importlib.resources import files
+
+import pytest
+
+from warpwear.hertz import effective_modulus
+from warpwear.materials import material, names
+
+#: Given in GPa by their sources, not as a hardness number.
+IN_GPA = {"alumina", "silicon nitride", "zirconia 3Y-TZP"}
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_number_has_a_source_and_is_possible(name: str) -> None:
+    known = material(name)
+    assert known.name == name
+    assert known.condition
+    assert set(known.sources) == {"young", "poisson", "hardness"}
+    assert all(len(source) > 10 for source in known.sources.values())
+    assert 5e4 < known.young < 7e5
+    assert 0.2 < known.poisson < 0.35
+    # The least and the most that H/E is among metals and ceramics.
+    assert 0.005 < known.hardness / known.young < 0.06
+
+
+@pytest.mark.parametrize("name", sorted(set(names()) - IN_GPA))
+def test_hardness_is_its_sources_number_as_a_pressure(name: str) -> None:
+    known = material(name)
+    number = re.search(r"(\d+) H[VB]\b", known.sources["hardness"])
+    assert number is not None
+    assert known.hardness == pytest.approx(9.807 * float(number[1]), rel=3e-3)
+
+
+def test_the_pair_of_the_thesis() -> None:
+    steel, nickel = material("AISI 304"), material("Inconel 718")
+    modulus = effective_modulus((steel.young, steel.poisson), (nickel.young, nickel.poisson))
+    # 1/E* = (1 − 0.29²) (1/193 + 1/200) 1/GPa, by hand
+    assert modulus == pytest.approx(1.0724e5, rel=1e-4)
+    assert 1500.0 <= steel.hardness <= 2000.0
+    assert steel.shear_modulus == pytest.approx(74806.2, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("spelling", "name"),
+    [
+        ("304", "AISI 304"),
+        ("aisi-304", "AISI 304"),
+        ("SS 304", "AISI 304"),
+        ("EN 1.4301", "AISI 304"),
+        ("UNS S31600", "AISI 316"),
+        ("inconel718", "Inconel 718"),
+        ("W.-Nr. 2.4668", "Inconel 718"),
+        ("Alloy 600", "Inconel 600"),
+        ("100Cr6", "AISI 52100"),
+        ("SAE 52100", "AISI 52100"),
+        ("EN31", "AISI 52100"),
+        ("Ck 45", "AISI 1045"),
+        ("Al₂O₃", "alumina"),
+        ("SI3N4", "silicon nitride"),
+        ("ti6al4v", "Ti-6Al-4V"),
+        ("WC", "tungsten carbide WC-6Co"),
+    ],
+)
+def test_spellings(spelling: str, name: str) -> None:
+    assert material(spelling).name == name
+
+
+@pytest.mark.parametrize(
+    ("given", "near"),
+    [("AISI 305", "AISI 304"), ("304L", "AISI 304"), ("Incnel 718", "Inconel 718"), ("alumnia", "alumina")],
+)
+def test_a_name_that_is_near_is_suggested_and_not_taken(given: str, near: str) -> None:
+    with pytest.raises(
+        ValueError, match=f"^no material '{given}' is known; did you mean '{near}'\\? Allowed: "
+    ):
+        material(given)
+
+
+@pytest.mark.parametrize("given", ["", "??", "Inconel 304", "AISI", "unobtainium"])
+def test_a_name_of_nothing_is_refused_with_all_that_is_allowed(given: str) -> None:
+    with pytest.raises(ValueError, match="Allowed: ") as refused:
+        material(given)
+    assert all(name in str(refused.value) for name in names())
+
+
+def test_no_alias_means_two_materials() -> None:
+    rows = tomllib.loads((files("warpwear") / "materials.toml").read_text(encoding="utf-8"))["material"]
+    for row in rows:
+        for alias in (row["name"], *row["aliases"]):
+            assert material(alias).name == row["name"], alias
