@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from warpwear.surfaces.measured import Measured
+    from warpwear.surfaces.track import Track
 
 FORMATS = (".png", ".pdf", ".svg")
 LISTS = ("pixel", "crop")
@@ -57,7 +58,7 @@ def describe(
     level = preparation.get("level")
     if track or ball:  # the form is that of the unworn part
         preparation = preparation | {"level": "none"}
-    surface = _surface(file, preparation)
+    surface = read_surface(file, preparation)
     if track:
         text, record, drawn = _track(
             surface,
@@ -103,13 +104,8 @@ def _track(
     surface: "Measured", *, level: str | None, width: float | None, length: float | None, draw: bool
 ) -> Outcome:
     from warpwear.surface_report import track_page, track_record
-    from warpwear.surfaces.chain import degree_of
-    from warpwear.surfaces.track import find_track
 
-    degree = degree_of(_level(level) if level is not None else "plane")
-    if isinstance(degree, str):
-        raise InputError("--level sphere is for a ball: allowed with --track is none, plane or a degree")
-    track = find_track(surface.levelled, pixel=surface.pixel, degree=degree, width=width)
+    track, degree = track_in(surface, level=level, width=width)
     file, found = surface.record(), track_record(track, length=length)
     drawn = None
     if draw:
@@ -117,6 +113,20 @@ def _track(
 
         drawn = track_figure(track)
     return track_page(file, found, degree=degree), {"surface": file, "track": found}, drawn
+
+
+def track_in(surface: "Measured", *, level: str | None, width: float | None) -> tuple["Track", int]:
+    """The worn track of a surface read with level none, and the degree taken off beside it.
+
+    level: as in [disc], as text; width [mm], None to find it. Raises InputError.
+    """
+    from warpwear.surfaces.chain import degree_of
+    from warpwear.surfaces.track import find_track
+
+    degree = degree_of(_level(level) if level is not None else "plane")
+    if isinstance(degree, str):
+        raise InputError("--level sphere is for a ball: allowed with --track is none, plane or a degree")
+    return find_track(surface.levelled, pixel=surface.pixel, degree=degree, width=width), degree
 
 
 def _ball(surface: "Measured", *, radius: float | None, draw: bool) -> Outcome:
@@ -147,7 +157,8 @@ def _by_diagonals(diagonals: tuple[str, str], radius: str | None, *, as_json: bo
     return json.dumps(cap_record(cap), indent=2) if as_json else cap_page(cap)
 
 
-def _surface(file: Path, preparation: dict[str, str | None]) -> "Measured":
+def read_surface(file: Path, preparation: dict[str, str | None]) -> "Measured":
+    """A measured file, prepared by keys of [disc] that are given as text. Raises InputError."""
     given: dict[str, Any] = {name: value for name, value in preparation.items() if value is not None}
     for name in LISTS:
         if name in given and "," in given[name]:
