@@ -24,7 +24,7 @@ from machine import machine
 
 import warpwear
 from warpwear.execution import Executor
-from warpwear.micro import MicroModel
+from warpwear.one_scale import OneScaleModel
 from warpwear.surface_of import surface_of
 
 EXTENT = 1.4336  # [mm]: the final scar of 1.26 to 1.38 mm nearly fills it
@@ -58,7 +58,7 @@ def step_times(cells: int, threads: int, repeats: int) -> dict[str, float]:
     grid = study.cells
     heights = surface_of(study.disc).heights(grid.x, grid.y)
     with Executor(grid, threads=threads) as executor:
-        model = MicroModel(study, heights, executor)
+        model = OneScaleModel(study, heights, executor)
         model.advance(3.0e-3)
         early = median_ms(lambda: model.advance(3.0e-3), repeats)
         for _ in range(24):  # implicit steps may be long

@@ -14,7 +14,7 @@ from warpwear.execution import Executor
 from warpwear.grid import Grid
 from warpwear.kernels import contact
 from warpwear.kernels.types import LANES, PADDING
-from warpwear.micro import MicroModel
+from warpwear.one_scale import OneScaleModel
 
 SHAPES = [(37, 53), (64, 64), (5, 131)]
 CELL = 0.01
@@ -235,7 +235,7 @@ def test_worn_run_equals_reference(
         tolerance=this.load_tolerance,
     )
     with Executor(grid, device=device, threads=threads) as executor:
-        model = MicroModel(this, heights.copy(), executor)
+        model = OneScaleModel(this, heights.copy(), executor)
         steps = [model.advance(d, with_pressure=True) for d in increments.tolist()]
         fields = {n: executor.to_numpy(getattr(model.state, n)).copy() for n in ("wear_sphere", "wear_disc")}
         gap = executor.to_numpy(model.state.gap).copy()
@@ -264,7 +264,7 @@ def test_threads_do_not_change_a_bit(kind: str, device: str, threads: int) -> No
     outcomes = []
     for count in (1, threads):
         with Executor(Grid(61, 75, CELL), device=device, threads=count) as executor:
-            model = MicroModel(this, rough((61, 75), 4), executor)
+            model = OneScaleModel(this, rough((61, 75), 4), executor)
             rows = [list(model.advance(0.1).row.values()) for _ in range(30)]
             fields = [executor.to_numpy(f).copy() for f in vars(model.state).values()]
             outcomes.append((rows, fields))

@@ -54,7 +54,7 @@ def test_a_run_from_the_command_line(tmp_path: Path) -> None:
         (["run"], "Missing argument"),
         (["walk"], "No such command 'walk'"),
         (["plot", "nowhere"], "holds no result"),
-        (["show", "v3", "--set", "disc.surface=a.sur", "--set", "disc.synthetic.kind=flat"], "not both"),
+        (["show", "v3", "--set", "disc.surface=a.sur", "--set", "disc.synthetic.kind=flat"], "exclude each other"),
     ],
 )
 def test_bad_input_is_exit_status_2_and_one_sentence(
@@ -70,11 +70,11 @@ def test_bad_input_is_exit_status_2_and_one_sentence(
 
 def test_listing_and_showing(tmp_path: Path) -> None:
     listed = warpwear("studies", cwd=tmp_path)
-    assert [line.split()[0] for line in listed.stdout.splitlines()] == ["v3", "v3-fine"]
+    assert [line.split()[0] for line in listed.stdout.splitlines()] == ["v1", "v2", "v3", "v3-fine"]
     shown = warpwear("show", "v3", "--set", "disc.synthetic.kind=flat", cwd=tmp_path)
     assert shown.returncode == 0
     assert "ASSUMED" in shown.stdout
-    assert "note: disc.synthetic.ra does not apply" in shown.stderr
+    assert "disc.synthetic.period do not apply to kind = 'flat'" in shown.stderr
     # What `show` prints is a study.
     (tmp_path / "mine.toml").write_text(warpwear("show", "v3", cwd=tmp_path).stdout)
     assert warpwear("show", "mine.toml", cwd=tmp_path).returncode == 0

@@ -9,6 +9,7 @@ from warpwear import friction
 from warpwear.sections import Friction
 
 HISTORY = {
+    "distance": np.array([1.0, 50.0, 100.0]),
     "area_contact": np.array([0.01, 0.5, 1.25]),
     "area_touched": np.array([0.01, 0.6, 1.3]),
     "area_cumulative": np.array([0.01, 0.51, 1.76]),
@@ -50,3 +51,13 @@ def test_every_calibration_is_told() -> None:
     assert told["contact_initial"] == pytest.approx(0.6 * 8.0 / 0.01)
     assert told["hardness"] == pytest.approx(590.0 / (3.0 * math.sqrt(3.0)))
     assert len(told) == 9
+
+
+def test_a_shear_strength_that_runs_in() -> None:
+    # τ0 (1 + (r − 1) e^(−L/L_τ)); a measured coefficient holds where it was measured.
+    given = {"initial_ratio": 3.0, "running_in": "20 mm"}
+    ratio = 1.0 + 2.0 * np.exp(-HISTORY["distance"] / 20.0)
+    fixed = cof(Friction(shear_strength="4 MPa", **given))
+    assert fixed == pytest.approx(4.0 * ratio * HISTORY["area_contact"] / LOAD, rel=1e-14)
+    assert cof(Friction(coefficient=0.6, **given))[-1] == pytest.approx(0.6)
+    assert cof(Friction(coefficient=0.6, calibrate="initial", **given))[0] == pytest.approx(0.6)

@@ -14,7 +14,7 @@ import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.execution import Executor
 from warpwear.history import COLUMNS
-from warpwear.micro import MicroModel
+from warpwear.one_scale import OneScaleModel
 
 QUICK = {"grid.cell": "20 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm"]}
 
@@ -218,15 +218,15 @@ def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
 
 
 def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    advance, calls = MicroModel.advance, []
+    advance, calls = OneScaleModel.advance, []
 
-    def interrupted(self: MicroModel, *args: Any, **kwargs: Any) -> Any:
+    def interrupted(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
         calls.append(1)
         if len(calls) > 20:
             raise KeyboardInterrupt
         return advance(self, *args, **kwargs)
 
-    monkeypatch.setattr(MicroModel, "advance", interrupted)
+    monkeypatch.setattr(OneScaleModel, "advance", interrupted)
     study = quick(friction__coefficient=0.6, friction__calibrate="end")
     with pytest.raises(KeyboardInterrupt):
         warpwear.run(study, out=tmp_path / "deep" / "out", plots=False)
@@ -310,7 +310,7 @@ def test_the_edge_is_watched_on_every_side(side: tuple[int, int]) -> None:
             peaks[place] = 1.0  # far above the sphere's sag
             peaks[12, 12] = max(peaks[12, 12], 0.9999)
             one_cell = study.replace({"contact.load": "0.3 N"})
-            step = MicroModel(one_cell, peaks, executor).advance(0.003)
+            step = OneScaleModel(one_cell, peaks, executor).advance(0.003)
             assert step.touches_edge is expected
 
 

@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from warpwear import InputError, Study
@@ -54,6 +55,25 @@ BAD = [
     ({"study": 3}, r"study = 3 is not a section"),
     ({"contact.load": {"a": 1}}, r"contact\.load = \{'a': 1\}: needs its unit"),
     ({"wear.sphere": 1e-4, "contact.hardness": "inf MPa"}, r"wear\.sphere = 0\.0001 is k of .*finite"),
+    ({"disc.material": "kryptonite"}, r"disc\.material = 'kryptonite'"),
+    ({"study.model": "macro", "sphere.radius": "inf mm"}, r"contact\.foundation = 'area' needs a sphere"),
+    (
+        {"study.model": "macro", "disc.material": None},
+        r"contact\.foundation = 'area' needs Young's modulus .*",
+    ),
+    (
+        {
+            "study.model": "macro",
+            "contact.foundation": "1e6 N/mm^3",
+            "contact.foundation_update": "updated",
+        },
+        r"foundation_update = 'updated' needs contact\.foundation = area, pressure, approach",
+    ),
+    ({"contact.foundation": "volume"}, r"contact\.foundation = 'volume'"),
+    ({"wear.law": "exponential"}, r"wear\.law = 'exponential' needs wear\.decay"),
+    ({"wear.law": "running-in", "wear.running_in": "1 mm"}, r"needs wear\.initial_sphere or"),
+    ({"wear.decay": "3 mm"}, r"wear\.decay = '3 mm': has the wrong dimension: an inverse length"),
+    ({"friction.initial_ratio": 2.0}, r"friction\.initial_ratio and friction\.running_in need each other"),
     ({"wear.sphere": 10**400}, r"wear\.sphere = 1000.*: is too large"),
     ({"sliding.passes": 10**400}, r"sliding\.passes = 1000"),
     ({"sphere.radius": "1 mm", "grid.extent": "4 mm", "contact.hardness": "1 MPa"}, r"carries .*3\.142 N"),
@@ -173,10 +193,70 @@ def test_replacing_one_way_of_saying_drops_the_other() -> None:
 
 def test_keys_that_do_not_apply_are_noticed() -> None:
     flat = Study.load("v3").replace({"disc.synthetic.kind": "flat"})
-    assert any("disc.synthetic.ra does not apply to kind = 'flat'" in n for n in flat.notices())
+    assert any(re.match(r"disc\.synthetic\.ra.* do not apply to kind = 'flat'\.", n) for n in flat.notices())
     assert "feed" not in flat.to_toml()
     short = Study.load("v3").replace({"sliding.distance": "30 mm"})
     assert short.notices() == ["output.snapshots that no step ends at: 240, 600, 1200, 2400 mm."]
+
+
+def test_a_rough_study_becomes_a_smooth_one() -> None:
+    macro = Study.load("v3-fine").replace({"study.model": "macro", "sphere.material": "inconel718"})
+    assert macro.sphere.material == "Inconel 718"
+    assert macro.study.model == "macro"
+    assert "synthetic" not in macro.to_toml()
+    told = [n for n in macro.notices() if "smooth disc" in n]
+    assert len(told) == 1
+    assert "disc.synthetic.ra" in told[0]
+
+
+def test_a_material_fills_what_is_not_given() -> None:
+    v1 = Study.load("v1")
+    assert v1.sphere.elastic == (200e3, 0.29)
+    assert v1.disc.elastic == (193e3, 0.29)
+    assert v1.hertz is not None
+    # E* = 1.072e5 MPa: radius 55.2 µm, peak 1255 MPa, approach 1.014 µm, area 0.00956 mm².
+    assert v1.hertz.modulus == pytest.approx(1.072e5, rel=1e-3)
+    assert v1.hertz.radius == pytest.approx(0.0552, rel=1e-3)
+    assert v1.hertz.peak_pressure == pytest.approx(1255.0, rel=1e-3)
+    assert v1.hertz.approach == pytest.approx(1.014e-3, rel=1e-3)
+    assert v1.hertz.area == pytest.approx(0.00956, rel=1e-3)
+    assert "Inconel 718" in assumptions(v1)["sphere.young"]
+    given = v1.replace({"sphere.young": "210 GPa"})
+    assert given.sphere.elastic == (210e3, 0.29)
+    assert "sphere.young" not in assumptions(given)
+    # Another material brings its own constants, also into what was read back from a resolved text.
+    back = Study(**tomllib.loads(given.to_toml())).replace({"sphere.material": "alumina"})
+    assert back.sphere.elastic == Study.load("v1").replace({"sphere.material": "Al2O3"}).sphere.elastic
+
+
+def test_the_macro_model_has_a_cell_of_its_own_and_no_cap() -> None:
+    sections = tomllib.loads(Study.load("v1").to_toml())
+    del sections["grid"]["cell"], sections["assumed"]
+    study = Study(**sections)
+    assert study.grid.cell == pytest.approx(0.01)
+    assert study.hardness == float("inf")
+    assert re.search(r'^cell = "10 um" +# default', to_marked_toml(study), re.MULTILINE)
+    assert study.replace({"contact.hardness": "590 MPa"}).hardness == pytest.approx(590.0)
+
+
+@pytest.mark.parametrize(
+    ("match", "constant"),
+    [("area", 16.0 / (3.0 * np.pi)), ("pressure", 3.0 / np.pi), ("approach", 4.0 / (3.0 * np.pi))],
+)
+def test_foundations_match_one_of_hertz_values(match: str, constant: float) -> None:
+    """π K_N R δ² = F: the area 2πRδ, the peak K_N δ or the approach δ itself is Hertz's."""
+    study = Study.load("v1").replace({"contact.foundation": match, "stepping.scheme": "implicit"})
+    assert study.hertz is not None
+    stiffness = study.law().stiffness
+    assert stiffness == pytest.approx(constant * study.hertz.modulus / study.hertz.radius, rel=1e-12)
+    delta = np.sqrt(8.0 / (np.pi * stiffness * 3.0))
+    found = {"area": 2.0 * np.pi * 3.0 * delta, "pressure": stiffness * delta, "approach": delta}
+    expected = {
+        "area": study.hertz.area,
+        "pressure": study.hertz.peak_pressure,
+        "approach": study.hertz.approach,
+    }
+    assert found[match] == pytest.approx(expected[match], rel=1e-12)
 
 
 def test_wear_coefficients_in_every_unit() -> None:

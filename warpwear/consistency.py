@@ -3,6 +3,8 @@
 import math
 from typing import TYPE_CHECKING
 
+from warpwear.hertz import MATCHES
+
 if TYPE_CHECKING:
     from warpwear.study import Study
 
@@ -12,6 +14,7 @@ MOST_STEPS = 1_000_000
 
 def check(study: "Study") -> None:
     """Raises ValueError, in one sentence, for a study that cannot be computed as it stands."""
+    _model(study)
     _hardness(study)
     _capacity(study)
     _tolerance(study)
@@ -19,20 +22,51 @@ def check(study: "Study") -> None:
     _steps(study)
 
 
-def _hardness(study: "Study") -> None:
-    if study.contact.hardness is None and not study.body_hardnesses:
-        raise ValueError(
-            "contact.hardness, sphere.hardness or disc.hardness must be given ('inf MPa' is none)"
-        )
-    if math.isfinite(study.hardness):
-        return
-    for body, coefficient in (("sphere", study.wear.sphere), ("disc", study.wear.disc)):
-        if coefficient.dimensionless and coefficient.value > 0.0:
+def _model(study: "Study") -> None:
+    if study.study.model == "micro":
+        if study.disc.surface is None and study.disc.synthetic is None:
             raise ValueError(
-                f"wear.{body} = {coefficient.value:g} is k of V = k F L / H and needs a finite "
-                "contact.hardness; or give it with a unit, such as '9.4e-4 mm^3/N/m'"
+                "disc.surface (a file) or [disc.synthetic] must be given: the micro model is rough"
             )
-    if study.uses_bearing_area:
+        return
+    match = study.contact.foundation
+    named = isinstance(match, str)
+    if named and study.sphere.curvature == 0.0:
+        raise ValueError(
+            f"contact.foundation = '{match}' needs a sphere: allowed for a flat is a stiffness such as "
+            "'2e6 N/mm^3'"
+        )
+    if named and study.hertz is None:
+        raise ValueError(
+            f"contact.foundation = '{match}' needs Young's modulus and Poisson's ratio of both bodies: "
+            "sphere.material or sphere.young and sphere.poisson, and the same of the disc; or a stiffness "
+            "such as '2e6 N/mm^3'"
+        )
+    if not named and study.contact.foundation_update == "updated":
+        raise ValueError(
+            "contact.foundation_update = 'updated' needs contact.foundation = "
+            f"{', '.join(MATCHES)}, not a stiffness"
+        )
+    if not named and not math.isfinite(float(match)):
+        raise ValueError("contact.foundation = inf N/mm^3: the macro model needs a finite stiffness")
+
+
+def _hardness(study: "Study") -> None:
+    if study.study.model == "micro" and study.contact.hardness is None and study.softer_hardness is None:
+        raise ValueError(
+            "contact.hardness, or the hardness or material of the sphere or the disc, must be given "
+            "('inf MPa' is none)"
+        )
+    hardness = study.softer_hardness if study.contact.hardness is None else study.contact.hardness
+    if hardness is None or not math.isfinite(hardness):
+        for name in ("sphere", "disc", "initial_sphere", "initial_disc"):
+            coefficient = getattr(study.wear, name)
+            if coefficient is not None and coefficient.dimensionless and coefficient.value > 0.0:
+                raise ValueError(
+                    f"wear.{name} = {coefficient.value:g} is k of V = k F L / H and needs a finite "
+                    "contact.hardness; or give it with a unit, such as '9.4e-4 mm^3/N/m'"
+                )
+    if not math.isfinite(study.hardness) and study.uses_bearing_area:
         raise ValueError(
             "contact.hardness = inf MPa needs a finite contact.stiffness, or wear with "
             "stepping.scheme = 'implicit'"
@@ -63,7 +97,7 @@ def _tolerance(study: "Study") -> None:
 def _stability(study: "Study") -> None:
     if study.stepping.scheme == "implicit" or study.stepping.force:
         return
-    limit = study.law.stable_increment(sum(study.wear_coefficients))
+    limit = study.law().stable_increment(sum(law.fastest for law in study.wear_laws))
     largest = min(study.stepping.plan[2], study.sliding.total)
     if largest >= limit:
         name = "largest" if study.stepping.increment is None else "increment"

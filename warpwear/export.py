@@ -9,7 +9,7 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.results import Result, Snapshot
-from warpwear.surface_of import surface_of
+from warpwear.surface_of import surface_in
 from warpwear.surfaces.sphere import sag
 
 BODIES = ("sphere", "disc")
@@ -32,7 +32,7 @@ def worn_heights(result: Result, snapshot: Snapshot, body: str) -> FloatArray:
     heights = np.where(beyond, np.nan, heights)
     if body == "disc" and beyond.any():
         with suppress(InputError):
-            heights[beyond] = surface_of(result.study.disc).heights(result.x, result.y)[beyond]
+            heights[beyond] = surface_in(result.study).heights(result.x, result.y)[beyond]
     return heights
 
 

@@ -1,42 +1,49 @@
 """Coefficient of friction from an area: shear of junctions, with an offset for ploughing.
 
-μ = μ_p + τ0 A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a
-measured coefficient fixes τ0, are choices of the study.
+μ = μ_p + τ A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a
+measured coefficient fixes τ, are choices of the study. τ is constant, or runs in by an empirical fit:
+τ0 (1 + (r − 1) e^(−L/L_τ)).
 """
 
 import math
 from collections.abc import Mapping
+
+import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.sections import Friction
 
 
 def shear_strength(
-    friction: Friction, areas: FloatArray, *, load: float, area_end: float | None = None
-) -> float:
-    """τ0 [MPa]: as given, or (μ0 − μ_p) F / A0 with the area of the end or of the start (eq 4.19).
+    friction: Friction, history: Mapping[str, FloatArray], *, load: float, finished: bool
+) -> FloatArray:
+    """τ [MPa] of every step: as given, or from (μ0 − μ_p) F / A0 at the end or the start (eq 4.19).
 
-    areas: history of the area that shears [mm²]. area_end: its value at the end, None while the run is under
-    way; then a τ0 that is calibrated at the end is not known: NaN.
+    NaN while a τ that is calibrated at the end waits for it.
     """
+    areas, run_in = history[f"area_{friction.area}"], _running_in(friction, history["distance"])
     if friction.shear_strength is not None:
-        return friction.shear_strength
-    if friction.calibrate == "initial":
-        area = float(areas[0])
-    elif area_end is not None:
-        area = area_end
-    else:
-        return math.nan
-    return (friction.coefficient - friction.ploughing) * load / area
+        return friction.shear_strength * run_in
+    if friction.calibrate == "end" and not finished:
+        return np.full_like(areas, math.nan)
+    row = -1 if friction.calibrate == "end" else 0
+    measured = (friction.coefficient - friction.ploughing) * load / areas[row]
+    return np.asarray(measured / run_in[row] * run_in)
 
 
 def coefficient(
     friction: Friction, history: Mapping[str, FloatArray], *, load: float, finished: bool
 ) -> FloatArray:
-    """Coefficient of friction of every step; NaN while τ0 waits for the end."""
-    areas = history[f"area_{friction.area}"]
-    tau = shear_strength(friction, areas, load=load, area_end=float(areas[-1]) if finished else None)
-    return friction.ploughing + tau * areas / load
+    """Coefficient of friction of every step; NaN while τ waits for the end."""
+    tau = shear_strength(friction, history, load=load, finished=finished)
+    return np.asarray(friction.ploughing + tau * history[f"area_{friction.area}"] / load)
+
+
+def _running_in(friction: Friction, distance: FloatArray) -> FloatArray:
+    """τ/τ0 at sliding distances [mm]."""
+    if friction.initial_ratio is None or friction.running_in is None:
+        return np.ones_like(distance)
+    return np.asarray(1.0 + (friction.initial_ratio - 1.0) * np.exp(-distance / friction.running_in))
 
 
 def calibrations(

@@ -12,6 +12,8 @@ from pydantic_core import CoreSchema, core_schema
 #: What to write in a message about a unit of each kind.
 EXAMPLES = {
     "mm": "a length such as '1.5 mm'",
+    "mm^2": "an area such as '1.254 mm^2'",
+    "mm^3": "a volume such as '0.018 mm^3'",
     "N": "a force such as '8 N'",
     "MPa": "a pressure such as '590 MPa'",
     "N/mm^3": "a foundation stiffness such as '2e5 N/mm^3'",
@@ -20,6 +22,8 @@ EXAMPLES = {
     "deg": "an angle such as '90 deg'",
     "Hz": "a frequency such as '1 Hz'",
     "mm^3/N/m": "a wear coefficient such as '9.4e-4 mm^3/N/m'",
+    "1/mm": "an inverse length such as '0.1 1/m'",
+    "N/mm": "an energy of an area such as '2 J/m^2'",
 }
 
 
@@ -27,7 +31,7 @@ EXAMPLES = {
 # which would read "8,5 N" as 85 N and "2 400 mm" as 800 mm.
 _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<number>[+-]?(?:\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|inf|nan))"
-    r"\s*(?P<unit>/?\s*(?:[^\W\d_]|[²³])+(?:(?:\s*(?:\^|\*\*)\s*-?\d)|[^\W\d_]|[²³\s()*/·])*)?\s*"
+    r"(?:\s+1(?=/))?\s*(?P<unit>/?\s*(?:[^\W\d_]|[²³])+(?:(?:\s*(?:\^|\*\*)\s*-?\d)|[^\W\d_]|[²³\s()*/·])*)?\s*"
 )
 
 

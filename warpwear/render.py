@@ -1,11 +1,14 @@
 """A study as TOML text, for files and for people."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import tomli_w
 
+from warpwear.defaults import CONSTANTS
+from warpwear.materials import material
 from warpwear.schema import given_keys, key_of
 
 if TYPE_CHECKING:
@@ -47,8 +50,12 @@ def assumptions(study: "Study") -> dict[str, str]:
     given = given_keys(study)
     found = {}
     for name, _ in _applicable(study):
+        body, _, constant = name.partition(".")
         if name in study.assumed:
             found[name] = study.assumed[name]
+        elif name not in given and constant in CONSTANTS:
+            known = material(getattr(study, body).material)
+            found[name] = f"{known.name}, {known.condition}: {known.sources[constant]}"
         elif name not in given:
             info = key_of(type(study), name)
             extra = info.json_schema_extra if info else None
@@ -86,6 +93,8 @@ def _readable(value: Any) -> Any:
         return value
     if unit == "mm" and 0.0 < abs(number) < 0.1:
         return _short(1.0e3 * number, "um", back=1.0e-3) or value
+    if unit == "MPa" and 1.0e4 <= abs(number) < math.inf:
+        return _short(1.0e-3 * number, "GPa", back=1.0e3) or value
     if unit == "mm/s":
         return _short(60.0 * number, "mm/min", back=1.0 / 60.0) or value
     return _short(number, unit, back=1.0) or value

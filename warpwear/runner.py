@@ -21,12 +21,12 @@ from warpwear.evolution import COLUMNS as EVOLUTION
 from warpwear.execution import FIELDS_NEEDED, Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.history import COLUMNS, Column
-from warpwear.micro import MicroModel, Step
+from warpwear.one_scale import OneScaleModel, Step
 from warpwear.progress import Progress
 from warpwear.results import FILE_NAME, Result, ResultWriter, Snapshot
 from warpwear.stepping import increments
 from warpwear.study import Study
-from warpwear.surface_of import surface_of
+from warpwear.surface_of import surface_in
 from warpwear.surfaces.parameters import roughness
 
 LOG = logging.getLogger("warpwear")
@@ -94,13 +94,13 @@ class _Loop:
         self._writer = writer
         self._progress = progress
         grid = executor.grid
-        surface = surface_of(study.disc)
+        surface = surface_in(study)
         self.warnings = [*study.notices(), *surface.notices(grid.x, grid.y)]
         for warning in self.warnings:
             self._warn(warning)
         heights = surface.heights(grid.x, grid.y)
         self._surface_record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
-        self._model = MicroModel(study, heights, executor)
+        self._model = OneScaleModel(study, heights, executor)
         self._executor = executor
         self._rows: list[dict[str, float]] = []
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -18,6 +19,8 @@ from pydantic import (
     model_validator,
 )
 
+from warpwear.hertz import MATCHES
+from warpwear.materials import material
 from warpwear.quantities import (
     NOT_NEGATIVE,
     POSITIVE_OR_INFINITE,
@@ -46,6 +49,9 @@ Deviations = Annotated[float, Number(Range(least=3.0, or_equal=True))]
 FrictionCoefficient = Annotated[float, Number(Range(most=3.0))]
 Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 FrictionOffset = Annotated[float, Number(Range(or_equal=True, most=3.0))]
+Ratio = Annotated[float, Number(Range(or_equal=True, most=1000.0))]
+PerLength = Annotated[float, Quantity("1/mm")]
+SurfaceEnergy = Annotated[float, Quantity("N/mm")]
 
 
 def key(default: Any = ..., meaning: str = "", *, assumed: str | None = None) -> Any:
@@ -67,13 +73,24 @@ class About(Section):
         "study", "name of the run and of its folder: letters, digits, spaces and . + - _"
     )
     description: str = key("", "one line for people")
-    model: Literal["micro"] = key("micro", "resolved roughness on one fine grid")
+    model: Literal["macro", "micro"] = key(
+        "micro", "macro: smooth bodies on an elastic foundation; micro: every asperity resolved"
+    )
 
 
 class Body(Section):
-    young: Pressure | None = key(None, "Young's modulus; used for Hertz's values beside the results")
+    material: Annotated[str, AfterValidator(lambda name: material(name).name)] | None = key(
+        None,
+        "name of a known material (see 'warpwear materials'), for constants that are not given",
+    )
+    young: Pressure | None = key(None, "Young's modulus")
     poisson: PoissonRatio | None = key(None, "Poisson's ratio")
     hardness: Pressure | None = key(None, "indentation hardness")
+
+    @property
+    def elastic(self) -> tuple[float, float] | None:
+        """Young's modulus [MPa] and Poisson's ratio, where both are known."""
+        return None if self.young is None or self.poisson is None else (self.young, self.poisson)
 
 
 class Sphere(Body):
@@ -165,9 +182,13 @@ class Disc(Body):
 
     @model_validator(mode="after")
     def _one_surface(self) -> Self:
-        if (self.surface is None) == (self.synthetic is None):
-            raise ValueError("disc.surface (a file) or [disc.synthetic] must be given, and not both")
+        if self.surface is not None and self.synthetic is not None:
+            raise ValueError("disc.surface (a file) and [disc.synthetic] exclude each other")
         return self
+
+
+def _foundation(value: Any) -> Any:
+    return value if value in MATCHES else Quantity("N/mm^3").read(value)
 
 
 class Contact(Section):
@@ -175,11 +196,25 @@ class Contact(Section):
 
     load: Force = key(..., "normal load")
     hardness: PressureOrInfinite | None = key(
-        None, "largest pressure of a cell; by default the hardness of the softer body"
+        None, "largest pressure of a cell; by default the softer body's in the micro model, none in the macro"
     )
     law: Literal["foundation"] = key("foundation", "independent springs with a largest pressure")
     stiffness: Stiffness = key(
-        "inf N/mm^3", "local foundation stiffness k", assumed="asperities do not deform elastically"
+        "inf N/mm^3",
+        "micro model: local foundation stiffness k",
+        assumed="asperities do not deform elastically",
+    )
+    foundation: Annotated[
+        float | Literal["area", "pressure", "approach"],
+        BeforeValidator(_foundation),
+        PlainSerializer(lambda v: v if isinstance(v, str) else text(v, "N/mm^3")),
+    ] = key(
+        "area",
+        "macro model: stiffness K_N that gives Hertz's area, peak pressure or approach, or a stiffness",
+        assumed="one spring constant matches one of Hertz's three values",
+    )
+    foundation_update: Literal["initial", "updated"] = key(
+        "initial", "macro model: K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact"
     )
 
 
@@ -218,10 +253,26 @@ class Wear(Section):
 
     sphere: WearCoefficient = key(..., "wear coefficient K of the sphere, hardness contained")
     disc: WearCoefficient = key(..., "wear coefficient K of the disc, hardness contained")
-    law: Literal["archard"] = key("archard", "depth = K × pressure × sliding distance")
+    law: Literal["archard", "exponential", "running-in", "bearing-curve"] = key(
+        "archard", "depth = K × pressure × distance, K constant or by an empirical law of the distance slid"
+    )
+    decay: PerLength | None = key(None, "exponential: α of V = K F (1 − e^(−αL))/α, an empirical fit")
+    running_in: Length | None = key(None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit")
+    initial_sphere: WearCoefficient | None = key(None, "running-in: K0 of the sphere; K if not given")
+    initial_disc: WearCoefficient | None = key(None, "running-in: K0 of the disc; K if not given")
     distance_factor: Literal["none", "across", "radial"] = key(
         "none", "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial"
     )
+
+    @model_validator(mode="after")
+    def _law_has_its_keys(self) -> Self:
+        if self.law == "exponential" and self.decay is None:
+            raise ValueError("wear.law = 'exponential' needs wear.decay, such as '0.1 1/m'")
+        if self.law == "running-in" and self.running_in is None:
+            raise ValueError("wear.law = 'running-in' needs wear.running_in, a length such as '100 mm'")
+        if self.law == "running-in" and self.initial_sphere is None and self.initial_disc is None:
+            raise ValueError("wear.law = 'running-in' needs wear.initial_sphere or wear.initial_disc")
+        return self
 
 
 #: Along a side: a million squared is more than any memory holds.
@@ -231,7 +282,7 @@ MOST_CELLS = 1_000_000
 class GridSection(Section):
     """[grid]"""
 
-    cell: Length = key(..., "size of a cell")
+    cell: Length = key(..., "size of a cell; 10 um in the macro model, if not given")
     extent: Length = key(..., "side of the square domain")
 
     @model_validator(mode="after")
@@ -339,7 +390,11 @@ class Friction(Section):
         0.6, "measured coefficient that fixes τ0, instead", assumed="for want of a measured one"
     )
     calibrate: Literal["end", "initial"] = key("end", "when the measured coefficient holds")
-    ploughing: FrictionOffset = key(0.0, "part of the coefficient that does not shear")
+    ploughing: FrictionOffset = key(0.0, "part μ_p of the coefficient that does not shear")
+    initial_ratio: Ratio | None = key(
+        None, "running-in: τ at the start over τ0, with τ0 (1 + (ratio − 1) e^(−L/L_τ)); an empirical fit"
+    )
+    running_in: Length | None = key(None, "running-in: L_τ of the shear strength")
     area: Literal["contact", "touched", "cumulative", "nominal"] = key("contact", "area that shears")
 
     @model_validator(mode="after")
@@ -347,12 +402,25 @@ class Friction(Section):
         measured = {"coefficient", "calibrate"} & self.model_fields_set
         if self.shear_strength is not None and measured:
             raise ValueError(f"friction.shear_strength and friction.{max(measured)} exclude each other")
+        if (self.initial_ratio is None) != (self.running_in is None):
+            raise ValueError("friction.initial_ratio and friction.running_in need each other")
         if self.shear_strength is None and self.coefficient <= self.ploughing:
             raise ValueError(
                 f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
                 f"{self.ploughing:g}"
             )
         return self
+
+
+class Junctions(Section):
+    """[junctions]"""
+
+    surface_energy: SurfaceEnergy | None = key(
+        None, "surface energy γ, for the critical size of junctions (thesis eq 2.3) beside the islands' sizes"
+    )
+    strength: Pressure | None = key(
+        None, "shear strength σ_j of junctions; by default the hardness/(3√3) of the softer body"
+    )
 
 
 class Checks(Section):

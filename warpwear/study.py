@@ -1,5 +1,6 @@
 """A study: what to compute, read from TOML, checked, frozen."""
 
+import math
 import tomllib
 from collections.abc import Mapping
 from difflib import get_close_matches
@@ -12,24 +13,30 @@ from pydantic import Field, ValidationError, model_validator
 from warpwear import render
 from warpwear.consistency import check
 from warpwear.contact import CappedFoundation
+from warpwear.defaults import CONSTANTS, fill
 from warpwear.errors import InputError
 from warpwear.grid import Grid
+from warpwear.hertz import Hertz, effective_modulus
 from warpwear.messages import sentence
 from warpwear.schema import given_keys
 from warpwear.sections import (
     About,
+    ArchardCoefficient,
     Checks,
     Contact,
     Disc,
     Friction,
     GridSection,
+    Junctions,
     Output,
     Section,
     Sliding,
     Sphere,
     Stepping,
+    Synthetic,
     Wear,
 )
+from warpwear.wear import WearLaw
 
 #: Keys that say the same in different ways. Setting one with `replace` drops the others.
 ALTERNATIVES: tuple[tuple[frozenset[str], ...], ...] = (
@@ -67,6 +74,14 @@ OF_FILES = (
     "l_filter",
 )
 
+#: Keys of [wear] -> the law that has them.
+OF_WEAR_LAWS = {
+    "decay": "exponential",
+    "running_in": "running-in",
+    "initial_sphere": "running-in",
+    "initial_disc": "running-in",
+}
+
 UNUSED_BY_KIND: dict[str, tuple[str, ...]] = {
     "flat": ("ra", "sq", "hurst", "roll_off", "cut_off", "seed", "period", "feed", "fine_ra", "lay"),
     "self-affine": ("feed", "fine_ra", "lay"),
@@ -90,15 +105,20 @@ class Study(Section):
     sliding: Sliding
     stepping: Stepping = Stepping()
     friction: Friction = Friction()
+    junctions: Junctions = Junctions()
     checks: Checks = Checks()
     output: Output = Output()
     assumed: dict[str, str] = Field(default={}, description="keys that were assumed, and why")
 
     def __init__(self, **sections: Any) -> None:
+        filled, names = fill(sections)
         try:
-            super().__init__(**sections)
+            super().__init__(**filled)
         except ValidationError as error:
             raise InputError(sentence(error, type(self))) from error
+        for name in names:  # so that they are told from what was given
+            section, _, key = name.partition(".")
+            getattr(self, section).model_fields_set.discard(key)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -108,28 +128,62 @@ class Study(Section):
     @property
     def uses_bearing_area(self) -> bool:
         """Whether contacts have no compliance: neither a foundation nor implicit wear."""
-        implicit_wear = self.stepping.scheme == "implicit" and sum(self.wear_coefficients) > 0.0
-        return self.law.compliance == 0.0 and not (implicit_wear and self.sliding.total > 0.0)
+        worn = self.sliding.total > 0.0 and sum(law.fastest for law in self.wear_laws) > 0.0
+        return self.law().compliance == 0.0 and not (self.stepping.scheme == "implicit" and worn)
 
     @property
-    def body_hardnesses(self) -> list[float]:
-        """Those that are given [MPa]."""
-        return [h for h in (self.sphere.hardness, self.disc.hardness) if h is not None]
+    def softer_hardness(self) -> float | None:
+        """Hardness of the softer body [MPa], of those that are given."""
+        return min((h for h in (self.sphere.hardness, self.disc.hardness) if h is not None), default=None)
 
     @property
     def hardness(self) -> float:
-        """Largest pressure of a cell [MPa]: contact.hardness, or the softer body's."""
-        return self.contact.hardness if self.contact.hardness is not None else min(self.body_hardnesses)
+        """Largest pressure of a cell [MPa]: contact.hardness, or in the micro model the softer body's."""
+        if self.contact.hardness is not None:
+            return self.contact.hardness
+        found = self.softer_hardness if self.study.model == "micro" else None
+        return math.inf if found is None else found
 
     @property
-    def law(self) -> CappedFoundation:
-        """The contact law."""
-        return CappedFoundation(stiffness=self.contact.stiffness, hardness=self.hardness)
+    def hertz(self) -> Hertz | None:
+        """Hertz's contact of the bodies before any wear, where their elastic constants are known."""
+        sphere, disc, curvature = self.sphere.elastic, self.disc.elastic, self.sphere.curvature
+        if sphere is None or disc is None or curvature == 0.0:
+            return None
+        return Hertz(effective_modulus(sphere, disc), 1.0 / curvature, self.contact.load)
+
+    def law(self, *, radius: float | None = None) -> CappedFoundation:
+        """The contact law. radius: of the area in contact [mm], for a foundation that follows it."""
+        match = self.contact.foundation
+        stiffness = self.contact.stiffness if self.study.model == "micro" else match
+        if isinstance(stiffness, str):
+            assert self.hertz is not None  # checked with the study
+            follows = self.contact.foundation_update == "updated"
+            stiffness = self.hertz.foundation(stiffness, radius=radius if follows else None)
+        return CappedFoundation(stiffness=stiffness, hardness=self.hardness)
 
     @property
     def wear_coefficients(self) -> tuple[float, float]:
-        """K of sphere and disc [mm²/N], hardness contained."""
-        return self.wear.sphere.resolved(self.hardness), self.wear.disc.resolved(self.hardness)
+        """K of sphere and disc [mm²/N], hardness contained; in the long run, where a law changes it."""
+        sphere, disc = self.wear_laws
+        return sphere.steady, disc.steady
+
+    @property
+    def wear_laws(self) -> tuple[WearLaw, WearLaw]:
+        """Of sphere and disc."""
+        wear, given = self.wear, self.contact.hardness
+        hardness = (self.softer_hardness or math.inf) if given is None else given
+
+        def of(steady: ArchardCoefficient, initial: ArchardCoefficient | None) -> WearLaw:
+            known = steady.resolved(hardness)
+            if wear.law == "exponential":
+                return WearLaw(known, decay=wear.decay)
+            if wear.law == "running-in":
+                at_first = initial.resolved(hardness) if initial else known
+                return WearLaw(known, initial=at_first, running_in=wear.running_in)
+            return WearLaw(known)
+
+        return of(wear.sphere, wear.initial_sphere), of(wear.disc, wear.initial_disc)
 
     @property
     def cells(self) -> Grid:
@@ -146,11 +200,24 @@ class Study(Section):
     def inapplicable(self) -> dict[str, str]:
         """Keys that nothing uses under the choices made -> why, as the end of a sentence."""
         found: dict[str, str] = {}
+        macro = self.study.model == "macro"
         synthetic = self.disc.synthetic
-        if synthetic is not None:
+        if macro and self.wear.law != "bearing-curve":
+            of_surface = [f"disc.{k}" for k in ("surface", *OF_FILES)]
+            of_surface += [f"disc.synthetic.{k}" for k in Synthetic.model_fields]
+            found |= dict.fromkeys(of_surface, "does not apply to the macro model, which has a smooth disc")
+        elif synthetic is not None:
             why = f"does not apply to kind = '{synthetic.kind}'"
             found |= dict.fromkeys((f"disc.synthetic.{k}" for k in UNUSED_BY_KIND[synthetic.kind]), why)
             found |= dict.fromkeys((f"disc.{k}" for k in OF_FILES), "does not apply to a synthetic surface")
+        if macro:
+            found["contact.stiffness"] = "does not apply to the macro model: its K_N is contact.foundation"
+        else:
+            of_macro = ("contact.foundation", "contact.foundation_update")
+            found |= dict.fromkeys(of_macro, "does not apply to the micro model")
+        for name, law in OF_WEAR_LAWS.items():
+            if law != self.wear.law:
+                found[f"wear.{name}"] = f"does not apply to wear.law = '{self.wear.law}'"
         if not self.uses_bearing_area:
             found["stepping.load_tolerance"] = "does not apply: with compliance the balance holds to 1e-12"
         if self.stepping.increment is not None:
@@ -164,7 +231,14 @@ class Study(Section):
     def notices(self) -> list[str]:
         """What is given but not used, each as a sentence."""
         given = given_keys(self)
-        found = [f"{key} {why}." for key, why in self.inapplicable().items() if key in given]
+        reasons: dict[str, list[str]] = {}
+        for key, why in self.inapplicable().items():
+            if key in given:
+                reasons.setdefault(why, []).append(key)
+        found = [
+            f"{', '.join(keys)} {why if len(keys) == 1 else why.replace('does not', 'do not', 1)}."
+            for why, keys in reasons.items()
+        ]
         total = self.sliding.total
         late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > total or s == 0.0 < total)
         return [*found, f"output.snapshots that no step ends at: {late} mm."] if late else found
@@ -212,13 +286,13 @@ class Study(Section):
             flat |= {f"{section}.{k}": v for k, v in keys.items()}
         nested = self.model_dump(exclude_unset=True)
         for name, value in flat.items():
-            for other in _alternatives_of(name) - set(flat):
+            for other in _dropped_by(name) - set(flat):
                 _remove(nested, other)
             _insert(nested, name, value)
             assumed = nested.get("assumed")
             if not isinstance(assumed, dict):
                 continue
-            replaced = {name} | _alternatives_of(name)
+            replaced = {name} | _dropped_by(name)
             for key in [k for k in assumed if k in replaced or k.startswith(f"{name}.")]:
                 del assumed[key]
         return type(self)(**nested)
@@ -236,7 +310,11 @@ def _no_such_study(name: str) -> str:
     return f"STUDY = '{name}' is neither a file nor a preset ({', '.join(presets())}).{hint}"
 
 
-def _alternatives_of(name: str) -> set[str]:
+def _dropped_by(name: str) -> set[str]:
+    """Keys that a new value of this one makes void."""
+    body, _, key = name.partition(".")
+    if key == "material":  # another material has other constants
+        return {f"{body}.{constant}" for constant in CONSTANTS}
     for group in ALTERNATIVES:
         for way in group:
             if any(name == k or name.startswith(k + ".") for k in way):

@@ -10,6 +10,7 @@ from warpwear.grid import FloatArray
 
 if TYPE_CHECKING:
     from warpwear.results import Result
+    from warpwear.study import Study
 
 
 def summarise(result: "Result") -> dict[str, Any]:
@@ -51,7 +52,8 @@ def summarise(result: "Result") -> dict[str, Any]:
         "shear_strength_MPa_for_reference": friction.calibrations(
             study.friction, history, load=load, hardness=study.hardness
         ),
-        "hertz": hertz(result),
+        "hertz": _elastic(study),
+        "foundation_N_per_mm3": _finite(study.law().stiffness),
         "load_residual_N": {
             "largest": float(np.abs(history["load_residual"]).max()),
             "end": end["load_residual"],
@@ -93,28 +95,17 @@ def _shape(result: "Result") -> dict[str, float] | None:
     return {k: v for k, v in found.items() if math.isfinite(v)}
 
 
-def hertz(result: "Result") -> dict[str, float] | None:
-    """Hertz's smooth elastic contact of the same bodies, if their elastic constants are given.
-
-    Source: Johnson, Contact Mechanics (1985), section 4.2.
-    """
-    study = result.study
-    if study.sphere.curvature == 0.0:
+def _elastic(study: "Study") -> dict[str, float] | None:
+    """Hertz's contact of the same bodies before wear, if their elastic constants are known."""
+    hertz = study.hertz
+    if hertz is None:
         return None
-    compliance = 0.0
-    for body in (study.sphere, study.disc):
-        if body.young is None or body.poisson is None:
-            return None
-        compliance += (1.0 - body.poisson**2) / body.young
-    modulus = 1.0 / compliance
-    radius, load = 1.0 / study.sphere.curvature, study.contact.load
-    a = (0.75 * load * radius / modulus) ** (1.0 / 3.0)
     return {
-        "effective_modulus_MPa": modulus,
-        "radius_um": 1.0e3 * a,
-        "area_mm2": math.pi * a**2,
-        "peak_pressure_MPa": 1.5 * load / (math.pi * a**2),
-        "approach_um": 1.0e3 * a**2 / radius,
+        "effective_modulus_MPa": hertz.modulus,
+        "radius_um": 1.0e3 * hertz.radius,
+        "area_mm2": hertz.area,
+        "peak_pressure_MPa": hertz.peak_pressure,
+        "approach_um": 1.0e3 * hertz.approach,
     }
 
 

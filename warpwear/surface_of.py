@@ -3,7 +3,17 @@
 from typing import Any
 
 from warpwear.sections import Disc
+from warpwear.study import Study
 from warpwear.surfaces.base import Surface
+
+
+def surface_in(study: Study) -> Surface:
+    """What the sphere slides on: the disc's surface, smooth in the macro model. Raises InputError."""
+    if study.study.model == "macro":
+        from warpwear.surfaces.synthetic import Flat
+
+        return Flat()
+    return surface_of(study.disc)
 
 
 def surface_of(disc: Disc) -> Surface:

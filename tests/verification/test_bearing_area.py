@@ -10,7 +10,7 @@ from thesis import F, H, K, R, cap, smooth
 from warpwear import run
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.micro import MicroModel, Step
+from warpwear.one_scale import OneScaleModel, Step
 
 
 @pytest.mark.parametrize(("cell", "below", "touching"), [(10, 124, 140), (5, 540, 548), (2, 3388, 3396)])
@@ -62,7 +62,7 @@ def test_symmetry_survives_wear(device: str) -> None:
     grid = study.cells
     needed = F / H / grid.cell_area
     with Executor(grid, device=device) as executor:
-        model = MicroModel(study, np.zeros(grid.shape), executor)
+        model = OneScaleModel(study, np.zeros(grid.shape), executor)
         for _ in range(1000):
             step = model.advance(0.3, with_pressure=True)
             pressure = step.pressure
@@ -91,7 +91,7 @@ def rigid_flat(heights: FloatArray, fraction: float, device: str) -> Step:
         sliding__distance="0 mm",
     )
     with Executor(grid, device=device) as executor:
-        return MicroModel(study, heights, executor).advance(0.0, with_pressure=True)
+        return OneScaleModel(study, heights, executor).advance(0.0, with_pressure=True)
 
 
 @pytest.mark.parametrize("level", [2.0, 1.0, 0.0, -1.0])

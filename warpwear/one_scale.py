@@ -1,4 +1,4 @@
-"""The micro model: a smooth sphere wearing with a rough disc, every asperity resolved on one grid."""
+"""One grid: a sphere wearing with a disc, smooth on a foundation (macro) or with every asperity (micro)."""
 
 import math
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class Step:
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
 
 
-class MicroModel:
+class OneScaleModel:
     """Contact and wear of one study on one executor.
 
     heights: of the disc over its mean plane [mm], shape (nx, ny). The caller may let go of the array.
@@ -44,18 +44,24 @@ class MicroModel:
     def __init__(self, study: Study, heights: FloatArray, executor: Executor) -> None:
         self.study = study
         self._executor = executor
-        self._law = study.law
-        self._wear = study.wear_coefficients
+        self._wear = study.wear_laws
         self._balancer = Balancer(executor)
         self._sums = executor.partials(len(SUMS))
         self._maxima = executor.partials(len(MAXIMA))
         curvature = study.sphere.curvature
         self._factor = distance_factor(executor.grid, study.wear.distance_factor, curvature=curvature)
         self._factor_field = executor.field(self._factor)
-        self._stiffness: tuple[float, Field] | None = None  # of the increment it was made for
+        self._stiffness: tuple[tuple[float, float, float], Field] | None = None  # with what it was made for
         self._last: Balance | None = None
         self._row = dict.fromkeys(
-            ("distance", "area_cumulative", "archard_volume_sphere", "archard_volume_disc", "pressure_mean"),
+            (
+                "distance",
+                "area_contact",
+                "area_cumulative",
+                "archard_volume_sphere",
+                "archard_volume_disc",
+                "pressure_mean",
+            ),
             0.0,
         )
         self.state = State(executor.zeros(), executor.zeros(), executor.zeros())
@@ -80,9 +86,9 @@ class MicroModel:
 
         Raises ConvergenceError when the load cannot be balanced.
         """
-        implicit = self.study.stepping.scheme == "implicit"
-        stiffness = self._stiffness_of(increment if implicit else 0.0)
-        balance = self._balance(stiffness, increment)
+        removal_sphere, removal_disc = (law.removal(self._row["distance"], increment) for law in self._wear)
+        stiffness = self._stiffness_of(removal_sphere, removal_disc)
+        balance = self._balance(stiffness, removal_sphere + removal_disc)
         law = [*balance.law]
         pressure = None
         if with_pressure:
@@ -91,7 +97,6 @@ class MicroModel:
                 contact.pressures, inputs=[*law, stiffness, self.state.gap], outputs=[field]
             )
             pressure = self._executor.to_numpy(field)
-        wear_sphere, wear_disc = self._wear
         # The scatter is summed about a value near the mean: of a bearing area the mean itself.
         rigid = self.study.uses_bearing_area
         near_mean = balance.cap if rigid else self._row["pressure_mean"] or balance.cap
@@ -100,8 +105,8 @@ class MicroModel:
             removal.remove,
             inputs=[
                 *law,
-                wear_sphere * increment,
-                wear_disc * increment,
+                removal_sphere,
+                removal_disc,
                 reference,
                 stiffness,
                 self._factor_field,
@@ -115,15 +120,15 @@ class MicroModel:
             ],
         )
         self._last = balance
-        return self._measured(balance, increment, reference, pressure)
+        return self._measured(balance, increment, (removal_sphere, removal_disc), reference, pressure)
 
-    def _balance(self, stiffness: Field, increment: float) -> Balance:
+    def _balance(self, stiffness: Field, removal: float) -> Balance:
         load = self.study.contact.load
         if self.study.uses_bearing_area:
             return self._balancer.bearing(
                 self.state.gap,
                 load=load,
-                hardness=self._law.hardness,
+                hardness=self.study.hardness,
                 tolerance=self.study.load_tolerance,
             )
         # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
@@ -131,26 +136,34 @@ class MicroModel:
             self.state.gap,
             stiffness,
             load=load,
-            hardness=self._law.hardness,
+            hardness=self.study.hardness,
             start=self._last.approach if self._last else None,
-            step=sum(self._wear) * self._row["pressure_mean"] * increment,
+            step=removal * self._row["pressure_mean"],
         )
 
-    def _stiffness_of(self, increment: float) -> Field:
-        """1/c of the cells of a step that wears by this increment implicitly; one row where all are alike."""
-        if self._stiffness is None or self._stiffness[0] != increment:
-            sphere, disc = self._wear
-            values = self._factor * (disc * increment)
-            values += self._law.compliance + sphere * increment
+    def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> Field:
+        """1/c of the cells of a step that removes so much [mm³/N]; one row where all are alike."""
+        area = self._row["area_contact"]
+        law = self.study.law(radius=math.sqrt(area / math.pi) if area else None)
+        implicit = self.study.stepping.scheme == "implicit"
+        made_for = (law.compliance, removal_sphere * implicit, removal_disc * implicit)
+        if self._stiffness is None or self._stiffness[0] != made_for:
+            values = self._factor * made_for[2]
+            values += law.compliance + made_for[1]
             with np.errstate(divide="ignore"):
                 np.reciprocal(values, out=values)
             np.minimum(values, RIGID, out=values)
             shape = (values.shape[0], self._executor.grid.ny)
-            self._stiffness = increment, self._executor.field(np.broadcast_to(values, shape))
+            self._stiffness = made_for, self._executor.field(np.broadcast_to(values, shape))
         return self._stiffness[1]
 
     def _measured(
-        self, balance: Balance, increment: float, reference: float, pressure: FloatArray | None
+        self,
+        balance: Balance,
+        increment: float,
+        removal: tuple[float, float],
+        reference: float,
+        pressure: FloatArray | None,
     ) -> Step:
         grid = self._executor.grid
         area = grid.cell_area
@@ -163,7 +176,7 @@ class MicroModel:
         variance = total["deviation_squared"] / count - (mean - reference) ** 2
         along = (most["last_row"] + most["first_row"] + 1.0) * grid.cell
         across = (most["last_column"] + most["first_column"] + 1.0) * grid.cell
-        sphere, disc = self._wear
+        sphere, disc = removal
         before = self._row
         self._row = {
             "distance": before["distance"] + increment,
@@ -186,10 +199,9 @@ class MicroModel:
             "wear_depth_sphere": most["wear_sphere"],
             "wear_depth_disc": most["wear_disc"],
             "cells_in_contact": count,
-            "archard_volume_sphere": before["archard_volume_sphere"]
-            + sphere * self.study.contact.load * increment,
+            "archard_volume_sphere": before["archard_volume_sphere"] + sphere * self.study.contact.load,
             "archard_volume_disc": before["archard_volume_disc"]
-            + disc * total["pressure_times_factor"] * area * increment,
+            + disc * total["pressure_times_factor"] * area,
             "evaluations": float(balance.evaluations),
         }
         # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
