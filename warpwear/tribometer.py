@@ -1,0 +1,228 @@
+"""The raw record of a reciprocating tribometer, forces and position: one coefficient of friction a cycle."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+
+#: Part of the stroke at each end whose samples are cut: the stage slows down, stands and turns there.
+CUT = 0.1
+#: A turn is told from noise by this part of the stroke on either side of its middle.
+HYSTERESIS = 0.25
+#: Samples of a pass over those of the running mean that takes noise off the turning points.
+SMOOTHING = 200
+#: A cycle whose normal force is below this part of the median was not yet, or no longer, under load.
+UNLOADED = 0.5
+#: Half the difference of the directions over their mean; below it the sign does not follow the direction.
+RECTIFIED = 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What the forces say."""
+
+    distance: FloatArray  # [mm]
+    cof: FloatArray
+    cycles: FloatArray | None  # number of each point's cycle, from 1
+    notes: list[str]
+
+
+def from_forces(
+    path: Path,
+    table: Mapping[str, FloatArray],
+    *,
+    stroke: float | None,
+    load: float | None,
+    speed: float | None,
+) -> Reading:
+    """Coefficient of friction from 'friction force' and 'normal force' [N] over 'position' [mm].
+
+    A cycle is a pass and the one back. With F̄x and F̄z the means of a pass without the outer tenth of the
+    stroke at both ends, its coefficient is |F̄x(forth) − F̄x(back)| / (F̄z(forth) + F̄z(back)): an offset of the
+    force, half the sum of the directions, drops out and is told. The distance is the number of passes times
+    the stroke, given or from the turning points; noise of the position does not add up. Without a position,
+    'distance', or 'time' and a speed [mm/s], serve where the force keeps its sign. Raises InputError.
+    """
+    friction = table["friction force"]
+    normal, notes = _normal(path, table, load)
+    if "position" in table:
+        reading = _by_cycles(path, table["position"], friction, normal, stroke)
+        return Reading(reading.distance, reading.cof, reading.cycles, notes + reading.notes)
+    return _one_way(path, table, normal, speed, notes)
+
+
+def _normal(path: Path, table: Mapping[str, FloatArray], load: float | None) -> tuple[FloatArray, list[str]]:
+    """Normal force [N], pressing positive."""
+    if "normal force" not in table:
+        if load is None:
+            raise InputError(
+                f"{path} has a friction force but no normal force; a column such as 'Fz [N]' is expected"
+            )
+        return np.full_like(table["friction force"], load), [
+            f"The normal force is not in the record: {load:g} N."
+        ]
+    normal = table["normal force"]
+    middle = float(np.median(normal))
+    if middle == 0.0:
+        raise InputError(
+            f"{path}: the normal force is 0 N for half of the record or more; a load is expected"
+        )
+    notes = []
+    if middle < 0.0:
+        normal, middle = -normal, -middle
+        notes.append("The normal force is negative in the record and was taken as pressing.")
+    if load is not None and abs(middle - load) > 0.1 * load:
+        notes.append(f"The median of the normal force is {middle:.3g} N where the run has {load:g} N.")
+    return normal, notes
+
+
+def _one_way(
+    path: Path, table: Mapping[str, FloatArray], normal: FloatArray, speed: float | None, notes: list[str]
+) -> Reading:
+    """Sample by sample, for sliding in one direction."""
+    friction = table["friction force"]
+    sign = np.sign(np.median(friction))
+    if sign == 0.0 or (sign * friction < 0.0).mean() > 0.1:
+        raise InputError(
+            f"{path}: the friction force changes its sign and there is no position to tell the direction; a "
+            "column such as 'Position [mm]' is expected"
+        )
+    if "distance" in table:
+        distance = table["distance"]
+    elif "time" in table and speed is not None:
+        distance = speed * table["time"]
+        notes = [*notes, f"Distance is time times speed, {speed:g} mm/s."]
+    else:
+        raise InputError(
+            f"{path} has forces but neither a position nor a distance; a column such as 'Position [mm]' is "
+            "expected, or a time and --speed"
+        )
+    loaded = normal > UNLOADED * np.median(normal)
+    if np.any(np.diff(distance[loaded]) < 0.0):
+        raise InputError(f"{path}: the distance falls; an accumulated distance is expected")
+    if not loaded.all():
+        notes = [
+            *notes,
+            f"{(~loaded).sum()} rows with less than half of the median normal force were left out.",
+        ]
+    distance, which = np.unique(distance[loaded], return_inverse=True)
+    cof = np.bincount(which, weights=sign * friction[loaded] / normal[loaded]) / np.bincount(which)
+    if distance.size < 2:
+        raise InputError(f"{path} has one distance only; two or more are expected")
+    return Reading(
+        distance, cof, None, [*notes, "The coefficient is Fx/Fz of every row: sliding in one way."]
+    )
+
+
+def _by_cycles(
+    path: Path, position: FloatArray, friction: FloatArray, normal: FloatArray, stroke: float | None
+) -> Reading:
+    turns = turning_points(position)
+    if turns.size < 3:
+        raise InputError(
+            f"{path}: the position turns {turns.size} times, so there is no whole cycle; a reciprocating "
+            "record of two passes or more is expected"
+        )
+    measured, middle = _stroke(position, turns)
+    notes = []
+    if stroke is not None and abs(measured - stroke) > 0.1 * stroke:
+        raise InputError(
+            f"{path}: the stroke is {measured:.3g} mm by the position where {stroke:g} mm was given; they "
+            "must agree within a tenth"
+        )
+    used = measured if stroke is None else stroke
+    inside = np.abs(position - middle) <= (0.5 - CUT) * measured
+    inside[: turns[0]] = inside[turns[-1] :] = False
+    between = int(turns[-1] - turns[0])
+    notes.append(
+        f"{between - inside.sum()} of {between} samples, within a tenth of the stroke of its ends, were cut."
+    )
+    # Means of every pass from turn to turn; the parts before the first and after the last are left out.
+    passes = np.cumsum(np.bincount(turns, minlength=position.size)) - 1
+    count = turns.size - 1
+    number = np.bincount(passes[inside], minlength=count)[:count]
+    if number.min() == 0:
+        raise InputError(f"{path}: a pass has no sample between its ends; a higher sampling rate is expected")
+    forces, loads = (
+        np.bincount(passes[inside], weights=values[inside], minlength=count)[:count] / number
+        for values in (friction, normal)
+    )
+    pairs = count // 2
+    forth, back = (forces[start : 2 * pairs : 2] for start in (0, 1))
+    pressing = 0.5 * (loads[0 : 2 * pairs : 2] + loads[1 : 2 * pairs : 2])
+    half = 0.5 * np.abs(forth - back)
+    # A pass and the mean of its neighbours: a friction that changes steadily makes no offset.
+    offset = float(np.median(0.5 * forces[1:-1] + 0.25 * (forces[:-2] + forces[2:])))
+    loaded = pressing > UNLOADED * np.median(pressing)
+    typical = float(np.median(half[loaded]))
+    if typical < RECTIFIED * abs(offset):
+        raise InputError(
+            f"{path}: the friction force does not change its sign with the direction: it was recorded "
+            "without sign or has a large offset; a signed force, or a column of coefficients, is expected"
+        )
+    start = abs(float(position[turns[0]] - position[0]))
+    distance = min(start, used) + used * (1.0 + 2.0 * np.arange(pairs))
+    if not loaded.all():
+        notes.append(
+            f"{(~loaded).sum()} cycles with less than half of the median normal force were left out."
+        )
+    if loaded.sum() < 2:
+        raise InputError(f"{path} has {loaded.sum()} whole cycle under load; two or more are expected")
+    known = "as given" if stroke is not None else "from its turning points"
+    notes.append(f"{pairs} cycles; the distance is passes times the stroke, {used:.4g} mm ({known}).")
+    notes.append(
+        f"Half the difference of the directions is the friction; their offset is {offset:.3g} N, "
+        f"{100.0 * abs(offset) / typical:.2g} % of the friction (medians)."
+    )
+    cycles = np.flatnonzero(loaded) + 1.0
+    cof: FloatArray = half[loaded] / pressing[loaded]
+    return Reading(distance[loaded], cof, cycles, notes)
+
+
+def turning_points(position: FloatArray) -> "np.ndarray[tuple[int, ...], np.dtype[np.intp]]":
+    """Rows at which the position turns, in order.
+
+    Between two crossings of the middle of the stroke, each complete only when it leaves a band of half the
+    stroke, lies one turn: the extreme of the smoothed position. Noise inside the band makes none.
+    """
+    low, high = np.quantile(position, [0.01, 0.99])
+    if high <= low:
+        return np.zeros(0, dtype=np.intp)
+    away = (position - 0.5 * (low + high)) / (high - low)
+    side = np.where(away > HYSTERESIS, 1, np.where(away < -HYSTERESIS, -1, 0))
+    outside = np.flatnonzero(side)
+    changes = np.flatnonzero(np.diff(side[outside]) != 0)
+    if changes.size < 2:
+        return np.zeros(0, dtype=np.intp)
+    # The first and the last stay may be cut off by the record's ends and then hold no turn.
+    starts, ends = outside[changes[:-1] + 1], outside[changes[1:]] + 1
+    first, last = (0, int(outside[changes[0]]) + 1), (int(outside[changes[-1] + 1]), position.size)
+    smooth = _smoothed(position, int(np.median(np.diff(outside[changes]))))
+    found = []
+    for begin, end in [first, *zip(starts.tolist(), ends.tolist(), strict=True), last]:
+        part = smooth[begin:end] * side[end - 1 if (begin, end) == first else begin]
+        at = begin + int(np.argmax(part))
+        if begin + 1 < at < end - 2 or (begin, end) not in (first, last):
+            found.append(at)
+    return np.array(found, dtype=np.intp)
+
+
+def _smoothed(position: FloatArray, samples: int) -> FloatArray:
+    width = max(1, samples // SMOOTHING)
+    if width == 1:
+        return position
+    padded = np.pad(position, (width // 2, width - 1 - width // 2), mode="edge")
+    return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
+
+
+def _stroke(
+    position: FloatArray, turns: "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
+) -> tuple[float, float]:
+    """Length of a pass and its middle [mm], by the medians of both ends."""
+    smooth = _smoothed(position, int(np.median(np.diff(turns))))
+    ends = (float(np.median(smooth[turns[0::2]])), float(np.median(smooth[turns[1::2]])))
+    return abs(ends[1] - ends[0]), 0.5 * (ends[0] + ends[1])
