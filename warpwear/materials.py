@@ -63,7 +63,8 @@ def _key(name: str) -> str:
 def _table() -> tuple[tuple[Material, ...], Mapping[str, int]]:
     """The materials, and the place among them of each key of a name or alias."""
     rows = tomllib.loads((files("warpwear") / "materials.toml").read_text(encoding="utf-8"))["material"]
-    entries, aliases = [], {}
+    entries: list[Material] = []
+    aliases: dict[str, int] = {}
     for place, row in enumerate(rows):
         entries.append(
             Material(

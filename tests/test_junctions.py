@@ -1,0 +1,118 @@
+"""Critical size of a junction against its two energies, and the figure of islands beside it."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import ellipe
+
+import warpwear
+from warpwear import Result, Study
+from warpwear.figure_data import FigureData
+from warpwear.figures_junctions import diameters_of, junctions, share_above
+from warpwear.junctions import critical_junction, junction_strength
+
+STEEL: dict[str, float] = {
+    "surface_energy": 1e-3,
+    "shear_modulus": 74806.0,
+    "poisson": 0.29,
+    "strength": 113.5,
+}
+
+
+def test_at_the_critical_size_stored_energy_pays_for_a_hemisphere() -> None:
+    """The even shear of a circle on a half-space, integrated from Cerruti's point force."""
+    radius = 0.5 * critical_junction(**STEEL)
+    shear, modulus, poisson = STEEL["strength"], STEEL["shear_modulus"], STEEL["poisson"]
+
+    def inverse_distances(r: float) -> float:
+        # ∫ dA/s over the circle from a point at r in it: 4 a E(r²/a²)
+        return float(4.0 * radius * ellipe((r / radius) ** 2))
+
+    mean = quad(lambda r: 2.0 * r / radius**2 * inverse_distances(r), 0.0, radius)[0]
+    # u = q/(2πG) ∫ [(1 − ν)/s + ν x²/s³] dA, and x²/s² is one half on average over pairs of points
+    displacement = shear / (2.0 * np.pi * modulus) * (1.0 - 0.5 * poisson) * mean
+    stored = 0.5 * shear * displacement * np.pi * radius**2
+    assert stored == pytest.approx(2.0 * STEEL["surface_energy"] * 2.0 * np.pi * radius**2, rel=1e-9)
+
+
+def test_a_joule_a_square_metre_on_soft_steel() -> None:
+    # 12π · 1 J/m² · 74.806 GPa / (1.71 · (113.5 MPa)²) = 128.0 µm, in SI by hand
+    assert critical_junction(**STEEL) == pytest.approx(0.1280, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("surface_energy", 0.0, "surface energy of a junction is 0"),
+        ("shear_modulus", -1.0, "shear modulus of a junction is -1"),
+        ("strength", np.inf, "strength of a junction is inf"),
+        ("strength", np.nan, "strength of a junction is nan"),
+        ("poisson", 0.51, "Poisson's ratio of a junction is 0.51"),
+    ],
+)
+def test_what_no_junction_has_is_refused(name: str, value: float, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        critical_junction(**(STEEL | {name: value}))
+
+
+def test_strength_is_the_yield_stress_of_the_hardness_in_shear() -> None:
+    assert junction_strength(590.0) == pytest.approx((590.0 / 3.0) / 3.0**0.5)
+
+
+def test_share_above_a_diameter_is_of_the_area() -> None:
+    areas = np.pi / 4.0 * np.array([1.0, 1.0, 4.0, 9.0])  # diameters 1, 1, 2 and 3 mm
+    assert diameters_of(areas) == pytest.approx([1.0, 1.0, 2.0, 3.0])
+    assert share_above(areas, 0.9) == 1.0
+    assert share_above(areas, 1.5) == pytest.approx(13.0 / 15.0)
+    assert share_above(areas, 2.5) == pytest.approx(9.0 / 15.0)
+    assert share_above(areas, 3.1) == 0.0
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return warpwear.run(
+        Study.load("v3-fine").replace(
+            {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["1 mm"]}
+        )
+    )
+
+
+def drawn(result: Result, critical: float | None) -> Any:
+    data = FigureData(result)
+    data.study = SimpleNamespace(critical_junction=critical)  # type: ignore[assignment]
+    figure = junctions(data)
+    figure.canvas.draw()
+    return figure
+
+
+def test_the_figure_shows_all_of_the_area_and_what_is_above(result: Result) -> None:
+    figure = drawn(result, 0.06)
+    axes, entries = figure.axes[0], [text.get_text() for text in figure.legends[0].get_texts()]
+    for line, areas, distance in zip(
+        axes.lines, result.surface_evolution.island_areas, (1, 10), strict=False
+    ):
+        diameters, shares = line.get_data()
+        assert shares[0] == 0.0
+        assert shares[-1] == pytest.approx(1.0)
+        # What the curve leaves above d* is what the legend says.
+        below = shares[diameters <= 60.0].max(initial=0.0)
+        assert line.get_label() == f"{distance} mm: {100.0 * (1.0 - below):.0f} % > d*"
+        assert diameters.max() == pytest.approx(2e3 * np.sqrt(areas.max() / np.pi))
+    # A cell of 20 µm is as large as a circle of 22.57 µm.
+    assert [line.get_xdata()[0] for line in axes.lines[2:]] == pytest.approx([22.57, 60.0], rel=1e-3)
+    assert entries[2:] == ["one cell (mesh limit)", "d* = 60 µm"]
+    low, high = axes.get_xlim()
+    assert low < 22.57
+    assert high > 60.0
+
+
+def test_without_a_critical_size_the_islands_are_drawn_alone(result: Result) -> None:
+    figure = drawn(result, None)
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == [
+        "1 mm",
+        "10 mm",
+        "one cell (mesh limit)",
+    ]

@@ -1,0 +1,45 @@
+"""Critical size of a contact junction: islands smaller than it smooth out, larger ones can lose particles."""
+
+import math
+
+
+def critical_junction(
+    *, surface_energy: float, shear_modulus: float, poisson: float, strength: float
+) -> float:
+    """d* = 12π γ G / ((2 − ν) σ_j²) [mm], a diameter (thesis eq 2.3).
+
+    surface_energy: γ of one new surface [N/mm]; 1 J/m² is 1e-3 N/mm.
+    shear_modulus: G of the body that particles come from [MPa]. poisson: its ν.
+    strength: σ_j, the shear stress that the junction bears [MPa]; see `junction_strength`.
+    ValueError unless γ, G and σ_j are positive and finite and 0 ≤ ν ≤ 0.5.
+
+    An adhesive junction that slides stores elastic energy up to the shear stress σ_j. A circle of diameter d
+    under an even σ_j stores (2 − ν) σ_j² d³ / (12 G) in one half-space; a hemisphere below it has two new
+    surfaces, π d² γ. At d* both are equal: a smaller junction cannot pay for a crack and is smoothed
+    plastically, a larger one can detach a particle of about its own size. d* tells which of the two can
+    happen, not how often. γ is the energy of brittle separation; plastic work at the crack's tip makes d*
+    larger.
+
+    Sources: Aghababaei, Warner, Molinari, Nature Communications 7 (2016) 11816, for the length scale,
+    γ G / σ_j² times a factor of shape; for the comparison of energies Pham-Ba, Brink, Molinari (arXiv
+    1907.08183, 2019) and Pham-Ba, Molinari (Tribology Letters, 2021, doi 10.1007/s11249-021-01471-5).
+    """
+    for name, value in (
+        ("surface energy", surface_energy),
+        ("shear modulus", shear_modulus),
+        ("strength", strength),
+    ):
+        if not (value > 0.0 and math.isfinite(value)):
+            raise ValueError(f"the {name} of a junction is {value:g}; it must be positive and finite")
+    if not 0.0 <= poisson <= 0.5:
+        raise ValueError(f"Poisson's ratio of a junction is {poisson:g}; it must lie between 0 and 0.5")
+    return 12.0 * math.pi * surface_energy * shear_modulus / ((2.0 - poisson) * strength**2)
+
+
+def junction_strength(hardness: float) -> float:
+    """σ_j = H / (3√3) [MPa] of a junction as strong as the softer body. hardness: H of that body [MPa].
+
+    Yield stress H/3 (Tabor, The Hardness of Metals, 1951), in shear by von Mises' criterion. Dirt, oxide and
+    lubricant make junctions weaker, and d* larger.
+    """
+    return hardness / (3.0 * math.sqrt(3.0))
