@@ -24,11 +24,22 @@ def check(study: "Study") -> None:
 
 def _model(study: "Study") -> None:
     if study.study.model == "micro":
+        if study.wear.law == "bearing-curve":
+            raise ValueError(
+                "wear.law = 'bearing-curve' is for the macro model: the micro model resolves the roughness"
+            )
         if study.disc.surface is None and study.disc.synthetic is None:
             raise ValueError(
                 "disc.surface (a file) or [disc.synthetic] must be given: the micro model is rough"
             )
         return
+    if study.wear.law == "bearing-curve":
+        if study.disc.surface is None and study.disc.synthetic is None:
+            raise ValueError(
+                "wear.law = 'bearing-curve' needs disc.surface or [disc.synthetic]: a rough disc"
+            )
+        if study.stepping.scheme == "explicit":
+            raise ValueError("wear.law = 'bearing-curve' needs stepping.scheme = 'implicit'")
     match = study.contact.foundation
     named = isinstance(match, str)
     if named and study.sphere.curvature == 0.0:

@@ -18,7 +18,7 @@ import warp as wp
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, gap, removal
+from warpwear.kernels import contact, gap, removal, running_in
 from warpwear.kernels.types import LANES, Cells
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
@@ -61,7 +61,7 @@ class Executor:
         edges = [self.slots * i // chunks for i in range(chunks + 1)]
         self._chunks = list(pairwise(edges))
         self._pool = ThreadPoolExecutor(chunks - 1) if chunks > 1 else None
-        for module in (gap, contact, removal):  # compiled before any thread needs them
+        for module in (gap, contact, removal, running_in):  # compiled before any thread needs them
             wp.load_module(module, device=self.device)
 
     def __enter__(self) -> Self:

@@ -12,6 +12,7 @@ from warpwear.grid import FloatArray
 from warpwear.kernels import contact, gap, removal
 from warpwear.kernels.types import MAXIMA, SUMS
 from warpwear.kinematics import distance_factor
+from warpwear.running_in import Logistic, Recession
 from warpwear.study import Study
 
 
@@ -39,9 +40,12 @@ class OneScaleModel:
     """Contact and wear of one study on one executor.
 
     heights: of the disc over its mean plane [mm], shape (nx, ny). The caller may let go of the array.
+    bearing_curve: of a roughness that the grid does not resolve, by which the disc runs in.
     """
 
-    def __init__(self, study: Study, heights: FloatArray, executor: Executor) -> None:
+    def __init__(
+        self, study: Study, heights: FloatArray, executor: Executor, *, bearing_curve: Logistic | None = None
+    ) -> None:
         self.study = study
         self._executor = executor
         self._wear = study.wear_laws
@@ -52,6 +56,7 @@ class OneScaleModel:
         self._factor = distance_factor(executor.grid, study.wear.distance_factor, curvature=curvature)
         self._factor_field = executor.field(self._factor)
         self._stiffness: tuple[tuple[float, float, float], Field] | None = None  # with what it was made for
+        self._recession = bearing_curve and Recession(bearing_curve, executor, self._factor_field)
         self._last: Balance | None = None
         self._row = dict.fromkeys(
             (
@@ -119,6 +124,8 @@ class OneScaleModel:
                 self._maxima,
             ],
         )
+        if self._recession is not None:
+            self._recession.recede(self.state.wear_disc, self.state.gap)
         self._last = balance
         return self._measured(balance, increment, (removal_sphere, removal_disc), reference, pressure)
 
@@ -145,6 +152,9 @@ class OneScaleModel:
         """1/c of the cells of a step that removes so much [mm³/N]; one row where all are alike."""
         area = self._row["area_contact"]
         law = self.study.law(radius=math.sqrt(area / math.pi) if area else None)
+        if self._recession is not None:
+            compliance = law.compliance + removal_sphere
+            return self._recession.stiffness(compliance, removal_disc, self.state.wear_disc)
         implicit = self.study.stepping.scheme == "implicit"
         made_for = (law.compliance, removal_sphere * implicit, removal_disc * implicit)
         if self._stiffness is None or self._stiffness[0] != made_for:

@@ -8,6 +8,7 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -26,7 +27,7 @@ from warpwear.progress import Progress
 from warpwear.results import FILE_NAME, Result, ResultWriter, Snapshot
 from warpwear.stepping import increments
 from warpwear.study import Study
-from warpwear.surface_of import surface_in
+from warpwear.surface_of import bearing_curve_of, surface_in
 from warpwear.surfaces.parameters import roughness
 
 LOG = logging.getLogger("warpwear")
@@ -100,7 +101,11 @@ class _Loop:
             self._warn(warning)
         heights = surface.heights(grid.x, grid.y)
         self._surface_record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
-        self._model = OneScaleModel(study, heights, executor)
+        curve = None
+        if study.wear.law == "bearing-curve":
+            curve = bearing_curve_of(study)
+            self._surface_record["bearing_curve"] = asdict(curve)
+        self._model = OneScaleModel(study, heights, executor, bearing_curve=curve)
         self._executor = executor
         self._rows: list[dict[str, float]] = []
 

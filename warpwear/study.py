@@ -17,6 +17,7 @@ from warpwear.defaults import CONSTANTS, fill
 from warpwear.errors import InputError
 from warpwear.grid import Grid
 from warpwear.hertz import Hertz, effective_modulus
+from warpwear.junctions import critical_junction, junction_strength
 from warpwear.messages import sentence
 from warpwear.schema import given_keys
 from warpwear.sections import (
@@ -151,6 +152,20 @@ class Study(Section):
         if sphere is None or disc is None or curvature == 0.0:
             return None
         return Hertz(effective_modulus(sphere, disc), 1.0 / curvature, self.contact.load)
+
+    @property
+    def critical_junction(self) -> float | None:
+        """Diameter d* below which junctions of the softer body smooth out [mm], where all it needs is known."""
+        energy, hardness = self.junctions.surface_energy, self.softer_hardness
+        softer = self.sphere if self.sphere.hardness == hardness else self.disc
+        strength = self.junctions.strength or (junction_strength(hardness) if hardness else None)
+        if energy is None or strength is None or softer.elastic is None:
+            return None
+        young, poisson = softer.elastic
+        shear_modulus = young / (2.0 * (1.0 + poisson))
+        return critical_junction(
+            surface_energy=energy, shear_modulus=shear_modulus, poisson=poisson, strength=strength
+        )
 
     def law(self, *, radius: float | None = None) -> CappedFoundation:
         """The contact law. radius: of the area in contact [mm], for a foundation that follows it."""

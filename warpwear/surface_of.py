@@ -2,9 +2,16 @@
 
 from typing import Any
 
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.running_in import Logistic
 from warpwear.sections import Disc
 from warpwear.study import Study
 from warpwear.surfaces.base import Surface
+
+#: Points along a side at which a bearing area curve is taken.
+FINE = 1000
 
 
 def surface_in(study: Study) -> Surface:
@@ -14,6 +21,17 @@ def surface_in(study: Study) -> Surface:
 
         return Flat()
     return surface_of(study.disc)
+
+
+def bearing_curve_of(study: Study) -> Logistic:
+    """The bearing area curve of the study's disc over its domain. Raises InputError for a flat one."""
+    grid = study.cells
+    places = np.linspace(grid.x[0], grid.x[-1], FINE)
+    heights = surface_of(study.disc).heights(places, places)
+    try:
+        return Logistic.fitted(heights)
+    except ValueError as error:
+        raise InputError(f"wear.law = 'bearing-curve' needs a rough disc: {error}.") from error
 
 
 def surface_of(disc: Disc) -> Surface:

@@ -1,0 +1,124 @@
+"""Wear laws beside Archard's: exact in volume at any step, and the running-in of an unresolved roughness."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from thesis import K_DISC, K_SPHERE, F, smooth
+
+from warpwear import InputError, Study, run
+from warpwear.running_in import Logistic
+from warpwear.surface_of import bearing_curve_of
+
+
+@pytest.mark.parametrize("increment", ["0.3 mm", "30 mm"])
+def test_exponential_law(increment: str, device: str) -> None:
+    """V = K F (1 − e^(−αL))/α (thesis eq 2.4) at every step, whatever its size."""
+    alpha = 1e-3  # 1/mm
+    study = smooth(
+        wear__law="exponential",
+        wear__decay="1 1/m",
+        stepping__increment=increment,
+        sliding__distance="300 mm",
+    )
+    history = run(study, device=device, plots=False).history
+    for name, coefficient in (("sphere", K_SPHERE), ("disc", K_DISC)):
+        expected = coefficient * F * -np.expm1(-alpha * history["distance"]) / alpha
+        assert_allclose(history[f"wear_volume_{name}"], expected, rtol=1e-10)
+
+
+@pytest.mark.parametrize("increment", ["0.3 mm", "30 mm"])
+def test_running_in_law(increment: str, device: str) -> None:
+    """K(L) = K + (K0 − K) e^(−L/L0), integrated; a body without a K0 keeps its K."""
+    study = smooth(
+        wear__law="running-in",
+        wear__running_in="50 mm",
+        wear__initial_sphere="9.4e-3 mm^3/N/m",
+        stepping__increment=increment,
+        sliding__distance="300 mm",
+    )
+    history = run(study, device=device, plots=False).history
+    distance = history["distance"]
+    extra = 9.0 * K_SPHERE * 50.0 * -np.expm1(-distance / 50.0)
+    assert_allclose(history["wear_volume_sphere"], F * (K_SPHERE * distance + extra), rtol=1e-10)
+    assert_allclose(history["wear_volume_disc"], F * K_DISC * distance, rtol=1e-10)
+
+
+CURVE = Logistic(middle=0.010, scale=0.002)
+
+
+def closed_form(mean: np.ndarray) -> np.ndarray:
+    """Depth z [mm] at which ∫ φ dz has come to the mean worn depth: z = m + s ln(q + (1 + q)(e^(v/s) − 1))."""
+    q = math.exp(-CURVE.middle / CURVE.scale)
+    return CURVE.middle + CURVE.scale * np.log(q + (1.0 + q) * np.expm1(mean / CURVE.scale))
+
+
+def flat_on_flat(**changes: str) -> Study:
+    """A rigid flat of 1 mm² on a disc that alone wears: pressure F everywhere."""
+    given = {"disc.synthetic.kind": "milled", "disc.synthetic.ra": "3 um"}
+    return smooth(
+        study__model="macro",
+        sphere__radius="inf mm",
+        contact__foundation="1e6 N/mm^3",
+        grid__extent="1 mm",
+        grid__cell="100 um",
+        wear__law="bearing-curve",
+        wear__sphere="0 mm^3/N/m",
+        wear__disc="1e-3 mm^3/N/m",
+        sliding__distance="3000 mm",
+        stepping__increment="10 mm",
+        **{k.replace(".", "__"): v for k, v in (given | changes).items()},
+    )
+
+
+def test_a_rough_disc_recedes_by_its_bearing_curve(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Volumes stay K F L, a flat sinks by the closed form and ends deeper by a constant."""
+    monkeypatch.setattr("warpwear.runner.bearing_curve_of", lambda study: CURVE)
+    history = run(flat_on_flat(), device=device, plots=False).history
+    mean = 1e-6 * F * history["distance"]
+    assert_allclose(history["wear_volume_disc"], mean, rtol=1e-12)
+    # The approach holds the spring and the wear of its step, the latter by the slope at the step's start.
+    depth = closed_form(mean)
+    late = mean > 2.0 * CURVE.middle
+    assert late.sum() > 20
+    assert_allclose(history["approach"][late], depth[late] + F / 1e6, rtol=1e-5)
+    constant = CURVE.middle + CURVE.scale * math.log1p(math.exp(-CURVE.middle / CURVE.scale))
+    assert depth[-1] - mean[-1] == pytest.approx(constant, rel=1e-3)
+
+
+def test_the_gap_after_a_step_is_the_closed_form(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("warpwear.runner.bearing_curve_of", lambda study: CURVE)
+    result = run(flat_on_flat(), device=device, plots=False)
+    end = result.snapshot(-1)
+    assert_allclose(end.gap, closed_form(end.wear_disc), rtol=1e-12)
+
+
+def test_the_logistic_is_that_of_logistic_heights() -> None:
+    """Heights drawn from a logistic distribution: its own parameters come back."""
+    ranks = (np.arange(200_000) + 0.5) / 200_000
+    heights = 0.002 * np.log(ranks / (1.0 - ranks))
+    found = Logistic.fitted(heights)
+    assert found.scale == pytest.approx(0.002, rel=1e-3)
+    assert found.middle == pytest.approx(heights.max(), rel=1e-3)
+    assert found.rms_error < 1e-3
+
+
+def test_the_curve_is_the_discs_and_flat_ones_have_none() -> None:
+    study = flat_on_flat(disc__synthetic__kind="self-affine")
+    curve = bearing_curve_of(study)
+    assert 0.5 * 3.75e-3 * math.sqrt(3) / math.pi < curve.scale < 2 * 3.75e-3 * math.sqrt(3) / math.pi
+    with pytest.raises(InputError, match="needs a rough disc"):
+        bearing_curve_of(flat_on_flat(disc__synthetic__kind="flat"))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
+        ({"study.model": "micro"}, "is for the macro model"),
+    ],
+)
+def test_where_the_bearing_curve_does_not_apply(changes: dict[str, str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        flat_on_flat().replace(changes)

@@ -1,0 +1,80 @@
+"""Wear of a rough disc on a coarse grid: the depth follows the bearing area curve, the volume Archard.
+
+While only a share φ of the area bears, the pressure there is 1/φ times the mean, and the surface recedes by
+dz = K p dL/φ(z): the volume per area, ∫ φ dz, is K p L as before. So a rough disc runs in, and ends deeper than
+a smooth one by a constant. After Varenberg, Tribology Letters 70 (2022), doi 10.1007/s11249-022-01602-6, who
+extends Archard's equation by the initial bearing curve and approximates that by a logistic function; the
+equations here follow from the balance of volumes.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear.execution import Executor, Field
+from warpwear.grid import FloatArray
+from warpwear.kernels import running_in
+from warpwear.surfaces.bearing import material_ratio_curve
+
+
+@dataclass(frozen=True)
+class Logistic:
+    """Bearing area curve φ(z) = 1/(1 + e^(−(z − middle)/scale)), z below the highest peak [mm]."""
+
+    middle: float
+    scale: float
+    rms_error: float = 0.0  # of φ, over the curve it was fitted to
+
+    @classmethod
+    def fitted(cls, heights: FloatArray) -> "Logistic":
+        """Least squares through the bearing area curve of heights [mm], any shape; flat ones raise ValueError."""
+        from scipy.optimize import curve_fit
+
+        percent, reached = material_ratio_curve(heights)
+        depth, ratio = float(np.max(heights)) - reached, percent / 100.0
+        spread = float(np.std(heights))
+        if not spread > 0.0:
+            raise ValueError("a flat surface has no bearing area curve")
+
+        def logistic(z: FloatArray, middle: float, scale: float) -> FloatArray:
+            return np.asarray(0.5 * (1.0 + np.tanh(0.5 * (z - middle) / scale)))
+
+        start = (float(np.median(depth)), np.sqrt(3.0) / np.pi * spread)
+        (middle, scale), _ = curve_fit(logistic, depth, ratio, p0=start, bounds=(0.0, np.inf))
+        error = float(np.sqrt(np.mean((logistic(depth, middle, scale) - ratio) ** 2)))
+        return cls(float(middle), float(scale), error)
+
+
+class Recession:
+    """What a logistic bearing curve adds to the steps of a model."""
+
+    def __init__(self, curve: Logistic, executor: Executor, distance_factor: Field) -> None:
+        self._curve = curve
+        self._executor = executor
+        self._factor = distance_factor
+        self._beyond = executor.zeros()
+        self._stiffness = executor.zeros()
+
+    def stiffness(self, compliance: float, removal_disc: float, wear_disc: Field) -> Field:
+        """1/c of an implicit step. compliance: all but the disc's wear; removal_disc: its K ΔL [mm³/N]."""
+        self._executor.launch(
+            running_in.stiffness,
+            inputs=[
+                compliance,
+                removal_disc,
+                self._curve.middle,
+                self._curve.scale,
+                self._factor,
+                wear_disc,
+            ],
+            outputs=[self._stiffness],
+        )
+        return self._stiffness
+
+    def recede(self, wear_disc: Field, gap: Field) -> None:
+        """Open the gap after the mean depth of a step was worn off the disc."""
+        self._executor.launch(
+            running_in.recede,
+            inputs=[self._curve.middle, self._curve.scale, wear_disc],
+            outputs=[gap, self._beyond],
+        )
