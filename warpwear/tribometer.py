@@ -3,12 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
+Rows: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
 #: Part of the stroke at each end whose samples are cut: the stage slows down, stands and turns there.
 CUT = 0.1
 #: A turn is told from noise by this part of the stroke on either side of its middle.
@@ -132,7 +134,7 @@ def _by_cycles(
     if stroke is not None and abs(measured - stroke) > 0.1 * stroke:
         raise InputError(
             f"{path}: the stroke is {measured:.3g} mm by the position where {stroke:g} mm was given; they "
-            "must agree within a tenth"
+            "must agree within a tenth (--stroke, or sliding.stroke of the runs)"
         )
     used = measured if stroke is None else stroke
     inside = np.abs(position - middle) <= (0.5 - CUT) * measured
@@ -141,17 +143,8 @@ def _by_cycles(
     notes.append(
         f"{between - inside.sum()} of {between} samples, within a tenth of the stroke of its ends, were cut."
     )
-    # Means of every pass from turn to turn; the parts before the first and after the last are left out.
-    passes = np.cumsum(np.bincount(turns, minlength=position.size)) - 1
-    count = turns.size - 1
-    number = np.bincount(passes[inside], minlength=count)[:count]
-    if number.min() == 0:
-        raise InputError(f"{path}: a pass has no sample between its ends; a higher sampling rate is expected")
-    forces, loads = (
-        np.bincount(passes[inside], weights=values[inside], minlength=count)[:count] / number
-        for values in (friction, normal)
-    )
-    pairs = count // 2
+    forces, loads = (_pass_means(path, values, inside, turns) for values in (friction, normal))
+    pairs = forces.size // 2
     forth, back = (forces[start : 2 * pairs : 2] for start in (0, 1))
     pressing = 0.5 * (loads[0 : 2 * pairs : 2] + loads[1 : 2 * pairs : 2])
     half = 0.5 * np.abs(forth - back)
@@ -159,13 +152,14 @@ def _by_cycles(
     offset = float(np.median(0.5 * forces[1:-1] + 0.25 * (forces[:-2] + forces[2:])))
     loaded = pressing > UNLOADED * np.median(pressing)
     typical = float(np.median(half[loaded]))
-    if typical < RECTIFIED * abs(offset):
+    if typical <= RECTIFIED * abs(offset):
         raise InputError(
             f"{path}: the friction force does not change its sign with the direction: it was recorded "
-            "without sign or has a large offset; a signed force, or a column of coefficients, is expected"
+            "without sign, is nothing, or has a large offset; a signed force, or a column of coefficients, is "
+            "expected"
         )
     start = abs(float(position[turns[0]] - position[0]))
-    distance = min(start, used) + used * (1.0 + 2.0 * np.arange(pairs))
+    distance = min(start, used) + used * (1.0 + 2.0 * np.arange(pairs, dtype=np.float64))
     if not loaded.all():
         notes.append(
             f"{(~loaded).sum()} cycles with less than half of the median normal force were left out."
@@ -178,12 +172,23 @@ def _by_cycles(
         f"Half the difference of the directions is the friction; their offset is {offset:.3g} N, "
         f"{100.0 * abs(offset) / typical:.2g} % of the friction (medians)."
     )
-    cycles = np.flatnonzero(loaded) + 1.0
-    cof: FloatArray = half[loaded] / pressing[loaded]
-    return Reading(distance[loaded], cof, cycles, notes)
+    cycles = 1.0 + np.flatnonzero(loaded).astype(np.float64)
+    return Reading(distance[loaded], half[loaded] / pressing[loaded], cycles, notes)
 
 
-def turning_points(position: FloatArray) -> "np.ndarray[tuple[int, ...], np.dtype[np.intp]]":
+def _pass_means(
+    path: Path, values: FloatArray, inside: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]", turns: Rows
+) -> FloatArray:
+    """Mean of the samples inside every pass from turn to turn; what lies before and after is left out."""
+    passes, count = np.searchsorted(turns, np.flatnonzero(inside), side="right") - 1, turns.size - 1
+    number = np.bincount(passes, minlength=count)
+    if number.min() == 0:
+        raise InputError(f"{path}: a pass has no sample between its ends; a higher sampling rate is expected")
+    sums: FloatArray = np.bincount(passes, weights=values[inside], minlength=count).astype(np.float64)
+    return sums / number
+
+
+def turning_points(position: FloatArray) -> Rows:
     """Rows at which the position turns, in order.
 
     Between two crossings of the middle of the stroke, each complete only when it leaves a band of half the
@@ -219,9 +224,7 @@ def _smoothed(position: FloatArray, samples: int) -> FloatArray:
     return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
 
 
-def _stroke(
-    position: FloatArray, turns: "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
-) -> tuple[float, float]:
+def _stroke(position: FloatArray, turns: Rows) -> tuple[float, float]:
     """Length of a pass and its middle [mm], by the medians of both ends."""
     smooth = _smoothed(position, int(np.median(np.diff(turns))))
     ends = (float(np.median(smooth[turns[0::2]])), float(np.median(smooth[turns[1::2]])))

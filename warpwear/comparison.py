@@ -1,0 +1,216 @@
+"""Runs and measured courses of friction side by side: what is read of them and how they differ."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.experiment import Experiment, read_experiment
+from warpwear.grid import FloatArray
+from warpwear.quantities import POSITIVE, parse
+from warpwear.results import Result
+from warpwear.study import Study
+from warpwear.summary import shape_of_growth
+
+BODIES = ("sphere", "disc")
+#: Length along sliding over which profiles are averaged, as a part of the scar's.
+STRIP = 0.125
+#: Fewest points for the shape of a course; parts that a measured one is averaged in.
+FEWEST, PARTS = 20, 200
+#: A course that starts later than this part of its distance has no early slope.
+LATEST_START = 1.0 / 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class RunData:
+    """What is compared of a run; its file is closed."""
+
+    name: str
+    folder: Path
+    study: Study
+    history: dict[str, FloatArray]
+    summary: dict[str, Any]
+    across: FloatArray  # places across sliding [mm], shape (ny,)
+    wear: dict[str, FloatArray]  # body -> depth over `across` at the end [mm]; empty without a snapshot
+
+    @property
+    def cof(self) -> FloatArray | None:
+        """Coefficient of friction of every step, if it is known."""
+        values = self.history["cof"]
+        return values if bool(np.isfinite(values).all()) else None
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Runs, experiments and what is to be said about them."""
+
+    runs: tuple[RunData, ...]
+    experiments: tuple[Experiment, ...]
+    notes: tuple[str, ...]
+
+    def rms(self, run: RunData, experiment: Experiment) -> float | None:
+        """Root mean square difference of the coefficients of friction over the distance that both have."""
+        if run.cof is None:
+            return None
+        return rms_difference(run.history["distance"], run.cof, experiment.distance, experiment.cof)
+
+
+def gather(
+    folders: Sequence[str | Path],
+    experiments: Sequence[str | Path] = (),
+    *,
+    speed: str | None = None,
+    stroke: str | None = None,
+    columns: str | None = None,
+) -> Comparison:
+    """Read what is to be compared: run folders and files of experiments, two or more together.
+
+    speed, stroke: text with a unit, for experiments that give times or cycles; by default those of the runs,
+    if they agree. columns: see `warpwear.record_columns.choose`. Raises InputError.
+    """
+    if len(folders) + len(experiments) < 2:
+        given = str([*folders, *experiments][0]) if folders or experiments else "nothing"
+        raise InputError(f"compare needs two runs or more, or a run and an --experiment; given: {given}")
+    for path, count in Counter(Path(p).resolve() for p in (*folders, *experiments)).items():
+        if count > 1:
+            raise InputError(f"{path} is given {count} times; each run and experiment is expected once")
+    runs = [_read_run(Path(folder)) for folder in folders]
+    read = [
+        read_experiment(
+            path,
+            speed=_given("--speed", speed, "mm/s") or _common([r.study.sliding.speed for r in runs]),
+            stroke=_given("--stroke", stroke, "mm") or _common([r.study.sliding.stroke for r in runs]),
+            load=_common([r.study.contact.load for r in runs]),
+            columns=columns,
+        )
+        for path in experiments
+    ]
+    names = _names(runs, [Path(path) for path in experiments])
+    named = [_renamed(run, name) for run, name in zip(runs, names, strict=False)]
+    measured = [
+        Experiment(name, e.distance, e.cof, e.notes, e.cycles)
+        for name, e in zip(names[len(runs) :], read, strict=True)
+    ]
+    notes = [*_differences(named)]
+    notes += [f"{r.name} was interrupted." for r in named if not r.summary["finished"]]
+    notes += [f"{r.name} has no snapshot, so no profile." for r in named if not r.wear]
+    notes += [f"{e.name}: {note}" for e in measured for note in e.notes]
+    return Comparison(tuple(named), tuple(measured), tuple(notes))
+
+
+def rms_difference(
+    distance: FloatArray, values: FloatArray, other_distance: FloatArray, other_values: FloatArray
+) -> float | None:
+    """Root mean square over the shared distances of the difference of two courses, lines between points.
+
+    None if they share none.
+    """
+    start = max(float(distance[0]), float(other_distance[0]))
+    end = min(float(distance[-1]), float(other_distance[-1]))
+    if end <= start:
+        return None
+    places = np.unique(np.concatenate([distance, other_distance, [start, end]]))
+    places = places[(places >= start) & (places <= end)]
+    gap = np.interp(places, distance, values) - np.interp(places, other_distance, other_values)
+    # The integral of a squared straight line, exactly.
+    parts = np.diff(places) * (gap[:-1] ** 2 + gap[:-1] * gap[1:] + gap[1:] ** 2) / 3.0
+    return math.sqrt(float(parts.sum()) / (end - start))
+
+
+def shape_of(experiment: Experiment) -> dict[str, float]:
+    """m and λ of a measured course, see `warpwear.summary.shape_of_growth`; without what it is too short for.
+
+    A course of many points is averaged in 200 equal parts of its distance first: both are slopes, which noise
+    would decide.
+    """
+    distance, cof = experiment.distance, experiment.cof
+    if distance.size > 2 * PARTS:
+        part = np.minimum((PARTS * distance / distance[-1]).astype(np.intp), PARTS - 1)
+        filled = np.flatnonzero(number := np.bincount(part))
+        distance, cof = ((np.bincount(part, weights=v)[filled] / number[filled]) for v in (distance, cof))
+    late = distance >= 0.5 * distance[-1]
+    if distance.size < FEWEST or late.sum() < 3 or np.any(cof[late] <= 0.0):
+        return {}
+    found = shape_of_growth(distance, cof)
+    if distance[0] > LATEST_START * distance[-1]:
+        del found["levelling_lambda"]
+    return {k: v for k, v in found.items() if math.isfinite(v)}
+
+
+def _read_run(folder: Path) -> RunData:
+    with Result.open(folder) as result:
+        history, study, summary = result.history, result.study, result.summary
+        wear: dict[str, FloatArray] = {}
+        if result.snapshot_distances.size:
+            last = result.snapshot(-1)
+            along = 0.5 * STRIP * summary["scar_mm"]["along"] / study.grid.cell
+            for body in BODIES:
+                depth: FloatArray = getattr(last, f"wear_{body}")
+                rows = np.abs(np.arange(depth.shape[0]) - 0.5 * (depth.shape[0] - 1)) <= max(along, 0.5)
+                wear[body] = depth[rows].mean(axis=0)
+        return RunData(study.study.name, folder, study, history, summary, result.y, wear)
+
+
+def _renamed(run: RunData, name: str) -> RunData:
+    return RunData(name, run.folder, run.study, run.history, run.summary, run.across, run.wear)
+
+
+def _names(runs: list[RunData], experiments: list[Path]) -> list[str]:
+    """The study's name of each run, its folder's where two are alike, else the path; files by their stem."""
+    folders = [run.folder.resolve() for run in runs]
+    labels = [run.name for run in runs]
+    for better in ([folder.name for folder in folders], [str(run.folder) for run in runs]):
+        seen = Counter(labels)
+        labels = [new if seen[old] > 1 else old for old, new in zip(labels, better, strict=True)]
+    files = [path.stem for path in experiments]
+    labels += [path.name if Counter(files)[path.stem] > 1 else path.stem for path in experiments]
+    found: list[str] = []
+    for index, label in enumerate(labels):
+        name = label if label not in found else f"{label} (experiment)" if index >= len(runs) else label
+        count = 2
+        while name in found:
+            name, count = f"{label} ({count})", count + 1
+        found.append(name)
+    return found
+
+
+def _common(values: Sequence[float | None]) -> float | None:
+    """The value that all of them have."""
+    return values[0] if len(set(values)) == 1 else None
+
+
+def _given(option: str, value: str | None, unit: str) -> float | None:
+    if value is None:
+        return None
+    try:
+        return POSITIVE.check(parse(value, unit), unit)
+    except ValueError as error:
+        raise InputError(f"{option} = '{value}' {error}") from error
+
+
+#: What makes two runs unlike tests -> unit and value.
+CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str]]] = {
+    "load": ("N", lambda s: s.contact.load),
+    "sliding distance": ("mm", lambda s: s.sliding.total),
+    "wear coefficient of the sphere": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
+    "wear coefficient of the disc": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[1]),
+    "sphere's curvature": ("1/mm", lambda s: s.sphere.curvature),
+    "area that shears": ("", lambda s: s.friction.area),
+}
+
+
+def _differences(runs: list[RunData]) -> list[str]:
+    """Conditions in which the runs differ: they are then unlike tests."""
+    found = []
+    for what, (unit, value_of) in CONDITIONS.items():
+        values = {run.name: value_of(run.study) for run in runs}
+        shown = {k: v if isinstance(v, str) else f"{v:.6g} {unit}" for k, v in values.items()}
+        if len(set(shown.values())) > 1:
+            told = ", ".join(f"{name} {text}".rstrip() for name, text in shown.items())
+            found.append(f"Unlike tests: the runs differ in {what} ({told}).")
+    return found

@@ -1,0 +1,184 @@
+"""Figures of a comparison: the courses of runs and experiments, and worn profiles, laid over each other."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from warpwear import figure_style as fs
+from warpwear.comparison import BODIES, Comparison, RunData
+from warpwear.experiment import Experiment
+from warpwear.figure_axes import ACROSS
+from warpwear.grid import FloatArray
+
+COLOURS = (fs.SPHERE, fs.DISC, fs.CONTACT, fs.MEAN_PRESSURE, fs.SUM, fs.TOUCHED)
+LINES = ("-", "--", "-.", ":", (0, (6, 1)), (0, (3, 1, 1, 1)))
+#: Measured courses are grey: they are what the runs are held against.
+GREYS, MARKERS = ("#000000", "#888888", "#555555"), ("o", "s", "^")
+#: A measured course of more points is averaged in so many parts, its scatter a band.
+POINTS = 120
+#: Markers along a measured course, about.
+MARKED = 30
+
+
+def cof(comparison: Comparison) -> Figure:
+    """Coefficient of friction over the distance slid, as it is and relative to its end value."""
+
+    def draw(axes: Any) -> None:
+        for experiment, line in _experiments(comparison):
+            for panel, end in zip(axes, (1.0, experiment.final_cof), strict=True):
+                if end > 0.0:
+                    _measured(panel, experiment, end, line)
+        for run, line in _runs(comparison):
+            if run.cof is not None:
+                for panel, end in zip(axes, (1.0, run.cof[-1]), strict=True):
+                    if end > 0.0:
+                        fs.over_distance(panel, run.history["distance"], run.cof / end, **line)
+        axes[0].set_ylabel("coefficient of friction, –")
+        axes[1].set_ylabel("relative to its end value, –")
+        for panel in axes:
+            panel.set_xlabel("sliding distance, mm")
+            panel.set_xlim(left=0.0)
+            panel.set_ylim(bottom=0.0)
+        _legend(axes)
+
+    return fs.new_figure(draw, columns=2)
+
+
+def area(comparison: Comparison) -> Figure:
+    """Area in contact over the distance slid, both logarithmic."""
+
+    def draw(axes: Axes) -> None:
+        for run, line in _runs(comparison):
+            distance, values = run.history["distance"], run.history["area_contact"]
+            fs.over_distance(axes, distance, np.where(values > 0.0, values, np.nan), **line)
+        if _longest(comparison)[-1] > 0.0:  # not static contacts alone
+            axes.set_xscale("log")
+        fs.logarithmic(axes)
+        axes.set_ylabel("area in contact, mm²")
+        _legend(axes)
+
+    return fs.new_figure(draw)
+
+
+def pressure(comparison: Comparison) -> Figure:
+    """Mean pressure of the cells in contact over the distance slid."""
+
+    def draw(axes: Axes) -> None:
+        for run, line in _runs(comparison):
+            fs.over_distance(axes, run.history["distance"], run.history["pressure_mean"], **line)
+        fs.scale_distance(axes, _longest(comparison))
+        fs.scale_values(axes, *(run.history["pressure_mean"] for run in comparison.runs))
+        axes.set_ylabel("mean pressure in contact, MPa")
+        _legend(axes)
+
+    return fs.new_figure(draw)
+
+
+def volumes(comparison: Comparison) -> Figure:
+    """Worn volume of sphere and disc over the distance slid."""
+
+    def draw(axes: Any) -> None:
+        for run, line in _runs(comparison):
+            for panel, body in zip(axes, BODIES, strict=True):
+                volume = 1.0e3 * run.history[f"wear_volume_{body}"]
+                fs.over_distance(panel, run.history["distance"], volume, **line)
+        for panel, body in zip(axes, BODIES, strict=True):
+            panel.set_title(body)
+            panel.set_ylabel("worn volume, 10⁻³ mm³")
+            panel.set_xlim(left=0.0)
+            panel.set_ylim(bottom=0.0)
+        _legend(axes)
+
+    return fs.new_figure(draw, columns=2)
+
+
+def profiles(comparison: Comparison) -> Figure:
+    """Wear depth of sphere and disc across sliding at each run's end, mean of the scar's middle eighth."""
+
+    def draw(axes: Any) -> None:
+        reach = 0.0
+        for run, line in _runs(comparison):
+            for panel, body in zip(axes, BODIES, strict=True):
+                if run.wear:
+                    depth = run.wear[body]
+                    panel.plot(run.across, -1.0e3 * depth, **(line | {"marker": ""}))
+                    reach = max(reach, float(np.abs(run.across[depth > 0.0]).max(initial=0.0)))
+        for panel, body in zip(axes, BODIES, strict=True):
+            panel.set_title(f"{body}, at the end")
+            panel.set_xlabel(ACROSS)
+            panel.set_ylabel("height lost by wear, µm")
+            panel.xaxis.set_major_locator(MaxNLocator(6))
+            panel.set_ylim(top=0.0)
+            if reach > 0.0:
+                panel.set_xlim(-1.15 * reach, 1.15 * reach)
+        _legend(axes)
+
+    return fs.new_figure(draw, columns=2)
+
+
+#: Name of the file -> how it is drawn.
+FIGURES: dict[str, Callable[[Comparison], Figure]] = {
+    "cof": cof,
+    "area": area,
+    "pressure": pressure,
+    "volumes": volumes,
+    "profiles": profiles,
+}
+
+
+def drawn(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
+    """Each figure that has something to show."""
+    known = bool(comparison.experiments) or any(run.cof is not None for run in comparison.runs)
+    shown = {"cof": known, "profiles": any(run.wear for run in comparison.runs)}
+    for name, draw in FIGURES.items():
+        if shown.get(name, bool(comparison.runs)):
+            yield name, draw(comparison)
+
+
+def _runs(comparison: Comparison) -> Iterator[tuple[RunData, dict[str, Any]]]:
+    """Each run with its line, the same in every figure."""
+    for index, run in enumerate(comparison.runs):
+        # Colours repeat after six runs, together with their lines only after thirty-six.
+        style = LINES[(index + index // len(COLOURS)) % len(LINES)]
+        line = {"color": COLOURS[index % len(COLOURS)], "ls": style, "label": run.name}
+        yield run, line | ({"marker": "o"} if run.history["distance"].size == 1 else {})
+
+
+def _experiments(comparison: Comparison) -> Iterator[tuple[Experiment, dict[str, Any]]]:
+    for index, experiment in enumerate(comparison.experiments):
+        colour, marker = GREYS[index % len(GREYS)], MARKERS[index % len(MARKERS)]
+        line = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.6, "label": experiment.name}
+        yield experiment, line
+
+
+def _measured(panel: Axes, experiment: Experiment, end: float, line: dict[str, Any]) -> None:
+    """The points; of very many the means of parts of the distance, and one standard deviation as a band."""
+    distance, values = experiment.distance, experiment.cof / end
+    if distance.size > 2 * POINTS:
+        edges = np.linspace(0.0, distance[-1], POINTS + 1)
+        part = np.clip(np.searchsorted(edges, distance, side="right") - 1, 0, POINTS - 1)
+        number = np.bincount(part, minlength=POINTS)
+        filled = number > 0
+        sums = [np.bincount(part, weights=v, minlength=POINTS)[filled] for v in (distance, values, values**2)]
+        distance, values, squares = (s / number[filled] for s in sums)
+        scatter = np.sqrt(np.clip(squares - values**2, 0.0, None))
+        low, high = values - scatter, values + scatter
+        panel.fill_between(distance, low, high, color=line["color"], alpha=0.15, lw=0)
+    panel.plot(distance, values, markevery=max(1, distance.size // MARKED), **line)
+
+
+def _longest(comparison: Comparison) -> FloatArray:
+    return max((run.history["distance"] for run in comparison.runs), key=lambda d: d[-1])
+
+
+def _legend(axes: Any) -> None:
+    panels = list(np.atleast_1d(axes))
+    labels = dict.fromkeys(label for p in panels for label in p.get_legend_handles_labels()[1])
+    # As many beside each other as the width holds, a character some 0.055 inch and a line 0.45.
+    width = fs.PAGE if len(panels) > 1 else fs.COLUMN
+    longest = max(map(len, labels), default=1)
+    fs.legend_above(*panels, columns=max(1, min(len(labels) or 1, int(width / (0.055 * longest + 0.45)))))
