@@ -1,6 +1,6 @@
 """Running-in of a rough surface that the grid does not resolve: it recedes faster than its volume goes.
 
-The share of the area that bears at a depth z below the highest peak is taken as φ(z) = 1/(1 + e^(−(z − m)/s)).
+The share of the area that bears at a depth z below the highest peak is φ(z) = 1/(1 + e^(−(z − m)/s)).
 A depth z has then lost the volume v(z) = ∫ φ dz of each unit of area, and back:
 z(v) = m + s ln(q + (1 + q)(e^(v/s) − 1)) with q = e^(−m/s).
 """

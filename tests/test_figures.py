@@ -27,6 +27,11 @@ RUNS: dict[str, dict[str, Any]] = {
     "end only": {"output.snapshots": []},
     "static": {"sliding.distance": "0 mm", "output.snapshots": []},
     "flat": {"sphere.radius": "inf mm", "sliding.distance": "3 mm", "output.snapshots": ["1 mm"]},
+    "smooth": {
+        "study.model": "macro",
+        "wear.distance_factor": "across",
+        "output.snapshots": ["0.3 mm", "3 mm"],
+    },
     "published": {
         "stepping.scheme": "explicit",
         "stepping.load_tolerance": "0.5 N",
@@ -34,7 +39,7 @@ RUNS: dict[str, dict[str, Any]] = {
         "output.snapshots": ["1 mm", "10 mm"],
     },
 }
-STATIC = {"setup", "pressure_map", "pressure_3d", "pressure_profiles", "contact_map", "profiles"}
+STATIC = {"setup", "pressure_map", "pressure_3d", "pressure_profiles", "contact_map", "profiles", "junctions"}
 
 
 @pytest.fixture(scope="module")
@@ -150,8 +155,11 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Resu
     assert {path.stem for path in written} == STATIC
     with pytest.raises(InputError, match="there is no figure 'cof': the run has one step"):
         plot.cof()
-    assert results["flat"].plot.left_out == {"contact_radius": "a rigid flat has no radius of contact"}
-    assert not results["rough"].plot.left_out
+    of_smooth = {"hertz", "distance_factor"}
+    assert set(results["rough"].plot.left_out) == of_smooth
+    assert set(results["flat"].plot.left_out) == {"contact_radius"} | of_smooth
+    assert results["flat"].plot.left_out["contact_radius"] == "a rigid flat has no radius of contact"
+    assert set(results["smooth"].plot.left_out) == {"roughness", "islands", "junctions"}
     no_speed = warpwear.run(
         Study.load("v3").replace({"grid.cell": "20 um", "sliding.speed": None, "sliding.distance": "3 mm"})
     )

@@ -18,6 +18,8 @@ Shown = TypeVar("Shown")
 ALONG, ACROSS = "along sliding, x, mm", "across sliding, y, mm"
 #: Height of a box in 3-D over its side; height of the figure [inch]; where the eye is [°].
 BOX, ROW_3D, ELEVATION, AZIMUTH = 0.4, 2.75, 32.0, -58.0
+#: A surface whose heights differ by less is flat [mm]; what is seen then would be round-off.
+FLAT = 1e-9
 LIGHT = LightSource(azdeg=300, altdeg=50)
 
 
@@ -139,9 +141,11 @@ def draw_surface(
 
 def _lit(heights: FloatArray, step: float, colour: str, low: float, high: float) -> FloatArray:
     """Colours, shape (x, y, 4): pale where it is high, brighter where it faces the light."""
-    level = np.nan_to_num((heights - low) / (high - low)) if high > low else np.full(heights.shape, 0.7)
+    flat = high - low <= FLAT
+    level = np.full(heights.shape, 0.7) if flat else np.nan_to_num((heights - low) / (high - low))
     shades = fs.shades(colour)(1.0 - 0.8 * level)
-    light = LIGHT.hillshade(np.nan_to_num(heights), vert_exag=3.0, dx=step, dy=step)
+    relief = np.zeros_like(heights) if flat else np.nan_to_num(heights)
+    light = LIGHT.hillshade(relief, vert_exag=3.0, dx=step, dy=step)
     shades[..., :3] *= (0.6 + 0.4 * light)[..., None]
     lit: FloatArray = np.clip(shades, 0.0, 1.0)
     return lit

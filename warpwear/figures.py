@@ -14,6 +14,8 @@ from warpwear import (
     figures_evolution,
     figures_fields,
     figures_history,
+    figures_junctions,
+    figures_macro,
     figures_setup,
     figures_shape,
 )
@@ -142,6 +144,33 @@ def _one_snapshot(data: FigureData) -> str | None:
     return None
 
 
+def _smooth_disc(data: FigureData) -> str | None:
+    disc = data.study.disc.synthetic
+    if data.study.study.model == "macro" or (disc is not None and disc.kind == "flat"):
+        return "a smooth disc has neither roughness nor islands"
+    return None
+
+
+def _no_hertz(data: FigureData) -> str | None:
+    if data.study.study.model != "macro":
+        return "a rough contact has no profile that Hertz's could stand beside"
+    if data.study.hertz is None:
+        return "the elastic constants of sphere and disc are not all known, or there is no sphere"
+    return None
+
+
+def _no_factor(data: FigureData) -> str | None:
+    if data.study.wear.distance_factor == "none":
+        return "wear.distance_factor is none: all cells slide as far"
+    return None
+
+
+def _no_junctions(data: FigureData) -> str | None:
+    if data.study.critical_junction is None:
+        return "the critical size of junctions needs junctions.surface_energy and the softer body's constants"
+    return None
+
+
 def _no_wear_of(*bodies: str) -> Reason:
     def reason(data: FigureData) -> str | None:
         if not any(data.history[f"wear_depth_{body}"][-1] > 0.0 for body in bodies):
@@ -175,7 +204,10 @@ FIGURES: dict[str, Entry] = {
     "disc_3d": Entry(figures_shape.disc_3d, _DISC),
     "disc_profiles": Entry(figures_shape.disc_profiles, _DISC),
     "profiles": Entry(figures_shape.profiles, (_no_snapshot,)),
-    "roughness": Entry(figures_evolution.roughness, (_one_snapshot, _no_wear_of("disc"))),
-    "islands": Entry(figures_evolution.islands, (_one_snapshot,)),
+    "roughness": Entry(figures_evolution.roughness, (_smooth_disc, _one_snapshot, _no_wear_of("disc"))),
+    "islands": Entry(figures_evolution.islands, (_smooth_disc, _one_snapshot)),
+    "junctions": Entry(figures_junctions.junctions, (_smooth_disc, _no_junctions, _no_snapshot)),
+    "hertz": Entry(figures_macro.hertz, (_no_hertz, _no_snapshot)),
+    "distance_factor": Entry(figures_macro.factor, (_no_factor, _no_snapshot)),
 }
 Plotter.NAMES = tuple(FIGURES)

@@ -56,7 +56,9 @@ class OneScaleModel:
         self._factor = distance_factor(executor.grid, study.wear.distance_factor, curvature=curvature)
         self._factor_field = executor.field(self._factor)
         self._stiffness: tuple[tuple[float, float, float], Field] | None = None  # with what it was made for
-        self._recession = bearing_curve and Recession(bearing_curve, executor, self._factor_field)
+        self._recession = (
+            None if bearing_curve is None else Recession(bearing_curve, executor, self._factor_field)
+        )
         self._last: Balance | None = None
         self._row = dict.fromkeys(
             (

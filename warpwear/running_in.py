@@ -1,10 +1,9 @@
 """Wear of a rough disc on a coarse grid: the depth follows the bearing area curve, the volume Archard.
 
 While only a share φ of the area bears, the pressure there is 1/φ times the mean, and the surface recedes by
-dz = K p dL/φ(z): the volume per area, ∫ φ dz, is K p L as before. So a rough disc runs in, and ends deeper than
-a smooth one by a constant. After Varenberg, Tribology Letters 70 (2022), doi 10.1007/s11249-022-01602-6, who
-extends Archard's equation by the initial bearing curve and approximates that by a logistic function; the
-equations here follow from the balance of volumes.
+dz = K p dL/φ(z): the volume per area, ∫ φ dz, is K p L as before. So a rough disc runs in, and ends deeper
+than a smooth one by a constant. The idea, and a logistic function for the curve, are Varenberg's (Tribology
+Letters 70, 2022, doi 10.1007/s11249-022-01602-6); the equations here follow from the balance of volumes.
 """
 
 from dataclasses import dataclass
@@ -27,7 +26,7 @@ class Logistic:
 
     @classmethod
     def fitted(cls, heights: FloatArray) -> "Logistic":
-        """Least squares through the bearing area curve of heights [mm], any shape; flat ones raise ValueError."""
+        """Least squares through the curve of heights [mm], any shape. ValueError for flat ones."""
         from scipy.optimize import curve_fit
 
         percent, reached = material_ratio_curve(heights)

@@ -154,11 +154,20 @@ class Study(Section):
         return Hertz(effective_modulus(sphere, disc), 1.0 / curvature, self.contact.load)
 
     @property
+    def junction_strength(self) -> float | None:
+        """Shear strength σ_j of junctions [MPa]: as given, or from the softer body's hardness.
+
+        Not from contact.hardness, which may be fitted to a contact: d* goes with 1/σ_j².
+        """
+        if self.junctions.strength is not None or self.softer_hardness is None:
+            return self.junctions.strength
+        return junction_strength(self.softer_hardness)
+
+    @property
     def critical_junction(self) -> float | None:
-        """Diameter d* below which junctions of the softer body smooth out [mm], where all it needs is known."""
-        energy, hardness = self.junctions.surface_energy, self.softer_hardness
-        softer = self.sphere if self.sphere.hardness == hardness else self.disc
-        strength = self.junctions.strength or (junction_strength(hardness) if hardness else None)
+        """Diameter d* [mm] below which junctions of the softer body smooth out, if all it needs is known."""
+        energy, strength = self.junctions.surface_energy, self.junction_strength
+        softer = self.sphere if self.sphere.hardness == self.softer_hardness else self.disc
         if energy is None or strength is None or softer.elastic is None:
             return None
         young, poisson = softer.elastic

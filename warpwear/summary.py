@@ -54,6 +54,10 @@ def summarise(result: "Result") -> dict[str, Any]:
         ),
         "hertz": _elastic(study),
         "foundation_N_per_mm3": _finite(study.law().stiffness),
+        "junctions": {
+            "critical_diameter_um": 1.0e3 * study.critical_junction if study.critical_junction else None,
+            "strength_MPa": study.junction_strength,
+        },
         "load_residual_N": {
             "largest": float(np.abs(history["load_residual"]).max()),
             "end": end["load_residual"],

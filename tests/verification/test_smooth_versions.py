@@ -1,4 +1,4 @@
-"""The smooth models of the thesis, V1 and V2: patch, depths, volumes, growth, and what unstable steps leave."""
+"""The smooth models of the thesis, V1 and V2: patch, depths, volumes, growth; what unstable steps leave."""
 
 import math
 from functools import cache

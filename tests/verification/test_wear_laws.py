@@ -49,7 +49,7 @@ CURVE = Logistic(middle=0.010, scale=0.002)
 
 
 def closed_form(mean: np.ndarray) -> np.ndarray:
-    """Depth z [mm] at which ∫ φ dz has come to the mean worn depth: z = m + s ln(q + (1 + q)(e^(v/s) − 1))."""
+    """Depth z [mm] at which ∫ φ dz is the mean worn depth: z = m + s ln(q + (1 + q)(e^(v/s) − 1))."""
     q = math.exp(-CURVE.middle / CURVE.scale)
     return CURVE.middle + CURVE.scale * np.log(q + (1.0 + q) * np.expm1(mean / CURVE.scale))
 
