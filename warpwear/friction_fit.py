@@ -1,0 +1,196 @@
+"""Shear strength and ploughing offset from a measured coefficient of friction and a run's areas.
+
+μ(L) = μ_p + τ0 A(L)/F (thesis eq 4.18 with the offset of eq 2.8) is linear in both unknowns: least squares.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+
+#: Condition index from which two unknowns are poorly told apart (Belsley, Kuh and Welsch, Regression
+#: Diagnostics, 1980, section 3.2), and from which they are not told apart at all.
+POOR, HOPELESS = 30.0, 1000.0
+FEWEST = 3
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionFit:
+    """τ0 [MPa] and μ_p with their standard errors, and how well they fit.
+
+    The errors allow for points that scatter together: they are those of `effective_points` independent ones.
+    rms: of the residuals; r_squared: None of a constant coefficient. first, last: distances used [mm];
+    points used, and left_out beyond the run's distances. condition: condition index of the two unknowns;
+    area_variation: standard deviation over mean of the areas used.
+    """
+
+    shear_strength: float
+    shear_strength_error: float
+    ploughing: float
+    ploughing_error: float
+    rms: float
+    r_squared: float | None
+    first: float
+    last: float
+    points: int
+    left_out: int
+    effective_points: float
+    condition: float
+    area_variation: float
+    without_ploughing: "ShearFit"
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Why not to trust the fit, in sentences; none where nothing speaks against it."""
+        found = []
+        if self.condition > POOR:
+            found.append(
+                f"the areas vary by {self.area_variation:.2g} of their mean only (condition index "
+                f"{self.condition:.0f}, above {POOR:.0f}): τ0 and μ_p are poorly told apart"
+            )
+        if self.ploughing < 0.0:
+            within = (
+                " (within two standard errors of 0)" if -self.ploughing < 2 * self.ploughing_error else ""
+            )
+            found.append(
+                f"μ_p is negative{within}, which no ploughing is: the coefficient grows faster than in "
+                "proportion to this area; the fit with μ_p = 0 is given too"
+            )
+        if self.shear_strength < 0.0:
+            found.append(
+                "τ0 is negative: the coefficient falls while this area grows, so that no constant shear "
+                "strength of it describes the measurement"
+            )
+        if self.effective_points < 10.0 and self.points >= 20:
+            found.append(
+                f"the residuals go together over long distances ({self.effective_points:.2g} independent of "
+                f"{self.points} points): the curve has another shape than the area's"
+            )
+        return tuple(found)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShearFit:
+    """τ0 [MPa] alone, μ_p = 0. r_squared compares with the mean coefficient, and may be negative."""
+
+    shear_strength: float
+    shear_strength_error: float
+    rms: float
+    r_squared: float | None
+
+
+def fit_friction(
+    distance: FloatArray,
+    cof: FloatArray,
+    *,
+    run_distance: FloatArray,
+    run_area: FloatArray,
+    load: float,
+) -> FrictionFit:
+    """Least squares of a measured coefficient over a run's area, interpolated linearly at its distances.
+
+    distance [mm], cof: measured, (n,); run_distance [mm], rising, run_area [mm²]: a run's history, (m,);
+    load [N]. Points before the run's first step or beyond its end are left out. Errors are those of least
+    squares times √(n/n_eff), n_eff from the residuals' autocorrelation summed to its first zero.
+    InputError for values that are no numbers, too few points in the run's range, or areas that hardly vary.
+    """
+    distance, cof = np.asarray(distance, dtype=np.float64), np.asarray(cof, dtype=np.float64)
+    if distance.ndim != 1 or distance.shape != cof.shape:
+        raise InputError(
+            f"measured distances and coefficients have shapes {distance.shape} and {cof.shape}: one "
+            "coefficient a distance is needed"
+        )
+    if not (np.isfinite(distance).all() and np.isfinite(cof).all()):
+        raise InputError("the measured curve holds values that are no finite numbers")
+    if not 0.0 < load < math.inf:
+        raise InputError(f"load is {load:g} N: allowed is any positive number")
+    used = (distance >= run_distance[0]) & (distance <= run_distance[-1])
+    count = int(used.sum())
+    if count < FEWEST:
+        raise InputError(
+            f"{count} measured points lie within the run's distances, {run_distance[0]:g} to "
+            f"{run_distance[-1]:g} mm: at least {FEWEST} are needed"
+        )
+    order = np.argsort(distance[used], kind="stable")
+    where, measured = distance[used][order], cof[used][order]
+    area_over_load = np.interp(where, run_distance, run_area) / load
+    mean = float(area_over_load.mean())
+    varying = area_over_load - mean
+    spread = math.sqrt(float(varying @ varying) / count) / mean
+    condition = _condition(spread)
+    if condition > HOPELESS:
+        raise InputError(
+            f"the area varies by {spread:.1g} of its mean over {where[0]:g} to {where[-1]:g} mm: τ0 and μ_p "
+            "cannot be told apart; --cof with --ploughing fixes both instead"
+        )
+    slope = float(varying @ (measured - measured.mean())) / float(varying @ varying)
+    offset = float(measured.mean()) - slope * mean
+    residual = measured - offset - slope * area_over_load
+    effective = _effective_points(residual)
+    deviation = math.sqrt(float(residual @ residual) / (count - 2) * count / effective)
+    scatter = float(varying @ varying)
+    return FrictionFit(
+        shear_strength=slope,
+        shear_strength_error=deviation / math.sqrt(scatter),
+        ploughing=offset,
+        ploughing_error=deviation * math.sqrt(1.0 / count + mean**2 / scatter),
+        rms=_rms(residual),
+        r_squared=_r_squared(residual, measured),
+        first=float(where[0]),
+        last=float(where[-1]),
+        points=count,
+        left_out=int(distance.size) - count,
+        effective_points=effective,
+        condition=condition,
+        area_variation=spread,
+        without_ploughing=_shear_alone(area_over_load, measured),
+    )
+
+
+def _shear_alone(area_over_load: FloatArray, measured: FloatArray) -> ShearFit:
+    square = float(area_over_load @ area_over_load)
+    slope = float(area_over_load @ measured) / square
+    residual = measured - slope * area_over_load
+    variance = float(residual @ residual) / (measured.size - 1) * measured.size / _effective_points(residual)
+    return ShearFit(
+        shear_strength=slope,
+        shear_strength_error=math.sqrt(variance / square),
+        rms=_rms(residual),
+        r_squared=_r_squared(residual, measured),
+    )
+
+
+def _condition(spread: float) -> float:
+    """Condition index of the columns 1 and A/F, each scaled to length 1; spread: std over mean of the area.
+
+    Their product is cos = 1/√(1 + spread²), the singular values are √(1 ± cos).
+    """
+    cos = 1.0 / math.sqrt(1.0 + spread * spread)
+    lack = spread * spread * cos / (math.sqrt(1.0 + spread * spread) + 1.0)  # 1 − cos, without cancelling
+    return math.sqrt((1.0 + cos) / lack) if lack else math.inf
+
+
+def _effective_points(residual: FloatArray) -> float:
+    """How many independent points scatter as much: n/(1 + 2 Σ ρ_k), ρ up to its first zero."""
+    count = residual.size
+    power = float(residual @ residual)
+    if power == 0.0:
+        return float(count)
+    length = 1 << (2 * count - 1).bit_length()
+    correlation = np.fft.irfft(np.abs(np.fft.rfft(residual, length)) ** 2, length)[1:count] / power
+    ends = np.flatnonzero(correlation <= 0.0)
+    together = float(correlation[: ends[0] if ends.size else None].sum())
+    return max(count / (1.0 + 2.0 * together), 1.0)
+
+
+def _rms(residual: FloatArray) -> float:
+    return math.sqrt(float(residual @ residual) / residual.size)
+
+
+def _r_squared(residual: FloatArray, measured: FloatArray) -> float | None:
+    about_mean = measured - measured.mean()
+    total = float(about_mean @ about_mean)
+    return 1.0 - float(residual @ residual) / total if total else None
