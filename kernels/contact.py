@@ -7,7 +7,7 @@ contact by more than 1e-12 of it; `base − gap` is exact near contact, so the o
 import warp as wp
 
 from warpwear.kernels.reductions import sum_of
-from warpwear.kernels.types import LANES, ONE, ZERO, Cells
+from warpwear.kernels.types import LANES, ONE, WIDTH, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 
@@ -35,6 +35,8 @@ def pressure_of(
 def carried(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
     base: wp.float64,
     offset: wp.float64,
     cap: wp.float64,
@@ -48,25 +50,29 @@ def carried(
     stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
     pressure = Cells(ZERO)
     slope = Cells(ZERO)
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        s = stiffness_in[stiffness_row, k]
-        g = gap_in[row, k]
-        p = Cells(ZERO)
-        between = Cells(ZERO)
-        for j in range(LANES):
-            q = ((base - g[j]) + offset) * s[j]
-            p[j] = wp.min(wp.max(q, ZERO), cap)
-            between[j] = wp.where(q > ZERO and q < cap, s[j], ZERO)
-        pressure += p
-        slope += between
-    sums_out[slot, 0] = sum_of(pressure)
-    sums_out[slot, 1] = sum_of(slope)
+    for n in range(slot % slots_per_row, count_in[row], slots_per_row):
+        t = tiles_in[row, n]
+        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_in.shape[1])):
+            s = stiffness_in[stiffness_row, k]
+            g = gap_in[row, k]
+            p = Cells(ZERO)
+            between = Cells(ZERO)
+            for j in range(LANES):
+                q = ((base - g[j]) + offset) * s[j]
+                p[j] = wp.min(wp.max(q, ZERO), cap)
+                between[j] = wp.where(q > ZERO and q < cap, s[j], ZERO)
+            pressure += p
+            slope += between
+    sums_out[0, slot] = sum_of(pressure)
+    sums_out[1, slot] = sum_of(slope)
 
 
 @wp.kernel
 def bearing(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
     approach: wp.float64,
     gap_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
@@ -75,19 +81,23 @@ def bearing(
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     count = Cells(ZERO)
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        g = gap_in[row, k]
-        indicator = Cells(ZERO)
-        for j in range(LANES):
-            indicator[j] = in_contact(g[j], approach)
-        count += indicator
-    sums_out[slot, 0] = sum_of(count)
+    for n in range(slot % slots_per_row, count_in[row], slots_per_row):
+        t = tiles_in[row, n]
+        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_in.shape[1])):
+            g = gap_in[row, k]
+            indicator = Cells(ZERO)
+            for j in range(LANES):
+                indicator[j] = in_contact(g[j], approach)
+            count += indicator
+    sums_out[0, slot] = sum_of(count)
 
 
 @wp.kernel
 def pressures(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
     base: wp.float64,
     offset: wp.float64,
     cap: wp.float64,
@@ -97,14 +107,17 @@ def pressures(
     gap_in: wp.array2d(dtype=Cells),
     pressure_out: wp.array2d(dtype=Cells),
 ):
-    """The pressure field of a solved approach."""
+    """The pressure field of a solved approach, in the tiles visited."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        s = stiffness_in[stiffness_row, k]
-        g = gap_in[row, k]
-        p = Cells(ZERO)
-        for j in range(LANES):
-            p[j] = pressure_of((base - g[j]) + offset, s[j], cap, tie_width, tie_pressure)
-        pressure_out[row, k] = p
+    for n in range(slot % slots_per_row, count_in[row], slots_per_row):
+        t = tiles_in[row, n]
+        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_in.shape[1])):
+            s = stiffness_in[stiffness_row, k]
+            g = gap_in[row, k]
+            p = Cells(ZERO)
+            for j in range(LANES):
+                p[j] = pressure_of((base - g[j]) + offset, s[j], cap, tie_width, tie_pressure)
+            pressure_out[row, k] = p
+

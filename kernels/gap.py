@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from warpwear.kernels.types import ABSENT, LANES, ONE, ZERO, Cells
+from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 
@@ -50,20 +50,24 @@ def gap(
 def bounds(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
     gap_in: wp.array2d(dtype=Cells),
     extremes_out: wp.array2d(dtype=wp.float64),
 ):
-    """Smallest and largest gap of each slot; places without a surface do not count."""
+    """Smallest and largest gap of the tiles visited; places without a surface do not count."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     low = Cells(ABSENT)
     high = Cells(-ABSENT)
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        g = gap_in[row, k]
-        there = Cells(-ABSENT)
-        for j in range(LANES):
-            there[j] = wp.where(g[j] < ABSENT / wp.float64(2.0), g[j], -ABSENT)
-        low = wp.min(low, g)
-        high = wp.max(high, there)
-    extremes_out[slot, 0] = wp.min(low)
-    extremes_out[slot, 1] = wp.max(high)
+    for n in range(slot % slots_per_row, count_in[row], slots_per_row):
+        t = tiles_in[row, n]
+        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_in.shape[1])):
+            g = gap_in[row, k]
+            there = Cells(-ABSENT)
+            for j in range(LANES):
+                there[j] = wp.where(g[j] < ABSENT / wp.float64(2.0), g[j], -ABSENT)
+            low = wp.min(low, g)
+            high = wp.max(high, there)
+    extremes_out[0, slot] = wp.min(low)
+    extremes_out[1, slot] = wp.max(high)

@@ -4,7 +4,7 @@ import warp as wp
 
 from warpwear.kernels.contact import pressure_of
 from warpwear.kernels.reductions import sum_of
-from warpwear.kernels.types import LANES, ONE, ZERO, Cells
+from warpwear.kernels.types import LANES, ONE, WIDTH, ZERO, Cells, Kept
 
 wp.set_module_options({"enable_backward": False})
 
@@ -16,6 +16,8 @@ NOWHERE = wp.constant(wp.float64(-1.0e9))
 def remove(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
     base: wp.float64,
     offset: wp.float64,
     cap: wp.float64,
@@ -26,6 +28,7 @@ def remove(
     pressure_reference: wp.float64,
     stiffness_in: wp.array2d(dtype=Cells),
     distance_factor_in: wp.array2d(dtype=Cells),
+    rest_in: wp.array(dtype=Kept),
     gap_out: wp.array2d(dtype=Cells),
     wear_sphere_out: wp.array2d(dtype=Cells),
     wear_disc_out: wp.array2d(dtype=Cells),
@@ -34,13 +37,27 @@ def remove(
 ):
     """One increment of wear in place: each body loses K p ΔL (`removal_*` = K ΔL), the gap opens by both.
 
-    Sums and maxima of the step, a row a slot, in the order of `types.SUMS` and `types.MAXIMA`. Squares are
+    Sums and maxima of the step, a column a slot, in the order of `types.SUMS` and `types.MAXIMA`. Squares are
     those of the deviation from `pressure_reference`, which keeps the scatter of nearly equal pressures.
+    rest_in: of the tiles of each row that are not listed.
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    lane = slot % slots_per_row
     stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
     factor_row = wp.min(row, distance_factor_in.shape[0] - 1)
+
+    rest = rest_in[row]
+    share = wp.where(lane == 0, ONE, ZERO)
+    if lane >= count_in[row]:  # nothing to do: most rows of an early contact
+        for i in range(5):
+            sums_out[i, slot] = ZERO
+            maxima_out[i, slot] = ZERO
+        for i in range(3):
+            sums_out[5 + i, slot] = share * rest[i]
+        for i in range(3, 7):
+            maxima_out[i, slot] = NOWHERE
+        return
 
     vectors = gap_out.shape[1]
     pressure = Cells(ZERO)
@@ -60,61 +77,62 @@ def remove(
     # What a cell does is written lane by lane, what is summed over cells vector by vector: only so does the
     # compiler keep all these sums in SIMD registers (half the time of sums written lane by lane; a product of
     # a vector and a scalar here doubles it: measure with bench/step.py after a change).
-    for k in range(slot % slots_per_row, vectors, slots_per_row):
-        s = stiffness_in[stiffness_row, k]
-        f = distance_factor_in[factor_row, k]
-        g = gap_out[row, k]
-        a = wear_sphere_out[row, k]
-        b = wear_disc_out[row, k]
-        p = Cells(ZERO)
-        d = Cells(ZERO)
-        is_contact = Cells(ZERO)
-        is_capped = Cells(ZERO)
-        is_touched = Cells(ZERO)
-        to_end = Cells(ZERO)
-        from_start = Cells(ZERO)
-        vectors_to_end = wp.float64(vectors - k)
-        vectors_from_start = wp.float64(k + 1)
-        for j in range(LANES):
-            q = pressure_of((base - g[j]) + offset, s[j], cap, tie_width, tie_pressure)
-            da = removal_sphere * q
-            db = removal_disc * f[j] * q
-            p[j] = q
-            g[j] = g[j] + (da + db)
-            a[j] = a[j] + da
-            b[j] = b[j] + db
-            d[j] = wp.where(q > ZERO, q - pressure_reference, ZERO)
-            is_contact[j] = wp.where(q > ZERO, ONE, ZERO)
-            is_capped[j] = wp.where(q >= cap, ONE, ZERO)
-            ever = q + a[j] + b[j] > ZERO
-            is_touched[j] = wp.where(ever, ONE, ZERO)
-            to_end[j] = wp.where(ever, vectors_to_end, ZERO)
-            from_start[j] = wp.where(ever, vectors_from_start, ZERO)
-        gap_out[row, k] = g
-        wear_sphere_out[row, k] = a
-        wear_disc_out[row, k] = b
-        pressure += p
-        factored += wp.cw_mul(f, p)
-        deviation += wp.cw_mul(d, d)
-        contact += is_contact
-        capped += is_capped
-        touched += is_touched
-        worn_sphere += a
-        worn_disc += b
-        highest_pressure = wp.max(highest_pressure, p)
-        deepest_sphere = wp.max(deepest_sphere, a)
-        deepest_disc = wp.max(deepest_disc, b)
-        from_first = wp.max(from_first, to_end)
-        to_last = wp.max(to_last, from_start)
-
-    sums_out[slot, 0] = sum_of(pressure)
-    sums_out[slot, 1] = sum_of(factored)
-    sums_out[slot, 2] = sum_of(deviation)
-    sums_out[slot, 3] = sum_of(contact)
-    sums_out[slot, 4] = sum_of(capped)
-    sums_out[slot, 5] = sum_of(touched)
-    sums_out[slot, 6] = sum_of(worn_sphere)
-    sums_out[slot, 7] = sum_of(worn_disc)
+    for n in range(lane, count_in[row], slots_per_row):
+        t = tiles_in[row, n]
+        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, vectors)):
+            s = stiffness_in[stiffness_row, k]
+            f = distance_factor_in[factor_row, k]
+            g = gap_out[row, k]
+            a = wear_sphere_out[row, k]
+            b = wear_disc_out[row, k]
+            p = Cells(ZERO)
+            d = Cells(ZERO)
+            is_contact = Cells(ZERO)
+            is_capped = Cells(ZERO)
+            is_touched = Cells(ZERO)
+            to_end = Cells(ZERO)
+            from_start = Cells(ZERO)
+            vectors_to_end = wp.float64(vectors - k)
+            vectors_from_start = wp.float64(k + 1)
+            for j in range(LANES):
+                q = pressure_of((base - g[j]) + offset, s[j], cap, tie_width, tie_pressure)
+                da = removal_sphere * q
+                db = removal_disc * f[j] * q
+                p[j] = q
+                g[j] = g[j] + (da + db)
+                a[j] = a[j] + da
+                b[j] = b[j] + db
+                d[j] = wp.where(q > ZERO, q - pressure_reference, ZERO)
+                is_contact[j] = wp.where(q > ZERO, ONE, ZERO)
+                is_capped[j] = wp.where(q >= cap, ONE, ZERO)
+                ever = q + a[j] + b[j] > ZERO
+                is_touched[j] = wp.where(ever, ONE, ZERO)
+                to_end[j] = wp.where(ever, vectors_to_end, ZERO)
+                from_start[j] = wp.where(ever, vectors_from_start, ZERO)
+            gap_out[row, k] = g
+            wear_sphere_out[row, k] = a
+            wear_disc_out[row, k] = b
+            pressure += p
+            factored += wp.cw_mul(f, p)
+            deviation += wp.cw_mul(d, d)
+            contact += is_contact
+            capped += is_capped
+            touched += is_touched
+            worn_sphere += a
+            worn_disc += b
+            highest_pressure = wp.max(highest_pressure, p)
+            deepest_sphere = wp.max(deepest_sphere, a)
+            deepest_disc = wp.max(deepest_disc, b)
+            from_first = wp.max(from_first, to_end)
+            to_last = wp.max(to_last, from_start)
+    sums_out[0, slot] = sum_of(pressure)
+    sums_out[1, slot] = sum_of(factored)
+    sums_out[2, slot] = sum_of(deviation)
+    sums_out[3, slot] = sum_of(contact)
+    sums_out[4, slot] = sum_of(capped)
+    sums_out[5, slot] = sum_of(touched) + share * rest[0]
+    sums_out[6, slot] = sum_of(worn_sphere) + share * rest[1]
+    sums_out[7, slot] = sum_of(worn_disc) + share * rest[2]
     first_column = NOWHERE
     last_column = NOWHERE
     for j in range(LANES):
@@ -124,10 +142,10 @@ def remove(
             first_column = wp.max(first_column, -(first_vector * wp.float64(LANES) + wp.float64(j)))
             last_column = wp.max(last_column, last_vector * wp.float64(LANES) + wp.float64(j))
     here = sum_of(touched) > ZERO
-    maxima_out[slot, 0] = wp.max(highest_pressure)
-    maxima_out[slot, 1] = wp.max(deepest_sphere)
-    maxima_out[slot, 2] = wp.max(deepest_disc)
-    maxima_out[slot, 3] = wp.where(here, -wp.float64(row), NOWHERE)
-    maxima_out[slot, 4] = wp.where(here, wp.float64(row), NOWHERE)
-    maxima_out[slot, 5] = first_column
-    maxima_out[slot, 6] = last_column
+    maxima_out[0, slot] = wp.max(highest_pressure)
+    maxima_out[1, slot] = wp.max(deepest_sphere)
+    maxima_out[2, slot] = wp.max(deepest_disc)
+    maxima_out[3, slot] = wp.where(here, -wp.float64(row), NOWHERE)
+    maxima_out[4, slot] = wp.where(here, wp.float64(row), NOWHERE)
+    maxima_out[5, slot] = first_column
+    maxima_out[6, slot] = last_column

@@ -14,10 +14,13 @@ Cells = wp.types.vector(LANES, wp.float64)
 #: Gap of a place where there is no surface (padding, beyond the sphere's edge) [mm].
 PADDING = 1.0e30
 ABSENT = wp.constant(wp.float64(PADDING))
+#: Vectors of a tile, see `tiles`.
+WIDTH = wp.constant(wp.int32(4))
 ZERO = wp.constant(wp.float64(0.0))
 ONE = wp.constant(wp.float64(1.0))
 
-#: Columns of the table of partial results, one row a slot, that `removal.remove` writes.
+#: Rows of the table of partial results, one column a slot, that `removal.remove` writes: of the step, and (from
+#: "touched" on) of the whole field.
 SUMS = (
     "pressure",
     "pressure_times_factor",
@@ -28,5 +31,7 @@ SUMS = (
     "wear_sphere",
     "wear_disc",
 )
-#: Columns of the table of partial maxima. Lowest indices are stored negated.
+#: Rows of the table of partial maxima, over the tiles visited. Lowest indices are stored negated.
 MAXIMA = ("pressure", "wear_sphere", "wear_disc", "first_row", "last_row", "first_column", "last_column")
+#: What is kept of every tile: cells ever touched, sums of the wear of sphere and disc [mm].
+Kept = wp.types.vector(3, wp.float64)

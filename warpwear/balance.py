@@ -15,6 +15,7 @@ import numpy as np
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.kernels import contact, gap
+from warpwear.tiles import Tiles
 
 #: Residual of the balance of a contact with compliance, relative to the load.
 TOLERANCE = 1.0e-12
@@ -23,6 +24,8 @@ TIE = 1.0e-12
 #: Stands for 1/c where c = 0: any overlap reaches the cap.
 RIGID = 1.0e300
 MAX_EVALUATIONS = 400
+#: A new list of tiles reaches so many steps ahead.
+STEPS_AHEAD = 8.0
 #: Searches, each from a base nearer the solution.
 MAX_ROUNDS = 3
 #: First step of a search that starts where the solution is [mm]; steps grow until they bracket it.
@@ -60,16 +63,17 @@ class Balancer:
         self._sums = executor.partials(2)
         self._cell_area = executor.grid.cell_area
 
-    def bounds(self, gap_field: Field) -> tuple[float, float]:
-        """Smallest and largest gap [mm]."""
-        self._executor.launch(gap.bounds, inputs=[gap_field], outputs=[self._sums])
+    def bounds(self, gap_field: Field, tiles: Tiles) -> tuple[float, float]:
+        """Smallest and largest gap of the tiles listed [mm]."""
+        self._executor.launch(gap.bounds, inputs=[gap_field], outputs=[self._sums], over=tiles)
         extremes = self._sums.numpy()
-        return float(extremes[:, 0].min()), float(extremes[:, 1].max())
+        return float(extremes[0].min()), float(extremes[1].max())
 
     def foundation(
         self,
         gap_field: Field,
         stiffness: Field,
+        tiles: Tiles,
         *,
         load: float,
         hardness: float,
@@ -78,69 +82,104 @@ class Balancer:
     ) -> Balance:
         """Balance of a contact with compliance, to `TOLERANCE`.
 
-        stiffness: 1/c [N/mm³], one row for all or one a row of cells. start: approach near the solution
-        [mm], from the step before; step: how far beyond it the solution is expected [mm]. Without a start
-        the search begins from the bounds of the gap.
+        stiffness: 1/c [N/mm³], one row for all or one a row of cells. tiles: of the gap; more of them are
+        listed as they are needed. start: approach near the solution [mm], from the step before; step: how far
+        beyond it the solution is expected [mm]. Without a start the search begins at the lowest cell.
 
         Raises ConvergenceError, never returns an unbalanced contact.
         """
-        low = -math.inf
-        high = math.inf
+        low, ahead = -math.inf, STEPS_AHEAD * abs(step)
         if start is None:
-            lowest, highest = self.bounds(gap_field)
+            start, low = tiles.smallest, 0.0
             known = stiffness.numpy()
             softest = float(known[known > 0.0].min())
-            reach = min(hardness, load / self._cell_area) / softest
-            start, low, high = lowest, 0.0, highest - lowest + reach
-            step = 0.5 * high
-
+            step = 0.5 * min(hardness, load / self._cell_area) / softest
+        else:
+            tiles.reach(start + step, ahead=ahead)
         base = start
         evaluations = 0
+        while True:
+            found, base = self._search(gap_field, stiffness, tiles, base, step, low, load, hardness)
+            evaluations += found.evaluations
+            approach = base + found.offset
+            if approach <= tiles.limit:
+                return Balance(base, found.offset, hardness, found.force - load, evaluations=evaluations)
+            # Tiles that touch are missing: with them the approach is smaller.
+            tiles.reach(approach, ahead=ahead)
+            base, step, low = approach, 0.0, -math.inf
+
+    def _search(
+        self,
+        gap_field: Field,
+        stiffness: Field,
+        tiles: Tiles,
+        base: float,
+        step: float,
+        low: float,
+        load: float,
+        hardness: float,
+    ) -> "tuple[_Found, float]":
+        """The balance on the tiles listed, and the base that its offset counts from."""
         for _ in range(MAX_ROUNDS):
 
             def carried(offset: float, base: float = base) -> tuple[float, float]:
-                return self._carried(gap_field, stiffness, base, offset, hardness)
+                return self._carried(gap_field, stiffness, tiles, base, offset, hardness)
 
-            found = _newton_in_bracket(carried, load, step, low, high)
-            evaluations += found.evaluations
+            found = _newton_in_bracket(carried, load, step, low, math.inf)
             if found.converged(load):
-                residual = found.force - load
-                return Balance(base, found.offset, hardness, residual, evaluations=evaluations)
+                return found, base
             # Down to neighbouring numbers: from a base at the solution the offset has digits again.
-            base, step = base + found.offset, 0.0
-            low, high = -math.inf, math.inf
+            base, step, low = base + found.offset, 0.0, -math.inf
         raise ConvergenceError(
             f"the load balance did not converge: {found.force - load:.3g} N of {load:.6g} N are left "
             f"(allowed {TOLERANCE * load:.1g} N) near an approach of {base:.9g} mm."
         )
 
-    def bearing(self, gap_field: Field, *, load: float, hardness: float, tolerance: float) -> Balance:
+    def bearing(
+        self,
+        gap_field: Field,
+        tiles: Tiles,
+        *,
+        highest: float,
+        load: float,
+        hardness: float,
+        tolerance: float,
+        step: float = 0.0,
+    ) -> Balance:
         """Balance of the bearing area, area × hardness = load, by bisection (thesis eqs 4.8–4.11).
 
         The first approach that meets the tolerance [N] is taken and the pressure is load/area. Where cells
-        tie, so that no approach meets it, the tied cells share what is missing.
+        tie, so that no approach meets it, the tied cells share what is missing. highest: gap of all [mm]. step: by which a
+        step opens the gap of a cell in contact [mm].
         """
-        low, high = self.bounds(gap_field)
-        high += 2.0 * TIE  # so that the highest cell counts
         per_cell = hardness * self._cell_area
+        low = self.bounds(gap_field, tiles)[0]
+        high = highest + 2.0 * TIE  # so that the highest cell counts
         for evaluation in range(1, MAX_EVALUATIONS):
             approach = 0.5 * (low + high)
-            count = self._count(gap_field, approach)
+            count = self._count(gap_field, tiles, approach)
+            if approach > tiles.limit and count * per_cell - load < tolerance:  # others may touch as well
+                tiles.reach(approach, ahead=STEPS_AHEAD * step)
+                count = self._count(gap_field, tiles, approach)
             residual = count * per_cell - load
             if abs(residual) < tolerance and count > 0:
                 cap = load / (count * self._cell_area)
                 return Balance(approach, 0.0, cap, residual, evaluations=evaluation)
             if high - low <= TIE:
-                return self._tied(gap_field, approach, load, hardness, evaluation)
+                return self._tied(gap_field, tiles, approach, load, hardness, evaluation)
             if residual > 0.0:
                 high = approach
             else:
                 low = approach
         raise ConvergenceError(f"the bisection of the bearing area stopped with {high - low:.3g} mm to go.")
 
-    def _tied(self, gap_field: Field, approach: float, load: float, hardness: float, done: int) -> Balance:
-        below = self._count(gap_field, approach - TIE)
-        tied = self._count(gap_field, np.nextafter(approach + TIE, math.inf)) - below
+    def _tied(
+        self, gap_field: Field, tiles: Tiles, approach: float, load: float, hardness: float, done: int
+    ) -> Balance:
+        above = float(np.nextafter(approach + TIE, math.inf))
+        tiles.reach(above)
+        below = self._count(gap_field, tiles, approach - TIE)
+        tied = self._count(gap_field, tiles, above) - below
         needed = load / (hardness * self._cell_area)
         share = (needed - below) / tied if tied else math.nan
         if not 0.0 <= share <= 1.0:
@@ -160,19 +199,19 @@ class Balancer:
         )
 
     def _carried(
-        self, gap_field: Field, stiffness: Field, base: float, offset: float, cap: float
+        self, gap_field: Field, stiffness: Field, tiles: Tiles, base: float, offset: float, cap: float
     ) -> tuple[float, float]:
         """Force [N] and its slope [N/mm] at an approach."""
         self._executor.launch(
-            contact.carried, inputs=[base, offset, cap, stiffness, gap_field], outputs=[self._sums]
+            contact.carried, inputs=[base, offset, cap, stiffness, gap_field], outputs=[self._sums], over=tiles
         )
-        force, slope = self._sums.numpy().sum(axis=0) * self._cell_area
+        force, slope = self._sums.numpy().sum(axis=1) * self._cell_area
         return float(force), float(slope)
 
-    def _count(self, gap_field: Field, approach: float) -> float:
-        """Cells in contact at an approach."""
-        self._executor.launch(contact.bearing, inputs=[approach, gap_field], outputs=[self._sums])
-        return float(self._sums.numpy()[:, 0].sum())
+    def _count(self, gap_field: Field, tiles: Tiles, approach: float) -> float:
+        """Cells in contact at an approach, of the tiles listed."""
+        self._executor.launch(contact.bearing, inputs=[approach, gap_field], outputs=[self._sums], over=tiles)
+        return float(self._sums.numpy()[0].sum())
 
 
 class _Found(NamedTuple):

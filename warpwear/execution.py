@@ -1,7 +1,7 @@
 """How a kernel is executed: device, threads, and the storage of fields. The only file that launches.
 
 A kernel works on slots, one slot a row of cells on a CPU and several slots a row on a GPU; each slot writes
-its own row of the table of partial results, so that no result depends on the number of threads. On a CPU a
+its own column of the table of partial results, so that no result depends on the number of threads. On a CPU a
 launch is one loop on one core that lets go of Python's lock, so chunks of rows run on a pool of threads.
 """
 
@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from itertools import pairwise
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import psutil
@@ -18,13 +18,16 @@ import warp as wp
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, gap, removal, running_in
-from warpwear.kernels.types import LANES, Cells
+from warpwear.kernels import contact, gap, removal, running_in, tiles
+from warpwear.kernels.types import LANES, WIDTH, Cells
+
+if TYPE_CHECKING:
+    from warpwear.tiles import Tiles
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
-CELLS_PER_THREAD = 50_000
-#: On a GPU neighbouring threads read neighbouring vectors of one row.
-SLOTS_PER_ROW_CUDA = 32
+CELLS_PER_THREAD = 100_000
+#: On a GPU neighbouring threads read neighbouring vectors of a row; so many slots keep it busy.
+SLOTS_CUDA = 65536
 
 #: Fields alive at the peak of a run: gap, wear of both bodies, heights or pressure, and room to work.
 FIELDS_NEEDED = 6.0
@@ -53,15 +56,15 @@ class Executor:
         self.device = find_device(device)
         self.threads = _check_threads(threads)
         _check_memory(grid, self.device, fields_needed)
-        on_cpu = self.device.is_cpu
-        self.slots_per_row = 1 if on_cpu else SLOTS_PER_ROW_CUDA
-        self.slots = grid.nx * self.slots_per_row
         self.vectors = -(-grid.ny // LANES)
-        chunks = max(1, min(self.threads, grid.cells // CELLS_PER_THREAD, grid.nx)) if on_cpu else 1
-        edges = [self.slots * i // chunks for i in range(chunks + 1)]
-        self._chunks = list(pairwise(edges))
-        self._pool = ThreadPoolExecutor(chunks - 1) if chunks > 1 else None
-        for module in (gap, contact, removal, running_in):  # compiled before any thread needs them
+        self.tiles_per_row = -(-self.vectors // int(WIDTH))
+        on_cpu = self.device.is_cpu
+        self.slots_per_row = 1 if on_cpu else min(max(SLOTS_CUDA // grid.nx, 1), self.tiles_per_row)
+        self.slots = grid.nx * self.slots_per_row
+        workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if on_cpu else 0
+        self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
+        self._whole = self.share(np.full(grid.nx, self.vectors * LANES))
+        for module in (gap, contact, removal, running_in, tiles):  # compiled before any thread needs them
             wp.load_module(module, device=self.device)
 
     def __enter__(self) -> Self:
@@ -71,22 +74,38 @@ class Executor:
         if self._pool is not None:
             self._pool.shutdown()
 
-    def launch(self, kernel: Any, *, inputs: Sequence[Any], outputs: Sequence[Any]) -> None:
-        """Run a kernel over all slots; returns when it is done (CPU) or queued (GPU)."""
+    def share(self, cells: Any) -> list[tuple[int, int]]:
+        """Ranges of slots for the threads, with about as many cells each. cells: of every row, shape (nx,)."""
+        if not self.device.is_cpu:
+            return [(0, self.slots)]
+        done = np.concatenate([[0], np.cumsum(cells)])
+        chunks = max(1, min(self.threads, int(done[-1]) // CELLS_PER_THREAD))
+        edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), self.grid.nx]
+        return [(int(first), int(last)) for first, last in pairwise(edges)]
+
+    def launch(
+        self, kernel: Any, *, inputs: Sequence[Any], outputs: Sequence[Any], over: "Tiles | None" = None
+    ) -> None:
+        """Run a kernel over all slots; returns when it is done (CPU) or queued (GPU).
+
+        over: the tiles visited by a kernel that asks for a list of them.
+        """
+        chunks = self._whole if over is None else over.chunks
+        listed = [] if over is None else [over.list, over.count]
 
         def chunk(first: int, last: int) -> None:
             wp.launch(
                 kernel,
                 dim=last - first,
-                inputs=[first, self.slots_per_row, *inputs],
+                inputs=[first, self.slots_per_row, *listed, *inputs],
                 outputs=list(outputs),
                 device=self.device,
             )
 
         waiting = []
         if self._pool is not None:
-            waiting = [self._pool.submit(chunk, *edges) for edges in self._chunks[1:]]
-        chunk(*self._chunks[0])
+            waiting = [self._pool.submit(chunk, *edges) for edges in chunks[1:]]
+        chunk(*chunks[0])
         for future in waiting:
             future.result()
 
@@ -112,9 +131,9 @@ class Executor:
         values: FloatArray = field.numpy().reshape(field.shape[0], -1)[:, : self.grid.ny]
         return values
 
-    def partials(self, columns: int) -> Field:
-        """A table for the partial results of `columns` quantities, one row a slot."""
-        return wp.zeros((self.slots, columns), dtype=wp.float64, device=self.device)
+    def partials(self, quantities: int) -> Field:
+        """A table for the partial results of so many quantities, one column a slot."""
+        return wp.zeros((quantities, self.slots), dtype=wp.float64, device=self.device)
 
 
 def find_device(name: str) -> Any:

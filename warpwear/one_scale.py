@@ -10,10 +10,15 @@ from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact, gap, removal
-from warpwear.kernels.types import MAXIMA, SUMS
+from warpwear.kernels.types import MAXIMA, PADDING, SUMS
 from warpwear.kinematics import distance_factor
 from warpwear.running_in import Logistic, Recession
 from warpwear.study import Study
+from warpwear.tiles import Tiles
+
+
+#: Cells listed at least, over those that carry the load at the hardness.
+SPARE = 4.0
 
 
 @dataclass
@@ -60,6 +65,7 @@ class OneScaleModel:
             None if bearing_curve is None else Recession(bearing_curve, executor, self._factor_field)
         )
         self._last: Balance | None = None
+        self._most = dict.fromkeys(MAXIMA, -math.inf)
         self._row = dict.fromkeys(
             (
                 "distance",
@@ -87,6 +93,11 @@ class OneScaleModel:
             ],
             outputs=[self.state.gap],
         )
+        fully = study.contact.load / (study.hardness * grid.cell_area)
+        self.tiles = Tiles(
+            executor, self.state.gap, self.state.wear_sphere, self.state.wear_disc, least=SPARE * fully
+        )
+        self._highest = self._highest_gap()
 
     def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -101,7 +112,10 @@ class OneScaleModel:
         if with_pressure:
             field = self._executor.zeros()
             self._executor.launch(
-                contact.pressures, inputs=[*law, stiffness, self.state.gap], outputs=[field]
+                contact.pressures,
+                inputs=[*law, stiffness, self.state.gap],
+                outputs=[field],
+                over=self.tiles,
             )
             pressure = self._executor.to_numpy(field)
         # The scatter is summed about a value near the mean: of a bearing area the mean itself.
@@ -117,6 +131,7 @@ class OneScaleModel:
                 reference,
                 stiffness,
                 self._factor_field,
+                self.tiles.rest,
             ],
             outputs=[
                 self.state.gap,
@@ -125,25 +140,35 @@ class OneScaleModel:
                 self._sums,
                 self._maxima,
             ],
+            over=self.tiles,
         )
         if self._recession is not None:
             self._recession.recede(self.state.wear_disc, self.state.gap)
         self._last = balance
         return self._measured(balance, increment, (removal_sphere, removal_disc), reference, pressure)
 
+    def _highest_gap(self) -> float:
+        """Of all cells that are there [mm]."""
+        every = self._executor.to_numpy(self.state.gap)
+        return float(every.max(where=every < 0.5 * PADDING, initial=-math.inf))
+
     def _balance(self, stiffness: Field, removal: float) -> Balance:
         load = self.study.contact.load
         if self.study.uses_bearing_area:
             return self._balancer.bearing(
                 self.state.gap,
+                self.tiles,
+                highest=self._highest,
                 load=load,
                 hardness=self.study.hardness,
                 tolerance=self.study.load_tolerance,
+                step=removal * self.study.hardness,
             )
         # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
         return self._balancer.foundation(
             self.state.gap,
             stiffness,
+            self.tiles,
             load=load,
             hardness=self.study.hardness,
             start=self._last.approach if self._last else None,
@@ -179,11 +204,14 @@ class OneScaleModel:
     ) -> Step:
         grid = self._executor.grid
         area = grid.cell_area
-        total = dict(zip(SUMS, self._sums.numpy().sum(axis=0).tolist(), strict=True))
-        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=0).tolist(), strict=True))
+        total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))
+        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
         count = total["contact"]
         if not count > 0.0 or not math.isfinite(total["pressure"]):
             raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
+        # What was reached once stays so, also where the tiles visited now do not show it.
+        self._most = {name: max(most[name], self._most[name]) for name in most}
+        pressure_max, most = most["pressure"], self._most
         mean = total["pressure"] / count
         variance = total["deviation_squared"] / count - (mean - reference) ** 2
         along = (most["last_row"] + most["first_row"] + 1.0) * grid.cell
@@ -205,7 +233,7 @@ class OneScaleModel:
             "patch_across": across,
             "pressure_mean": mean,
             "pressure_std": math.sqrt(max(variance, 0.0)),
-            "pressure_max": most["pressure"],
+            "pressure_max": pressure_max,
             "wear_volume_sphere": total["wear_sphere"] * area,
             "wear_volume_disc": total["wear_disc"] * area,
             "wear_depth_sphere": most["wear_sphere"],
