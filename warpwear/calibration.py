@@ -211,7 +211,7 @@ def diameter_of_cap(volume: float, *, radius: float) -> float:
     """
     _positive("volume", volume, "mm³")
     _positive("radius", radius, "mm")
-    if volume > 2.0 / 3.0 * math.pi * radius**3:
+    if volume > 2.0 / 3.0 * math.pi * radius**3 * (1.0 + 1e-12):
         raise InputError(f"volume is {volume:g} mm³: allowed is up to half the ball of radius {radius:g} mm")
     low, high = 0.0, radius  # of the height
     while low < (middle := 0.5 * (low + high)) < high:

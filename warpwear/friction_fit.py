@@ -15,6 +15,8 @@ from warpwear.grid import FloatArray
 #: Diagnostics, 1980, section 3.2), and from which they are not told apart at all.
 POOR, HOPELESS = 30.0, 1000.0
 FEWEST = 3
+#: Residuals of coefficients below this are rounding, which goes together too.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +66,7 @@ class FrictionFit:
                 "τ0 is negative: the coefficient falls while this area grows, so that no constant shear "
                 "strength of it describes the measurement"
             )
-        if self.effective_points < 10.0 and self.points >= 20:
+        if self.effective_points < 10.0 and self.points >= 20 and self.rms > ROUNDING:
             found.append(
                 f"the residuals go together over long distances ({self.effective_points:.2g} independent of "
                 f"{self.points} points): the curve has another shape than the area's"
