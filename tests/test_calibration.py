@@ -160,6 +160,8 @@ def test_diameter_of_cap_turns_cap_round(diameter):
         lambda: cap(math.nan, radius=3.0),
         lambda: cap(6.0, radius=3.0, error=0.1),
         lambda: cap(0.8, radius=math.inf),
+        lambda: cap(1e100, radius=1e101),
+        lambda: cap(1e-9, radius=3.0) and wear_coefficient([cap(1e-9, radius=3.0)], load=8.0, distance=1.0),
         lambda: circular_track(6.0, radius=3.0, track_radius=10.0),
         lambda: circular_track(1.0, radius=3.0, track_radius=0.4),
         lambda: diameter_of_cap(60.0, radius=3.0),
@@ -314,4 +316,5 @@ def test_scientific():
     assert scientific(9.99996e-4) == "1.000e-3"
     assert scientific(3.6912e-4, 1.8e-5) == "(3.69 ± 0.18)e-4"
     assert scientific(3.6912e-4, 5e-4) == "(3.7 ± 5.0)e-4"
+    assert scientific(3.6912e-4, 1e-12) == "(3.691 ± 1e-08)e-4"
     assert scientific(12.0, 20.0) == "(1.2 ± 2.0)e1"
