@@ -34,9 +34,9 @@ def cof(comparison: Comparison) -> Figure:
                     _measured(panel, experiment, end, line)
         for run, line in _runs(comparison):
             if run.cof is not None:
-                for panel, end in zip(axes, (1.0, run.cof[-1]), strict=True):
-                    if end > 0.0:
-                        fs.over_distance(panel, run.history["distance"], run.cof / end, **line)
+                fs.over_distance(axes[0], run.history["distance"], run.cof, **line)
+                if run.cof.size > 1 and run.cof[-1] > 0.0:
+                    fs.over_distance(axes[1], run.history["distance"], run.cof / run.cof[-1], **line)
         axes[0].set_ylabel("coefficient of friction, –")
         axes[1].set_ylabel("relative to its end value, –")
         for panel in axes:
@@ -145,7 +145,7 @@ def _runs(comparison: Comparison) -> Iterator[tuple[RunData, dict[str, Any]]]:
         # Colours repeat after six runs, together with their lines only after thirty-six.
         style = LINES[(index + index // len(COLOURS)) % len(LINES)]
         line = {"color": COLOURS[index % len(COLOURS)], "ls": style, "label": run.name}
-        yield run, line | ({"marker": "o"} if run.history["distance"].size == 1 else {})
+        yield run, line | ({"marker": "o", "ms": 4} if run.history["distance"].size == 1 else {})
 
 
 def _experiments(comparison: Comparison) -> Iterator[tuple[Experiment, dict[str, Any]]]:
