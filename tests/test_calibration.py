@@ -248,6 +248,10 @@ def test_doubtful_fits_say_so():
     assert negative.without_ploughing.shear_strength < 3.0
     falling = fitted(curve(tau=-1.0, ploughing=0.8))
     assert any("τ0 is negative" in doubt for doubt in falling.doubts)
+    assert not any("two standard errors" in doubt for doubt in falling.doubts)
+    unsure = fitted(curve(tau=-0.12, ploughing=0.5, noise=0.05, seed=1))
+    assert unsure.shear_strength < 0.0
+    assert any("τ0 is negative (within two standard errors of 0)" in doubt for doubt in unsure.doubts)
     narrow = fitted(curve(noise=0.01), area=1.0 + 0.01 * AREA)
     assert narrow.condition > 30
     assert any("poorly told apart" in doubt for doubt in narrow.doubts)
