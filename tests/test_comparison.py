@@ -28,7 +28,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
         {"grid.cell": "10 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm", "30 mm"]}
     )
     light = {"contact.load": "4 N", "sliding.distance": "60 mm", "sliding.speed": "40 mm/min"}
-    soft = {"wear.disc": "25e-4 mm^3/N/m", "study.name": "soft"}
+    soft = {"wear.disc": "25e-4 mm^3/N/m", "friction.ploughing": 0.05, "study.name": "soft"}
     still = {"sliding.distance": "0 mm", "output.snapshots": [], "study.name": "still"}
     for name, changes in {"a": {}, "light": light, "soft": soft, "still": still}.items():
         warpwear.run(study.replace(changes), out=folder / name, plots=False).close()
@@ -93,7 +93,12 @@ def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path) -> 
     document = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
     assert document["comparison"]["v3-fine"]["steps"] == history["distance"].size
     assert document["units"]["pressure_mean"] == "MPa"
-    for words in ("patch along, mm", "CoF − sample 3 (rms)", "m and λ of a run are", "from 'Distance [m]'"):
+    for words in (
+        "patch along, mm",
+        "CoF − sample 3 (rms)",
+        "m and λ are of the coefficient",
+        "from 'Distance [m]'",
+    ):
         assert words in done.output
     assert "Unlike tests" not in done.output
 
@@ -106,6 +111,14 @@ def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path) -> Non
     document = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
     assert list(document["comparison"]) == ["a", "light", "soft", "still"]
     assert document["comparison"]["still"]["exponent_m"] is None
+    with warpwear.Result.open(runs / "soft") as result:
+        distance, cof = result.history["distance"], result.history["cof"]
+        of_area = result.summary["cof_shape"]["exponent_m"]
+    late = distance >= 15.0
+    slope = np.cov(np.log(distance[late]), np.log(cof[late]))
+    found = document["comparison"]["soft"]["exponent_m"]  # flatter than the area's: ploughing does not grow
+    assert found == pytest.approx(slope[0, 1] / slope[0, 0], rel=1e-9)
+    assert found < of_area - 0.05
     notes = "\n".join(document["notes"])
     assert "differ in load (a 8 N, light 4 N, soft 8 N, still 8 N)" in notes
     assert "differ in sliding distance (a 30 mm, light 60 mm" in notes

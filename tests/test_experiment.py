@@ -225,6 +225,8 @@ def test_raw_records_that_say_too_little_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "raw.txt"
     with pytest.raises(InputError, match="does not change its sign with the direction"):
         read_experiment(write_raw(path, (passes, np.abs(friction), normal, position)))
+    with pytest.raises(InputError, match="turns 3 times, so there are no two whole cycles"):
+        read_experiment(write_raw(path, raw(cycles=1)))
     with pytest.raises(InputError, match="turns 0 times"):
         read_experiment(write_raw(path, (passes, friction, normal, 0 * position)))
     with pytest.raises(InputError, match="no position to tell the direction"):

@@ -44,6 +44,11 @@ class RunData:
         values = self.history["cof"]
         return values if bool(np.isfinite(values).all()) else None
 
+    @property
+    def shape(self) -> dict[str, float]:
+        """m and λ of the coefficient of friction, see `warpwear.summary.shape_of_growth`."""
+        return {} if self.cof is None else _shape(self.history["distance"], self.cof)
+
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
@@ -133,6 +138,10 @@ def shape_of(experiment: Experiment) -> dict[str, float]:
         part = np.minimum((PARTS * distance / distance[-1]).astype(np.intp), PARTS - 1)
         filled = np.flatnonzero(number := np.bincount(part))
         distance, cof = ((np.bincount(part, weights=v)[filled] / number[filled]) for v in (distance, cof))
+    return _shape(distance, cof)
+
+
+def _shape(distance: FloatArray, cof: FloatArray) -> dict[str, float]:
     late = distance >= 0.5 * distance[-1]
     if distance.size < FEWEST or late.sum() < 3 or np.any(cof[late] <= 0.0):
         return {}
@@ -200,6 +209,7 @@ CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str]]] = {
     "wear coefficient of the sphere": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
     "wear coefficient of the disc": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[1]),
     "sphere's curvature": ("1/mm", lambda s: s.sphere.curvature),
+    "law of wear": ("", lambda s: s.wear.law),
     "area that shears": ("", lambda s: s.friction.area),
 }
 

@@ -125,10 +125,10 @@ def _by_cycles(
     path: Path, position: FloatArray, friction: FloatArray, normal: FloatArray, stroke: float | None
 ) -> Reading:
     turns, smooth = turning_points(position)
-    if turns.size < 3:
+    if turns.size < 5:
         raise InputError(
-            f"{path}: the position turns {turns.size} times, so there is no whole cycle; a reciprocating "
-            "record of two passes or more is expected"
+            f"{path}: the position turns {turns.size} times, so there are no two whole cycles; a "
+            "reciprocating record of four passes or more is expected"
         )
     ends = [float(np.median(smooth[turns[side::2]])) for side in (0, 1)]
     measured, middle = abs(ends[1] - ends[0]), 0.5 * (ends[0] + ends[1])
@@ -153,6 +153,8 @@ def _by_cycles(
     # A pass and the mean of its neighbours: a friction that changes steadily makes no offset.
     offset = float(np.median(0.5 * forces[1:-1] + 0.25 * (forces[:-2] + forces[2:])))
     loaded = pressing > UNLOADED * np.median(pressing)
+    if loaded.sum() < 2:
+        raise InputError(f"{path} has whole cycles under load: {loaded.sum()}; two or more are expected")
     typical = float(np.median(half[loaded]))
     if typical <= RECTIFIED * abs(offset):
         raise InputError(
@@ -164,8 +166,6 @@ def _by_cycles(
     distance = min(start, used) + used * (1.0 + 2.0 * np.arange(pairs, dtype=np.float64))
     if not loaded.all():
         notes.append(f"Cycles with less than half of the median normal force, left out: {(~loaded).sum()}.")
-    if loaded.sum() < 2:
-        raise InputError(f"{path} has whole cycles under load: {loaded.sum()}; two or more are expected")
     known = "as given" if stroke is not None else "from its turning points"
     notes.append(f"{pairs} cycles; the distance is passes times the stroke, {used:.4g} mm ({known}).")
     notes.append(
