@@ -153,6 +153,9 @@ def test_time_takes_the_runs_speed_unless_they_differ(runs: Path, tmp_path: Path
         gather([runs / "a", runs / "light"], [record])
     told = gather([runs / "a", runs / "light"], [record], speed="1 mm/s")
     assert told.experiments[0].distance.tolist() == [0.0, 60.0, 120.0]
+    assert not any("mm long" in note for note in told.notes)  # twice the longer run's
+    slow = gather([runs / "a", runs / "light"], [record], speed="1 um/s")
+    assert "record: It is 0.12 mm long, the runs 30, 60 mm." in slow.notes
 
 
 def test_what_is_refused_leaves_nothing_behind(runs: Path, measured: Path, tmp_path: Path) -> None:

@@ -103,8 +103,12 @@ def gather(
     ]
     notes = [*_differences(named)]
     notes += [f"{r.name} was interrupted." for r in named if not r.summary["finished"]]
+    notes += [
+        f"{r.name} has no coefficient of friction: its end calibrates it." for r in named if r.cof is None
+    ]
     notes += [f"{r.name} has no snapshot, so no profile." for r in named if not r.wear]
-    notes += [f"{e.name}: {note}" for e in measured for note in e.notes]
+    for e in measured:
+        notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, named))]
     return Comparison(tuple(named), tuple(measured), tuple(notes))
 
 
@@ -212,6 +216,14 @@ CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str]]] = {
     "law of wear": ("", lambda s: s.wear.law),
     "area that shears": ("", lambda s: s.friction.area),
 }
+
+
+def _lengths(experiment: Experiment, runs: list[RunData]) -> list[str]:
+    """Whether it is far shorter or longer than every run, as in a wrong unit."""
+    whole, totals = float(experiment.distance[-1]), [float(run.history["distance"][-1]) for run in runs]
+    if not totals or any(0.5 * total <= whole <= 2.0 * total for total in totals):
+        return []
+    return [f"It is {whole:.4g} mm long, the runs {', '.join(f'{total:.4g}' for total in totals)} mm."]
 
 
 def _differences(runs: list[RunData]) -> list[str]:
