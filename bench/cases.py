@@ -1,0 +1,271 @@
+"""The cases of the benchmark. A model that is added later adds a function and a line to CASES."""
+
+import math
+import statistics
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from baselines import NumpyLoop, Problem, PublishedLoop, Solved, sag_of, sliding_step, work_for
+from contenders import (
+    Loop,
+    Setting,
+    Trace,
+    c_loop_or_none,
+    check,
+    gap_of,
+    heights_of,
+    named,
+    package,
+    steps,
+    study_on,
+)
+from loops import sampled_run, whole_run
+from phases import kernel_times
+from timing import Row, Unit, measure, ratio_note
+
+from warpwear import Study
+
+EARLY = [3.0e-3] * 10  # [mm]: near F/H
+LATE = [2400.0, 3.0, 3.0]  # implicit steps may be long: most of the footprint touches
+EARLY_STEP, LATE_STEP = 3.0e-3, 3.0
+SHIFT = 8  # cells a step of a displaced contact
+
+
+def cold(case: str, cells: int, setting: Setting, study: Study, increment: float) -> list[Row]:
+    """The first step of a fresh model: the balance from a cold start, without and with the gap from heights."""
+    unit = Unit(cells)
+    problem = Problem.of(study)
+    rows: list[Row] = []
+    traces: dict[str, Trace] = {}
+
+    def timed(name: str, fresh: Callable[[], Loop], note: str = "") -> None:
+        alive: list[Loop] = []
+
+        def renew() -> None:
+            alive[:] = []
+            alive.append(fresh())
+
+        def run() -> None:
+            traces[name] = [alive[0].advance(increment)]
+
+        def run_with_gap() -> None:
+            traces[name] = [fresh().advance(increment)]
+
+        for run_it, prepare, what in ((run, renew, "gap there"), (run_with_gap, None, "gap from heights")):
+            seconds, units = measure(run_it, unit, setting.repeats, prepare=prepare)
+            trials = traces[name][-1].evaluations
+            rows.append(Row(case, cells, f"{name}, {what}", seconds, units, f"{trials} evaluations{note}"))
+            alive.clear()
+
+    for threads in setting.threads:
+        with package(study, setting, threads) as fresh:
+            timed(named(threads), fresh)
+    timed("NumPy", lambda: NumpyLoop(problem, gap_of(study)))
+    sag = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
+    disc = heights_of(study).copy()
+    published = PublishedLoop(problem, sag, disc, Solved(math.nan, 0.0, 0.0, 0))
+    if problem.compliance_of(increment):  # a step that is not timed is compared at a tight tolerance
+        traces["published way"] = [published.advance(increment, tolerance=1.0e-10 * problem.load)]
+        published = PublishedLoop(problem, sag_of(study.cells.x, study.cells.y, study.sphere.curvature),
+                                  heights_of(study).copy(), Solved(math.nan, 0.0, 0.0, 0))  # fmt: skip
+    # Its wear is undone before each repeat by giving it none: a static contact is solved again as it was.
+    found: Trace = []
+
+    def renew() -> None:
+        published.sphere[...] = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
+        published.disc[...] = heights_of(study)
+
+    seconds, units = measure(
+        lambda: found.append(published.advance(increment)), unit, setting.repeats, prepare=renew
+    )
+    traces.setdefault("published way", found[-1:])
+    check(case, traces)
+    note = f"{found[-1].evaluations} trials to {study.load_tolerance:.2g} N, each a pass over S − D"
+    return [*rows, Row(case, cells, "published way", seconds, units, note)]
+
+
+def static(cells: int, setting: Setting) -> list[Row]:
+    """Bearing area at 590 MPa, balanced to one cell's force."""
+    return cold("static", cells, setting, study_on(cells, sliding__distance="0 mm"), 0.0)
+
+
+def static_springs(cells: int, setting: Setting) -> list[Row]:
+    """Foundation of 1.9e6 N/mm³ capped at 590 MPa, balanced to 1e-12 of the load."""
+    study = study_on(cells, sliding__distance="0 mm", contact__stiffness="1.9e6 N/mm^3")
+    return cold("static-springs", cells, setting, study, 0.0)
+
+
+def early(cells: int, setting: Setting) -> list[Row]:
+    """A step of 3 µm after ten of them: the contact is near F/H."""
+    return steps("early", study_on(cells), EARLY, EARLY_STEP, Unit(cells), setting)
+
+
+def late(cells: int, setting: Setting) -> list[Row]:
+    """A step of 3 mm after 2400 mm: 61 % of the domain touches."""
+    return steps("late", study_on(cells), LATE, LATE_STEP, Unit(cells), setting)
+
+
+def run_v3(_: int, setting: Setting) -> list[Row]:
+    """The whole of v3: 8000 explicit steps on 150² cells."""
+    study = Study.load("v3")
+    return whole_run("v3", study, Unit(study.cells.nx), setting, 1 if setting.quick else setting.repeats)
+
+
+def run_fine(_: int, setting: Setting) -> list[Row]:
+    """The whole of v3-fine: 1099 balanced steps on 1500² cells."""
+    return _run("v3-fine", Study.load("v3-fine"), setting)
+
+
+def run_springs(_: int, setting: Setting) -> list[Row]:
+    """The whole of v3-fine on springs of 1.9e6 N/mm³ capped at 590 MPa."""
+    study = Study.load("v3-fine").replace({"contact.stiffness": "1.9e6 N/mm^3", "contact.hardness": "590 MPa"})
+    return _run("v3-fine-springs", study, setting)
+
+
+def _run(case: str, study: Study, setting: Setting) -> list[Row]:
+    unit = Unit(study.cells.nx)
+    if setting.quick:
+        return sampled_run(case, study, 8, unit, setting)
+    return whole_run(case, study, unit, setting, setting.repeats)
+
+
+def finer(_: int, setting: Setting) -> list[Row]:
+    """The early step at 1 and at 0.5 µm on the same 2.048 mm: what halving the cell costs."""
+    rows = []
+    threads = max(setting.threads)
+    for cells in (2048, 4096):
+        study = study_on(cells, extent=2.048)
+        trace: Trace = []
+        with package(study, setting, threads) as fresh:
+            model = fresh()
+            trace.extend(model.advance(d) for d in EARLY)
+            seconds, units = measure(
+                lambda model=model, trace=trace: trace.append(model.advance(EARLY_STEP)),  # type: ignore[misc]
+                Unit(cells),
+                setting.repeats,
+            )
+        in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
+        check("finer", {named(threads): trace, "NumPy": [in_numpy.advance(d) for d in EARLY]})
+        name = f"{named(threads)}, {1e3 * study.grid.cell:g} µm"
+        note = ratio_note("0.5 µm over 1 µm", Row("", 0, "", seconds, units), rows[0]) if rows else ""
+        rows.append(Row("finer", cells, name, seconds, units, note))
+    return rows
+
+
+def second_thread(cells: int, setting: Setting) -> list[Row]:
+    """The late step by one thread and by two, in turns."""
+    study = study_on(cells)
+    unit = Unit(cells)
+    traces: dict[str, Trace] = {}
+    rows: list[Row] = []
+    with package(study, setting, 1) as fresh_one, package(study, setting, 2) as fresh_two:
+        models = {named(1): fresh_one(), named(2): fresh_two()}
+        for name, model in models.items():
+            traces[name] = [model.advance(d) for d in LATE]
+        times: dict[str, tuple[list[float], list[float]]] = {name: ([], []) for name in models}
+        for i in range(1 + setting.repeats):
+            for name, model in models.items():
+                taken = measure(
+                    lambda name=name, model=model: traces[name].append(model.advance(LATE_STEP)),  # type: ignore[misc]
+                    unit,
+                    1,
+                    warm_ups=0,
+                )
+                for kept, new in zip(times[name], taken, strict=True):
+                    kept.extend(new if i else [])
+    check("threads", traces)
+    for name in models:
+        rows.append(Row("threads", cells, name, *times[name]))
+    return [rows[0], Row("threads", cells, rows[1].contender, *times[rows[1].contender],
+                         ratio_note("one thread over two", *rows))]  # fmt: skip
+
+
+def phases(cells: int, setting: Setting) -> list[Row]:
+    """Balance, wear and the rest of a step, one thread."""
+    study = study_on(cells)
+    unit = Unit(cells)
+    rows = []
+    for when, before, increment in (("early", EARLY, EARLY_STEP), ("late", LATE, LATE_STEP)):
+        with package(study, setting, 1) as fresh:
+            model = fresh()
+            trace = [model.advance(d) for d in before]
+            spent: list[dict[str, float]] = []
+
+            def run(model: Loop = model, increment: float = increment, trace: Trace = trace) -> None:
+                with kernel_times() as times:
+                    trace.append(model.advance(increment))
+                spent.append(dict(times))
+
+            seconds, units = measure(run, unit, setting.repeats)
+        in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
+        check("phases", {named(1): trace, "NumPy": [in_numpy.advance(d) for d in before]})
+        spent = spent[-setting.repeats :]
+        for i, of_kernels in enumerate(spent):
+            of_kernels["rest"] = seconds[i] - sum(of_kernels.values())
+        names = sorted({name for times in spent for name in times} - {"rest"})
+        for name in [*names, "rest"]:
+            part = [times.get(name, 0.0) for times in spent]
+            share = statistics.median(part) / statistics.median(seconds)
+            rows.append(Row("phases", cells, f"{when} step: {name}", part, units, f"{100 * share:.0f} %"))
+    return rows
+
+
+def sliding(cells: int, setting: Setting) -> list[Row]:
+    """The disc moves by 8 cells a step under the sphere: NumPy alone, until a model of it is there."""
+    study = study_on(cells)
+    unit = Unit(cells)
+    problem = Problem.of(study)
+    sphere = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
+    count = setting.repeats + 1
+    track = np.pad(heights_of(study), ((0, SHIFT * count), (0, 0)), mode="reflect")
+    work = work_for(sphere)
+    trials: list[int] = []
+    removal = SHIFT * problem.cell
+
+    def run() -> None:
+        found = sliding_step(
+            sphere, track, start=SHIFT * len(trials), load=problem.load, hardness=problem.hardness,
+            cell=problem.cell, removal_sphere=problem.wear_sphere * removal,
+            removal_disc=problem.wear_disc * removal, work=work,
+        )  # fmt: skip
+        trials.append(found.trials)
+
+    seconds, units = measure(run, unit, setting.repeats)
+    worn = float((sphere - sag_of(study.cells.x, study.cells.y, study.sphere.curvature)).sum())
+    volume = problem.wear_sphere * removal * problem.load * len(trials)
+    check("sliding", {"K F L": [Solved(1.0, volume, 0.0, 0)],
+                      "NumPy": [Solved(1.0, worn * problem.cell**2, 0.0, 0)]})  # fmt: skip
+    note = f"{min(trials)}–{max(trials)} trials to half a cell's force; wears both bodies"
+    return [Row("sliding", cells, "NumPy", seconds, units, note)]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A line of the table of cases."""
+
+    run: Callable[[int, Setting], list[Row]]
+    sizes: tuple[int, ...] | None = None  # cells along a side; None: those asked for
+    fields: float = 9.0  # float64 fields of that size that it holds at its peak
+    threads: int = 1  # that it needs
+
+    @property
+    def about(self) -> str:
+        return (self.run.__doc__ or "").strip()
+
+
+CASES: dict[str, Case] = {
+    "static": Case(static),
+    "static-springs": Case(static_springs),
+    "early": Case(early),
+    "late": Case(late),
+    "v3": Case(run_v3, sizes=(150,)),
+    "v3-fine": Case(run_fine, sizes=(1500,)),
+    "v3-fine-springs": Case(run_springs, sizes=(1500,)),
+    "finer": Case(finer, sizes=(4096,)),
+    "threads": Case(second_thread, fields=11.0, threads=2),
+    "phases": Case(phases),
+    "sliding": Case(sliding, fields=8.0),
+}
+#: Lines that --quick leaves at one size, whatever is asked for.
+QUICK_SIZES = (2048,)
