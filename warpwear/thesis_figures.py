@@ -99,7 +99,7 @@ def _distance_factor(runs: Runs, numbers: Numbers) -> Figure:
                     label="chord of the contact, 2√(a² − y²)",
                 )
             panel.set_xlabel("across sliding, y, mm")
-            panel.set_ylabel("distance over that of the middle, –")
+            panel.set_ylabel("relative distance, –")
         axes[1].set_ylim(0.0, 1.05)
         fs.legend_above(axes[1], columns=3)
 
@@ -214,7 +214,11 @@ def _patch_bars(runs: Runs, numbers: Numbers) -> Figure:
         place = np.arange(4)
         for bars in (
             axes.bar(
-                place - 0.19, printed, 0.36, color=[EXPERIMENT, *[PRINTED] * 3], label="printed in the thesis"
+                place - np.array([0.0, 0.19, 0.19, 0.19]),
+                printed,
+                0.36,
+                color=[EXPERIMENT, *[PRINTED] * 3],
+                label="printed in the thesis",
             ),
             axes.bar(place[1:] + 0.19, ours[:3], 0.36, color=[LINES[n]["color"] for n in ("v1", "v2", "v3")]),
             axes.bar([4.0], ours[3:], 0.36, color=LINES["fine"]["color"]),
@@ -377,8 +381,8 @@ def _of_run(version: str, name: str) -> Draw:
 FIGURES: dict[str, Entry] = {
     "pressure_of_v1": Entry(
         thesis_maps.pressure_of_v1,
-        "Pressure (MPa) through the middle, along sliding (mm). Left: first step, Winkler (V1) and "
-        "Hertz. Right: at the end.",
+        "Pressure (MPa) through the middle, along sliding. Left (µm): first step, Winkler and Hertz. "
+        "Right (mm): at the end.",
     ),
     "radius_and_pressure": Entry(
         _radius_and_pressure,

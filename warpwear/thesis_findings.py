@@ -72,6 +72,7 @@ def _volume(n: Known) -> Verdict:
             {"cap": "experiment.K_by_cap", "full ellipsoid": "experiment.K_by_ellipsoid"},
             {"Table 4.1": thesis.WEAR_COEFFICIENTS["sphere"]},
             factor=1e4,
+            printed_factor=1e4,
         ),
     ),
 )
@@ -333,16 +334,6 @@ SUMMARY: tuple[tuple[Row, str], ...] = (
     (of_all("coefficient of friction, end", "–", "cof_end"), "figure-4.34"),
     (of_all("coefficient of friction, start over end", "–", "cof_first_over_end"), "figure-4.37"),
     (of_all("exponent m of the area in contact", "–", "exponent_m"), "cure"),
-    (
-        Row(
-            "K of the sphere by its patch (cap)",
-            "10⁻⁴ mm³/(N·m)",
-            {},
-            {"experiment": thesis.WEAR_COEFFICIENTS["sphere"]},
-            factor=1e4,
-        ),
-        "table-4.1",
-    ),
 )
 
 

@@ -84,6 +84,7 @@ def _test(n: Known) -> Verdict:
             {"from the patch": "experiment.K_by_cap"},
             {"thesis": thesis.WEAR_COEFFICIENTS["sphere"]},
             factor=1e4,
+            printed_factor=1e4,
         ),
         Row(
             "the same, by a full ellipsoid (4/3)πa²h",
@@ -91,6 +92,7 @@ def _test(n: Known) -> Verdict:
             {"from the patch": "experiment.K_by_ellipsoid"},
             {"thesis": thesis.WEAR_COEFFICIENTS["sphere"]},
             factor=1e4,
+            printed_factor=1e4,
         ),
         Row(
             "patch that the printed K alone wears",

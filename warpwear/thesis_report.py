@@ -18,7 +18,7 @@ from warpwear.thesis_findings import FINDINGS, SUMMARY, all_items
 from warpwear.thesis_items import TABLE
 from warpwear.thesis_numbers import Numbers, collect
 from warpwear.thesis_runs import VERSIONS, Plan, Runs, published, running
-from warpwear.thesis_verdicts import Kind, Row, Verdict, number
+from warpwear.thesis_verdicts import Kind, Row, Verdict, as_printed, number
 
 PAGE, NUMBERS = "report.html", "numbers.json"
 #: Columns of the table at the top.
@@ -38,8 +38,8 @@ def thesis_report(
     """Compute everything and write the folder `out` with report.html and numbers.json; returns the page.
 
     quick: the fine rough model with cells of 5 µm. plan: other studies than the published ones. quiet:
-    without a line a run on standard error. Raises InputError for a folder or a device that cannot be used, and leaves
-    nothing behind then.
+    without a line a run on standard error. Raises InputError for a folder or a device that cannot be used,
+    and leaves nothing behind then.
     """
     folder = Path(out)
     check_folder(folder, (PAGE, NUMBERS), overwrite=overwrite)
@@ -109,7 +109,12 @@ def render_page(
     first = runs["v1"]
     return render(
         "thesis.html",
-        {"num": number, "exact": repr, "anchor": lambda kind: str(kind).replace(" ", "-")},
+        {
+            "num": number,
+            "as_printed": as_printed,
+            "exact": repr,
+            "anchor": lambda kind: str(kind).replace(" ", "-"),
+        },
         printed_columns=PRINTED_COLUMNS,
         versions=VERSIONS,
         summary=SUMMARY,

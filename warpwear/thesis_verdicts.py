@@ -66,7 +66,8 @@ class Row:
     unit: str
     ours: Mapping[str, str]  # column -> name of a number
     printed: Mapping[str, Printed] = field(default_factory=dict)  # column -> value
-    factor: float = 1.0  # from the number to the unit
+    factor: float = 1.0  # from our numbers to the unit
+    printed_factor: float = 1.0  # from the printed unit to the unit
 
 
 @dataclass(frozen=True)
@@ -130,21 +131,25 @@ def holds_if(condition: bool, yes: str, no: str) -> Verdict:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """A number for people, with a true minus sign; – for one that is not known."""
+    """A number for people, with all its digits and a true minus sign; – for one that is not known."""
     if not math.isfinite(value):
         return "–"
-    shown = f"{value:.{digits}g}"
+    if value == 0.0:
+        return "0"
+    shown = f"{value:#.{digits}g}"
     if "e" in shown:
         mantissa, exponent = shown.split("e")
         power = int(exponent)
-        if 0 <= power < 7:
-            shown = f"{float(shown):.0f}"
-        else:
-            raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-            shown = f"{mantissa}·10{raised}"
-    elif "." not in shown and 0.0 < abs(value) < 10 ** (digits - 1):
-        shown = f"{value:#.{digits}g}"
-    return shown.replace("-", "−")
+        raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+        shown = f"{value:.0f}" if 0 <= power < 7 else f"{mantissa.removesuffix('.')}·10{raised}"
+    return shown.removesuffix(".").replace("-", "−")
+
+
+def as_printed(printed: Printed, factor: float = 1.0) -> str:
+    """A number as the thesis writes it: millimetres with two decimals."""
+    if printed.unit == "mm" and printed.value < 10.0:
+        return f"{printed.value:.2f}"
+    return f"{factor * printed.value:.6g}"
 
 
 def percent(value: float, digits: int = 2) -> str:
