@@ -7,9 +7,9 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from warpwear.errors import InputError
-from warpwear.grid import FloatArray
 from warpwear.results import Result
 from warpwear.runner import run
 from warpwear.study import Study
@@ -149,7 +149,7 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
     smooth = worn_radius(study)
     square = np.add.outer(result.x**2, result.y**2)
     # A cell is touched where it stands above the paraboloid through the smooth patch's rim.
-    touched = heights >= (square - smooth**2) / (2.0 * radius)
+    touched = np.asarray(heights - (square - smooth**2) / (2.0 * radius) >= 0.0)
     reach = smooth**2 + 2.0 * radius * float(heights.max())
     near_rim = (square >= smooth**2) & (square <= reach)
     peak = float(heights[near_rim].max()) if near_rim.any() else 0.0
@@ -157,8 +157,8 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
         seed,
         along=float(result.history["patch_along"][-1]),
         across=float(result.history["patch_across"][-1]),
-        predicted_along=_extent(touched.any(axis=1), study.grid.cell),
-        predicted_across=_extent(touched.any(axis=0), study.grid.cell),
+        predicted_along=_extent(touched, 1, study.grid.cell),
+        predicted_across=_extent(touched, 0, study.grid.cell),
         peak=peak,
         largest=2.0 * float(np.sqrt(smooth**2 + 2.0 * radius * max(peak, 0.0))),
         farthest=2.0 * float(np.sqrt(square[result.snapshot(-1).wear_sphere > 0.0].max())),
@@ -172,6 +172,7 @@ def worn_radius(study: Study) -> float:
     return float((4.0 * total / (np.pi * study.sphere.curvature)) ** 0.25)
 
 
-def _extent(touched: FloatArray, cell: float) -> float:
-    places = np.flatnonzero(touched)
+def _extent(touched: NDArray[np.bool_], over: int, cell: float) -> float:
+    """Of the touched cells [mm]. over: the other axis."""
+    places = np.flatnonzero(touched.any(axis=over))
     return float(places[-1] - places[0] + 1) * cell if places.size else 0.0
