@@ -4,6 +4,7 @@ import base64
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -32,12 +33,21 @@ def render(template: str, filters: Mapping[str, Callable[..., Any]], **content: 
     return environment.get_template(template).render(**content)
 
 
-def embedded(figure: Figure) -> str:
-    """A figure as the address of a picture that needs no request (PNG, base64)."""
+@dataclass(frozen=True)
+class Picture:
+    """A figure as the address of a picture that needs no request (PNG, base64), and how wide to show it."""
+
+    source: str
+    width: int  # [% of the text's], so that lettering is equally large in all
+
+
+def embedded(figure: Figure) -> Picture:
+    """The figure for a page."""
     picture = BytesIO()
     with figure_style.style():
         figure.savefig(picture, format="png", dpi=DPI)
-    return "data:image/png;base64," + base64.b64encode(picture.getvalue()).decode("ascii")
+    source = "data:image/png;base64," + base64.b64encode(picture.getvalue()).decode("ascii")
+    return Picture(source, round(100.0 * min(1.0, figure.get_figwidth() / figure_style.PAGE)))
 
 
 def check_folder(folder: Path, names: tuple[str, ...], *, overwrite: bool) -> None:

@@ -85,7 +85,7 @@ def _patch(n: Known) -> Verdict:
         "the disc hardly "
         "recedes. On a stationary footprint both bodies wear in one place and smooth models must give "
         f"{number(both, 4)} mm, "
-        f"ours and the thesis's. {measured} mm gives K_s = {number(1e4 * n['experiment.K_by_cap'])}·10⁻⁴ "
+        f"ours and the thesis's. {measured:.2f} mm gives K_s = {number(1e4 * n['experiment.K_by_cap'])}·10⁻⁴ "
         "by the cap.",
         f"K_s alone gives {number(alone, 4)} mm, both bodies {number(both, 4)} mm, measured were "
         f"{measured} mm.",
@@ -312,7 +312,7 @@ SUMMARY: tuple[tuple[Row, str], ...] = (
     (of_all("area in contact, start", "mm²", "area_first_mm2"), "figure-A.8"),
     (of_all("area in contact, 30 mm", "mm²", "area_30_mm2"), "cure"),
     (of_all("area in contact, end", "mm²", "area_end_mm2"), "cure"),
-    (of_all("mean pressure, end", "MPa", "pressure_end_MPa"), "figure-4.30"),
+    (of_all("mean pressure, end", "MPa", "pressure_end_MPa"), "figure-4.17"),
     (
         Row(
             "mean pressure of V3, smallest of all steps",

@@ -481,6 +481,12 @@ def _disc_profiles(n: Known) -> Verdict:
         ),
         of_all("patch across sliding", "mm", "patch_across_mm"),
         of_all("circle of the area ever touched", "mm", "patch_by_area_mm"),
+        Row(
+            "twice the farthest touched cell, all surfaces",
+            "mm",
+            {"smallest": "surfaces.farthest_smallest_mm", "largest": "surfaces.farthest_largest_mm"},
+            {"thesis V3": thesis.PATCH_DIAMETERS["v3"]},
+        ),
         Row("V2: along against across", "µm", {"V2": "v2.skewness_um"}),
     ),
     figures=("sphere_patches",),
@@ -493,12 +499,14 @@ def _sphere_patches(n: Known) -> Verdict:
     skew = n["v2.skewness_um"]
     return agrees_if(
         smooth and rough,
-        f"V1 and V2 agree ({number(n['v1.patch_by_depth_mm'], 4)} and "
-        f"{number(n['v2.patch_by_depth_mm'], 4)} mm by their "
-        f"depths). V3 is {number(ours)} mm in the mean over {n['surfaces']:.0f} surfaces, "
-        f"{percent(ours / printed - 1.0)} "
-        f"from the printed {printed} mm, which hangs on single peaks at the rim. V2's shape along and "
-        "across differs by "
+        f"V1 and V2 agree ({number(n['v1.patch_by_depth_mm'], 4)} and {number(n['v2.patch_by_depth_mm'], 4)} "
+        f"mm by their depths). V3's extents are {number(ours)} mm in the mean over {n['surfaces']:.0f} "
+        "surfaces, "
+        f"{percent(ours / printed - 1.0)} from the printed {printed} mm; twice the distance of the "
+        "farthest touched "
+        "cell, as one would draw a circle around them all, is "
+        f"{number(n['surfaces.farthest_smallest_mm'])} to "
+        f"{number(n['surfaces.farthest_largest_mm'])} mm. V2's shape along and across differs by "
         f"{number(skew, 2)} µm at most: no skewness that a figure shows.",
         f"Ours: V1 {number(n['v1.patch_by_depth_mm'], 4)}, V2 {number(n['v2.patch_by_depth_mm'], 4)}, V3 "
         f"{number(ours)} mm.",

@@ -11,7 +11,7 @@ from typing import Any
 import warp
 
 from warpwear import __version__
-from warpwear.report_page import check_folder, embedded, render, write_folder
+from warpwear.report_page import Picture, check_folder, embedded, render, write_folder
 from warpwear.results import Result
 from warpwear.thesis_figures import FIGURES
 from warpwear.thesis_findings import FINDINGS, SUMMARY, all_items
@@ -100,7 +100,7 @@ def render_page(
     runs: Runs,
     numbers: Numbers,
     verdicts: Mapping[str, Verdict],
-    pictures: Mapping[str, str],
+    pictures: Mapping[str, Picture],
     *,
     quick: bool,
     elapsed: float,
