@@ -1,27 +1,24 @@
-"""What the benchmark compares with, in plain NumPy: the same algorithm, the published way, a displaced contact.
+"""What the benchmark compares with, in plain NumPy: the same algorithm, and a displaced contact.
 
-Lengths in mm, pressures in MPa, loads in N. Arrays are float64 [x, y], axis 0 along the sliding direction. Work
-arrays are kept from step to step and every operation writes into one, as a careful author would: nothing is
-allocated in a loop. Less is recorded than by the package: approach, area in contact and volumes of a step.
+Lengths in mm, pressures in MPa, loads in N. Arrays are float64 [x, y], axis 0 along the sliding direction.
+Work arrays are kept from step to step and every operation writes into one, as a careful author would: nothing
+is allocated in a loop. Less is recorded than by the package: approach, area in contact and volumes of a step.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from search import TIE, TOLERANCE, bisected, newton_in_bracket
 
 from warpwear import Study
 
 FloatArray = NDArray[np.float64]
 
-#: Residual of the balance of a contact with compliance, relative to the load; the package's.
-TOLERANCE = 1.0e-12
-#: Added to the bracket of a bisection so that the highest cell counts [mm]; the package's.
-TIE = 1.0e-12
-MAX_TRIALS = 400
+#: Rows of a block that stays in the cache.
+BLOCK = 32
 
 
 class Solved(NamedTuple):
@@ -30,6 +27,7 @@ class Solved(NamedTuple):
     approach: float  # [mm]
     volume_sphere: float  # worn so far [mm³]
     volume_disc: float
+    area: float  # in contact [mm²]
     evaluations: int  # of the load at an approach
 
 
@@ -72,20 +70,24 @@ class Problem:
         return self.compliance + worn
 
 
-def sag_of(x: FloatArray, y: FloatArray, curvature: float) -> FloatArray:
+def sag_of(x: FloatArray, y: FloatArray, curvature: float, *, out: FloatArray | None = None) -> FloatArray:
     """Height of the sphere over its apex [mm], r²/(R + √(R² − r²)), shape (x.size, y.size)."""
-    sag: FloatArray = np.add.outer(x * x, y * y)
-    root = sag * -(curvature**2)
-    root += 1.0
-    np.sqrt(root, out=root)
-    root += 1.0
-    sag *= curvature
-    sag /= root
+    sag = np.empty((x.size, y.size)) if out is None else out
+    squared = y * y
+    for first in range(0, x.size, BLOCK):
+        block = sag[first : first + BLOCK]
+        np.add.outer(x[first : first + BLOCK] ** 2, squared, out=block)
+        root = block * -(curvature**2)
+        root += 1.0
+        np.sqrt(root, out=root)
+        root += 1.0
+        block *= curvature
+        block /= root
     return sag
 
 
 class NumpyLoop:
-    """The package's algorithm over the whole grid: Newton in a bracket or bisection, then wear, one gap field."""
+    """The package's algorithm over the whole grid: Newton in a bracket or bisection, then wear."""
 
     def __init__(self, problem: Problem, gap: FloatArray) -> None:
         """gap: of the unworn bodies from the mean planes [mm], shape (nx, ny); worn in place."""
@@ -98,8 +100,8 @@ class NumpyLoop:
 
     def allocate(self) -> None:
         """Work arrays."""
-        self._overlap = np.empty_like(self.gap)
-        self._work = np.empty_like(self.gap)
+        self.overlap = np.empty_like(self.gap)
+        self.work = np.empty_like(self.gap)
         self._flags = np.empty(self.gap.shape, dtype=bool)
 
     def advance(self, increment: float) -> Solved:
@@ -123,7 +125,7 @@ class NumpyLoop:
             sums = self.wear_overlap(offset, deepest, sphere / c, disc / c)
         contact, worn_sphere, worn_disc = sums
         self._last = approach, problem.load / (contact * area)
-        return Solved(approach, worn_sphere * area, worn_disc * area, trials)
+        return Solved(approach, worn_sphere * area, worn_disc * area, contact * area, trials)
 
     def _balanced(self, c: float, deepest: float, removal: float) -> tuple[float, float, int]:
         """Base, offset and evaluations of the contact with compliance, balanced to TOLERANCE."""
@@ -157,20 +159,20 @@ class NumpyLoop:
 
     def set_base(self, base: float) -> None:
         """The approach [mm] from which the offsets of the next evaluations count."""
-        np.subtract(base, self.gap, out=self._overlap)
+        np.subtract(base, self.gap, out=self.overlap)
 
     def carried(self, offset: float, deepest: float) -> tuple[float, float]:
         """Sum of the overlaps up to `deepest` [mm], and number of cells strictly between 0 and it."""
-        between = self._pressed(offset, deepest)
+        between = float(self._pressed(offset, deepest))
         if math.isfinite(deepest):
-            between -= np.count_nonzero(np.greater_equal(self._work, deepest, out=self._flags))
-        return float(self._work.sum()), float(between)
+            between -= np.count_nonzero(np.greater_equal(self.work, deepest, out=self._flags))
+        return float(self.work.sum()), between
 
     def _pressed(self, offset: float, deepest: float) -> int:
         """Leaves the overlaps, clipped to 0 … deepest, in the work array; returns how many are not 0."""
-        np.add(self._overlap, offset, out=self._work)
-        np.clip(self._work, 0.0, deepest, out=self._work)
-        return int(np.count_nonzero(np.greater(self._work, 0.0, out=self._flags)))
+        np.add(self.overlap, offset, out=self.work)
+        np.clip(self.work, 0.0, deepest, out=self.work)
+        return int(np.count_nonzero(np.greater(self.work, 0.0, out=self._flags)))
 
     def count(self, approach: float) -> float:
         """Cells not higher than an approach [mm]."""
@@ -179,89 +181,21 @@ class NumpyLoop:
     def wear_overlap(
         self, offset: float, deepest: float, sphere: float, disc: float
     ) -> tuple[float, float, float]:
-        """Each body loses its share of the overlaps; cells in contact, wear of both summed over cells [mm]."""
+        """Each body loses its share of the overlaps; cells in contact, summed wear of both [mm]."""
         return self._wear(self._pressed(offset, deepest), sphere, disc)
 
     def wear_bearing(self, approach: float, sphere: float, disc: float) -> tuple[float, float, float]:
         """Each body loses the same depth [mm] in every cell not higher than the approach."""
         contact = self.count(approach)
-        self._work[...] = self._flags
+        self.work[...] = self._flags
         return self._wear(contact, sphere, disc)
 
     def _wear(self, contact: float, sphere: float, disc: float) -> tuple[float, float, float]:
         for wear, share in ((self.wear_sphere, sphere), (self.wear_disc, disc * self.problem.factor)):
-            np.multiply(self._work, share, out=self._overlap)
-            self.gap += self._overlap
-            wear += self._overlap
+            np.multiply(self.work, share, out=self.overlap)
+            self.gap += self.overlap
+            wear += self.overlap
         return float(contact), float(self.wear_sphere.sum()), float(self.wear_disc.sum())
-
-
-class PublishedLoop:
-    """As published: bisection of the approach from the bounds of the gap, with a pass over S − D per trial.
-
-    S is the sphere's surface and D the disc's, both as worn [mm]. A contact without compliance is the bearing
-    area (thesis eqs 4.8–4.11); with it the pressures are summed instead. Pressures are then scaled to the load, so
-    that volumes are exact whatever the tolerance.
-    """
-
-    def __init__(self, problem: Problem, sphere: FloatArray, disc: FloatArray, worn: Solved) -> None:
-        """worn: volumes worn so far."""
-        self.problem = problem
-        self.sphere = sphere
-        self.disc = disc
-        self._volumes = worn.volume_sphere, worn.volume_disc
-        self._gap = np.empty_like(sphere)
-        self._flags = np.empty(sphere.shape, dtype=bool)
-
-    @classmethod
-    def worn_by(cls, loop: NumpyLoop, sag: FloatArray) -> Self:
-        """From where another loop stands; leaves that one as it is. sag: of the unworn sphere, taken over."""
-        sag += loop.wear_sphere
-        area = loop.problem.cell**2
-        worn = Solved(math.nan, float(loop.wear_sphere.sum()) * area, float(loop.wear_disc.sum()) * area, 0)
-        return cls(loop.problem, sag, sag - loop.gap, worn)
-
-    def advance(self, increment: float, *, tolerance: float | None = None) -> Solved:
-        """Balance the load to a tolerance [N], by default the study's, then wear over an increment [mm]."""
-        problem = self.problem
-        area = problem.cell**2
-        tolerance = problem.tolerance if tolerance is None else tolerance
-        c = problem.compliance_of(increment)
-        np.subtract(self.sphere, self.disc, out=self._gap)
-        low, high = float(self._gap.min()), float(self._gap.max())
-        if c == 0.0:
-            unit = problem.hardness * area
-            approach, carried, trials = bisected(
-                self._count, low, high + 2.0 * TIE, problem.load / unit, tolerance / unit
-            )
-            self._gap[...] = self._flags
-        else:
-            unit = area / c
-            deepest = problem.hardness * c
-            high += min(deepest, problem.load / unit)
-            approach, carried, trials = bisected(
-                lambda approach: self._pressed(approach, deepest),
-                low, high, problem.load / unit, tolerance / unit,
-            )  # fmt: skip
-        self._gap *= problem.load / (carried * area)  # the pressure
-        volume_sphere = problem.load * problem.wear_sphere * increment
-        volume_disc = float((self._gap * problem.factor).sum()) * area * problem.wear_disc * increment
-        self._volumes = self._volumes[0] + volume_sphere, self._volumes[1] + volume_disc
-        self._gap *= problem.wear_sphere * increment
-        self.sphere += self._gap
-        self._gap *= problem.wear_disc / problem.wear_sphere * problem.factor
-        self.disc -= self._gap
-        return Solved(approach, *self._volumes, trials)
-
-    def _count(self, approach: float) -> float:
-        np.subtract(self.sphere, self.disc, out=self._gap)
-        return float(np.count_nonzero(np.less_equal(self._gap, approach, out=self._flags)))
-
-    def _pressed(self, approach: float, deepest: float) -> float:
-        np.subtract(self.sphere, self.disc, out=self._gap)
-        np.subtract(approach, self._gap, out=self._gap)
-        np.clip(self._gap, 0.0, deepest, out=self._gap)
-        return float(self._gap.sum())
 
 
 class Slid(NamedTuple):
@@ -288,10 +222,10 @@ def sliding_step(
     """A bearing area of a sphere over one window of a track, and the wear of both, in place.
 
     sphere: its surface over the unworn apex, as worn [mm], shape (nx, ny). track: heights of the disc as worn
-    [mm], shape (≥ start + nx, ny); the window is its rows start … start + nx, so a disc that moves by 8 cells a step
-    has start = 8 i. The gap is sphere − window; the approach is bisected until the load is met to half a cell's
-    force (gaps do not tie on a rough track), the pressure is load over area. removal_*: K ΔL of a body in this step
-    [mm³/N]; a swept track's ΔL is the shift. work: arrays of the sphere's shape.
+    [mm], shape (≥ start + nx, ny); the window is its rows start … start + nx, so a disc that moves by 8 cells
+    a step has start = 8 i. The gap is sphere − window; the approach is bisected until the load is met to half
+    a cell's force (gaps do not tie on a rough track), the pressure is load over area. removal_*: K ΔL of a
+    body in this step [mm³/N]; a swept track's ΔL is the shift. work: arrays of the sphere's shape.
 
     ArithmeticError where cells tie so that no approach meets the load.
     """
@@ -311,50 +245,6 @@ def sliding_step(
     np.multiply(flags, removal_disc * pressure, out=gap)
     window -= gap
     return Slid(approach, int(cells), pressure, trials)
-
-
-def bisected(
-    carried: Callable[[float], float], low: float, high: float, wanted: float, tolerance: float
-) -> tuple[float, float, int]:
-    """First middle of the halved bracket with |carried − wanted| < tolerance, what it carries, and the trials.
-
-    Units are the caller's: cells in contact of a bearing area, or mm of overlap of a foundation.
-    """
-    for trial in range(1, MAX_TRIALS):
-        approach = 0.5 * (low + high)
-        found = carried(approach)
-        if abs(found - wanted) < tolerance and found > 0.0:
-            return approach, found, trial
-        if not low < approach < high:
-            break
-        low, high = (low, approach) if found > wanted else (approach, high)
-    raise ArithmeticError(f"no approach carries {wanted} to {tolerance}: {found} is left at {approach} mm")
-
-
-def newton_in_bracket(
-    carried: Callable[[float], tuple[float, float]], load: float, guess: float, low: float, high: float
-) -> tuple[float, float, int]:
-    """Offset [mm], force [N] there, evaluations: Newton's step while it stays inside the halving bracket."""
-    offset, reach, width_before = guess, abs(guess) or 1.0e-18, math.inf
-    for evaluation in range(1, MAX_TRIALS):
-        force, slope = carried(offset)
-        residual = force - load
-        if abs(residual) <= TOLERANCE * load:
-            break
-        low, high = (offset, high) if residual < 0.0 else (low, offset)
-        newton = offset - residual / slope if slope > 0.0 else math.nan
-        if math.isinf(low) or math.isinf(high):
-            near = abs(newton - offset) <= reach
-            offset = newton if near else offset + math.copysign(reach, -residual)
-            reach *= 4.0
-            continue
-        stalled = evaluation % 2 == 0 and high - low > 0.5 * width_before
-        if evaluation % 2 == 0:
-            width_before = high - low
-        offset = newton if low < newton < high and not stalled else 0.5 * (low + high)
-        if not low < offset < high:
-            break
-    return offset, force, evaluation
 
 
 def work_for(sphere: FloatArray) -> tuple[FloatArray, NDArray[Any]]:

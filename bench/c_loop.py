@@ -10,6 +10,7 @@ import tempfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +63,7 @@ class CLoop(NumpyLoop):
         self._library = library()
         chunks = max(1, min(threads, gap.size // CELLS_PER_THREAD))
         rows = [gap.shape[0] * i // chunks for i in range(chunks + 1)]
-        self._rows = [slice(a, b) for a, b in zip(rows, rows[1:], strict=False)]
+        self._rows = [slice(*edges) for edges in pairwise(rows)]
         self._pool = ThreadPoolExecutor(chunks - 1) if chunks > 1 else None
         self._base = 0.0
         self._factor = np.ascontiguousarray(problem.factor)
@@ -90,12 +91,12 @@ class CLoop(NumpyLoop):
     def wear_overlap(
         self, offset: float, deepest: float, sphere: float, disc: float
     ) -> tuple[float, float, float]:
-        return self._wear("wear_overlap", (self._base, offset, deepest, sphere, disc))
+        return self._worn("wear_overlap", (self._base, offset, deepest, sphere, disc))
 
     def wear_bearing(self, approach: float, sphere: float, disc: float) -> tuple[float, float, float]:
-        return self._wear("wear_bearing", (approach, sphere, disc))
+        return self._worn("wear_bearing", (approach, sphere, disc))
 
-    def _wear(self, name: str, numbers: tuple[float, ...]) -> tuple[float, float, float]:
+    def _worn(self, name: str, numbers: tuple[float, ...]) -> tuple[float, float, float]:
         arguments = LONG(self.gap.shape[1]), *map(DOUBLE, numbers), _address(self._factor)
         fields = self.gap, self.wear_sphere, self.wear_disc
         contact, sphere, disc = self._each(name, arguments, fields, 3).sum(axis=0)

@@ -1,17 +1,21 @@
 """The cases of the benchmark. A model that is added later adds a function and a line to CASES."""
 
-import math
 import statistics
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 import numpy as np
-from baselines import NumpyLoop, Problem, PublishedLoop, Solved, sag_of, sliding_step, work_for
+from baselines import NumpyLoop, Problem, Solved, sag_of, sliding_step, work_for
+from cold import cold
 from contenders import (
     Loop,
     Setting,
     Trace,
-    c_loop_or_none,
     check,
     gap_of,
     heights_of,
@@ -32,68 +36,15 @@ EARLY_STEP, LATE_STEP = 3.0e-3, 3.0
 SHIFT = 8  # cells a step of a displaced contact
 
 
-def cold(case: str, cells: int, setting: Setting, study: Study, increment: float) -> list[Row]:
-    """The first step of a fresh model: the balance from a cold start, without and with the gap from heights."""
-    unit = Unit(cells)
-    problem = Problem.of(study)
-    rows: list[Row] = []
-    traces: dict[str, Trace] = {}
-
-    def timed(name: str, fresh: Callable[[], Loop], note: str = "") -> None:
-        alive: list[Loop] = []
-
-        def renew() -> None:
-            alive[:] = []
-            alive.append(fresh())
-
-        def run() -> None:
-            traces[name] = [alive[0].advance(increment)]
-
-        def run_with_gap() -> None:
-            traces[name] = [fresh().advance(increment)]
-
-        for run_it, prepare, what in ((run, renew, "gap there"), (run_with_gap, None, "gap from heights")):
-            seconds, units = measure(run_it, unit, setting.repeats, prepare=prepare)
-            trials = traces[name][-1].evaluations
-            rows.append(Row(case, cells, f"{name}, {what}", seconds, units, f"{trials} evaluations{note}"))
-            alive.clear()
-
-    for threads in setting.threads:
-        with package(study, setting, threads) as fresh:
-            timed(named(threads), fresh)
-    timed("NumPy", lambda: NumpyLoop(problem, gap_of(study)))
-    sag = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
-    disc = heights_of(study).copy()
-    published = PublishedLoop(problem, sag, disc, Solved(math.nan, 0.0, 0.0, 0))
-    if problem.compliance_of(increment):  # a step that is not timed is compared at a tight tolerance
-        traces["published way"] = [published.advance(increment, tolerance=1.0e-10 * problem.load)]
-        published = PublishedLoop(problem, sag_of(study.cells.x, study.cells.y, study.sphere.curvature),
-                                  heights_of(study).copy(), Solved(math.nan, 0.0, 0.0, 0))  # fmt: skip
-    # Its wear is undone before each repeat by giving it none: a static contact is solved again as it was.
-    found: Trace = []
-
-    def renew() -> None:
-        published.sphere[...] = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
-        published.disc[...] = heights_of(study)
-
-    seconds, units = measure(
-        lambda: found.append(published.advance(increment)), unit, setting.repeats, prepare=renew
-    )
-    traces.setdefault("published way", found[-1:])
-    check(case, traces)
-    note = f"{found[-1].evaluations} trials to {study.load_tolerance:.2g} N, each a pass over S − D"
-    return [*rows, Row(case, cells, "published way", seconds, units, note)]
-
-
 def static(cells: int, setting: Setting) -> list[Row]:
     """Bearing area at 590 MPa, balanced to one cell's force."""
-    return cold("static", cells, setting, study_on(cells, sliding__distance="0 mm"), 0.0)
+    return cold("static", cells, setting, study_on(cells, sliding__distance="0 mm"))
 
 
 def static_springs(cells: int, setting: Setting) -> list[Row]:
     """Foundation of 1.9e6 N/mm³ capped at 590 MPa, balanced to 1e-12 of the load."""
     study = study_on(cells, sliding__distance="0 mm", contact__stiffness="1.9e6 N/mm^3")
-    return cold("static-springs", cells, setting, study, 0.0)
+    return cold("static-springs", cells, setting, study)
 
 
 def early(cells: int, setting: Setting) -> list[Row]:
@@ -109,7 +60,7 @@ def late(cells: int, setting: Setting) -> list[Row]:
 def run_v3(_: int, setting: Setting) -> list[Row]:
     """The whole of v3: 8000 explicit steps on 150² cells."""
     study = Study.load("v3")
-    return whole_run("v3", study, Unit(study.cells.nx), setting, 1 if setting.quick else setting.repeats)
+    return whole_run("v3", study, Unit(study.cells.nx), setting, share=0.2 if setting.quick else 1.0)
 
 
 def run_fine(_: int, setting: Setting) -> list[Row]:
@@ -119,7 +70,9 @@ def run_fine(_: int, setting: Setting) -> list[Row]:
 
 def run_springs(_: int, setting: Setting) -> list[Row]:
     """The whole of v3-fine on springs of 1.9e6 N/mm³ capped at 590 MPa."""
-    study = Study.load("v3-fine").replace({"contact.stiffness": "1.9e6 N/mm^3", "contact.hardness": "590 MPa"})
+    study = Study.load("v3-fine").replace(
+        {"contact.stiffness": "1.9e6 N/mm^3", "contact.hardness": "590 MPa"}
+    )
     return _run("v3-fine-springs", study, setting)
 
 
@@ -127,12 +80,12 @@ def _run(case: str, study: Study, setting: Setting) -> list[Row]:
     unit = Unit(study.cells.nx)
     if setting.quick:
         return sampled_run(case, study, 8, unit, setting)
-    return whole_run(case, study, unit, setting, setting.repeats)
+    return whole_run(case, study, unit, setting)
 
 
 def finer(_: int, setting: Setting) -> list[Row]:
     """The early step at 1 and at 0.5 µm on the same 2.048 mm: what halving the cell costs."""
-    rows = []
+    rows: list[Row] = []
     threads = max(setting.threads)
     for cells in (2048, 4096):
         study = study_on(cells, extent=2.048)
@@ -192,12 +145,14 @@ def phases(cells: int, setting: Setting) -> list[Row]:
             trace = [model.advance(d) for d in before]
             spent: list[dict[str, float]] = []
 
-            def run(model: Loop = model, increment: float = increment, trace: Trace = trace) -> None:
+            def run(model: Loop, increment: float, trace: Trace, spent: list[dict[str, float]]) -> None:
                 with kernel_times() as times:
                     trace.append(model.advance(increment))
                 spent.append(dict(times))
 
-            seconds, units = measure(run, unit, setting.repeats)
+            run_now = partial(run, model, increment, trace, spent)
+            seconds, units = measure(run_now, unit, setting.repeats)
+            del model, run_now
         in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
         check("phases", {named(1): trace, "NumPy": [in_numpy.advance(d) for d in before]})
         spent = spent[-setting.repeats :]
@@ -234,10 +189,33 @@ def sliding(cells: int, setting: Setting) -> list[Row]:
     seconds, units = measure(run, unit, setting.repeats)
     worn = float((sphere - sag_of(study.cells.x, study.cells.y, study.sphere.curvature)).sum())
     volume = problem.wear_sphere * removal * problem.load * len(trials)
-    check("sliding", {"K F L": [Solved(1.0, volume, 0.0, 0)],
-                      "NumPy": [Solved(1.0, worn * problem.cell**2, 0.0, 0)]})  # fmt: skip
+    blank = Solved(approach=1.0, volume_sphere=volume, volume_disc=0.0, area=1.0, evaluations=0)
+    worn *= problem.cell**2
+    check("sliding", {"K F L": [blank], "NumPy": [blank._replace(volume_sphere=worn)]})
     note = f"{min(trials)}–{max(trials)} trials to half a cell's force; wears both bodies"
     return [Row("sliding", cells, "NumPy", seconds, units, note)]
+
+
+def memory(cells: int, setting: Setting) -> list[Row]:
+    """Peak memory of a run of ten steps above that after its imports, in float64 fields of its size."""
+    command = [
+        sys.executable,
+        str(Path(__file__).with_name("memory.py")),
+        str(cells),
+        str(max(setting.threads)),
+    ]
+    start = time.perf_counter()
+    answer = subprocess.run(command, capture_output=True, text=True)
+    took = time.perf_counter() - start
+    if answer.returncode:
+        raise RuntimeError(
+            f"memory on {cells} × {cells} cells was not measured: {answer.stderr.strip()[-300:]}"
+        )
+    found = float(answer.stdout)
+    row = Row(
+        "memory", cells, named(max(setting.threads)), [took], [], f"{found:.2f} fields", {"fields": found}
+    )
+    return [row]
 
 
 @dataclass(frozen=True)
@@ -246,7 +224,8 @@ class Case:
 
     run: Callable[[int, Setting], list[Row]]
     sizes: tuple[int, ...] | None = None  # cells along a side; None: those asked for
-    fields: float = 9.0  # float64 fields of that size that it holds at its peak
+    default_sizes: tuple[int, ...] | None = None  # where none is asked for; None: the table's
+    fields: float = 9.5  # float64 fields of that size that it holds at its peak
     threads: int = 1  # that it needs
 
     @property
@@ -262,10 +241,11 @@ CASES: dict[str, Case] = {
     "v3": Case(run_v3, sizes=(150,)),
     "v3-fine": Case(run_fine, sizes=(1500,)),
     "v3-fine-springs": Case(run_springs, sizes=(1500,)),
-    "finer": Case(finer, sizes=(4096,)),
-    "threads": Case(second_thread, fields=11.0, threads=2),
+    "finer": Case(finer, sizes=(4096,), fields=12.0),
+    "threads": Case(second_thread, fields=12.0, threads=2),
     "phases": Case(phases),
     "sliding": Case(sliding, fields=8.0),
+    "memory": Case(memory),
 }
-#: Lines that --quick leaves at one size, whatever is asked for.
+#: What --quick takes where no size is asked for.
 QUICK_SIZES = (2048,)

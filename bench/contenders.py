@@ -7,10 +7,12 @@ shown.
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
-from baselines import FloatArray, NumpyLoop, Problem, PublishedLoop, Solved, sag_of
-from c_loop import CLoop, NoCompilerError
+from baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
+from c_loop import CLoop, NoCompilerError, library
+from published import PublishedLoop
 from timing import Row, Unit, measure
 
 from warpwear import Study
@@ -19,7 +21,7 @@ from warpwear.grid import Grid
 from warpwear.one_scale import OneScaleModel
 from warpwear.surface_of import surface_in
 
-#: Relative difference allowed between contenders, in approach and volumes.
+#: Relative difference allowed between contenders, in approach, volumes and area.
 AGREEMENT = 1.0e-9
 #: Of the published bisection when it is compared; it is timed at the study's tolerance. Relative to the load.
 TIGHT = 1.0e-10
@@ -62,6 +64,7 @@ class Package:
             step.balance.approach,
             row["wear_volume_sphere"],
             row["wear_volume_disc"],
+            row["area_contact"],
             step.balance.evaluations,
         )
 
@@ -106,31 +109,37 @@ def named(threads: int, name: str = "warpwear") -> str:
 
 
 def check(case: str, traces: Mapping[str, Sequence[Solved]]) -> None:
-    """All traces show the same approach and volumes at every step. Raises DisagreementError."""
+    """All traces show the same approach, volumes and area at every step. Raises DisagreementError."""
     (first, reference), *others = traces.items()
     for name, trace in others:
         for i, (one, other) in enumerate(zip(reference, trace, strict=False)):
-            for quantity in ("approach", "volume_sphere", "volume_disc"):
+            for quantity in ("approach", "volume_sphere", "volume_disc", "area"):
                 expected, found = getattr(one, quantity), getattr(other, quantity)
                 if not abs(found - expected) <= AGREEMENT * abs(expected):
                     raise DisagreementError(
-                        f"{case}: {quantity} of step {i + 1} is {expected!r} by {first} and {found!r} by {name}, "
-                        f"further apart than {AGREEMENT:g}; no time is shown."
+                        f"{case}, step {i + 1}: {quantity} is {expected!r} by {first}, {found!r} by {name}, "
+                        f"not within {AGREEMENT:g}: no time is shown."
                     )
 
 
-def c_loop_or_none(study: Study, threads: int) -> CLoop | None:
-    """None where there is no compiler, which the head of the table says."""
-    try:
+def c_loops(study: Study, counts: Iterable[int]) -> Iterator[tuple[str, Callable[[], CLoop]]]:
+    """Names and makers of the loop in C, one a thread count; none without a compiler."""
+
+    def made(threads: int) -> CLoop:
         return CLoop(Problem.of(study), gap_of(study), threads=threads)
+
+    try:
+        library()
     except NoCompilerError:
-        return None
+        return
+    for threads in counts:
+        yield named(threads, "C"), partial(made, threads)
 
 
 def steps(
     case: str, study: Study, before: Iterable[float], increment: float, unit: Unit, setting: Setting
 ) -> list[Row]:
-    """Times a step of `increment` after the increments `before`, by every contender. One is alive at a time."""
+    """Times a step of `increment` after those `before`, by every contender, one of them alive at a time."""
     before = list(before)
     rows: list[Row] = []
     traces: dict[str, Trace] = {}
@@ -149,15 +158,11 @@ def steps(
             timed(name, model)
             traces[name].append(model.advance(increment))
             del model
-    for threads in setting.threads:
-        if (loop := c_loop_or_none(study, threads)) is not None:
-            timed(named(threads, "C"), loop)
-            del loop
+    for name, made in c_loops(study, setting.threads):
+        timed(name, made())
     in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
     timed("NumPy", in_numpy)
-    published = PublishedLoop.worn_by(
-        in_numpy, sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
-    )
+    published = PublishedLoop.after(in_numpy, study.cells.x, study.cells.y, study.sphere.curvature)
     del in_numpy
     # Compared in the step after those of NumPy, balanced as tightly; timed as published.
     compared = published.advance(increment, tolerance=TIGHT * study.contact.load)

@@ -2,10 +2,12 @@
 
 import time
 from collections.abc import Callable, Sequence
+from copy import copy
 
 import numpy as np
-from baselines import FloatArray, NumpyLoop, Problem, PublishedLoop, Solved, sag_of
-from contenders import Loop, Setting, Trace, c_loop_or_none, check, gap_of, heights_of, named, package
+from baselines import FloatArray, NumpyLoop, Problem, sag_of
+from contenders import Loop, Setting, Trace, c_loops, check, gap_of, heights_of, named, package
+from published import PublishedLoop
 from timing import Row, Unit, measure
 
 from warpwear import Study
@@ -23,7 +25,7 @@ def plan_of(study: Study) -> list[float]:
 
 def places_in(plan: Sequence[float], count: int) -> list[int]:
     """Evenly spaced steps at which a sampled run looks, the first and nearly the last among them."""
-    return np.linspace(0, len(plan) - IN_A_ROW - 1, count).round().astype(int).tolist()
+    return [round(place) for place in np.linspace(0, len(plan) - IN_A_ROW - 1, count).tolist()]
 
 
 def whole(loop: Loop, plan: Sequence[float], trace: Trace) -> float:
@@ -43,8 +45,8 @@ def sampled(
 ) -> float:
     """Seconds of all steps, interpolated between those timed at the places.
 
-    The way from place to place is one long implicit step, then one of the plan, neither timed: a step worn by a
-    long increment or by many short ones costs the same. at_place: called after the last step at each.
+    The way from place to place is one long implicit step, then one of the plan, neither timed: a contact worn
+    by one long increment or by many short ones costs the same. at_place: called after the last step at each.
     """
     done = 0  # steps of the plan
     where, costs = [], []
@@ -86,19 +88,21 @@ def sampled_run(case: str, study: Study, places: int, unit: Unit, setting: Setti
     for threads in setting.threads:
         with package(study, setting, threads) as fresh:
             timed(named(threads), fresh)
-    for threads in setting.threads:
-        if c_loop_or_none(study, threads) is not None:
-            timed(named(threads, "C"), lambda threads=threads: c_loop_or_none(study, threads))  # type: ignore[misc]
+            if threads == max(setting.threads):
+                once = measure(lambda: whole(fresh(), plan, []), unit, 1, warm_ups=0)
+                whole_row = Row(
+                    case, unit.cells, f"{named(threads)}, whole", *once, f"all {len(plan)} steps, once"
+                )
+                rows.insert(0, whole_row)
+    for name, made in c_loops(study, setting.threads):
+        timed(name, made)
     timed("NumPy", lambda: NumpyLoop(Problem.of(study), gap_of(study)))
     check(case, traces)
     return [*rows, published_run(case, study, plan, places_in(plan, setting.repeats), unit)]
 
 
-def published_run(
-    case: str, study: Study, plan: Sequence[float], look: Sequence[int], unit: Unit
-) -> Row:
-    """The published way extrapolated from one step at each place, from the state that NumPy's loop has there."""
-    sag = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
+def published_run(case: str, study: Study, plan: Sequence[float], look: Sequence[int], unit: Unit) -> Row:
+    """The published way extrapolated from one step at each place, from where NumPy's loop is there."""
     loop = NumpyLoop(Problem.of(study), gap_of(study))
     where: list[int] = []
     costs: list[float] = []
@@ -107,7 +111,9 @@ def published_run(
 
     def once(step: int) -> None:
         step = min(step, len(plan) - 1)
-        published = PublishedLoop.worn_by(loop, sag.copy())
+        here = copy(loop)
+        here.gap, here.overlap = loop.gap.copy(), np.empty_like(loop.gap)
+        published = PublishedLoop.after(here, study.cells.x, study.cells.y, study.sphere.curvature)
         units.append(unit.seconds())
         start = time.perf_counter()
         trials.append(published.advance(plan[step]).evaluations)
@@ -122,9 +128,16 @@ def published_run(
     return Row(case, unit.cells, "published way", [over_the_run(where, costs, len(plan))], units, note)
 
 
-def whole_run(case: str, study: Study, unit: Unit, setting: Setting, repeats: int) -> list[Row]:
-    """Every contender through all steps; the published way where a step is short or else extrapolated."""
+def whole_run(case: str, study: Study, unit: Unit, setting: Setting, *, share: float = 1.0) -> list[Row]:
+    """Every contender through all steps, or through the first `share` of them, extrapolated.
+
+    The published way goes with them where a step is short; elsewhere it is extrapolated from a few places.
+    """
     plan = plan_of(study)
+    first = plan[: round(share * len(plan))]
+    note = f"{len(plan)} steps"
+    if len(first) < len(plan):
+        note = f"extrapolated from the first {len(first)} of {len(plan)} steps"
     rows: list[Row] = []
     traces: dict[str, Trace] = {}
     small = study.cells.cells < 50_000  # threads are not used below
@@ -132,29 +145,26 @@ def whole_run(case: str, study: Study, unit: Unit, setting: Setting, repeats: in
     def timed(name: str, fresh: Callable[[], Loop]) -> None:
         def run() -> float:
             traces[name] = []
-            return whole(fresh(), plan, traces[name])
+            return whole(fresh(), first, traces[name]) * len(plan) / len(first)
 
-        rows.append(
-            Row(case, unit.cells, name, *measure(run, unit, repeats, warm_ups=0), f"{len(plan)} steps")
-        )
+        rows.append(Row(case, unit.cells, name, *measure(run, unit, setting.repeats, warm_ups=0), note))
 
     counts = setting.threads[:1] if small else setting.threads
     for threads in counts:
         with package(study, setting, threads) as fresh:
             timed(named(threads), fresh)
-    for threads in counts:
-        if c_loop_or_none(study, threads) is not None:
-            timed(named(threads, "C"), lambda threads=threads: c_loop_or_none(study, threads))  # type: ignore[misc]
+    for name, made in c_loops(study, counts):
+        timed(name, made)
     timed("NumPy", lambda: NumpyLoop(Problem.of(study), gap_of(study)))
     if small:
         timed("published way", lambda: unworn_published(study))
         check(case, traces)
         return rows
     check(case, traces)
-    return [*rows, published_run(case, study, plan, places_in(plan, 2 * repeats), unit)]
+    return [*rows, published_run(case, study, plan, places_in(plan, 2 * setting.repeats), unit)]
 
 
 def unworn_published(study: Study) -> PublishedLoop:
     """The published way from the start."""
     sphere: FloatArray = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
-    return PublishedLoop(Problem.of(study), sphere, heights_of(study).copy(), Solved(0.0, 0.0, 0.0, 0))
+    return PublishedLoop(Problem.of(study), sphere, heights_of(study).copy())

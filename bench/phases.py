@@ -1,7 +1,7 @@
 """Where the time of a step goes, by the file of the kernel that is running."""
 
 import time
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -18,9 +18,9 @@ PHASES = {
 
 
 @contextmanager
-def kernel_times() -> Iterator[Counter[str]]:
+def kernel_times() -> Iterator[dict[str, float]]:
     """Seconds in kernels while the context is open, by phase. Launches must be made one after another."""
-    spent: Counter[str] = Counter()
+    spent: defaultdict[str, float] = defaultdict(float)
     launch, relaunch = wp.launch, wp.Launch.launch
 
     def timed(kernel: Any, call: Callable[[], Any]) -> Any:
@@ -37,8 +37,9 @@ def kernel_times() -> Iterator[Counter[str]]:
     def launch_again(command: Any, *args: Any, **options: Any) -> Any:
         return timed(command.kernel, lambda: relaunch(command, *args, **options))
 
-    wp.launch, wp.Launch.launch = first_launch, launch_again
+    replaced: Any = wp.Launch
+    wp.launch, replaced.launch = first_launch, launch_again
     try:
         yield spent
     finally:
-        wp.launch, wp.Launch.launch = launch, relaunch
+        wp.launch, replaced.launch = launch, relaunch

@@ -4,9 +4,10 @@
                           [--json FILE]
     python bench/speed.py --device cuda:0      (JSON on standard output, the table on standard error)
 
-A pass is `numpy.subtract(S, D, out=G)` on float64 fields of the same size, timed right before each repeat. A time
-is the median of the repeats, with the shortest and the longest. Every contender's approach and volumes are
-compared to 1e-9 before a time is printed.
+A pass is `numpy.subtract(S, D, out=G)` on float64 fields of the same size, timed right before each repeat. A
+time is the median of the repeats, with the shortest and the longest; "beside" is its ratio to that of the
+package with most threads. Every contender's approach, volumes and area are compared to 1e-9 before a time of
+a case is printed.
 """
 
 import json
@@ -69,7 +70,7 @@ def plan_of(
         if case.threads > max(setting.threads):
             left_out.append(f"{name} is left out: it needs --threads with a {case.threads}.")
             continue
-        asked = sizes if sizes is not None else (QUICK_SIZES if setting.quick else SIZES)
+        asked = case.default_sizes or (QUICK_SIZES if setting.quick else SIZES) if sizes is None else sizes
         for cells in case.sizes or asked:
             if gib_needed(case, cells) <= free:
                 jobs.append((name, cells))
@@ -84,31 +85,33 @@ def plan_of(
     return sorted(jobs, key=lambda job: job[1]), left_out  # a size's cases share its disc
 
 
-def line_of(row: Row, beside: Row | None) -> str:
+def line_of(row: Row, beside: Row | None, per_second: float) -> str:
     """One line of the table."""
-    spread = f"{1e3 * min(row.seconds):.4g}–{1e3 * max(row.seconds):.4g}"
-    passes = "" if row.passes is None else f"{row.passes:.3g}"
+    spread = f"{per_second * min(row.seconds):.4g}–{per_second * max(row.seconds):.4g}"
+    passes = "" if row.passes is None else f"{row.passes:,.0f}" if row.passes > 1000 else f"{row.passes:.3g}"
     ratio = "" if beside is None or beside is row else f"{row.median / beside.median:.3g}×"
-    return f"  {row.contender:<34}{1e3 * row.median:>10.4g}{spread:>19}{passes:>9}{ratio:>8}  {row.note}"
-
-
-HEAD = f"  {'':<34}{'ms':>10}{'lowest–highest':>19}{'passes':>9}{'beside':>8}"
+    median = f"{per_second * row.median:.4g}"
+    return f"  {row.contender:<38}{median:>8}{spread:>17}{passes:>9}{ratio:>8}  {row.note}"
 
 
 def reference_among(rows: Sequence[Row]) -> Row | None:
-    """What the others of a case are compared with: the package with most threads."""
+    """What others than the package are compared with: the package with most threads."""
     own = [row for row in rows if row.contender.startswith("warpwear")]
-    same = [row for row in own if "gap from heights" not in row.contender]
-    return (same or own or [None])[-1]
+    if len(own) == len(rows):
+        return None
+    same = [row for row in own if not row.contender.endswith(("gap from heights", "whole"))]
+    return (same or own)[-1] if own else None
 
 
 def show(name: str, cells: int, about: str, rows: Sequence[Row], *, err: bool) -> None:
     unit = [second for row in rows for second in row.unit_seconds]
     one = f", a pass {1e3 * sorted(unit)[len(unit) // 2]:.3g} ms" if unit else ""
-    click.echo(f"\n{name}, {cells} × {cells} cells{one}: {about}\n{HEAD}", err=err)
+    in_seconds = max(row.median for row in rows) >= 1.0
+    head = f"  {'':<38}{'s' if in_seconds else 'ms':>8}{'lowest–highest':>17}{'passes':>9}{'beside':>8}"
+    click.echo(f"\n{name}, {cells} × {cells} cells{one}: {about}\n{head}", err=err)
     beside = reference_among(rows)
     for row in rows:
-        click.echo(line_of(row, beside), err=err)
+        click.echo(line_of(row, beside, 1.0 if in_seconds else 1e3), err=err)
 
 
 def versions() -> dict[str, Any]:
@@ -122,9 +125,13 @@ def versions() -> dict[str, Any]:
 @click.command(context_settings={"max_content_width": 110})
 @click.option("--cases", "names", help=f"Cases between commas: {', '.join(CASES)}. Default: all.")
 @click.option("--sizes", help=f"Cells along a side. Default: those of {', '.join(map(str, SIZES))} that fit.")
-@click.option("--threads", default=None, help="Thread counts between commas. Default: 1,2 where there are two.")
+@click.option(
+    "--threads", default=None, help="Thread counts between commas. Default: 1,2 where there are two."
+)
 @click.option("--device", default="cpu", show_default=True, help="cpu or cuda:0.")
-@click.option("--repeats", default=FEWEST_REPEATS, show_default=True, help="Repeats of each time, 5 at least.")
+@click.option(
+    "--repeats", default=str(FEWEST_REPEATS), show_default=True, help="Repeats of each time, 5 at least."
+)
 @click.option("--quick", is_flag=True, help="2048² alone, and runs extrapolated from a few of their steps.")
 @click.option("--json", "file", type=click.Path(path_type=Path, dir_okay=False), help="JSON file to write.")
 def main(
@@ -132,7 +139,7 @@ def main(
     sizes: str | None,
     threads: str | None,
     device: str,
-    repeats: int,
+    repeats: str,
     quick: bool,
     file: Path | None,
 ) -> None:
@@ -152,13 +159,13 @@ def measure_all(
     sizes: str | None,
     threads: str | None,
     device: str,
-    repeats: int,
+    repeats: str,
     quick: bool,
     file: Path | None,
 ) -> None:
     """Checks what can fail first, then every case. Raises InputError."""
-    if repeats < FEWEST_REPEATS:
-        raise InputError(f"--repeats = {repeats} is not possible; allowed are {FEWEST_REPEATS} and more.")
+    if not repeats.isdecimal() or int(repeats) < FEWEST_REPEATS:
+        raise InputError(f"--repeats = {repeats!r} is not possible; allowed are {FEWEST_REPEATS} and more.")
     if file is not None and not file.absolute().parent.is_dir():
         raise InputError(f"--json = {file}: the folder {file.absolute().parent} is not there.")
     on_gpu = find_device(device).is_cuda
@@ -169,7 +176,7 @@ def measure_all(
         counts = tuple(sorted(set(whole_numbers(threads, "--threads"))))
     for count in counts:
         Executor(Grid(8, 8, 1.0), threads=count).__exit__()
-    setting = Setting(threads=counts, device=device, repeats=repeats, quick=quick)
+    setting = Setting(threads=counts, device=device, repeats=int(repeats), quick=quick)
     table = CASES
     if on_gpu:
         from cases_gpu import CASES_GPU
@@ -185,7 +192,7 @@ def measure_all(
         "machine": machine(),
         "versions": versions(),
         "device": str(find_device(device)),
-        "repeats": repeats,
+        "repeats": setting.repeats,
         "quick": quick,
         "left_out": left_out,
         "rows": [],

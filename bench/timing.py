@@ -1,4 +1,4 @@
-"""How the benchmark times: medians of repeats, each beside a pass over memory of the same size in the same run."""
+"""How the benchmark times: medians of repeats, each beside a pass over memory of the same size."""
 
 import statistics
 import time
@@ -10,7 +10,7 @@ import numpy as np
 
 
 class Unit:
-    """One pass, `numpy.subtract(S, D, out=G)` on float64 fields of cells² cells: what times are divided by."""
+    """One pass, `numpy.subtract(S, D, out=G)` on float64 fields of cells² cells: times are divided by it."""
 
     def __init__(self, cells: int) -> None:
         self.cells = cells
