@@ -381,20 +381,18 @@ def _of_run(version: str, name: str) -> Draw:
 FIGURES: dict[str, Entry] = {
     "pressure_of_v1": Entry(
         thesis_maps.pressure_of_v1,
-        "Pressure (MPa) through the middle, along sliding. Left (µm): first step, Winkler and Hertz. "
-        "Right (mm): at the end.",
+        "Pressure (MPa) through the middle, along sliding. Left (µm): first step, Winkler and Hertz. Right "
+        "(mm): at the end.",
     ),
     "radius_and_pressure": Entry(
         _radius_and_pressure,
         "Radius of the area in contact (mm, left scale) and mean pressure (MPa, right scale) of V1 over "
-        "the sliding "
-        "distance (mm); on linear and on logarithmic axes, where a power law is straight.",
+        "the sliding distance (mm); on linear and on logarithmic axes, where a power law is straight.",
     ),
     "disc_of_v1": Entry(
         thesis_maps.disc_of_v1,
         "V1: wear of the disc through the middle (µm) at four distances, and its deepest cell over the "
-        "distance (mm) with "
-        "a square root through the end.",
+        "distance (mm) with a square root through the end.",
     ),
     "disc_3d_of_v1": Entry(
         _of_run("v1", "disc_3d"), "V1: the disc before and after, in mm, heights in µm and exaggerated."
@@ -409,14 +407,12 @@ FIGURES: dict[str, Entry] = {
     "distance_factor": Entry(
         _distance_factor,
         "Sliding distance of a disc cell relative to the middle, across sliding (mm). Left: as in V2. "
-        "Right: with the chord of "
-        "the contact, which a swept cell slides.",
+        "Right: with the chord of the contact, which a swept cell slides.",
     ),
     "pressure_of_v2": Entry(
         thesis_maps.pressure_of_v2,
         "V2: pressure (MPa) through the middle. Left: first step, with Hertz. Right: at the end, across "
-        "and along sliding, with "
-        "the closed form.",
+        "and along sliding, with the closed form.",
     ),
     "volumes_of_v2": Entry(_volumes_of_v2, "Worn volumes (mm³) of V1 and V2, and V2 against V1 (%)."),
     "cof_of_v2": Entry(
@@ -445,13 +441,13 @@ FIGURES: dict[str, Entry] = {
     "disc_volumes": Entry(_disc_volumes, "Worn volume of the disc (mm³) and against V1 (%)."),
     "cof_of_all": Entry(
         _cof_of_all,
-        "Coefficient of friction (–) with one shear strength for all: V3, which sums its areas, is off "
-        "the scale of the others.",
+        "Coefficient of friction (–) with one shear strength for all: V3, which sums its areas, is off the "
+        "scale of the others.",
     ),
     "disc_depths": Entry(
         _disc_depths,
-        "Deepest cell of the disc (µm) of the models on a stationary footprint, and the groove that "
-        "Table 4.1's K_d makes of 30 mm × 0.80 mm.",
+        "Deepest cell of the disc (µm) of the models on a stationary footprint, and the groove that Table "
+        "4.1's K_d makes of 30 mm × 0.80 mm.",
     ),
     "patch_bars": Entry(_patch_bars, "Diameter of the sphere's worn patch (mm) as printed and of our runs."),
     "relative_cof": Entry(
@@ -483,8 +479,8 @@ FIGURES: dict[str, Entry] = {
     ),
     "rough_patches": Entry(
         _rough_patches,
-        "Extents of V3's patch (mm) on surfaces of different seeds: run (dots), the unworn surface cut "
-        "by the worn sphere without "
-        "a run (crosses), twice the farthest touched cell, and the bound by the highest peak near the rim.",
+        "Extents of V3's patch (mm) on surfaces of different seeds: run (dots), the unworn surface cut by "
+        "the worn sphere without a run (crosses), twice the farthest touched cell, and the bound by the "
+        "highest peak near the rim.",
     ),
 }

@@ -42,10 +42,9 @@ def _volume(n: Known) -> Verdict:
     same = max(abs(low), abs(high), abs(n["v3.disc_volume_over_v2"])) < SAME_VOLUME
     return holds_if(
         same,
-        f"Over {n['surfaces']:.0f} rough surfaces V3's disc volume differs from V2's by {percent(low)} "
-        f"to {percent(high)}: "
-        "the remainder is where the contacts lie across sliding. V2's and V3's are below V1's by "
-        f"{percent(-n['v2.disc_volume_change'])}.",
+        f"Over {n['surfaces']:.0f} rough surfaces V3's disc volume differs from V2's by {percent(low)} to "
+        f"{percent(high)}: the remainder is where the contacts lie across sliding. V2's and V3's are below "
+        f"V1's by {percent(-n['v2.disc_volume_change'])}.",
         f"V3's disc volume differs from V2's by {percent(low)} to {percent(high)}.",
     )
 
@@ -81,14 +80,12 @@ def _patch(n: Known) -> Verdict:
     alone, both = n["experiment.patch_of_printed_K_mm"], n["closed_form_patch_mm"]
     return holds_if(
         alone > 1.1 * measured and both > 1.1 * alone,
-        f"With Table 4.1's K_s the sphere alone wears to {number(alone, 4)} mm on a swept track, where "
-        "the disc hardly "
-        "recedes. On a stationary footprint both bodies wear in one place and smooth models must give "
-        f"{number(both, 4)} mm, "
-        f"ours and the thesis's. {measured:.2f} mm gives K_s = {number(1e4 * n['experiment.K_by_cap'])}·10⁻⁴ "
-        "by the cap.",
-        f"K_s alone gives {number(alone, 4)} mm, both bodies {number(both, 4)} mm, measured were "
-        f"{measured} mm.",
+        f"With Table 4.1's K_s the sphere alone wears to {number(alone, 4)} mm on a swept track, where the "
+        "disc hardly recedes. On a stationary footprint both bodies wear in one place and smooth models "
+        f"must give {number(both, 4)} mm, ours and the thesis's. {measured:.2f} mm gives K_s = "
+        f"{number(1e4 * n['experiment.K_by_cap'])}·10⁻⁴ by the cap.",
+        f"K_s alone gives {number(alone, 4)} mm, both bodies {number(both, 4)} mm, measured were {measured} "
+        "mm.",
     )
 
 
@@ -111,13 +108,13 @@ def _line(n: Known) -> Verdict:
     return holds_if(
         total > 0.999 and n["v3.touched_straightness_R2"] < 0.99 and pinned,
         f"The running sum is straight (R² = {number(total, 5)}) and ends at "
-        f"{number(n['v3.area_sum_mm2'], 4)} mm², "
-        f"{number(n['v3.sum_over_worn_patch'], 2)} times the worn patch; the area ever touched is not (R² = "
-        f"{number(n['v3.touched_straightness_R2'])}). The summing is an inference. The pressure scatters by "
-        f"{number(n['v3.pressure_scatter_MPa'], 2)} MPa through the load tolerance of 0.5 N, at every mesh.",
+        f"{number(n['v3.area_sum_mm2'], 4)} mm², {number(n['v3.sum_over_worn_patch'], 2)} times the worn "
+        f"patch; the area ever touched is not (R² = {number(n['v3.touched_straightness_R2'])}). The summing "
+        f"is an inference. The pressure scatters by {number(n['v3.pressure_scatter_MPa'], 2)} MPa, since "
+        f"the load tolerance of 0.5 N allows {number(n['v3.pressure_least_allowed_MPa'])} to "
+        f"{number(n['v3.pressure_most_allowed_MPa'])} MPa at any mesh.",
         f"The running sum has R² = {number(total, 5)}; the pressure runs from "
-        f"{number(n['v3.pressure_smallest_MPa'])} to "
-        f"{number(n['v3.pressure_largest_MPa'])} MPa.",
+        f"{number(n['v3.pressure_smallest_MPa'])} to {number(n['v3.pressure_largest_MPa'])} MPa.",
     )
 
 
@@ -142,12 +139,9 @@ def _cure(n: Known) -> Verdict:
     return holds_if(
         abs(start - 1.0) < CURED and abs(end - 1.0) < CURED and is_root(n, "fine"),
         f"The area starts at {number(start)} of F/H, rises as a square root in the end "
-        f"({shape_of(n, 'fine')}, against 1 "
-        f"and 1 for a straight line) and ends at {number(end)} of V1's. This shows what the equations "
-        "imply on a "
-        "stationary footprint, where at the end everything touches at "
-        f"{number(n['fine.pressure_end_MPa'], 2)} MPa; it does "
-        "not show what steel does.",
+        f"({shape_of(n, 'fine')}, against 1 and 1 for a straight line) and ends at {number(end)} of V1's. "
+        "This shows what the equations imply on a stationary footprint, where at the end everything "
+        f"touches at {number(n['fine.pressure_end_MPa'], 2)} MPa; it does not show what steel does.",
         f"The area starts at {number(start)} of F/H and ends at {number(end)} of V1's; "
         f"{shape_of(n, 'fine')}.",
     )
@@ -214,10 +208,9 @@ def _stability(n: Known) -> Verdict:
         n["beyond.area_mean"] < -0.1 and n["beyond.area_lowest"] < -0.2 and shapes < 0.01,
         f"Patch, depth and volume are right to {percent(shapes, 1)}, but the area in contact is "
         f"{percent(-n['beyond.area_mean'])} low in the mean; single steps range from "
-        f"{percent(n['beyond.area_lowest'])} to "
-        f"{percent(n['beyond.area_highest'])} and the last is {percent(n['beyond.area_last'])}. The "
-        "series is chaotic, so "
-        "any one step, the last one too, is a number without meaning; friction follows this area.",
+        f"{percent(n['beyond.area_lowest'])} to {percent(n['beyond.area_highest'])} and the last is "
+        f"{percent(n['beyond.area_last'])}. The series is chaotic, so any one step, the last one too, is a "
+        "number without meaning; friction follows this area.",
         f"The area is {percent(n['beyond.area_mean'])} from the stable one in the mean, shapes differ by "
         f"{percent(shapes)}.",
     )
@@ -270,14 +263,12 @@ def _surfaces(n: Known) -> Verdict:
     return holds_if(
         explained and abs(mean / printed - 1.0) < PATCH_TOLERANCE,
         f"Extents run from {number(n['surfaces.patch_smallest_mm'])} to "
-        f"{number(n['surfaces.patch_largest_mm'])} mm. Cutting "
-        f"each unworn surface with V1's worn sphere, without any run, gives them within "
-        f"{number(1e3 * n['surfaces.prediction_error_mm'], 2)} µm. The printed {printed} mm asks for "
-        "peaks of "
-        f"{number(n['surfaces.peak_asked_um'])} µm at both ends of a diameter; peaks of "
-        f"{number(n['surfaces.peak_smallest_um'])} to {number(n['surfaces.peak_largest_um'])} µm stand "
-        "near the rim here, but "
-        "seldom in line. Measured to the farthest touched cell on one side and doubled, the patch is "
+        f"{number(n['surfaces.patch_largest_mm'])} mm. Cutting each unworn surface with V1's worn sphere, "
+        f"without any run, gives them within {number(1e3 * n['surfaces.prediction_error_mm'], 2)} µm. The "
+        f"printed {printed} mm asks for peaks of {number(n['surfaces.peak_asked_um'])} µm at both ends of a "
+        f"diameter; peaks of {number(n['surfaces.peak_smallest_um'])} to "
+        f"{number(n['surfaces.peak_largest_um'])} µm stand near the rim here, but seldom in line. Measured "
+        "to the farthest touched cell on one side and doubled, the patch is "
         f"{number(n['surfaces.farthest_smallest_mm'])} to {number(n['surfaces.farthest_largest_mm'])} mm.",
         f"The mean extent is {number(mean)} mm; geometry predicts the extents to "
         f"{number(1e3 * n['surfaces.prediction_error_mm'], 2)} µm.",

@@ -150,15 +150,20 @@ def _rough(runs: Runs) -> Numbers:
     v1, v2, v3 = (runs[name].history for name in ("v1", "v2", "v3"))
     low, high = (printed.value for printed in thesis.V3_PRESSURES)
     mean, cells = v3["pressure_mean"], v3["cells_in_contact"]
+    rough = runs["v3"].study
+    hardness, load, tolerance = rough.hardness, rough.contact.load, rough.load_tolerance
     found = {
         "v3.disc_volume_over_v2": float(v3["wear_volume_disc"][-1] / v2["wear_volume_disc"][-1] - 1.0),
         "v3.disc_volume_over_v1": float(v3["wear_volume_disc"][-1] / v1["wear_volume_disc"][-1] - 1.0),
         "v3.sum_over_worn_patch": float(v3["area_cumulative"][-1] / v1["area_contact"][-1]),
         "v3.cof_over_v1": float(v3["cof"][-1] / v1["cof"][-1]),
         "v3.pressures_within_printed": float(np.mean((mean >= low) & (mean <= high))),
+        # Of p = F/A with |A H − F| within the tolerance, at any mesh.
+        "v3.pressure_least_allowed_MPa": hardness * load / (load + tolerance),
+        "v3.pressure_most_allowed_MPa": hardness * load / (load - tolerance),
         "v3.fewest_cells": float(cells.min()),
         "v3.most_cells": float(cells.max()),
-        "v3.load_over_hardness_mm2": runs["v3"].study.contact.load / runs["v3"].study.hardness,
+        "v3.load_over_hardness_mm2": load / hardness,
         "fine.area_over_v1": float(runs["fine"].history["area_contact"][-1] / v1["area_contact"][-1]),
         "fine.area_first_over_F_H": float(
             runs["fine"].history["area_contact"][0]
