@@ -184,6 +184,7 @@ def test_numbers_for_people() -> None:
     ]
     assert number(float("nan")) == "–"
     assert number(615.38) == "615"
+    assert number(1856420.0) == "1860000"
 
 
 def small_plan() -> Plan:

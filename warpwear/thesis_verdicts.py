@@ -141,7 +141,7 @@ def number(value: float, digits: int = 3) -> str:
         mantissa, exponent = shown.split("e")
         power = int(exponent)
         raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-        shown = f"{value:.0f}" if 0 <= power < 7 else f"{mantissa.removesuffix('.')}·10{raised}"
+        shown = f"{float(shown):.0f}" if 0 <= power < 7 else f"{mantissa.removesuffix('.')}·10{raised}"
     return shown.removesuffix(".").replace("-", "−")
 
 
