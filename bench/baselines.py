@@ -6,7 +6,7 @@ is allocated in a loop. Less is recorded than by the package: approach, area in 
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -64,6 +64,12 @@ class Problem:
             factor=factor,
         )
 
+    def without_factor(self) -> Self:
+        """The same for cells in any order. ValueError where the distance factor differs along y."""
+        if np.any(self.factor != 1.0):
+            raise ValueError("the distance factor belongs to columns")
+        return replace(self, factor=np.ones(1))
+
     def compliance_of(self, increment: float) -> float:
         """c of a step [mm³/N]; the implicit one's is of a disc without a factor."""
         worn = (self.wear_sphere + self.wear_disc) * increment if self.implicit else 0.0
@@ -95,7 +101,7 @@ class NumpyLoop:
         self.gap = gap
         self.wear_sphere = np.zeros_like(gap)
         self.wear_disc = np.zeros_like(gap)
-        self._last: tuple[float, float] | None = None  # approach and mean pressure of the last step
+        self.last: tuple[float, float] | None = None  # approach and mean pressure of the last step
         self.allocate()
 
     def allocate(self) -> None:
@@ -124,19 +130,19 @@ class NumpyLoop:
             approach = base + offset
             sums = self.wear_overlap(offset, deepest, sphere / c, disc / c)
         contact, worn_sphere, worn_disc = sums
-        self._last = approach, problem.load / (contact * area)
+        self.last = approach, problem.load / (contact * area)
         return Solved(approach, worn_sphere * area, worn_disc * area, contact * area, trials)
 
     def _balanced(self, c: float, deepest: float, removal: float) -> tuple[float, float, int]:
         """Base, offset and evaluations of the contact with compliance, balanced to TOLERANCE."""
         load, per_length = self.problem.load, self.problem.cell**2 / c
         low, high = -math.inf, math.inf
-        if self._last is None:
+        if self.last is None:
             base, highest = self.bounds()
             low, high = 0.0, highest - base + min(deepest, load / per_length)
             guess = 0.5 * high
         else:
-            base, mean = self._last
+            base, mean = self.last
             guess = removal * mean
         trials = 0
         for _ in range(3):

@@ -12,6 +12,7 @@ from typing import Protocol
 
 from baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
 from c_loop import CLoop, NoCompilerError, library
+from candidates import CandidateLoop
 from published import PublishedLoop
 from timing import Row, Unit, measure
 
@@ -160,6 +161,7 @@ def steps(
             del model
     for name, made in c_loops(study, setting.threads):
         timed(name, made())
+    timed("NumPy, candidates", CandidateLoop(Problem.of(study), gap_of(study)))
     in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
     timed("NumPy", in_numpy)
     published = PublishedLoop.after(in_numpy, study.cells.x, study.cells.y, study.sphere.curvature)

@@ -6,6 +6,7 @@ from copy import copy
 
 import numpy as np
 from baselines import FloatArray, NumpyLoop, Problem, sag_of
+from candidates import CandidateLoop
 from contenders import Loop, Setting, Trace, c_loops, check, gap_of, heights_of, named, package
 from published import PublishedLoop
 from timing import Row, Unit, measure
@@ -96,6 +97,7 @@ def sampled_run(case: str, study: Study, places: int, unit: Unit, setting: Setti
                 rows.insert(0, whole_row)
     for name, made in c_loops(study, setting.threads):
         timed(name, made)
+    timed("NumPy, candidates", lambda: CandidateLoop(Problem.of(study), gap_of(study)))
     timed("NumPy", lambda: NumpyLoop(Problem.of(study), gap_of(study)))
     check(case, traces)
     return [*rows, published_run(case, study, plan, places_in(plan, setting.repeats), unit)]
@@ -155,6 +157,8 @@ def whole_run(case: str, study: Study, unit: Unit, setting: Setting, *, share: f
             timed(named(threads), fresh)
     for name, made in c_loops(study, counts):
         timed(name, made)
+    if not small:
+        timed("NumPy, candidates", lambda: CandidateLoop(Problem.of(study), gap_of(study)))
     timed("NumPy", lambda: NumpyLoop(Problem.of(study), gap_of(study)))
     if small:
         timed("published way", lambda: unworn_published(study))
