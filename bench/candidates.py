@@ -47,12 +47,10 @@ class CandidateLoop(NumpyLoop):
                 break
             margin *= 4.0
             bound += margin
-        for whole, part in (
-            (self.gap, loop.gap),
-            (self.wear_sphere, self.wear_sphere.ravel()[some] + loop.wear_sphere),
-            (self.wear_disc, self.wear_disc.ravel()[some] + loop.wear_disc),
-        ):
-            whole.ravel()[some] = part
+        del loop.overlap, loop.work
+        self.gap.ravel()[some] = loop.gap
+        self.wear_sphere.ravel()[some] += loop.wear_sphere
+        self.wear_disc.ravel()[some] += loop.wear_disc
         self.last = loop.last
         self._volumes = self._volumes[0] + found.volume_sphere, self._volumes[1] + found.volume_disc
         return Solved(found.approach, *self._volumes, found.area, found.evaluations)

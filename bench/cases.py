@@ -155,6 +155,7 @@ def phases(cells: int, setting: Setting) -> list[Row]:
             del model, run_now
         in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
         check("phases", {named(1): trace, "NumPy": [in_numpy.advance(d) for d in before]})
+        del in_numpy
         spent = spent[-setting.repeats :]
         for i, of_kernels in enumerate(spent):
             of_kernels["rest"] = seconds[i] - sum(of_kernels.values())
@@ -225,7 +226,7 @@ class Case:
     run: Callable[[int, Setting], list[Row]]
     sizes: tuple[int, ...] | None = None  # cells along a side; None: those asked for
     default_sizes: tuple[int, ...] | None = None  # where none is asked for; None: the table's
-    fields: float = 9.5  # float64 fields of that size that it holds at its peak
+    fields: float = 10.5  # float64 fields of that size that it holds at its peak
     threads: int = 1  # that it needs
 
     @property

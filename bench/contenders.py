@@ -26,6 +26,8 @@ from warpwear.surface_of import surface_in
 AGREEMENT = 1.0e-9
 #: Of the published bisection when it is compared; it is timed at the study's tolerance. Relative to the load.
 TIGHT = 1.0e-10
+#: Cells along a side above which NumPy on candidates is left out: its lists of a late contact need the memory.
+MOST_FOR_CANDIDATES = 8192
 EXTENT = 1.4336  # [mm]: the scar after 2400 mm covers 61 % of it
 
 Trace = list[Solved]
@@ -161,7 +163,8 @@ def steps(
             del model
     for name, made in c_loops(study, setting.threads):
         timed(name, made())
-    timed("NumPy, candidates", CandidateLoop(Problem.of(study), gap_of(study)))
+    if unit.cells <= MOST_FOR_CANDIDATES:
+        timed("NumPy, candidates", CandidateLoop(Problem.of(study), gap_of(study)))
     in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
     timed("NumPy", in_numpy)
     published = PublishedLoop.after(in_numpy, study.cells.x, study.cells.y, study.sphere.curvature)
