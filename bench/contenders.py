@@ -26,7 +26,7 @@ from warpwear.surface_of import surface_in
 AGREEMENT = 1.0e-9
 #: Of the published bisection when it is compared; it is timed at the study's tolerance. Relative to the load.
 TIGHT = 1.0e-10
-#: Cells along a side above which NumPy on candidates is left out: its lists of a late contact need the memory.
+#: Cells along a side above which NumPy on candidates is left out: a late contact's lists need the memory.
 MOST_FOR_CANDIDATES = 8192
 EXTENT = 1.4336  # [mm]: the scar after 2400 mm covers 61 % of it
 
