@@ -59,7 +59,7 @@ def remove(
 
     # What a cell does is written lane by lane, what is summed over cells vector by vector: only so does the
     # compiler keep all these sums in SIMD registers (half the time of sums written lane by lane; a product of
-    # a vector and a scalar here doubles it: measure with bench/step.py after a change).
+    # a vector and a scalar here doubles it: measure with bench/speed.py after a change).
     for k in range(slot % slots_per_row, vectors, slots_per_row):
         s = stiffness_in[stiffness_row, k]
         f = distance_factor_in[factor_row, k]
