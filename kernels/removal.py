@@ -76,7 +76,7 @@ def remove(
 
     # What a cell does is written lane by lane, what is summed over cells vector by vector: only so does the
     # compiler keep all these sums in SIMD registers (half the time of sums written lane by lane; a product of
-    # a vector and a scalar here doubles it: measure with bench/step.py after a change).
+    # a vector and a scalar here doubles it: measure with bench/speed.py after a change).
     for n in range(lane, count_in[row], slots_per_row):
         t = tiles_in[row, n]
         for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, vectors)):

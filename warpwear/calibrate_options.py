@@ -74,6 +74,8 @@ def scientific(value: float, error: float | None = None, *, digits: int = 4) -> 
     if not error:
         return f"{part:.{digits - 1}f}e{power}"
     small = error / 10.0**power
+    if not 1e-6 < small < 1e4:  # two digits of it would be a row of zeros
+        return f"({part:.{digits - 1}f} ± {small:.0e})e{power}"
     decimals = max(0, 1 - math.floor(math.log10(small)))
     return f"({value / 10.0**power:.{decimals}f} ± {small:.{decimals}f})e{power}"
 

@@ -192,12 +192,12 @@ def _of_track(
             f"--length is {length:g} mm: allowed is at least the piece in {file}, {found.length:g} mm"
         )
     volume, error = found.volume(length)
-    measured = (
-        f"{file}: section {1e6 * found.net.mean():.5g} ± {1e6 * found.net_error:.2g} µm² × {length:g} mm"
-    )
-    return _measured(
-        file, volume, error, depth=found.depth, measured=f"{measured}, degree {degree} beside it"
-    )
+    section = f"section {1e6 * found.net.mean():.5g} ± {1e6 * found.net_error:.2g} µm² × {length:g} mm"
+    measured = f"{file}: {section}, degree {degree} beside it"
+    source = "standard error of roughness and reference"
+    if found.length < 0.9 * length:
+        source += f", were the whole track like the measured {found.length:.4g} mm"
+    return _measured(file, volume, error, depth=found.depth, measured=measured, source=source)
 
 
 def _of_ball(file: Path, *, radius: float | None, preparation: dict[str, str | None]) -> WornVolume:
@@ -211,10 +211,15 @@ def _of_ball(file: Path, *, radius: float | None, preparation: dict[str, str | N
         f"{file}: patch {found.along:.4g} × {found.across:.4g} mm on a radius of "
         f"{found.sphere.radius:.5g} mm ({told})"
     )
-    return _measured(file, found.volume, found.volume_error, depth=found.depth, measured=measured)
+    source = "standard error of roughness and of the sphere's fit"
+    return _measured(
+        file, found.volume, found.volume_error, depth=found.depth, measured=measured, source=source
+    )
 
 
-def _measured(file: Path, volume: float, error: float, *, depth: float, measured: str) -> WornVolume:
+def _measured(
+    file: Path, volume: float, error: float, *, depth: float, measured: str, source: str
+) -> WornVolume:
     if volume <= 0.0:
         raise InputError(
             f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a wear coefficient needs a loss"
@@ -222,7 +227,7 @@ def _measured(file: Path, volume: float, error: float, *, depth: float, measured
     return WornVolume(
         volume=volume,
         error=error,
-        error_from="topography: standard error of roughness and reference",
+        error_from=source,
         depth=depth,
         measured=measured,
     )

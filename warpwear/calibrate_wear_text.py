@@ -85,12 +85,12 @@ def page(found: WearCalibration, *, relation: str, worn: str | None) -> str:
 
 def _test_lines(worn: WornVolume, *, value: float, error: float | None, work: float) -> list[str]:
     plus = f" ± {worn.error:.2g}" if worn.error is not None else ""
-    source = f" (uncertainty: {worn.error_from})"
     depth = "" if worn.depth is None else f", {1e3 * worn.depth:.4g} µm deep"
     of_k = scientific(1e3 * value, None if error is None else 1e3 * error)
     lines = [
         f"  measured         {worn.measured}{depth}",
-        f"    volume         {worn.volume:.5g}{plus} mm³{source}: K {of_k}",
+        f"    volume         {worn.volume:.5g}{plus} mm³: K {of_k}",
+        f"    uncertainty    {worn.error_from}",
     ]
     if worn.approximate is not None:
         lines.append(

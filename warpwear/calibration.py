@@ -13,6 +13,8 @@ from warpwear.surfaces.worn_ball import cap_of_diagonals
 
 #: Angle [rad] of a circular segment below which its area is summed as a series: φ − sin φ cancels.
 SMALL_ANGLE = 0.02
+#: Of any number given, in mm, N or MPa, and of its inverse in K [mm²/N]: beyond it powers overflow.
+LARGEST = 1e30
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,10 +102,12 @@ def wear_coefficient(
     for worn in volumes:
         _positive("worn volume", worn.volume, "mm³")
     found = WearCalibration(volumes=tuple(volumes), load=load, distance=distance, hardness=hardness)
-    if not all(0.0 < value < math.inf for value in found.values):
-        raise InputError(
-            f"load {load:g} N and distance {distance:g} mm make no finite wear coefficient of these volumes"
-        )
+    for value in found.values:
+        if not 1.0 / LARGEST < value < LARGEST:
+            raise InputError(
+                f"load {load:g} N and distance {distance:g} mm make a wear coefficient of {value:g} mm²/N: "
+                f"allowed is {1.0 / LARGEST:g} to {LARGEST:g}"
+            )
     return found
 
 
@@ -127,6 +131,8 @@ def cap(
     nearly 4 V/d. InputError for a scar wider than the ball.
     """
     other = first if second is None else second
+    for name, length in (("diameter", first), ("diameter", other), ("radius", radius)):
+        _positive(name, length, "mm")
     found = cap_of_diagonals(first, other, radius=radius)
     source = _given(error)
     if error is None and other != first:
@@ -211,7 +217,7 @@ def diameter_of_cap(volume: float, *, radius: float) -> float:
     """
     _positive("volume", volume, "mm³")
     _positive("radius", radius, "mm")
-    if volume > 2.0 / 3.0 * math.pi * radius**3:
+    if volume > 2.0 / 3.0 * math.pi * radius**3 * (1.0 + 1e-12):
         raise InputError(f"volume is {volume:g} mm³: allowed is up to half the ball of radius {radius:g} mm")
     low, high = 0.0, radius  # of the height
     while low < (middle := 0.5 * (low + high)) < high:
@@ -223,13 +229,13 @@ def diameter_of_cap(volume: float, *, radius: float) -> float:
 
 
 def _positive(name: str, value: float, unit: str) -> None:
-    if not 0.0 < value < math.inf:
-        raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number")
+    if not 0.0 < value <= LARGEST:
+        raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number up to {LARGEST:g}")
 
 
 def _error(error: float | None) -> float | None:
-    if error is not None and not 0.0 <= error < math.inf:
-        raise InputError(f"uncertainty is {error:g}: allowed is zero or any positive number")
+    if error is not None and not 0.0 <= error <= LARGEST:
+        raise InputError(f"uncertainty is {error:g}: allowed is any number from 0 to {LARGEST:g}")
     return error
 
 

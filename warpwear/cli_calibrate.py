@@ -6,6 +6,8 @@ from typing import Any
 
 import click
 
+from warpwear.cli_surface import PREPARATION
+
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 LOAD = click.option("--load", metavar="F", help="Normal load, e.g. '8 N'.")
 DISTANCE = click.option("--distance", metavar="L", help="Total sliding distance, e.g. '2400 mm'.")
@@ -13,19 +15,8 @@ RESULT = click.option(
     "--result", metavar="DIR", type=click.Path(path_type=Path), help="Run folder of `warpwear run`."
 )
 
-#: Keys of [disc] that prepare a measured file, as in `warpwear surface`.
-PREPARATION = {
-    "--pixel": "Distance of a file's points, e.g. '0.5 um'; overrides the file.",
-    "--height-unit": "Unit of a file's heights: m, mm, um or nm; overrides the file.",
-    "--array": "Which array of a .npz that holds several.",
-    "--height-sign": "down turns heights over (the file gives depths).",
-    "--crop": "Part used: 'x0, x1, y0, y1' from the file's corner, or a size.",
-    "--sliding-axis": "Axis of the file along sliding: x or y. [default: x]",
-    "--outliers": "Remove points farther than so many robust standard deviations, e.g. 6.",
-    "--level": "--track: none, plane or a degree, taken off beside it. [default: plane]",
-    "--s-filter": "Take off shorter waves than this, e.g. '8 um'.",
-    "--l-filter": "Take off longer waves than this, e.g. '0.8 mm'.",
-}
+#: Of a track the form is that of the unworn part.
+LEVEL = {"--level": "--track: none, plane or a degree, taken off beside it. [default: plane]"}
 REPEATED = {
     "--volume": ("V", str, "A worn volume, e.g. '0.01805 mm^3'."),
     "--scar": ("D", str, "Diameter of a flat scar on a ball. Needs --radius."),
@@ -37,7 +28,7 @@ REPEATED = {
 
 
 def _with_sources(command: Callable[..., Any]) -> Callable[..., Any]:
-    for name, text in reversed(PREPARATION.items()):
+    for name, text in reversed((PREPARATION | LEVEL).items()):
         command = click.option(name, metavar="VALUE", help=text)(command)
     for name, (metavar, kind, text) in reversed(REPEATED.items()):
         command = click.option(name, metavar=metavar, type=kind, multiple=True, help=text)(command)

@@ -44,6 +44,11 @@ class RunData:
         values = self.history["cof"]
         return values if bool(np.isfinite(values).all()) else None
 
+    @property
+    def shape(self) -> dict[str, float]:
+        """m and λ of the coefficient of friction, see `warpwear.summary.shape_of_growth`."""
+        return {} if self.cof is None else _shape(self.history["distance"], self.cof)
+
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
@@ -98,8 +103,12 @@ def gather(
     ]
     notes = [*_differences(named)]
     notes += [f"{r.name} was interrupted." for r in named if not r.summary["finished"]]
+    notes += [
+        f"{r.name} has no coefficient of friction: its end calibrates it." for r in named if r.cof is None
+    ]
     notes += [f"{r.name} has no snapshot, so no profile." for r in named if not r.wear]
-    notes += [f"{e.name}: {note}" for e in measured for note in e.notes]
+    for e in measured:
+        notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, named))]
     return Comparison(tuple(named), tuple(measured), tuple(notes))
 
 
@@ -133,6 +142,10 @@ def shape_of(experiment: Experiment) -> dict[str, float]:
         part = np.minimum((PARTS * distance / distance[-1]).astype(np.intp), PARTS - 1)
         filled = np.flatnonzero(number := np.bincount(part))
         distance, cof = ((np.bincount(part, weights=v)[filled] / number[filled]) for v in (distance, cof))
+    return _shape(distance, cof)
+
+
+def _shape(distance: FloatArray, cof: FloatArray) -> dict[str, float]:
     late = distance >= 0.5 * distance[-1]
     if distance.size < FEWEST or late.sum() < 3 or np.any(cof[late] <= 0.0):
         return {}
@@ -200,8 +213,17 @@ CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str]]] = {
     "wear coefficient of the sphere": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
     "wear coefficient of the disc": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[1]),
     "sphere's curvature": ("1/mm", lambda s: s.sphere.curvature),
+    "law of wear": ("", lambda s: s.wear.law),
     "area that shears": ("", lambda s: s.friction.area),
 }
+
+
+def _lengths(experiment: Experiment, runs: list[RunData]) -> list[str]:
+    """Whether it is far shorter or longer than every run, as in a wrong unit."""
+    whole, totals = float(experiment.distance[-1]), [float(run.history["distance"][-1]) for run in runs]
+    if not totals or any(0.5 * total <= whole <= 2.0 * total for total in totals):
+        return []
+    return [f"It is {whole:.4g} mm long, the runs {', '.join(f'{total:.4g}' for total in totals)} mm."]
 
 
 def _differences(runs: list[RunData]) -> list[str]:

@@ -14,9 +14,9 @@ from warpwear.experiment import Experiment
 
 Value = str | int | float | None
 SHAPES = (
-    "m and λ of a run are those of its area that shears (summary.json: cof_shape), of an experiment those of "
-    "its coefficient of friction: exponent of the growth over the second half of the distance, and slope of "
-    "that half over the early slope."
+    "m and λ are of the coefficient of friction: exponent of its growth over the second half of the "
+    "distance, and its slope there over the early slope. For a run of constant shear strength without "
+    "ploughing they are those of the area that shears (cof_shape in summary.json)."
 )
 
 
@@ -57,18 +57,12 @@ ROWS = (
     Row("area_contact", "mm^2", "area in contact", _entry("area_mm2", "contact")),
     Row("pressure_mean", "MPa", "mean pressure", _entry("pressure_MPa", "mean")),
     Row("cof", "1", "CoF at the end", _entry("cof", "end"), lambda e: e.final_cof),
-    Row(
-        "exponent_m",
-        "1",
-        "m",
-        _entry("cof_shape", "exponent_m"),
-        lambda e: shape_of(e).get("exponent_m"),
-    ),
+    Row("exponent_m", "1", "m", lambda r: r.shape.get("exponent_m"), lambda e: shape_of(e).get("exponent_m")),
     Row(
         "levelling_lambda",
         "1",
         "λ",
-        _entry("cof_shape", "levelling_lambda"),
+        lambda r: r.shape.get("levelling_lambda"),
         lambda e: shape_of(e).get("levelling_lambda"),
     ),
 )

@@ -129,7 +129,7 @@ def _without_gaps(path: Path, table: dict[str, FloatArray]) -> tuple[dict[str, F
     kept = int(whole.sum())
     if kept < 2:
         raise InputError(f"{path} has rows with all values: {kept}; two or more are expected")
-    notes = [] if kept == rows else [f"{rows - kept} of {rows} rows had gaps and were left out."]
+    notes = [] if kept == rows else [f"Rows with gaps, left out: {rows - kept} of {rows}."]
     return {role: values[whole] for role, values in table.items()}, notes
 
 
@@ -144,7 +144,7 @@ def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> tuple[FloatA
                 "start of sliding are expected"
             )
         distance, cof = distance[~before], cof[~before]
-        notes.append(f"{before.sum()} rows before the start (negative distance or time) were left out.")
+        notes.append(f"Rows before the start (negative distance or time), left out: {before.sum()}.")
     if np.any(np.diff(distance) < 0.0):
         again = _covered_again(distance)
         if again is not None:
@@ -163,7 +163,7 @@ def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> tuple[FloatA
         notes.append("Rows were out of order and were sorted by distance.")
     places, which = np.unique(distance, return_inverse=True)
     if places.size < distance.size:
-        notes.append(f"{distance.size - places.size} rows repeat the distance of another: averaged with it.")
+        notes.append(f"Rows at the distance of another, averaged with it: {distance.size - places.size}.")
         cof = np.bincount(which, weights=cof) / np.bincount(which)
     if places.size < 2:
         raise InputError(f"{path} has one distance only; two or more are expected")
@@ -210,4 +210,4 @@ def _check_cof(path: Path, distance: FloatArray, cof: FloatArray) -> list[str]:
         )
     if not negative.any():
         return []
-    return [f"{negative.sum()} of {negative.size} coefficients of friction are negative and were kept."]
+    return [f"Coefficients of friction below zero, kept: {negative.sum()} of {negative.size}."]

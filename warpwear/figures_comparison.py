@@ -1,6 +1,6 @@
 """Figures of a comparison: the courses of runs and experiments, and worn profiles, laid over each other."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,8 @@ GREYS, MARKERS = ("#000000", "#888888", "#555555"), ("o", "s", "^")
 POINTS = 120
 #: Markers along a measured course, about.
 MARKED = 30
+#: Height of a row of the legend [inch].
+LEGEND_ROW = 0.15
 
 
 def cof(comparison: Comparison) -> Figure:
@@ -34,18 +36,17 @@ def cof(comparison: Comparison) -> Figure:
                     _measured(panel, experiment, end, line)
         for run, line in _runs(comparison):
             if run.cof is not None:
-                for panel, end in zip(axes, (1.0, run.cof[-1]), strict=True):
-                    if end > 0.0:
-                        fs.over_distance(panel, run.history["distance"], run.cof / end, **line)
+                fs.over_distance(axes[0], run.history["distance"], run.cof, **line)
+                if run.cof.size > 1 and run.cof[-1] > 0.0:
+                    fs.over_distance(axes[1], run.history["distance"], run.cof / run.cof[-1], **line)
         axes[0].set_ylabel("coefficient of friction, –")
         axes[1].set_ylabel("relative to its end value, –")
         for panel in axes:
             panel.set_xlabel("sliding distance, mm")
             panel.set_xlim(left=0.0)
             panel.set_ylim(bottom=0.0)
-        _legend(axes)
 
-    return fs.new_figure(draw, columns=2)
+    return _figure(draw, [*(e.name for e in comparison.experiments), *_names(comparison)], panels=2)
 
 
 def area(comparison: Comparison) -> Figure:
@@ -59,9 +60,8 @@ def area(comparison: Comparison) -> Figure:
             axes.set_xscale("log")
         fs.logarithmic(axes)
         axes.set_ylabel("area in contact, mm²")
-        _legend(axes)
 
-    return fs.new_figure(draw)
+    return _figure(draw, _names(comparison))
 
 
 def pressure(comparison: Comparison) -> Figure:
@@ -73,9 +73,8 @@ def pressure(comparison: Comparison) -> Figure:
         fs.scale_distance(axes, _longest(comparison))
         fs.scale_values(axes, *(run.history["pressure_mean"] for run in comparison.runs))
         axes.set_ylabel("mean pressure in contact, MPa")
-        _legend(axes)
 
-    return fs.new_figure(draw)
+    return _figure(draw, _names(comparison))
 
 
 def volumes(comparison: Comparison) -> Figure:
@@ -91,9 +90,8 @@ def volumes(comparison: Comparison) -> Figure:
             panel.set_ylabel("worn volume, 10⁻³ mm³")
             panel.set_xlim(left=0.0)
             panel.set_ylim(bottom=0.0)
-        _legend(axes)
 
-    return fs.new_figure(draw, columns=2)
+    return _figure(draw, _names(comparison), panels=2)
 
 
 def profiles(comparison: Comparison) -> Figure:
@@ -115,9 +113,8 @@ def profiles(comparison: Comparison) -> Figure:
             panel.set_ylim(top=0.0)
             if reach > 0.0:
                 panel.set_xlim(-1.15 * reach, 1.15 * reach)
-        _legend(axes)
 
-    return fs.new_figure(draw, columns=2)
+    return _figure(draw, _names(comparison), panels=2)
 
 
 #: Name of the file -> how it is drawn.
@@ -145,7 +142,7 @@ def _runs(comparison: Comparison) -> Iterator[tuple[RunData, dict[str, Any]]]:
         # Colours repeat after six runs, together with their lines only after thirty-six.
         style = LINES[(index + index // len(COLOURS)) % len(LINES)]
         line = {"color": COLOURS[index % len(COLOURS)], "ls": style, "label": run.name}
-        yield run, line | ({"marker": "o"} if run.history["distance"].size == 1 else {})
+        yield run, line | ({"marker": "o", "ms": 4} if run.history["distance"].size == 1 else {})
 
 
 def _experiments(comparison: Comparison) -> Iterator[tuple[Experiment, dict[str, Any]]]:
@@ -171,14 +168,23 @@ def _measured(panel: Axes, experiment: Experiment, end: float, line: dict[str, A
     panel.plot(distance, values, markevery=max(1, distance.size // MARKED), **line)
 
 
+def _names(comparison: Comparison) -> list[str]:
+    return [run.name for run in comparison.runs]
+
+
 def _longest(comparison: Comparison) -> FloatArray:
     return max((run.history["distance"] for run in comparison.runs), key=lambda d: d[-1])
 
 
-def _legend(axes: Any) -> None:
-    panels = list(np.atleast_1d(axes))
-    labels = dict.fromkeys(label for p in panels for label in p.get_legend_handles_labels()[1])
-    # As many beside each other as the width holds, a character some 0.055 inch and a line 0.45.
-    width = fs.PAGE if len(panels) > 1 else fs.COLUMN
-    longest = max(map(len, labels), default=1)
-    fs.legend_above(*panels, columns=max(1, min(len(labels) or 1, int(width / (0.055 * longest + 0.45)))))
+def _figure(draw: Callable[[Any], None], names: Sequence[str], *, panels: int = 1) -> Figure:
+    """A figure with the legend over it; a legend of many rows makes it higher, not its panels lower."""
+    width = fs.PAGE if panels > 1 else fs.COLUMN
+    # As many names beside each other as the width holds, a character some 0.055 inch and a line 0.45.
+    beside = max(1, min(len(names), int(width / (0.055 * max(map(len, names)) + 0.45))))
+
+    def draw_all(axes: Any) -> None:
+        draw(axes)
+        fs.legend_above(*np.atleast_1d(axes), columns=beside)
+
+    rows = -(-len(names) // beside)
+    return fs.new_figure(draw_all, columns=panels, height=fs.ROW + LEGEND_ROW * (rows - 1))

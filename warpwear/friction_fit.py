@@ -15,6 +15,8 @@ from warpwear.grid import FloatArray
 #: Diagnostics, 1980, section 3.2), and from which they are not told apart at all.
 POOR, HOPELESS = 30.0, 1000.0
 FEWEST = 3
+#: Residuals of coefficients below this are rounding, which goes together too.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,19 +54,16 @@ class FrictionFit:
                 f"{self.condition:.0f}, above {POOR:.0f}): τ0 and μ_p are poorly told apart"
             )
         if self.ploughing < 0.0:
-            within = (
-                " (within two standard errors of 0)" if -self.ploughing < 2 * self.ploughing_error else ""
-            )
             found.append(
-                f"μ_p is negative{within}, which no ploughing is: the coefficient grows faster than in "
-                "proportion to this area; the fit with μ_p = 0 is given too"
+                f"μ_p is negative{_within(self.ploughing, self.ploughing_error)}, which no ploughing is: the "
+                "coefficient grows faster than in proportion to this area; the fit with μ_p = 0 is given too"
             )
         if self.shear_strength < 0.0:
             found.append(
-                "τ0 is negative: the coefficient falls while this area grows, so that no constant shear "
-                "strength of it describes the measurement"
+                f"τ0 is negative{_within(self.shear_strength, self.shear_strength_error)}: a coefficient "
+                "that falls while this area grows follows no constant shear strength of it"
             )
-        if self.effective_points < 10.0 and self.points >= 20:
+        if self.effective_points < 10.0 and self.points >= 20 and self.rms > ROUNDING:
             found.append(
                 f"the residuals go together over long distances ({self.effective_points:.2g} independent of "
                 f"{self.points} points): the curve has another shape than the area's"
@@ -161,6 +160,10 @@ def _shear_alone(area_over_load: FloatArray, measured: FloatArray) -> ShearFit:
         rms=_rms(residual),
         r_squared=_r_squared(residual, measured),
     )
+
+
+def _within(value: float, error: float) -> str:
+    return " (within two standard errors of 0)" if abs(value) < 2.0 * error else ""
 
 
 def _condition(spread: float) -> float:

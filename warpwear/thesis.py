@@ -43,3 +43,16 @@ PATCH_DIAMETERS = {
     "v2": Printed(1.28, "mm", "figure 4.36"),
     "v3": Printed(1.37, "mm", "figure 4.36"),
 }
+
+#: Steps of one stroke.
+ITERATIONS_PER_STROKE = Printed(100, "1", "section 4.3.1")
+#: Mean pressure of version 3 at all times, least and largest.
+V3_PRESSURES = (Printed(580.0, "MPa", "section 4.3.3"), Printed(600.0, "MPa", "section 4.3.3"))
+V3_CELL = Printed(10.0, "um", "section 4.3.3")
+V3_LOAD_TOLERANCE = Printed(0.5, "N", "section 4.2.2.2")
+#: After this distance pressure and radius of version 1 are said to change slowly.
+SLOWS_AFTER = Printed(100.0, "mm", "section 4.3.1", "0.1 m")
+#: Distances at which the wear of the disc is drawn.
+DRAWN_AT = tuple(Printed(d, "mm", "figure 4.19") for d in (30.0, 600.0, 1200.0, 2400.0))
+#: The distance that the text gives to 80 strokes in one place; its figures and tables have 2400 mm.
+MISPRINTED_DISTANCE = Printed(240.0, "mm", "section 4.3.1")

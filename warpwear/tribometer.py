@@ -1,5 +1,6 @@
 """The raw record of a reciprocating tribometer, forces and position: one coefficient of friction a cycle."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,8 +16,8 @@ Rows: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
 CUT = 0.1
 #: A turn is told from noise by this part of the stroke on either side of its middle.
 HYSTERESIS = 0.25
-#: Samples of a pass over those of the running mean that takes noise off the turning points.
-SMOOTHING = 200
+#: Samples of a pass over those of the running mean that takes noise off the turning points, at least.
+LEAST_PARTS = 20
 #: A cycle whose normal force is below this part of the median was not yet, or no longer, under load.
 UNLOADED = 0.5
 #: Half the difference of the directions over their mean; below it the sign does not follow the direction.
@@ -109,7 +110,7 @@ def _one_way(
     if not loaded.all():
         notes = [
             *notes,
-            f"{(~loaded).sum()} rows with less than half of the median normal force were left out.",
+            f"Rows with less than half of the median normal force, left out: {(~loaded).sum()}.",
         ]
     distance, which = np.unique(distance[loaded], return_inverse=True)
     cof = np.bincount(which, weights=sign * friction[loaded] / normal[loaded]) / np.bincount(which)
@@ -123,13 +124,14 @@ def _one_way(
 def _by_cycles(
     path: Path, position: FloatArray, friction: FloatArray, normal: FloatArray, stroke: float | None
 ) -> Reading:
-    turns = turning_points(position)
-    if turns.size < 3:
+    turns, smooth = turning_points(position)
+    if turns.size < 5:
         raise InputError(
-            f"{path}: the position turns {turns.size} times, so there is no whole cycle; a reciprocating "
-            "record of two passes or more is expected"
+            f"{path}: the position turns {turns.size} times, so there are no two whole cycles; a "
+            "reciprocating record of four passes or more is expected"
         )
-    measured, middle = _stroke(position, turns)
+    ends = [float(np.median(smooth[turns[side::2]])) for side in (0, 1)]
+    measured, middle = abs(ends[1] - ends[0]), 0.5 * (ends[0] + ends[1])
     notes = []
     if stroke is not None and abs(measured - stroke) > 0.1 * stroke:
         raise InputError(
@@ -141,7 +143,7 @@ def _by_cycles(
     inside[: turns[0]] = inside[turns[-1] :] = False
     between = int(turns[-1] - turns[0])
     notes.append(
-        f"{between - inside.sum()} of {between} samples, within a tenth of the stroke of its ends, were cut."
+        f"Samples within a tenth of the stroke of its ends, cut: {between - inside.sum()} of {between}."
     )
     forces, loads = (_pass_means(path, values, inside, turns) for values in (friction, normal))
     pairs = forces.size // 2
@@ -151,21 +153,19 @@ def _by_cycles(
     # A pass and the mean of its neighbours: a friction that changes steadily makes no offset.
     offset = float(np.median(0.5 * forces[1:-1] + 0.25 * (forces[:-2] + forces[2:])))
     loaded = pressing > UNLOADED * np.median(pressing)
+    if loaded.sum() < 2:
+        raise InputError(f"{path} has whole cycles under load: {loaded.sum()}; two or more are expected")
     typical = float(np.median(half[loaded]))
     if typical <= RECTIFIED * abs(offset):
         raise InputError(
             f"{path}: the friction force does not change its sign with the direction: it was recorded "
-            "without sign, is nothing, or has a large offset; a signed force, or a column of coefficients, is "
-            "expected"
+            "without sign, is nothing, or has a large offset; a signed force, or a column of coefficients, "
+            "is expected"
         )
-    start = abs(float(position[turns[0]] - position[0]))
+    start = abs(float(smooth[turns[0]] - smooth[0]))
     distance = min(start, used) + used * (1.0 + 2.0 * np.arange(pairs, dtype=np.float64))
     if not loaded.all():
-        notes.append(
-            f"{(~loaded).sum()} cycles with less than half of the median normal force were left out."
-        )
-    if loaded.sum() < 2:
-        raise InputError(f"{path} has {loaded.sum()} whole cycle under load; two or more are expected")
+        notes.append(f"Cycles with less than half of the median normal force, left out: {(~loaded).sum()}.")
     known = "as given" if stroke is not None else "from its turning points"
     notes.append(f"{pairs} cycles; the distance is passes times the stroke, {used:.4g} mm ({known}).")
     notes.append(
@@ -188,44 +188,44 @@ def _pass_means(
     return sums / number
 
 
-def turning_points(position: FloatArray) -> Rows:
-    """Rows at which the position turns, in order.
+def turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:
+    """Rows at which the position turns, in order, and the smoothed position [mm].
 
     Between two crossings of the middle of the stroke, each complete only when it leaves a band of half the
-    stroke, lies one turn: the extreme of the smoothed position. Noise inside the band makes none.
+    stroke, lies one turn: the extreme of the smoothed position. Noise inside the band makes none. The first
+    and the last count if they come so near to the stroke's end that only what is cut is missing.
     """
     low, high = np.quantile(position, [0.01, 0.99])
     if high <= low:
-        return np.zeros(0, dtype=np.intp)
+        return np.zeros(0, dtype=np.intp), position
     away = (position - 0.5 * (low + high)) / (high - low)
     side = np.where(away > HYSTERESIS, 1, np.where(away < -HYSTERESIS, -1, 0))
     outside = np.flatnonzero(side)
     changes = np.flatnonzero(np.diff(side[outside]) != 0)
     if changes.size < 2:
-        return np.zeros(0, dtype=np.intp)
-    # The first and the last stay may be cut off by the record's ends and then hold no turn.
-    starts, ends = outside[changes[:-1] + 1], outside[changes[1:]] + 1
-    first, last = (0, int(outside[changes[0]]) + 1), (int(outside[changes[-1] + 1]), position.size)
+        return np.zeros(0, dtype=np.intp), position
+    stays = np.split(outside, changes + 1)
     smooth = _smoothed(position, int(np.median(np.diff(outside[changes]))))
-    found = []
-    for begin, end in [first, *zip(starts.tolist(), ends.tolist(), strict=True), last]:
-        part = smooth[begin:end] * side[end - 1 if (begin, end) == first else begin]
-        at = begin + int(np.argmax(part))
-        if begin + 1 < at < end - 2 or (begin, end) not in (first, last):
-            found.append(at)
-    return np.array(found, dtype=np.intp)
+    found = [int(stay[0] + np.argmax(side[stay[0]] * smooth[stay[0] : stay[-1] + 1])) for stay in stays]
+    ends = {1: high, -1: low}
+    for at in (0, -1):  # the record may begin or end within a pass
+        end = ends[int(side[stays[at][0]])]
+        if abs(smooth[found[at]] - end) > CUT * (high - low):
+            del found[at]
+    return np.array(found, dtype=np.intp), smooth
 
 
 def _smoothed(position: FloatArray, samples: int) -> FloatArray:
-    width = max(1, samples // SMOOTHING)
-    if width == 1:
+    """A running mean for finding turns. samples: of one pass.
+
+    The mean over w samples cuts v w/4 off a turn at speed v [mm a sample]; noise of deviation σ adds some
+    2.5 σ/√w, the largest of many. Where both are equal they cancel: w = (10 σ/v)^(2/3).
+    """
+    speed = float(np.ptp(position)) / samples
+    # Of second differences, which neither sliding nor single jumps reach; a normal distribution's quartile.
+    noise = float(np.median(np.abs(np.diff(position, 2)))) / (0.6745 * math.sqrt(6.0))
+    width = min(round((10.0 * noise / speed) ** (2.0 / 3.0)), samples // LEAST_PARTS)
+    if width < 2:
         return position
     padded = np.pad(position, (width // 2, width - 1 - width // 2), mode="edge")
     return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
-
-
-def _stroke(position: FloatArray, turns: Rows) -> tuple[float, float]:
-    """Length of a pass and its middle [mm], by the medians of both ends."""
-    smooth = _smoothed(position, int(np.median(np.diff(turns))))
-    ends = (float(np.median(smooth[turns[0::2]])), float(np.median(smooth[turns[1::2]])))
-    return abs(ends[1] - ends[0]), 0.5 * (ends[0] + ends[1])

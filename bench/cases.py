@@ -1,0 +1,252 @@
+"""The cases of the benchmark. A model that is added later adds a function and a line to CASES."""
+
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from baselines import NumpyLoop, Problem, Solved, sag_of, sliding_step, work_for
+from cold import cold
+from contenders import (
+    Loop,
+    Setting,
+    Trace,
+    check,
+    gap_of,
+    heights_of,
+    named,
+    package,
+    steps,
+    study_on,
+)
+from loops import sampled_run, whole_run
+from phases import kernel_times
+from timing import Row, Unit, measure, ratio_note
+
+from warpwear import Study
+
+EARLY = [3.0e-3] * 10  # [mm]: near F/H
+LATE = [2400.0, 3.0, 3.0]  # implicit steps may be long: most of the footprint touches
+EARLY_STEP, LATE_STEP = 3.0e-3, 3.0
+SHIFT = 8  # cells a step of a displaced contact
+
+
+def static(cells: int, setting: Setting) -> list[Row]:
+    """Bearing area at 590 MPa, balanced to one cell's force."""
+    return cold("static", cells, setting, study_on(cells, sliding__distance="0 mm"))
+
+
+def static_springs(cells: int, setting: Setting) -> list[Row]:
+    """Foundation of 1.9e6 N/mm³ capped at 590 MPa, balanced to 1e-12 of the load."""
+    study = study_on(cells, sliding__distance="0 mm", contact__stiffness="1.9e6 N/mm^3")
+    return cold("static-springs", cells, setting, study)
+
+
+def early(cells: int, setting: Setting) -> list[Row]:
+    """A step of 3 µm after ten of them: the contact is near F/H."""
+    return steps("early", study_on(cells), EARLY, EARLY_STEP, Unit(cells), setting)
+
+
+def late(cells: int, setting: Setting) -> list[Row]:
+    """A step of 3 mm after 2400 mm: 61 % of the domain touches."""
+    return steps("late", study_on(cells), LATE, LATE_STEP, Unit(cells), setting)
+
+
+def run_v3(_: int, setting: Setting) -> list[Row]:
+    """The whole of v3: 8000 explicit steps on 150² cells."""
+    study = Study.load("v3")
+    return whole_run("v3", study, Unit(study.cells.nx), setting, share=0.2 if setting.quick else 1.0)
+
+
+def run_fine(_: int, setting: Setting) -> list[Row]:
+    """The whole of v3-fine: 1099 balanced steps on 1500² cells."""
+    return _run("v3-fine", Study.load("v3-fine"), setting)
+
+
+def run_springs(_: int, setting: Setting) -> list[Row]:
+    """The whole of v3-fine on springs of 1.9e6 N/mm³ capped at 590 MPa."""
+    study = Study.load("v3-fine").replace(
+        {"contact.stiffness": "1.9e6 N/mm^3", "contact.hardness": "590 MPa"}
+    )
+    return _run("v3-fine-springs", study, setting)
+
+
+def _run(case: str, study: Study, setting: Setting) -> list[Row]:
+    unit = Unit(study.cells.nx)
+    if setting.quick:
+        return sampled_run(case, study, 8, unit, setting)
+    return whole_run(case, study, unit, setting)
+
+
+def finer(_: int, setting: Setting) -> list[Row]:
+    """The early step at 1 and at 0.5 µm on the same 2.048 mm: what halving the cell costs."""
+    rows: list[Row] = []
+    threads = max(setting.threads)
+    for cells in (2048, 4096):
+        study = study_on(cells, extent=2.048)
+        trace: Trace = []
+        with package(study, setting, threads) as fresh:
+            model = fresh()
+            trace.extend(model.advance(d) for d in EARLY)
+            seconds, units = measure(
+                lambda model=model, trace=trace: trace.append(model.advance(EARLY_STEP)),  # type: ignore[misc]
+                Unit(cells),
+                setting.repeats,
+            )
+        in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
+        check("finer", {named(threads): trace, "NumPy": [in_numpy.advance(d) for d in EARLY]})
+        name = f"{named(threads)}, {1e3 * study.grid.cell:g} µm"
+        note = ratio_note("0.5 µm over 1 µm", Row("", 0, "", seconds, units), rows[0]) if rows else ""
+        rows.append(Row("finer", cells, name, seconds, units, note))
+    return rows
+
+
+def second_thread(cells: int, setting: Setting) -> list[Row]:
+    """The late step by one thread and by two, in turns."""
+    study = study_on(cells)
+    unit = Unit(cells)
+    traces: dict[str, Trace] = {}
+    rows: list[Row] = []
+    with package(study, setting, 1) as fresh_one, package(study, setting, 2) as fresh_two:
+        models = {named(1): fresh_one(), named(2): fresh_two()}
+        for name, model in models.items():
+            traces[name] = [model.advance(d) for d in LATE]
+        times: dict[str, tuple[list[float], list[float]]] = {name: ([], []) for name in models}
+        for i in range(1 + setting.repeats):
+            for name, model in models.items():
+                taken = measure(
+                    lambda name=name, model=model: traces[name].append(model.advance(LATE_STEP)),  # type: ignore[misc]
+                    unit,
+                    1,
+                    warm_ups=0,
+                )
+                for kept, new in zip(times[name], taken, strict=True):
+                    kept.extend(new if i else [])
+    check("threads", traces)
+    for name in models:
+        rows.append(Row("threads", cells, name, *times[name]))
+    return [rows[0], Row("threads", cells, rows[1].contender, *times[rows[1].contender],
+                         ratio_note("one thread over two", *rows))]  # fmt: skip
+
+
+def phases(cells: int, setting: Setting) -> list[Row]:
+    """Balance, wear and the rest of a step, one thread."""
+    study = study_on(cells)
+    unit = Unit(cells)
+    rows = []
+    for when, before, increment in (("early", EARLY, EARLY_STEP), ("late", LATE, LATE_STEP)):
+        with package(study, setting, 1) as fresh:
+            model = fresh()
+            trace = [model.advance(d) for d in before]
+            spent: list[dict[str, float]] = []
+
+            def run(model: Loop, increment: float, trace: Trace, spent: list[dict[str, float]]) -> None:
+                with kernel_times() as times:
+                    trace.append(model.advance(increment))
+                spent.append(dict(times))
+
+            run_now = partial(run, model, increment, trace, spent)
+            seconds, units = measure(run_now, unit, setting.repeats)
+            del model, run_now
+        in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
+        check("phases", {named(1): trace, "NumPy": [in_numpy.advance(d) for d in before]})
+        del in_numpy
+        spent = spent[-setting.repeats :]
+        for i, of_kernels in enumerate(spent):
+            of_kernels["rest"] = seconds[i] - sum(of_kernels.values())
+        names = sorted({name for times in spent for name in times} - {"rest"})
+        for name in [*names, "rest"]:
+            part = [times.get(name, 0.0) for times in spent]
+            share = statistics.median(part) / statistics.median(seconds)
+            rows.append(Row("phases", cells, f"{when} step: {name}", part, units, f"{100 * share:.0f} %"))
+    return rows
+
+
+def sliding(cells: int, setting: Setting) -> list[Row]:
+    """The disc moves by 8 cells a step under the sphere: NumPy alone, until a model of it is there."""
+    study = study_on(cells)
+    unit = Unit(cells)
+    problem = Problem.of(study)
+    sphere = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
+    count = setting.repeats + 1
+    track = np.pad(heights_of(study), ((0, SHIFT * count), (0, 0)), mode="reflect")
+    work = work_for(sphere)
+    trials: list[int] = []
+    removal = SHIFT * problem.cell
+
+    def run() -> None:
+        found = sliding_step(
+            sphere, track, start=SHIFT * len(trials), load=problem.load, hardness=problem.hardness,
+            cell=problem.cell, removal_sphere=problem.wear_sphere * removal,
+            removal_disc=problem.wear_disc * removal, work=work,
+        )  # fmt: skip
+        trials.append(found.trials)
+
+    seconds, units = measure(run, unit, setting.repeats)
+    worn = float((sphere - sag_of(study.cells.x, study.cells.y, study.sphere.curvature)).sum())
+    volume = problem.wear_sphere * removal * problem.load * len(trials)
+    blank = Solved(approach=1.0, volume_sphere=volume, volume_disc=0.0, area=1.0, evaluations=0)
+    worn *= problem.cell**2
+    check("sliding", {"K F L": [blank], "NumPy": [blank._replace(volume_sphere=worn)]})
+    note = f"{min(trials)}–{max(trials)} trials to half a cell's force; wears both bodies"
+    return [Row("sliding", cells, "NumPy", seconds, units, note)]
+
+
+def memory(cells: int, setting: Setting) -> list[Row]:
+    """Peak memory of a run of ten steps above that after its imports, in float64 fields of its size."""
+    command = [
+        sys.executable,
+        str(Path(__file__).with_name("memory.py")),
+        str(cells),
+        str(max(setting.threads)),
+    ]
+    start = time.perf_counter()
+    answer = subprocess.run(command, capture_output=True, text=True)
+    took = time.perf_counter() - start
+    if answer.returncode:
+        raise RuntimeError(
+            f"memory on {cells} × {cells} cells was not measured: {answer.stderr.strip()[-300:]}"
+        )
+    found = float(answer.stdout)
+    row = Row(
+        "memory", cells, named(max(setting.threads)), [took], [], f"{found:.2f} fields", {"fields": found}
+    )
+    return [row]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A line of the table of cases."""
+
+    run: Callable[[int, Setting], list[Row]]
+    sizes: tuple[int, ...] | None = None  # cells along a side; None: those asked for
+    default_sizes: tuple[int, ...] | None = None  # where none is asked for; None: the table's
+    fields: float = 10.5  # float64 fields of that size that it holds at its peak
+    threads: int = 1  # that it needs
+
+    @property
+    def about(self) -> str:
+        return (self.run.__doc__ or "").strip()
+
+
+CASES: dict[str, Case] = {
+    "static": Case(static),
+    "static-springs": Case(static_springs),
+    "early": Case(early),
+    "late": Case(late),
+    "v3": Case(run_v3, sizes=(150,)),
+    "v3-fine": Case(run_fine, sizes=(1500,)),
+    "v3-fine-springs": Case(run_springs, sizes=(1500,)),
+    "finer": Case(finer, sizes=(4096,), fields=12.0),
+    "threads": Case(second_thread, fields=12.0, threads=2),
+    "phases": Case(phases),
+    "sliding": Case(sliding, fields=8.0),
+    "memory": Case(memory),
+}
+#: What --quick takes where no size is asked for.
+QUICK_SIZES = (2048,)

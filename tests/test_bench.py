@@ -1,0 +1,133 @@
+"""The contenders of the benchmark agree on tiny grids: package, NumPy, C if it compiles, published way."""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import reference
+from numpy.testing import assert_allclose, assert_array_equal
+
+BENCH = Path(__file__).parents[1] / "bench"
+#: Names that the scripts of the benchmark have as modules.
+MODULES = [path.stem for path in BENCH.glob("*.py")]
+CELLS = 64
+#: Cold, growing, one long step, the cap of 590 MPa active in the first.
+INCREMENTS = [3.0e-3, 3.0e-3, 0.1, 100.0, 3.0]
+
+
+@pytest.fixture(autouse=True)
+def bench_on_path(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Its scripts import one another by plain names, which nothing else may see."""
+    monkeypatch.syspath_prepend(str(BENCH))
+    yield
+    for name in MODULES:
+        sys.modules.pop(name, None)
+
+
+@pytest.mark.parametrize("kind", ["fine", "springs", "explicit"])
+def test_contenders_agree(kind: str) -> None:
+    """Approach, volumes and area of every step to 1e-9, balances of both kinds."""
+    from baselines import NumpyLoop, Problem, sag_of
+    from candidates import CandidateLoop
+    from contenders import TIGHT, Setting, c_loops, check, gap_of, heights_of, package, study_on
+    from published import PublishedLoop
+
+    changes = {
+        "fine": {},
+        "springs": {"contact__stiffness": "1.9e6 N/mm^3"},
+        "explicit": {"preset": "v3", "stepping__load_tolerance": "one cell"},
+    }[kind]
+    increments = [0.3] * 5 if kind == "explicit" else INCREMENTS
+    study = study_on(CELLS, **changes)  # type: ignore[arg-type]
+    problem = Problem.of(study)
+    traces = {}
+    with package(study, Setting((1,), "cpu", 5, True), 1) as fresh:
+        model = fresh()
+        traces["warpwear"] = [model.advance(d) for d in increments]
+    for name, made in c_loops(study, (1,)):
+        loop = made()
+        traces[name] = [loop.advance(d) for d in increments]
+    in_numpy = NumpyLoop(problem, gap_of(study))
+    traces["NumPy"] = [in_numpy.advance(d) for d in increments]
+    if kind != "explicit":
+        candidates = CandidateLoop(problem, gap_of(study))
+        traces["candidates"] = [candidates.advance(d) for d in increments]
+        assert_allclose(candidates.gap, in_numpy.gap, rtol=1e-9, atol=1e-15)
+        assert_allclose(candidates.wear_disc, in_numpy.wear_disc, rtol=1e-9, atol=1e-15)
+    sphere = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
+    published = PublishedLoop(problem, sphere, heights_of(study).copy())
+    tolerance = None if kind == "explicit" else TIGHT * problem.load
+    traces["published"] = [published.advance(d, tolerance=tolerance) for d in increments]
+    check(kind, traces)
+    worn = problem.load * sum(increments)
+    assert_allclose(traces["NumPy"][-1].volume_sphere, problem.wear_sphere * worn, rtol=1e-12)
+
+
+def test_disagreement_is_told() -> None:
+    """A contender that finds another approach stops the benchmark, by name."""
+    from baselines import Solved
+    from contenders import DisagreementError, check
+
+    one = Solved(approach=1.0, volume_sphere=1.0, volume_disc=1.0, area=1.0, evaluations=3)
+    check("equal", {"warpwear": [one], "NumPy": [one._replace(evaluations=4)]})
+    with pytest.raises(DisagreementError, match=r"step 2: approach .* by warpwear, .* by NumPy"):
+        check("other", {"warpwear": [one, one], "NumPy": [one, one._replace(approach=1.0 + 1e-8)]})
+
+
+def test_published_way_goes_on_from_a_loop() -> None:
+    """After steps of NumPy's loop the next one is that loop's own."""
+    from baselines import NumpyLoop, Problem
+    from contenders import TIGHT, check, gap_of, study_on
+    from published import PublishedLoop
+
+    study = study_on(CELLS)
+    problem = Problem.of(study)
+    loops = [NumpyLoop(problem, gap_of(study)) for _ in range(2)]
+    for loop in loops:
+        for d in INCREMENTS:
+            loop.advance(d)
+    published = PublishedLoop.after(loops[0], study.cells.x, study.cells.y, study.sphere.curvature)
+    found = published.advance(3.0, tolerance=TIGHT * problem.load)
+    check("after", {"NumPy": [loops[1].advance(3.0)], "published": [found]})
+
+
+def test_sliding_step() -> None:
+    """The lowest cells carry the load; each body loses K F ΔL where they are, and only in the window."""
+    from baselines import sliding_step, work_for
+
+    random = np.random.default_rng(1)
+    places = (np.arange(24) - 11.5) * 0.01
+    sphere = reference.sphere_gap(places, places, 3.0)
+    track = 1.0e-3 * random.standard_normal((64, 24))
+    unworn_sphere, unworn_track = sphere.copy(), track.copy()
+    removals = {"removal_sphere": 1.0e-7, "removal_disc": 3.0e-7}
+    total = 0.0
+    for step in range(4):
+        start = 8 * step
+        gap, before = sphere - track[start : start + 24], track.copy()
+        found = sliding_step(
+            sphere, track, start=start, load=8.0, hardness=590.0, cell=0.01, work=work_for(sphere), **removals
+        )
+        expected = reference.bearing(gap, 8.0, 590.0, 0.01, 0.5 * 590.0 * 0.01**2)
+        assert found.cells == np.count_nonzero(expected.pressure)
+        assert_allclose(found.pressure, expected.pressure.max(), rtol=1e-12)
+        lost = before - track
+        assert_array_equal(lost[start : start + 24] > 0.0, expected.pressure > 0.0)
+        assert not lost[:start].any()
+        assert not lost[start + 24 :].any()
+        total += 8.0
+    assert_allclose((sphere - unworn_sphere).sum() * 0.01**2, total * removals["removal_sphere"], rtol=1e-9)
+    assert_allclose((unworn_track - track).sum() * 0.01**2, total * removals["removal_disc"], rtol=1e-9)
+
+
+def test_places_and_extrapolation() -> None:
+    """Steps looked at are spread over the run; costs that change in a line are summed exactly."""
+    from loops import over_the_run, places_in
+
+    places = places_in([1.0] * 1099, 8)
+    assert places[0] == 0
+    assert places[-1] == 1096
+    assert max(np.diff(places)) <= 158
+    assert_allclose(over_the_run([0, 50, 99], [1.0, 2.0, 2.98], 100), sum(1.0 + i / 50 for i in range(100)))

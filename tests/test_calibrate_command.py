@@ -1,0 +1,287 @@
+"""`warpwear calibrate` as a user meets it."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import warpwear
+from warpwear.cli import commands
+from warpwear.cli_calibrate import calibrate as command
+from warpwear.errors import InputError
+from warpwear.surfaces.sphere import sag
+from warpwear.surfaces.synthetic import SelfAffine
+
+TEST = ("--load", "8 N", "--distance", "2400 mm")
+GIVEN = ("--pixel", "3 um", "--height-unit", "um")
+
+
+def calibrate(*arguments: str | Path | float) -> Result:
+    return CliRunner().invoke(command, [*map(str, arguments)])
+
+
+def record(*arguments: str | Path | float) -> dict[str, Any]:
+    done = calibrate(*arguments, "--json")
+    assert done.exit_code == 0, done.output
+
+    def refused(word: str) -> float:
+        raise AssertionError(f"{word} is no JSON")
+
+    found: dict[str, Any] = json.loads(done.output, parse_constant=refused)
+    return found
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short run in a folder."""
+    folder = tmp_path_factory.mktemp("runs") / "short"
+    study = warpwear.Study.load("v3-fine").replace(
+        {"grid.cell": "20 um", "sliding.distance": "300 mm", "stepping.growth": 1.1, "output.snapshots": []}
+    )
+    warpwear.run(study, out=folder, plots=False)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the topographies of a worn track and a worn ball."""
+    folder = tmp_path_factory.mktemp("files")
+    points = (np.arange(300) - 149.5) * 0.003
+    rough = SelfAffine(ra=0.00003, period=1.0).heights(points, points)
+    trough = -0.01 * np.maximum(1 - np.square(points / 0.15), 0.0)
+    np.save(folder / "track.npy", 1e3 * (rough + trough[None, :]))
+    np.save(folder / "ball.npy", 1e3 * (np.minimum(-sag(points, points, radius=3.0), -0.005) + rough))
+    return folder
+
+
+def test_diagonals_of_a_ball() -> None:
+    diagonals = ("--diagonals", "0.80 mm", "0.82 mm", "--radius", "3 mm")
+    done = calibrate("wear", *diagonals, *TEST, "--hardness", "590 MPa")
+    assert done.exit_code == 0, done.output
+    for words in (
+        "K                (3.69 ± 0.18)e-4 mm³/(N·m) (standard uncertainty, 0.05 of K)",
+        "3.691e-13 m²/N (Pa⁻¹)",
+        "2.178e-4 dimensionless",
+        "0.0070435 mm³ for a small scar: K 3.668e-4, -0.61%; not used, K is of the exact volume",
+        'sphere = "3.691e-4 mm^3/N/m"',
+        "half the difference of the two diameters",
+    ):
+        assert words in done.output
+    found = record("wear", *diagonals, *TEST, "--uncertainty", "10 um")
+    assert found["uncertainty_mm3_per_Nm"] / found["wear_coefficient_mm3_per_Nm"] == pytest.approx(
+        4 * 0.01 / 0.81, rel=0.02
+    )
+    assert found["tests"][0]["depth_um"] == pytest.approx(27.463, rel=1e-4)
+    unknown = calibrate("wear", "--scar", "0.8 mm", "--radius", "3 mm", *TEST)
+    assert "its uncertainty is unknown" in unknown.output
+
+
+def test_standards_of_astm_are_under_their_names() -> None:
+    ball = record("wear", "--scar", "0.8 mm", "--radius", "3 mm", *TEST, "--standard", "g99-ball")
+    again = record(
+        "wear", "--diagonals", "0.7 mm", "0.9 mm", "--radius", "3 mm", *TEST, "--standard", "g133-ball"
+    )
+    volume = ball["tests"][0]["volume_mm3"]
+    assert again["tests"][0]["volume_mm3"] == pytest.approx(volume, rel=1e-12)
+    assert ball["tests"][0]["volume_by_approximation_mm3"] == pytest.approx(math.pi * 0.8**4 / (64 * 3))
+    assert "no wear of the disc" in ball["relation"]
+    track = ("--width", "0.5 mm", "--radius", "3 mm", "--track-radius", "10 mm")
+    disc = record("wear", *track, "--load", "8 N", "--distance", "1 km", "--standard", "g99-disc")
+    assert disc["tests"][0]["volume_by_approximation_mm3"] == pytest.approx(math.pi * 10 * 0.5**3 / 18)
+    exact = 2 * math.pi * 10 * (9 * math.asin(0.5 / 6) - 0.125 * math.sqrt(35.75))
+    assert disc["tests"][0]["volume_mm3"] == pytest.approx(exact)
+    assert disc["wear_coefficient_mm3_per_Nm"] == pytest.approx(exact / 8000)
+    flat = ("--section", "812.8 um^2", "--stroke", "30 mm", "--passes", "80", "--load", "8 N")
+    found = record("wear", *flat, "--standard", "g133-flat", "--uncertainty", "8.128 um^2")
+    assert found["wear_coefficient_mm3_per_Nm"] == pytest.approx(12.7e-4)
+    assert found["uncertainty_mm3_per_Nm"] == pytest.approx(0.127e-4)
+    assert found["worn"] == "disc"
+
+
+def test_replicates_give_mean_scatter_and_count() -> None:
+    volumes = [argument for v in (0.016, 0.018, 0.023) for argument in ("--volume", f"{v} mm^3")]
+    found = record("wear", *volumes, *TEST)
+    values = np.array([0.016, 0.018, 0.023]) / 19.2
+    assert found["count"] == 3
+    assert found["wear_coefficient_mm3_per_Nm"] == pytest.approx(values.mean())
+    assert found["standard_deviation_mm3_per_Nm"] == pytest.approx(values.std(ddof=1))
+    assert found["standard_error_mm3_per_Nm"] == pytest.approx(values.std(ddof=1) / math.sqrt(3))
+    page = calibrate("wear", *volumes, *TEST).output
+    assert "of 3 tests" in page
+    assert "sphere or disc" in page
+
+
+def test_topographies(files: Path) -> None:
+    found = record("wear", "--track", files / "track.npy", *GIVEN, "--length", "30 mm", *TEST)
+    assert found["wear_coefficient_mm3_per_Nm"] == pytest.approx(0.002 * 30 / 19.2, rel=0.01)
+    assert 0 < found["uncertainty_mm3_per_Nm"] < 0.05 * found["wear_coefficient_mm3_per_Nm"]
+    options = ["surface", str(files / "track.npy"), *GIVEN, "--track", "--track-length", "30 mm", "--json"]
+    same = json.loads(CliRunner().invoke(commands, options).output)["track"]
+    assert found["tests"][0]["volume_mm3"] == same["whole_volume_mm3"]
+    assert found["tests"][0]["volume_uncertainty_mm3"] == same["whole_volume_error_mm3"]
+    assert "like the measured 0.9 mm" in found["tests"][0]["uncertainty_from"]
+    ball = record(
+        "wear", "--ball", files / "ball.npy", "--ball", files / "ball.npy", "--radius", "3 mm", *GIVEN, *TEST
+    )
+    assert ball["count"] == 2
+    assert ball["tests"][0]["volume_mm3"] == pytest.approx(math.pi * 0.005**2 * (9 - 0.005) / 3, rel=0.02)
+    assert ball["standard_deviation_mm3_per_Nm"] == 0.0
+
+
+def test_shear_strength_of_one_area_and_of_a_run(run: Path) -> None:
+    single = calibrate("friction", "--area", "1.254 mm^2", "--load", "8 N", "--cof", 0.6)
+    assert "= 3.828 MPa" in single.output
+    found = record("friction", "--result", run, "--cof", 0.6, "--ploughing", 0.05)
+    with warpwear.Result.open(run) as result:
+        history = result.history
+    for name, values in found["areas"].items():
+        for when, row in (("initial", 0), ("end", -1)):
+            expected = 0.55 * 8.0 / history[f"area_{name}"][row]
+            assert values[f"shear_strength_{when}_MPa"] == pytest.approx(expected)
+    assert list(found["areas"]) == ["contact", "touched", "cumulative", "nominal"]
+    assert (
+        "from the hardness, H/(3√3): 113.5 MPa" in calibrate("friction", "--result", run, "--cof", 0.6).output
+    )
+    assert list(record("friction", "--result", run, "--cof", 1, "--area", "nominal")["areas"]) == ["nominal"]
+
+
+def test_fit_of_a_measured_curve(run: Path, tmp_path: Path) -> None:
+    with warpwear.Result.open(run) as result:
+        history = result.history
+    where = np.linspace(0.5, 400.0, 500)
+    area = np.interp(where, history["distance"], history["area_contact"])
+    scatter = 0.005 * np.random.default_rng(0).standard_normal(where.size)
+    file = tmp_path / "measured.csv"
+    table = np.c_[where, 0.1 + 4.0 * area / 8.0 + scatter]
+    np.savetxt(file, table, delimiter=",", header="distance [mm],cof", comments="")
+    found = record("friction", "--result", run, "--experiment", file)
+    assert abs(found["shear_strength_MPa"] - 4.0) < 4 * found["shear_strength_error_MPa"]
+    assert abs(found["ploughing"] - 0.1) < 4 * found["ploughing_error"]
+    assert found["distance_used_mm"][1] <= 300.0
+    assert found["points_left_out"] == int((where > 300.0).sum())
+    page = calibrate("friction", "--result", run, "--experiment", file, "--area", "cumulative").output
+    assert 'area = "cumulative"' in page
+    table[:, 1] = 0.5 * (area / area.max()) ** 1.4
+    np.savetxt(file, table, delimiter=",", header="distance [mm],cof", comments="")
+    negative = record("friction", "--result", run, "--experiment", file)
+    assert negative["ploughing"] < 0
+    assert "μ_p is negative" in negative["doubts"][0]
+    alone = negative["without_ploughing"]["shear_strength_MPa"]
+    page = calibrate("friction", "--result", run, "--experiment", file).output
+    assert f'shear_strength = "{alone:.4g} MPa", ploughing = 0\n' in page
+
+
+def test_energy(run: Path) -> None:
+    done = calibrate("energy", *TEST, "--cof", 0.6, "--area", "1.254 mm^2")
+    assert "= 11.52 J" in done.output
+    assert "rate-independent" in done.output
+    rows = record("energy", *TEST, "--cof", 0.6, "--area", "1.254 mm^2")["speeds"]
+    assert [row["speed_mm_per_min"] for row in rows] == pytest.approx([10, 20, 50, 100])
+    assert [row["time_s"] / 60 for row in rows] == pytest.approx([240, 120, 48, 24])
+    assert rows[3]["power_mean_W"] == pytest.approx(0.6 * 8 * 0.1 / 60)
+    assert rows[3]["pv_MPa_m_per_s"]["given"] == pytest.approx(8 / 1.254 * 0.1 / 60)
+    found = record("energy", "--result", run, "--speed", "1 m/s")
+    with warpwear.Result.open(run) as result:
+        history = result.history
+    distance, force = np.r_[0.0, history["distance"]], 8.0 * np.r_[history["cof"][0], history["cof"]]
+    assert found["energy_J"] == pytest.approx(1e-3 * np.trapezoid(force, distance))
+    assert found["speeds"][0]["pv_MPa_m_per_s"] == pytest.approx(
+        {name: 8.0 / history[f"area_{name}"][-1] for name in ("nominal", "contact")}
+    )
+
+
+def test_thesis() -> None:
+    page = calibrate("thesis").output
+    for words in ("9.4e-4", "12.7e-4", "23.7e-4", "0.01805", "0.02438", "812.7 µm²", "do not agree"):
+        assert words in page
+    for words in ("K 3.51e-4", "K 9.35e-4", "1.022 mm by the cap, 1.025 mm", "an inference"):
+        assert words in page
+    assert record("thesis")["patch"]["by_cap_mm3_per_Nm"] == pytest.approx(3.5e-4, abs=0.05e-4)
+
+
+BALL = ("--scar", "0.8 mm", "--radius", "3 mm")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["wear", *TEST], "what was measured is missing"),
+        (["wear", "--volume", "1 mm^3", "--scar", "1 mm", *TEST], "--volume and --scar exclude each other"),
+        (["wear", "--volume", "-1 mm^3", *TEST], "--volume = '-1 mm^3': must be greater than 0"),
+        (["wear", "--volume", "nan mm^3", *TEST], "is not a number"),
+        (["wear", "--volume", "inf mm^3", *TEST], "must be finite"),
+        (["wear", "--volume", "1 mm", *TEST], "a volume such as"),
+        (["wear", "--section", "1", "--length", "1 mm", *TEST], "an area such as"),
+        (["wear", "--volume", "1 mm^3", "--distance", "1 m"], "--load is missing"),
+        (["wear", "--volume", "1 mm^3", "--load", "8 N"], "the sliding distance is missing"),
+        (["wear", "--volume", "1 mm^3", *TEST, "--passes", "8"], "--distance and --passes exclude"),
+        (["wear", "--volume", "1 mm^3", *TEST, "--stroke", "8 mm"], "--stroke needs --passes"),
+        (["wear", "--volume", "1 mm^3", "--load", "8 N", "--passes", "8"], "--passes needs --stroke"),
+        (["wear", "--volume", "1 mm^3", "--load", "8 N", "--passes", "0"], "--passes is 0"),
+        (["wear", "--volume", "1 mm^3", *TEST, "--radius", "3 mm"], "--radius is not for --volume"),
+        (["wear", "--volume", "1 mm^3", *TEST, "--crop", "3 mm"], "--crop is not for --volume"),
+        (["wear", "--volume", "1 mm^3", *TEST, "--standard", "g99-disc"], "is for --width"),
+        (["wear", "--scar", "0.8 mm", *TEST], "--scar needs --radius"),
+        (["wear", "--scar", "6.1 mm", "--radius", "3 mm", *TEST], "up to the ball's diameter, 6 mm"),
+        (["wear", *BALL, *TEST, "--uncertainty", "-1 um"], "--uncertainty = '-1 um': must be at least 0"),
+        (["wear", "--width", "7 mm", "--radius", "3 mm", "--track-radius", "9 mm", *TEST], "width is 7 mm"),
+        (["wear", "--section", "1 um^2", *TEST], "--section needs --length"),
+        (["wear", "--track", "none.sur", "--length", "1 mm", *TEST], "'none.sur' does not exist"),
+        (["wear", "--ball", "b.npy", "--uncertainty", "1 um", *TEST], "brings its own standard error"),
+        (["wear", "--ball", "b.npy", "--level", "plane", *TEST], "--level is not for --ball"),
+        (["friction", "--cof", "0.6"], "the area is missing"),
+        (["friction", "--area", "1 mm^2", "--load", "8 N"], "--cof is missing"),
+        (["friction", "--area", "1 mm^2", "--load", "8 N", "--cof", "3.5"], "must be at most 3"),
+        (
+            ["friction", "--area", "1 mm^2", "--load", "8 N", "--cof", "0"],
+            "--cof = 0: must be greater than 0",
+        ),
+        (["friction", "--area", "1 mm^2", "--load", "8 N", "--cof", "nan"], "is not a number"),
+        (
+            ["friction", "--area", "1 mm^2", "--load", "8 N", "--cof", "0.1", "--ploughing", "0.2"],
+            "--cof = 0.1 must exceed --ploughing = 0.2",
+        ),
+        (["friction", "--result", "none", "--cof", "0.6"], "none holds no result"),
+        (["friction", "--result", "none", "--cof", "0.6", "--load", "8 N"], "exclude each other"),
+        (["friction", "--result", "none", "--cof", "0.6", "--area", "real"], "--area is 'real': allowed"),
+        (["friction", "--experiment", "a.csv"], "--experiment needs --result"),
+        (["friction", "--experiment", "a.csv", "--result", "b", "--cof", "1"], "--cof and --experiment"),
+        (["friction", "--cof", "0.6", "--columns", "a, b"], "--columns needs --experiment"),
+        (["energy", *TEST], "--cof is missing"),
+        (["energy", "--cof", "0.6", "--distance", "1 m"], "--load is missing"),
+        (["energy", *TEST, "--cof", "0.6", "--speed", "0 mm/s"], "--speed = '0 mm/s'"),
+        (["energy", "--result", "none", "--cof", "0.6"], "--cof and --result exclude each other"),
+    ],
+)
+def test_bad_input_is_one_sentence(
+    arguments: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = calibrate(*arguments)
+    assert isinstance(done.exception, InputError), done.output
+    assert message in str(done.exception)
+    assert "\n" not in str(done.exception)
+    assert done.output == ""
+
+
+def test_what_lost_nothing_and_what_is_longer_than_its_track_are_refused(files: Path) -> None:
+    across = np.abs((np.arange(300) - 149.5) * 0.003)
+    built_up = np.where(across < 0.02, -15.0, np.where(across < 0.15, 10.0, 0.0))  # a slit in a ridge
+    np.save(files / "ridge.npy", np.tile(built_up, (300, 1)))
+    options = ("--track-width", "0.4 mm", "--length", "30 mm")
+    up = calibrate("wear", "--track", files / "ridge.npy", *GIVEN, *options, *TEST)
+    assert "has lost no volume" in str(up.exception)
+    short = calibrate("wear", "--track", files / "track.npy", *GIVEN, "--length", "0.5 mm", *TEST)
+    assert "at least the piece in" in str(short.exception)
+
+
+def test_a_static_contact_dissipates_nothing(tmp_path: Path) -> None:
+    study = warpwear.Study.load("v3-fine").replace(
+        {"grid.cell": "20 um", "sliding.distance": "0 mm", "output.snapshots": []}
+    )
+    warpwear.run(study, out=tmp_path / "static", plots=False)
+    assert "is a static contact" in str(calibrate("energy", "--result", tmp_path / "static").exception)

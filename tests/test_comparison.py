@@ -1,0 +1,241 @@
+"""`warpwear compare` as a user meets it, and the numbers it gives."""
+
+import csv
+import json
+import math
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import warpwear
+from warpwear import Study
+from warpwear.cli_compare import compare
+from warpwear.comparison import gather, rms_difference, shape_of
+from warpwear.errors import InputError
+from warpwear.experiment import Experiment
+from warpwear.figures_comparison import FIGURES
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folders of runs: 'a', at half the load 'light', with another disc 'soft', and static 'still'."""
+    folder = tmp_path_factory.mktemp("runs")
+    study = Study.load("v3-fine").replace(
+        {"grid.cell": "10 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm", "30 mm"]}
+    )
+    light = {"contact.load": "4 N", "sliding.distance": "60 mm", "sliding.speed": "40 mm/min"}
+    soft = {"wear.disc": "25e-4 mm^3/N/m", "friction.ploughing": 0.05, "study.name": "soft"}
+    still = {"sliding.distance": "0 mm", "output.snapshots": [], "study.name": "still"}
+    for name, changes in {"a": {}, "light": light, "soft": soft, "still": still}.items():
+        warpwear.run(study.replace(changes), out=folder / name, plots=False).close()
+    return folder
+
+
+@pytest.fixture
+def measured(tmp_path: Path) -> Path:
+    """μ = 0.1 + √(distance/mm)/100 with two columns that could be it."""
+    distance = np.linspace(0.0, 40.0, 801)
+    path = tmp_path / "sample 3.csv"
+    header = "Distance [m];COF"
+    table = np.column_stack([distance / 1e3, 0.1 + 0.01 * np.sqrt(distance)])
+    np.savetxt(path, table, delimiter=";", header=header, comments="", fmt="%.9f")
+    return path
+
+
+def warpwear_compare(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(compare, [*map(str, arguments)])
+
+
+def refusal(*arguments: str | Path) -> str:
+    done = warpwear_compare(*arguments)
+    assert isinstance(done.exception, InputError), done.output
+    return str(done.exception)
+
+
+def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path) -> None:
+    out = tmp_path / "new" / "out"
+    done = warpwear_compare(runs / "a", "--experiment", measured, "--out", out)
+    assert done.exit_code == 0, done.output
+    assert sorted(path.name for path in out.iterdir()) == sorted(
+        [*(f"{name}.png" for name in FIGURES), "table.csv", "comparison.json"]
+    )
+    with warpwear.Result.open(runs / "a") as result:
+        summary, history = result.summary, result.history
+    with (out / "table.csv").open(encoding="utf-8") as file:
+        run, experiment = csv.DictReader(file)
+    assert (run["name"], run["kind"]) == ("v3-fine", "run")
+    assert (experiment["name"], experiment["kind"]) == ("sample 3", "experiment")
+    expected = {
+        "patch_along [mm]": summary["scar_mm"]["along"],
+        "patch_across [mm]": summary["scar_mm"]["across"],
+        "depth_sphere [um]": summary["depth_um"]["sphere"],
+        "depth_disc [um]": summary["depth_um"]["disc"],
+        "volume_sphere [mm^3]": summary["volume_mm3"]["sphere"],
+        "volume_disc [mm^3]": summary["volume_mm3"]["disc"],
+        "area_contact [mm^2]": summary["area_mm2"]["contact"],
+        "pressure_mean [MPa]": summary["pressure_MPa"]["mean"],
+        "cof [1]": history["cof"][-1],
+        "exponent_m [1]": summary["cof_shape"]["exponent_m"],
+        "levelling_lambda [1]": summary["cof_shape"]["levelling_lambda"],
+        "steps [1]": history["distance"].size,
+        "cell [um]": 10.0,
+    }
+    assert {key: float(run[key]) for key in expected} == pytest.approx(expected, rel=1e-9)
+    places = np.linspace(history["distance"][0], 30.0, 200_001)
+    gap = np.interp(places, history["distance"], history["cof"]) - (0.1 + 0.01 * np.sqrt(places))
+    assert float(run["rms_cof sample 3 [1]"]) == pytest.approx(math.sqrt(np.mean(gap**2)), rel=1e-4)
+    assert experiment["depth_disc [um]"] == ""
+    assert float(experiment["cof [1]"]) == pytest.approx(0.1616, abs=1e-4)
+    document = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
+    assert document["comparison"]["v3-fine"]["steps"] == history["distance"].size
+    assert document["units"]["pressure_mean"] == "MPa"
+    for words in (
+        "patch along, mm",
+        "CoF − sample 3 (rms)",
+        "m and λ are of the coefficient",
+        "from 'Distance [m]'",
+    ):
+        assert words in done.output
+    assert "Unlike tests" not in done.output
+
+
+def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    arguments = (runs / "a", runs / "light", runs / "soft", runs / "still", "--out", out)
+    done = warpwear_compare(*arguments, "--format", "svg")
+    assert done.exit_code == 0, done.output
+    document = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
+    assert list(document["comparison"]) == ["a", "light", "soft", "still"]
+    assert document["comparison"]["still"]["exponent_m"] is None
+    with warpwear.Result.open(runs / "soft") as result:
+        distance, cof = result.history["distance"], result.history["cof"]
+        of_area = result.summary["cof_shape"]["exponent_m"]
+    late = distance >= 15.0
+    slope = np.cov(np.log(distance[late]), np.log(cof[late]))
+    found = document["comparison"]["soft"]["exponent_m"]  # flatter than the area's: ploughing does not grow
+    assert found == pytest.approx(slope[0, 1] / slope[0, 0], rel=1e-9)
+    assert found < of_area - 0.05
+    notes = "\n".join(document["notes"])
+    assert "differ in load (a 8 N, light 4 N, soft 8 N, still 8 N)" in notes
+    assert "differ in sliding distance (a 30 mm, light 60 mm" in notes
+    assert "differ in wear coefficient of the disc (a 0.00127 mm³/(N·m), light 0.00127" in notes
+    assert "wear coefficient of the sphere" not in notes
+    for name in FIGURES:  # the legend of each names every run; SVG keeps text as paths and names as comments
+        drawn = (out / f"{name}.svg").read_text(encoding="utf-8")
+        assert all(f"<!-- {label} -->" in drawn for label in ("a", "light", "soft"))
+
+
+def test_two_folders_of_one_name_go_by_their_paths(runs: Path, tmp_path: Path) -> None:
+    shutil.copytree(runs / "a", tmp_path / "a")
+    names = [run.name for run in gather([runs / "a", tmp_path / "a", runs / "soft"]).runs]
+    assert names == [str(runs / "a"), str(tmp_path / "a"), "soft"]
+    copy = shutil.copy(runs / "a" / "history.csv", tmp_path / "soft.csv")
+    read = gather([runs / "soft"], [copy], columns="distance [mm],cof [1]")
+    assert [e.name for e in read.experiments] == ["soft (experiment)"]
+    assert read.rms(read.runs[0], read.experiments[0]) is not None
+
+
+def test_a_runs_own_history_differs_by_nothing(runs: Path) -> None:
+    read = gather([runs / "a"], [runs / "a" / "history.csv"], columns="distance,cof")
+    assert read.rms(read.runs[0], read.experiments[0]) == pytest.approx(0.0, abs=1e-11)
+
+
+def test_time_takes_the_runs_speed_unless_they_differ(runs: Path, tmp_path: Path) -> None:
+    record = tmp_path / "record.txt"
+    record.write_text("Zeit [min]\tReibwert\n0\t0,1\n1\t0,2\n2\t0,2\n", encoding="utf-8")
+    alike = gather([runs / "a", runs / "soft"], [record])
+    assert alike.experiments[0].distance.tolist() == pytest.approx([0.0, 20.0, 40.0])
+    with pytest.raises(InputError, match="a speed is needed"):
+        gather([runs / "a", runs / "light"], [record])
+    told = gather([runs / "a", runs / "light"], [record], speed="1 mm/s")
+    assert told.experiments[0].distance.tolist() == [0.0, 60.0, 120.0]
+    assert not any("mm long" in note for note in told.notes)  # twice the longer run's
+    slow = gather([runs / "a", runs / "light"], [record], speed="1 um/s")
+    assert "record: It is 0.12 mm long, the runs 30, 60 mm." in slow.notes
+
+
+def test_what_is_refused_leaves_nothing_behind(runs: Path, measured: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run = runs / "a"
+    assert "two runs or more, or a run and an --experiment; given: nothing." in refusal("--out", out)
+    assert f"given: {run}." in refusal(run, "--out", out)
+    assert "given: " in refusal("--experiment", measured, "--out", out)
+    assert "is given 2 times" in refusal(run, runs / "." / "a", "--out", out)
+    assert f"{tmp_path} holds no result" in refusal(run, tmp_path, "--out", out)
+    assert "cannot be read" in refusal(run, "--experiment", tmp_path / "no.csv", "--out", out)
+    assert "format = 'jpg'" in refusal(run, runs / "soft", "--format", "jpg", "--out", out)
+    for speed in ("20", "-1 mm/s", "3 kg"):
+        assert f"--speed = '{speed}'" in refusal(
+            run, "--experiment", measured, "--speed", speed, "--out", out
+        )
+    assert "holds other files" in refusal(run, runs / "soft", "--out", runs / "a")
+    assert "is a file" in refusal(run, runs / "soft", "--out", measured)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["sample 3.csv"]
+
+
+def test_a_comparison_is_replaced_only_when_asked(runs: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    arguments = (runs / "a", runs / "soft", "--out", out)
+    assert warpwear_compare(*arguments).exit_code == 0
+    (out / "mine.txt").write_text("kept")
+    before = (out / "cof.png").read_bytes()
+    assert "already holds a comparison; give another --out, or --overwrite it." in refusal(*arguments)
+    assert (out / "cof.png").read_bytes() == before
+    done = warpwear_compare(*arguments, "--overwrite", "--format", "svg")
+    assert done.exit_code == 0, done.output
+    assert (out / "mine.txt").read_text() == "kept"
+    assert sorted(path.suffix for path in out.iterdir()) == [".csv", ".json", *[".svg"] * 5, ".txt"]
+
+
+def test_a_failure_while_writing_leaves_the_old_comparison(
+    runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    arguments = (runs / "a", runs / "soft", "--out", out)
+    assert warpwear_compare(*arguments).exit_code == 0
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("warpwear.comparison_folder.write_json", full)
+    assert "could not be written: No space left on device." in refusal(*arguments, "--overwrite")
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+
+
+def test_files_of_the_runs_are_closed(runs: Path) -> None:
+    gather([runs / "a", runs / "soft"])
+    with h5py.File(runs / "a" / "result.h5", "r+"):  # refused while it is open elsewhere for reading
+        pass
+
+
+def test_experiments_alone_have_one_figure(measured: Path, tmp_path: Path) -> None:
+    other = shutil.copy(measured, tmp_path / "other.csv")
+    out = tmp_path / "out"
+    done = warpwear_compare("--experiment", measured, "--experiment", other, "--out", out)
+    assert done.exit_code == 0, done.output
+    assert sorted(path.name for path in out.iterdir()) == ["cof.png", "comparison.json", "table.csv"]
+
+
+def test_rms_difference_of_straight_lines() -> None:
+    one, other = np.array([0.0, 3.0]), np.array([1.0, 2.0, 5.0])
+    # x against 0 from 1 to 3: the mean of x² is 26/6.
+    assert rms_difference(one, one, other, np.zeros(3)) == pytest.approx(math.sqrt(26 / 6))
+    assert rms_difference(one, one, other + 3.0, np.zeros(3)) is None
+
+
+def test_shape_of_a_noisy_square_root_and_of_too_few_points() -> None:
+    distance = np.linspace(0.0, 100.0, 20_001)
+    noise = np.random.default_rng(4).normal(0.0, 0.02, distance.size)
+    found = shape_of(Experiment("root", distance, np.sqrt(distance) / 10 + noise))
+    assert found["exponent_m"] == pytest.approx(0.5, abs=0.01)
+    # Secants of √x: (1 − √½)/½ over (√0.1 − √(1/80))/(0.1 − 1/80).
+    expected = (1 - math.sqrt(0.5)) / 0.5 / ((math.sqrt(0.1) - math.sqrt(1 / 80)) / (0.1 - 1 / 80))
+    assert found["levelling_lambda"] == pytest.approx(expected, rel=0.05)
+    late = shape_of(Experiment("late", distance[2000:], np.sqrt(distance[2000:])))
+    assert set(late) == {"exponent_m"}
+    assert shape_of(Experiment("few", distance[::2000], np.sqrt(distance[::2000]))) == {}
