@@ -120,4 +120,3 @@ def pressures(
             for j in range(LANES):
                 p[j] = pressure_of((base - g[j]) + offset, s[j], cap, tie_width, tie_pressure)
             pressure_out[row, k] = p
-

@@ -15,6 +15,7 @@ from warpwear.grid import Grid
 from warpwear.kernels import contact
 from warpwear.kernels.types import LANES, PADDING
 from warpwear.one_scale import OneScaleModel
+from warpwear.tiles import Tiles
 
 SHAPES = [(37, 53), (64, 64), (5, 131)]
 CELL = 0.01
@@ -71,22 +72,40 @@ class Solver:
         padded = np.full((gap.shape[0], executor.vectors * LANES), PADDING)
         padded[:, : gap.shape[1]] = gap
         self._gap = executor.field(padded)
+        self._highest = float(gap.max())
         self.shape = gap.shape
+
+    def tiles(self, load: float, hardness: float) -> Tiles:
+        """A list as short as it may be: the balance asks for more."""
+        unworn = self._executor.zeros(), self._executor.zeros()
+        self._tiles = Tiles(self._executor, self._gap, *unworn, least=load / (hardness * CELL**2))
+        return self._tiles
 
     def foundation(self, compliance: float | FloatArray, load: float, hardness: float) -> Balance:
         values = np.atleast_2d(1.0 / np.asarray(compliance))
         values = np.broadcast_to(values, (values.shape[0], self.shape[1]))
         self._stiffness = self._executor.field(values.copy())
-        return self._balancer.foundation(self._gap, self._stiffness, load=load, hardness=hardness)
+        tiles = self.tiles(load, hardness)
+        return self._balancer.foundation(self._gap, self._stiffness, tiles, load=load, hardness=hardness)
 
     def bearing(self, load: float, hardness: float, tolerance: float) -> Balance:
         self._stiffness = self._executor.field(np.full((1, self.shape[1]), RIGID))
-        return self._balancer.bearing(self._gap, load=load, hardness=hardness, tolerance=tolerance)
+        return self._balancer.bearing(
+            self._gap,
+            self.tiles(load, hardness),
+            highest=self._highest,
+            load=load,
+            hardness=hardness,
+            tolerance=tolerance,
+        )
 
     def pressures(self, balance: Balance) -> FloatArray:
         out = self._executor.zeros()
         self._executor.launch(
-            contact.pressures, inputs=[*balance.law, self._stiffness, self._gap], outputs=[out]
+            contact.pressures,
+            inputs=[*balance.law, self._stiffness, self._gap],
+            outputs=[out],
+            over=self._tiles,
         )
         return self._executor.to_numpy(out).copy()
 

@@ -24,6 +24,10 @@ TIE = 1.0e-12
 #: Stands for 1/c where c = 0: any overlap reaches the cap.
 RIGID = 1.0e300
 MAX_EVALUATIONS = 400
+#: An approach beyond that is none [mm]: the load cannot be carried.
+HOPELESS = 1.0e6
+#: From a cold start lists of tiles reach so many times deeper each, and at least so deep [mm].
+DEEPER, LEAST_DEPTH = 4.0, 1.0e-6
 #: A new list of tiles reaches so many steps ahead.
 STEPS_AHEAD = 8.0
 #: Searches, each from a base nearer the solution.
@@ -65,7 +69,7 @@ class Balancer:
 
     def bounds(self, gap_field: Field, tiles: Tiles) -> tuple[float, float]:
         """Smallest and largest gap of the tiles listed [mm]."""
-        self._executor.launch(gap.bounds, inputs=[gap_field], outputs=[self._sums], over=tiles)
+        self._executor.launch(gap.bounds, inputs=[gap_field], outputs=[self._sums], over=tiles, often=True)
         extremes = self._sums.numpy()
         return float(extremes[0].min()), float(extremes[1].max())
 
@@ -89,11 +93,13 @@ class Balancer:
         Raises ConvergenceError, never returns an unbalanced contact.
         """
         low, ahead = -math.inf, STEPS_AHEAD * abs(step)
+        cold = start is None
         if start is None:
             start, low = tiles.smallest, 0.0
             known = stiffness.numpy()
             softest = float(known[known > 0.0].min())
             step = 0.5 * min(hardness, load / self._cell_area) / softest
+            tiles.begin()
         else:
             tiles.reach(start + step, ahead=ahead)
         base = start
@@ -102,10 +108,20 @@ class Balancer:
             found, base = self._search(gap_field, stiffness, tiles, base, step, low, load, hardness)
             evaluations += found.evaluations
             approach = base + found.offset
+            if not found.converged(load):
+                if tiles.limit < math.inf:  # what is listed cannot carry the load, even at the hardness
+                    tiles.reach(math.inf)
+                    base, step, low = start, 0.0, -math.inf
+                    continue
+                raise ConvergenceError(
+                    f"the load balance did not converge: {found.force - load:.3g} N of {load:.6g} N are left "
+                    f"(allowed {TOLERANCE * load:.1g} N) near an approach of {approach:.9g} mm."
+                )
             if approach <= tiles.limit:
                 return Balance(base, found.offset, hardness, found.force - load, evaluations=evaluations)
-            # Tiles that touch are missing: with them the approach is smaller.
-            tiles.reach(approach, ahead=ahead)
+            # Tiles that touch are missing: with them the approach is smaller, at first by far.
+            depth = max(DEEPER * (tiles.limit - start), LEAST_DEPTH)
+            tiles.reach(min(approach, start + depth) if cold else approach, ahead=ahead)
             base, step, low = approach, 0.0, -math.inf
 
     def _search(
@@ -119,21 +135,18 @@ class Balancer:
         load: float,
         hardness: float,
     ) -> "tuple[_Found, float]":
-        """The balance on the tiles listed, and the base that its offset counts from."""
+        """How far the balance came on the tiles listed, and the base that its offset counts from."""
         for _ in range(MAX_ROUNDS):
 
             def carried(offset: float, base: float = base) -> tuple[float, float]:
                 return self._carried(gap_field, stiffness, tiles, base, offset, hardness)
 
             found = _newton_in_bracket(carried, load, step, low, math.inf)
-            if found.converged(load):
-                return found, base
+            if found.converged(load) or not abs(found.offset) < HOPELESS:
+                break
             # Down to neighbouring numbers: from a base at the solution the offset has digits again.
             base, step, low = base + found.offset, 0.0, -math.inf
-        raise ConvergenceError(
-            f"the load balance did not converge: {found.force - load:.3g} N of {load:.6g} N are left "
-            f"(allowed {TOLERANCE * load:.1g} N) near an approach of {base:.9g} mm."
-        )
+        return found, base
 
     def bearing(
         self,
@@ -149,12 +162,16 @@ class Balancer:
         """Balance of the bearing area, area × hardness = load, by bisection (thesis eqs 4.8–4.11).
 
         The first approach that meets the tolerance [N] is taken and the pressure is load/area. Where cells
-        tie, so that no approach meets it, the tied cells share what is missing. highest: gap of all [mm]. step: by which a
+        tie, so that no approach meets it, the tied cells share what is missing. highest: gap before wear [mm]. step: by which a
         step opens the gap of a cell in contact [mm].
         """
         per_cell = hardness * self._cell_area
+        tiles.begin()
         low = self.bounds(gap_field, tiles)[0]
         high = highest + 2.0 * TIE  # so that the highest cell counts
+        if self._count(gap_field, tiles, high) * per_cell < load:  # all cells are worn beyond it
+            tiles.reach(math.inf)
+            high = self.bounds(gap_field, tiles)[1] + 2.0 * TIE
         for evaluation in range(1, MAX_EVALUATIONS):
             approach = 0.5 * (low + high)
             count = self._count(gap_field, tiles, approach)
@@ -203,14 +220,20 @@ class Balancer:
     ) -> tuple[float, float]:
         """Force [N] and its slope [N/mm] at an approach."""
         self._executor.launch(
-            contact.carried, inputs=[base, offset, cap, stiffness, gap_field], outputs=[self._sums], over=tiles
+            contact.carried,
+            inputs=[base, offset, cap, stiffness, gap_field],
+            outputs=[self._sums],
+            over=tiles,
+            often=True,
         )
         force, slope = self._sums.numpy().sum(axis=1) * self._cell_area
         return float(force), float(slope)
 
     def _count(self, gap_field: Field, tiles: Tiles, approach: float) -> float:
         """Cells in contact at an approach, of the tiles listed."""
-        self._executor.launch(contact.bearing, inputs=[approach, gap_field], outputs=[self._sums], over=tiles)
+        self._executor.launch(
+            contact.bearing, inputs=[approach, gap_field], outputs=[self._sums], over=tiles, often=True
+        )
         return float(self._sums.numpy()[0].sum())
 
 
@@ -244,6 +267,8 @@ def _newton_in_bracket(
         if found.converged(load):
             break
         residual = force - load
+        if not abs(offset) < HOPELESS:
+            break
         if residual < 0.0:
             low = offset
         else:

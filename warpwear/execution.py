@@ -63,6 +63,7 @@ class Executor:
         self.slots = grid.nx * self.slots_per_row
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if on_cpu else 0
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
+        self._launches: dict[tuple[str, int], tuple[Any, list[Any]]] = {}
         self._whole = self.share(np.full(grid.nx, self.vectors * LANES))
         for module in (gap, contact, removal, running_in, tiles):  # compiled before any thread needs them
             wp.load_module(module, device=self.device)
@@ -84,30 +85,52 @@ class Executor:
         return [(int(first), int(last)) for first, last in pairwise(edges)]
 
     def launch(
-        self, kernel: Any, *, inputs: Sequence[Any], outputs: Sequence[Any], over: "Tiles | None" = None
+        self,
+        kernel: Any,
+        *,
+        inputs: Sequence[Any],
+        outputs: Sequence[Any],
+        over: "Tiles | None" = None,
+        often: bool = False,
     ) -> None:
         """Run a kernel over all slots; returns when it is done (CPU) or queued (GPU).
 
-        over: the tiles visited by a kernel that asks for a list of them.
+        over: the tiles visited by a kernel that asks for a list of them. often: keep the launch for the next
+        time, with its arguments, fields included: on small grids packing them is what a launch costs.
         """
         chunks = self._whole if over is None else over.chunks
         listed = [] if over is None else [over.list, over.count]
 
-        def chunk(first: int, last: int) -> None:
-            wp.launch(
-                kernel,
-                dim=last - first,
-                inputs=[first, self.slots_per_row, *listed, *inputs],
-                outputs=list(outputs),
-                device=self.device,
-            )
+        def chunk(number: int) -> None:
+            first, last = chunks[number]
+            arguments = [first, self.slots_per_row, *listed, *inputs, *outputs]
+            if often:
+                self._kept_launch(kernel, number, last - first, arguments).launch()
+            else:
+                wp.launch(kernel, dim=last - first, inputs=arguments, device=self.device)
 
-        waiting = []
-        if self._pool is not None:
-            waiting = [self._pool.submit(chunk, *edges) for edges in chunks[1:]]
-        chunk(*chunks[0])
+        waiting = [self._pool.submit(chunk, n) for n in range(1, len(chunks))] if self._pool else []
+        chunk(0)
         for future in waiting:
             future.result()
+
+    def _kept_launch(self, kernel: Any, chunk: int, size: int, arguments: list[Any]) -> Any:
+        """The recorded launch of a kernel over a chunk, with what has changed since the last time."""
+        kept = self._launches.get((kernel.key, chunk))
+        if kept is None:
+            command = wp.launch(kernel, dim=size, inputs=arguments, device=self.device, record_cmd=True)
+            self._launches[kernel.key, chunk] = command, [size, *arguments]
+            return command
+        command, last = kept
+        if size != last[0]:
+            command.set_dim(size)
+        for index, value in enumerate(arguments):
+            before = last[index + 1]
+            # Arrays are compared by identity, numbers by value; a NaN is set each time.
+            if value is not before and (not isinstance(value, int | float) or value != before):
+                command.set_param_at_index(index, value)
+        last[:] = [size, *arguments]
+        return command
 
     def zeros(self) -> Field:
         """A field of zeros."""

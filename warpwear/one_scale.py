@@ -10,15 +10,14 @@ from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact, gap, removal
-from warpwear.kernels.types import MAXIMA, PADDING, SUMS
+from warpwear.kernels.types import MAXIMA, SUMS
 from warpwear.kinematics import distance_factor
 from warpwear.running_in import Logistic, Recession
 from warpwear.study import Study
 from warpwear.tiles import Tiles
 
-
 #: Cells listed at least, over those that carry the load at the hardness.
-SPARE = 4.0
+SPARE = 2.0
 
 
 @dataclass
@@ -97,7 +96,7 @@ class OneScaleModel:
         self.tiles = Tiles(
             executor, self.state.gap, self.state.wear_sphere, self.state.wear_disc, least=SPARE * fully
         )
-        self._highest = self._highest_gap()
+        self._highest = self._balancer.bounds(self.state.gap, self.tiles)[1]
 
     def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -141,16 +140,12 @@ class OneScaleModel:
                 self._maxima,
             ],
             over=self.tiles,
+            often=True,
         )
         if self._recession is not None:
             self._recession.recede(self.state.wear_disc, self.state.gap)
         self._last = balance
         return self._measured(balance, increment, (removal_sphere, removal_disc), reference, pressure)
-
-    def _highest_gap(self) -> float:
-        """Of all cells that are there [mm]."""
-        every = self._executor.to_numpy(self.state.gap)
-        return float(every.max(where=every < 0.5 * PADDING, initial=-math.inf))
 
     def _balance(self, stiffness: Field, removal: float) -> Balance:
         load = self.study.contact.load

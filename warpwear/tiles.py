@@ -7,10 +7,10 @@ import warp as wp
 
 from warpwear.execution import Executor, Field
 from warpwear.kernels import tiles
-from warpwear.kernels.types import LANES, WIDTH, Kept
+from warpwear.kernels.types import Kept
 
-#: Cells of a tile.
-TILE = LANES * int(WIDTH)
+#: A list of fewer saves nothing.
+LEAST_TILES = 16
 
 
 class Tiles:
@@ -27,7 +27,8 @@ class Tiles:
         self, executor: Executor, gap: Field, wear_sphere: Field, wear_disc: Field, *, least: float
     ) -> None:
         self._executor = executor
-        self._least = least
+        self._cells_of_tile = executor.grid.ny / executor.tiles_per_row
+        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
         self._fields = [gap, wear_sphere, wear_disc]
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._lowest = wp.zeros((nx, columns), dtype=wp.float64, device=device)
@@ -36,43 +37,49 @@ class Tiles:
         every = np.broadcast_to(np.arange(columns, dtype=np.int32), (nx, columns))
         self.list = wp.array(every, dtype=wp.int32, device=device)
         self.count = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
-        self.limit = math.inf
-        self._asked = -math.inf
-        self.cells = nx * columns * TILE
-        self.chunks = executor.share(np.full(nx, columns * TILE))
+        self.limit = self._asked = math.inf
+        self.listed = nx * columns
+        self.chunks = executor.share(np.full(nx, executor.grid.ny))
         executor.launch(tiles.lowest, inputs=[gap], outputs=[self._lowest])
         self._smallest = float(self._lowest.numpy().min())
-        if device.is_cpu:
-            self._select(-math.inf)
+        self._on_cpu = device.is_cpu
+        self._fresh = True
 
     @property
     def smallest(self) -> float:
         """Lowest gap before anything was worn [mm]; none is lower later."""
         return self._smallest
 
+    def begin(self) -> None:
+        """From every tile, which is what is listed at first, to the lowest."""
+        if self._fresh and self._on_cpu:
+            self._select(self._smallest)
+
     def reach(self, approach: float, *, ahead: float = 0.0) -> None:
         """List all that touches up to an approach [mm]; where that takes a new list, up to so much more [mm].
 
         A list that reaches much further than that is made anew as well: it costs more than it saves.
         """
-        if approach > self.limit or approach + 2.0 * ahead < self._asked:
+        if self._on_cpu and (approach > self.limit or approach + 2.0 * ahead < self._asked):
             self._select(approach + ahead)
 
     def _select(self, limit: float) -> None:
         self._list(limit)
         self._asked = limit
-        if self.cells < self._least:
-            lowest = self._lowest.numpy().ravel()
-            rank = math.ceil(self._least / TILE)
+        if self.listed < self._least:
+            lowest, rank = self._lowest.numpy().ravel(), self._least
             self._list(float(np.partition(lowest, rank)[rank]) if rank < lowest.size else math.inf)
 
     def _list(self, limit: float) -> None:
+        if self._fresh:  # what is known of the tiles is as it was found: nothing to look up in the fields
+            self.count.zero_()
+            self._fresh = False
         self._executor.launch(
             tiles.select,
             inputs=[limit, *self._fields],
             outputs=[self._lowest, self._kept, self.rest, self.list, self.count],
         )
         self.limit = limit
-        count = self.count.numpy() * TILE
-        self.cells = int(count.sum())
-        self.chunks = self._executor.share(count)
+        count = self.count.numpy()
+        self.listed = int(count.sum())
+        self.chunks = self._executor.share(count * self._cells_of_tile)

@@ -1,0 +1,98 @@
+"""Visiting listed tiles only gives what visiting every tile gives."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from warpwear import Study
+from warpwear.execution import Executor
+from warpwear.grid import FloatArray, Grid
+from warpwear.one_scale import OneScaleModel
+from warpwear.tiles import Tiles
+
+SHAPE, CELL = (150, 203), 0.005
+LAWS = {
+    "implicit": {"stepping.scheme": "implicit"},
+    "implicit, no cap": {"stepping.scheme": "implicit", "contact.hardness": "inf MPa"},
+    "elastic": {"stepping.scheme": "implicit", "contact.stiffness": "1.9e6 N/mm^3"},
+    "explicit": {"stepping.scheme": "explicit", "contact.stiffness": "2e5 N/mm^3"},
+    "bearing area": {"stepping.scheme": "explicit", "stepping.load_tolerance": "0.5 N"},
+}
+
+
+def rough(rng: np.random.Generator) -> FloatArray:
+    return rng.normal(0.0, 1e-3, SHAPE).cumsum(axis=1) * 0.1
+
+
+def plateaus(rng: np.random.Generator) -> FloatArray:
+    return np.round(rng.normal(0.0, 2.0, SHAPE)) * 1e-3
+
+
+def one_spike(rng: np.random.Generator) -> FloatArray:
+    heights = rng.normal(0.0, 1e-4, SHAPE)
+    heights[70, 101] = 0.05
+    return heights
+
+
+def flat(rng: np.random.Generator) -> FloatArray:
+    return np.zeros(SHAPE)
+
+
+def far_corners(rng: np.random.Generator) -> FloatArray:
+    """Contact far from the middle first, and everywhere later."""
+    heights = rng.normal(0.0, 1e-4, SHAPE)
+    heights[3:9, 3:9] = heights[-9:-3, -9:-3] = 0.08
+    return heights
+
+
+SURFACES: list[Callable[[np.random.Generator], FloatArray]] = [rough, plateaus, one_spike, flat, far_corners]
+
+
+def run(law: str, heights: FloatArray, increments: list[float], threads: int) -> tuple[list, list]:
+    study = Study.load("v3-fine").replace({"stepping.increment": "1 mm", "stepping.force": True} | LAWS[law])
+    with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
+        model = OneScaleModel(study, heights.copy(), executor)
+        steps = [model.advance(increment, with_pressure=True) for increment in increments]
+        fields = [executor.to_numpy(f).copy() for f in vars(model.state).values()]
+    return steps, fields
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("make", SURFACES)
+def test_listed_tiles_give_what_every_tile_gives(
+    make: Callable[[np.random.Generator], FloatArray],
+    law: str,
+    threads: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Over a random sequence of short and long steps: the same cells, approaches and volumes to 1e-12."""
+    rng = np.random.default_rng(5)
+    heights = make(rng)
+    increments = (10.0 ** rng.uniform(-3.0, 1.0, 40)).tolist()
+    some, some_fields = run(law, heights, increments, threads)
+    monkeypatch.setattr(Tiles, "begin", lambda self: None)
+    monkeypatch.setattr(Tiles, "reach", lambda self, approach, *, ahead=0.0: None)
+    every, every_fields = run(law, heights, increments, threads)
+    for one, other in zip(some, every, strict=True):
+        assert_array_equal(one.pressure > 0.0, other.pressure > 0.0)
+        for name in ("area_contact", "area_plastic", "area_touched", "patch_along", "patch_across"):
+            assert one.row[name] == pytest.approx(other.row[name], rel=1e-13), name
+        assert one.row["approach"] == pytest.approx(other.row["approach"], rel=1e-12)
+        for name in ("wear_volume_sphere", "wear_volume_disc", "wear_depth_disc", "pressure_max"):
+            assert one.row[name] == pytest.approx(other.row[name], rel=1e-11), name
+    for one, other in zip(some_fields, every_fields, strict=True):
+        assert_allclose(one, other, rtol=1e-11, atol=1e-15)
+
+
+def test_an_early_contact_visits_few_tiles() -> None:
+    study = Study.load("v3-fine").replace({"grid.cell": "2 um"})
+    from warpwear.surface_of import surface_in
+
+    grid = study.cells
+    with Executor(grid) as executor:
+        model = OneScaleModel(study, surface_in(study).heights(grid.x, grid.y), executor)
+        for _ in range(5):
+            model.advance(3e-3)
+        assert 0.0 < model.tiles.listed < 0.1 * grid.nx * executor.tiles_per_row
