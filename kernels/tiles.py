@@ -1,9 +1,9 @@
 """Tiles: which parts of a field a contact can reach.
 
-A tile is `WIDTH` neighbouring vectors of one row: memory in one piece, wherever a row of one field lies against
-a row of another. A kernel over tiles runs a slot a row (several, on a GPU) and visits those that the row's list
-names. Wear only opens gaps, so a list of all tiles whose lowest gap lies below some limit serves every approach
-up to that limit.
+A tile is `WIDTH` neighbouring vectors of one row: memory in one piece, wherever a row of one field lies
+against a row of another. A kernel over tiles runs a slot a row (several, on a GPU) and visits those that the
+row's list names. Wear only opens gaps, so a list of all tiles whose lowest gap lies below some limit serves
+every approach up to that limit.
 """
 
 import warp as wp
@@ -68,8 +68,8 @@ def select(
 ):
     """Lists anew, row by row, the tiles whose smallest gap does not exceed the limit.
 
-    Of a tile that leaves the list it is kept what `removal.remove` sums over listed tiles only; `rest_out` is the
-    sum of that over each row.
+    Of a tile that leaves the list it is kept what `removal.remove` sums over listed tiles only; `rest_out` is
+    the sum of that over each row.
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row

@@ -19,8 +19,8 @@ WIDTH = wp.constant(wp.int32(4))
 ZERO = wp.constant(wp.float64(0.0))
 ONE = wp.constant(wp.float64(1.0))
 
-#: Rows of the table of partial results, one column a slot, that `removal.remove` writes: of the step, and (from
-#: "touched" on) of the whole field.
+#: Rows of the table of partial results, one column a slot, that `removal.remove` writes: of the step, and
+#: (from "touched" on) of the whole field.
 SUMS = (
     "pressure",
     "pressure_times_factor",

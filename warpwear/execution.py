@@ -76,7 +76,7 @@ class Executor:
             self._pool.shutdown()
 
     def share(self, cells: Any) -> list[tuple[int, int]]:
-        """Ranges of slots for the threads, with about as many cells each. cells: of every row, shape (nx,)."""
+        """Ranges of slots for the threads, with about as many cells each. cells: of the rows, shape (nx,)."""
         if not self.device.is_cpu:
             return [(0, self.slots)]
         done = np.concatenate([[0], np.cumsum(cells)])

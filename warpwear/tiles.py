@@ -16,9 +16,9 @@ LEAST_TILES = 16
 class Tiles:
     """Tiles of one gap whose lowest cell lies below a limit, row by row.
 
-    The list serves every approach up to `limit`: what is not listed cannot touch, because gaps only open. It is
-    made anew when the limit is passed. On a GPU every tile is always listed: a pass over the memory costs less
-    there than to decide about it.
+    The list serves every approach up to `limit`: what is not listed cannot touch, because gaps only open. It
+    is made anew when the limit is passed. On a GPU every tile is always listed: a pass over the memory costs
+    less there than to decide about it.
 
     least: cells that a list holds at least, so that a capped contact can carry its load on them.
     """
