@@ -131,7 +131,9 @@ def test_an_explicit_step_beyond_the_stability_limit_is_refused_with_the_limit()
     study = Study.load("v3-fine").replace(explicit | {"stepping.increment": "4.5 mm"})
     with pytest.raises(InputError, match=r"stepping\.increment = 4\.6 mm .*4\.52 mm.*force = true"):
         study.replace({"stepping.increment": "4.6 mm"})
-    assert study.replace({"stepping.increment": "4.6 mm", "stepping.force": True}).stepping.force
+    forced = study.replace({"stepping.increment": "4.6 mm", "stepping.force": True})
+    assert [n for n in forced.notices() if "4.52 mm: areas" in n and "mean nothing" in n]
+    assert not any("stability" in n for n in study.replace({"stepping.force": True}).notices())
     # Without a foundation there is no such limit, and an implicit step has none either.
     study.replace({"stepping.increment": "4.6 mm", "contact.stiffness": "inf N/mm^3"})
     study.replace({"stepping.increment": "4.6 mm", "stepping.scheme": "implicit"})

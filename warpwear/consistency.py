@@ -105,17 +105,41 @@ def _tolerance(study: "Study") -> None:
         )
 
 
-def _stability(study: "Study") -> None:
-    if study.stepping.scheme == "implicit" or study.stepping.force:
-        return
-    limit = study.law().stable_increment(sum(law.fastest for law in study.wear_laws))
-    largest = min(study.stepping.plan[2], study.sliding.total)
-    if largest >= limit:
-        name = "largest" if study.stepping.increment is None else "increment"
-        raise ValueError(
-            f"stepping.{name} = {study.stepping.plan[2]:g} mm is beyond the explicit stability limit "
-            f"2/(k K) = {limit:.3g} mm; allowed are smaller increments, scheme = 'implicit', or force = true"
+def doubts(study: "Study") -> list[str]:
+    """What is computed as asked for, but with numbers that mislead, each as a sentence."""
+    found = []
+    unstable = _unstable(study)
+    if unstable is not None:
+        found.append(
+            f"{unstable}: areas, pressures and friction scatter from step to step and mean nothing, though "
+            "volumes and depths look right."
         )
+    if study.wear.law == "bearing-curve":
+        found.append(
+            "wear.law = 'bearing-curve': areas, pressures and friction count whole cells, not the share of "
+            "each that bears."
+        )
+    return found
+
+
+def _stability(study: "Study") -> None:
+    unstable = _unstable(study)
+    if unstable is not None and not study.stepping.force:
+        raise ValueError(f"{unstable}; allowed are smaller increments, scheme = 'implicit', or force = true")
+
+
+def _unstable(study: "Study") -> str | None:
+    """That explicit steps are too large, as the start of a sentence."""
+    if study.stepping.scheme == "implicit":
+        return None
+    limit = study.law().stable_increment(sum(law.fastest for law in study.wear_laws))
+    if min(study.stepping.plan[2], study.sliding.total) < limit:
+        return None
+    name = "largest" if study.stepping.increment is None else "increment"
+    return (
+        f"stepping.{name} = {study.stepping.plan[2]:g} mm is beyond the explicit stability limit "
+        f"2/(k K) = {limit:.3g} mm"
+    )
 
 
 def _steps(study: "Study") -> None:

@@ -10,8 +10,7 @@ from typing import Any, Self
 
 from pydantic import Field, ValidationError, model_validator
 
-from warpwear import render
-from warpwear.consistency import check
+from warpwear import consistency, render
 from warpwear.contact import CappedFoundation
 from warpwear.defaults import CONSTANTS, fill
 from warpwear.errors import InputError
@@ -123,7 +122,7 @@ class Study(Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        check(self)
+        consistency.check(self)
         return self
 
     @property
@@ -253,7 +252,7 @@ class Study(Section):
         return found
 
     def notices(self) -> list[str]:
-        """What is given but not used, each as a sentence."""
+        """What is given but not used, and what is asked for but cannot be trusted, each as a sentence."""
         given = given_keys(self)
         reasons: dict[str, list[str]] = {}
         for key, why in self.inapplicable().items():
@@ -265,7 +264,9 @@ class Study(Section):
         ]
         total = self.sliding.total
         late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > total or s == 0.0 < total)
-        return [*found, f"output.snapshots that no step ends at: {late} mm."] if late else found
+        if late:
+            found.append(f"output.snapshots that no step ends at: {late} mm.")
+        return [*found, *consistency.doubts(self)]
 
     def to_toml(self) -> str:
         """The whole study after defaults, as TOML that `load` reads back without loss."""

@@ -75,7 +75,11 @@ def flat_on_flat(**changes: str) -> Study:
 def test_a_rough_disc_recedes_by_its_bearing_curve(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Volumes stay K F L, a flat sinks by the closed form and ends deeper by a constant."""
     monkeypatch.setattr("warpwear.runner.bearing_curve_of", lambda study: CURVE)
-    history = run(flat_on_flat(), device=device, plots=False).history
+    result = run(flat_on_flat(), device=device, plots=False)
+    history = result.history
+    # From the first step on every cell is in contact, though next to nothing of it bears: that is told.
+    assert_allclose(history["area_contact"], 1.0)
+    assert any("count whole cells" in warning for warning in result.record["warnings"])
     mean = 1e-6 * F * history["distance"]
     assert_allclose(history["wear_volume_disc"], mean, rtol=1e-12)
     # The approach holds the spring and the wear of its step, the latter by the slope at the step's start.
