@@ -18,7 +18,7 @@ import warp as wp
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, gap, removal, running_in, tiles
+from warpwear.kernels import contact, device_steps, gap, removal, running_in, tiles
 from warpwear.kernels.types import LANES, WIDTH, Cells
 
 if TYPE_CHECKING:
@@ -65,7 +65,8 @@ class Executor:
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
         self._launches: dict[tuple[str, int], tuple[Any, list[Any]]] = {}
         self._whole = self.share(np.full(grid.nx, self.vectors * LANES))
-        for module in (gap, contact, removal, running_in, tiles):  # compiled before any thread needs them
+        # Compiled before any thread needs them.
+        for module in (gap, contact, removal, running_in, tiles, *([] if on_cpu else [device_steps])):
             wp.load_module(module, device=self.device)
 
     def __enter__(self) -> Self:

@@ -1,11 +1,14 @@
 """One grid: a sphere wearing with a disc, smooth on a foundation (macro) or with every asperity (micro)."""
 
+import itertools
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from warpwear.balance import RIGID, Balance, Balancer
+from warpwear.device_loop import DeviceLoop
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
@@ -16,6 +19,8 @@ from warpwear.running_in import Logistic, Recession
 from warpwear.study import Study
 from warpwear.tiles import Tiles
 
+#: Steps made on a device before their history is read.
+LONGEST_BLOCK = 500
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
 
@@ -97,6 +102,61 @@ class OneScaleModel:
             executor, self.state.gap, self.state.wear_sphere, self.state.wear_disc, least=SPARE * fully
         )
         self._highest = self._balancer.bounds(self.state.gap, self.tiles)[1]
+        #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
+        self.in_blocks = (
+            executor.device.is_cuda
+            and not study.uses_bearing_area
+            and self._recession is None
+            and (study.study.model == "micro" or study.contact.foundation_update == "initial")
+        )
+        self._loop: DeviceLoop | None = None
+
+    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
+        """One step for each increment [mm] of the plan, with its pressure where that is asked for.
+
+        On a GPU steps whose pressure nobody asks for are made in blocks, before the first of them is seen.
+        """
+        block: list[float] = []
+        for increment, with_pressure in plan:
+            if self.in_blocks and self._last is not None and not with_pressure:
+                block.append(increment)
+                if len(block) < LONGEST_BLOCK:
+                    continue
+            yield from self._block(block)
+            block = []
+            if not self.in_blocks or with_pressure or self._last is None:
+                yield self.advance(increment, with_pressure=with_pressure)
+        yield from self._block(block)
+
+    def _block(self, increments: list[float]) -> Iterator[Step]:
+        """Steps made on the device in one go."""
+        if not increments:
+            return
+        if self._loop is None:
+            self._loop = DeviceLoop(
+                self._executor,
+                self.state.gap,
+                self.state.wear_sphere,
+                self.state.wear_disc,
+                self._factor_field,
+                load=self.study.contact.load,
+                hardness=self.study.hardness,
+                compliance=self.study.law().compliance,
+                implicit=self.study.stepping.scheme == "implicit",
+            )
+        assert self._last is not None
+        ends = itertools.accumulate(increments, initial=self._row["distance"])
+        removals = [
+            (sphere, disc)
+            for start, increment in zip(ends, increments, strict=False)
+            for sphere, disc in [[law.removal(start, increment) for law in self._wear]]
+        ]
+        mean = self._row["pressure_mean"]
+        made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
+        for increment, removal, step in zip(increments, removals, made, strict=True):
+            self._last = step.balance
+            reference = self._row["pressure_mean"]
+            yield self._measured(step.balance, increment, removal, reference, step.totals, step.most, None)
 
     def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -145,7 +205,10 @@ class OneScaleModel:
         if self._recession is not None:
             self._recession.recede(self.state.wear_disc, self.state.gap)
         self._last = balance
-        return self._measured(balance, increment, (removal_sphere, removal_disc), reference, pressure)
+        total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))
+        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
+        removal_of = removal_sphere, removal_disc
+        return self._measured(balance, increment, removal_of, reference, total, most, pressure)
 
     def _balance(self, stiffness: Field, removal: float) -> Balance:
         load = self.study.contact.load
@@ -195,12 +258,12 @@ class OneScaleModel:
         increment: float,
         removal: tuple[float, float],
         reference: float,
+        total: dict[str, float],
+        most: dict[str, float],
         pressure: FloatArray | None,
     ) -> Step:
         grid = self._executor.grid
         area = grid.cell_area
-        total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))
-        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
         count = total["contact"]
         if not count > 0.0 or not math.isfinite(total["pressure"]):
             raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")

@@ -113,14 +113,15 @@ class _Loop:
         study = self.study
         stops = set(study.output.snapshots)
         total, speed = study.sliding.total, study.sliding.speed
-        plan = study.stepping.plan
-        steps = sum(1 for _ in increments(plan, total, stops))
+        plan = [
+            (increment, distance, distance in stops or distance == total)
+            for increment, distance in increments(study.stepping.plan, total, stops)
+        ]
         started = time.perf_counter()
-        self._progress.start(steps)
+        self._progress.start(len(plan))
         try:
-            for increment, distance in increments(plan, total, stops):
-                keep = distance in stops or distance == total
-                step = self._model.advance(increment, with_pressure=keep)
+            steps = self._model.steps((increment, keep) for increment, _, keep in plan)
+            for (_, distance, keep), step in zip(plan, steps, strict=True):
                 self._check_edge(step)
                 time_slid = distance / speed if speed else math.nan
                 self._rows.append(step.row | {"distance": distance, "time": time_slid})

@@ -1,0 +1,54 @@
+"""Steps made in blocks on a device are the steps made one by one."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from warpwear import Study
+from warpwear.execution import Executor
+from warpwear.one_scale import OneScaleModel, Step
+from warpwear.surface_of import surface_in
+
+KINDS = {
+    "implicit": {},
+    "elastic, capped": {"contact.stiffness": "1.9e6 N/mm^3"},
+    "no cap, factor across": {"contact.hardness": "inf MPa", "wear.distance_factor": "across"},
+    "explicit, factor radial": {
+        "stepping.scheme": "explicit",
+        "contact.stiffness": "2e5 N/mm^3",
+        "wear.distance_factor": "radial",
+    },
+    "running in": {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1e-2 mm^3/N/m"},
+    "smooth": {"study.model": "macro", "contact.foundation": "pressure", "contact.hardness": "inf MPa"},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_blocks_are_steps(kind: str, device: str) -> None:
+    """Same cells in contact; approach, areas, volumes and pressures to 1e-10."""
+    study = Study.load("v3-fine").replace({"grid.cell": "20 um", "grid.extent": "1.5 mm"} | KINDS[kind])
+    grid = study.cells
+    plan = [(0.003 * 1.1**n, n in (20, 59)) for n in range(60)]
+    outcomes: list[tuple[list[Step], list[np.ndarray]]] = []
+    for in_blocks in (False, True):
+        with Executor(grid, device=device) as executor:
+            model = OneScaleModel(study, surface_in(study).heights(grid.x, grid.y), executor)
+            model.in_blocks = in_blocks
+            steps = list(model.steps(plan))
+            fields = [executor.to_numpy(field).copy() for field in vars(model.state).values()]
+        outcomes.append((steps, fields))
+    (one_by_one, fields), (blocks, fields_of_blocks) = outcomes
+    assert [step.pressure is not None for step in blocks] == [keep for _, keep in plan]
+    for one, other in zip(one_by_one, blocks, strict=True):
+        for name, value in one.row.items():
+            if name in ("cells_in_contact", "patch_along", "patch_across"):
+                assert other.row[name] == value, name
+            elif name not in ("evaluations", "load_residual", "pressure_std"):
+                assert other.row[name] == pytest.approx(value, rel=1e-10), name
+        assert abs(other.row["load_residual"]) <= 1e-12 * 8.0
+        assert other.touches_edge == one.touches_edge
+    for one_field, other_field in zip(fields, fields_of_blocks, strict=True):
+        assert_allclose(other_field, one_field, rtol=1e-10, atol=1e-15)
+    assert blocks[20].pressure is not None
+    assert one_by_one[20].pressure is not None
+    assert_array_equal(blocks[20].pressure > 0.0, one_by_one[20].pressure > 0.0)
