@@ -1,8 +1,9 @@
-"""Whole steps on a GPU without a word to the host: the search for the balance, wear, and a row of the history.
+"""Whole steps on a GPU without a word to the host: the search for the balance, wear, a row of the history.
 
-Here a thread visits single cells, its neighbours the neighbouring ones, and every block reduces what its threads
-found to one column of a table of partial results. Fields are those of the other kernels, seen as numbers. What
-a search knows lies in `search`, in the order of `SEARCH`; the rule is that of `balance._newton_in_bracket`.
+Here a thread visits single cells, its neighbours the neighbouring ones, and every block reduces what its
+threads found to one column of a table of partial results. Fields are those of the other kernels, seen as
+numbers. What a search knows lies in `search`, in the order of `SEARCH`; the rule is that of
+`balance._newton_in_bracket`.
 """
 
 import warp as wp
@@ -69,7 +70,7 @@ def stiffness_at(
     removal_disc: wp.float64,
     factor: wp.array(dtype=wp.float64),
 ):
-    """1/c of cell i; the factor of the disc's distance is of one cell, of one row or of all (`rows` of them)."""
+    """1/c of cell i. factor: of the disc's distance, of one row or of all (`rows` of them)."""
     f = factor[wp.where(rows > 1, i, i % columns)]
     return ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
 
@@ -266,7 +267,7 @@ def record(
     step_in: wp.array(dtype=wp.int32),
     rows_out: wp.array2d(dtype=wp.float64),
 ):
-    """Sums (the first so many) and maxima of the step into its row, after the columns of `finish`. A block each."""
+    """Sums (the first so many) and maxima of the step into its row, after those of `finish`. A block each."""
     tid = wp.tid()
     quantity = tid // wp.block_dim()
     lane = tid % wp.block_dim()

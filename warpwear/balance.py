@@ -162,8 +162,8 @@ class Balancer:
         """Balance of the bearing area, area × hardness = load, by bisection (thesis eqs 4.8–4.11).
 
         The first approach that meets the tolerance [N] is taken and the pressure is load/area. Where cells
-        tie, so that no approach meets it, the tied cells share what is missing. highest: gap before wear [mm].
-        step: by which a step opens the gap of a cell in contact [mm].
+        tie, so that no approach meets it, the tied cells share what is missing. highest: gap before wear
+        [mm]. step: by which a step opens the gap of a cell in contact [mm].
         """
         per_cell = hardness * self._cell_area
         tiles.begin()

@@ -1,7 +1,7 @@
 """Many steps on a GPU in a row: one captured graph a step, nothing read back until the last.
 
-The same contact law, balance and wear as `one_scale`, with the search for the balance on the device, so that the
-host only says "once more". History rows wait on the device and are read in one piece.
+The same contact law, balance and wear as `one_scale`, with the search for the balance on the device, so that
+the host only says "once more". History rows wait on the device and are read in one piece.
 """
 
 from collections.abc import Sequence
@@ -34,8 +34,8 @@ class DeviceStep:
 class DeviceLoop:
     """Steps of one contact on a foundation.
 
-    gap, wear_sphere, wear_disc: fields, worn in place. factor: of the disc's sliding distance, a field of one row
-    or of all. compliance: 1/k [mm³/N]; implicit: whether the wear of a step adds to it.
+    gap, wear_sphere, wear_disc: fields, worn in place. factor: of the disc's sliding distance, a field of one
+    row or of all. compliance: 1/k [mm³/N]; implicit: whether the wear of a step adds to it.
     """
 
     def __init__(

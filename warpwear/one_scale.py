@@ -153,10 +153,10 @@ class OneScaleModel:
         ]
         mean = self._row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
-        for increment, removal, step in zip(increments, removals, made, strict=True):
+        for increment, removed, step in zip(increments, removals, made, strict=True):
             self._last = step.balance
             reference = self._row["pressure_mean"]
-            yield self._measured(step.balance, increment, removal, reference, step.totals, step.most, None)
+            yield self._measured(step.balance, increment, removed, reference, step.totals, step.most, None)
 
     def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.

@@ -35,8 +35,8 @@ class Tiles:
         self._kept = wp.zeros((nx, columns), dtype=Kept, device=device)
         self.rest = wp.zeros(nx, dtype=Kept, device=device)
         every = np.broadcast_to(np.arange(columns, dtype=np.int32), (nx, columns))
-        self.list = wp.array(every, dtype=wp.int32, device=device)
-        self.count = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
+        self.list: Field = wp.array(every, dtype=wp.int32, device=device)
+        self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
         self.limit = self._asked = math.inf
         self.listed = nx * columns
         self.chunks = executor.share(np.full(nx, executor.grid.ny))
