@@ -98,6 +98,7 @@ def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path) -> 
         "CoF − sample 3 (rms)",
         "m and λ are of the coefficient",
         "from 'Distance [m]'",
+        "v3-fine: cells of 10 µm do not resolve",
     ):
         assert words in done.output
     assert "Unlike tests" not in done.output

@@ -193,7 +193,7 @@ def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:
     assert b"Type3" not in (tmp_path / "disc_3d.pdf").read_bytes()
     first = (tmp_path / "disc_3d.pdf").read_bytes()
     assert plot.save("disc_3d", tmp_path, file_format="pdf").read_bytes() == first
-    with pytest.raises(InputError, match="'pressure_mpa' is no figure; did you mean 'pressure_map'"):
+    with pytest.raises(InputError, match=r"'pressure_mpa' is no figure \(did you mean 'pressure_map'"):
         plot.save("pressure_mpa", tmp_path)
     with pytest.raises(InputError, match="format = 'eps' is not known; allowed: png, pdf, svg"):
         plot.save("cof", tmp_path, file_format="eps")

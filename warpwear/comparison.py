@@ -103,6 +103,7 @@ def gather(
     ]
     notes = [*_differences(named)]
     notes += [f"{r.name} was interrupted." for r in named if not r.summary["finished"]]
+    notes += [f"{r.name}: {warning}" for r in named for warning in r.summary["warnings"]]
     notes += [
         f"{r.name} has no coefficient of friction: its end calibrates it." for r in named if r.cof is None
     ]

@@ -103,9 +103,9 @@ _DATE = {"pdf": "CreationDate", "svg": "Date"}
 
 
 def _unknown(name: str) -> str:
-    near = get_close_matches(name, FIGURES, n=1, cutoff=0.5)
-    hint = f"did you mean '{near[0]}'? " if near else ""
-    return f"'{name}' is no figure; {hint}Allowed: {', '.join(FIGURES)}"
+    near = get_close_matches(name, FIGURES, n=1, cutoff=0.6)
+    hint = f" (did you mean '{near[0]}'?)" if near else ""
+    return f"'{name}' is no figure{hint}; allowed: {', '.join(FIGURES)}"
 
 
 def _no_course(data: FigureData) -> str | None:

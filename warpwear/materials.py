@@ -46,8 +46,8 @@ def material(name: str) -> Material:
     if found is not None:
         return entries[found]
     near = get_close_matches(key, aliases, n=1, cutoff=0.6)
-    hint = f"did you mean '{entries[aliases[near[0]]].name}'? " if near else ""
-    raise ValueError(f"no material '{name}' is known; {hint}Allowed: {', '.join(names())}")
+    hint = f" (did you mean '{entries[aliases[near[0]]].name}'?)" if near else ""
+    raise ValueError(f"no material '{name}' is known{hint}; allowed: {', '.join(names())}")
 
 
 #: Who numbered a grade: "EN 1.4301" is "1.4301".

@@ -42,8 +42,8 @@ def _of_version(result: Result) -> Numbers:
         "patch_along_mm": end["patch_along"],
         "patch_across_mm": end["patch_across"],
         "patch_by_area_mm": 2.0 * math.sqrt(end["area_touched"] / math.pi),
-        # A sphere and a flat whose middles have receded by so much meet at this rim.
-        "patch_by_depth_mm": 2.0 * math.sqrt(2.0 * total / curvature) if curvature else math.nan,
+        # A sphere and a flat whose middles have receded by so much meet at this rim; a paraboloid is wider.
+        "patch_by_depth_mm": 2.0 * math.sqrt(total * (2.0 / curvature - total)) if curvature else math.nan,
         "sphere_depth_um": 1e3 * end["wear_depth_sphere"],
         "disc_depth_um": 1e3 * end["wear_depth_disc"],
         "sphere_volume_mm3": end["wear_volume_sphere"],
