@@ -77,7 +77,7 @@ class DeviceLoop:
         approach [mm], mean_pressure [MPa]: of the step before. Raises ConvergenceError for an unbalanced one.
         """
         steps = len(removals)
-        self._removals = wp.array(np.asarray(removals), dtype=wp.float64, device=self._device)
+        self._removals: Field = wp.array(np.asarray(removals), dtype=wp.float64, device=self._device)
         self._rows = wp.zeros((steps, AHEAD + len(SUMS) + len(MAXIMA)), dtype=wp.float64, device=self._device)
         search = np.zeros(len(device_steps.SEARCH))
         search[device_steps.SEARCH.index("approach")] = approach
