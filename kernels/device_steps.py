@@ -60,19 +60,9 @@ def begin(
 
 
 @wp.func
-def stiffness_at(
-    i: wp.int32,
-    columns: wp.int32,
-    rows: wp.int32,
-    compliance: wp.float64,
-    implicit: wp.float64,
-    removal_sphere: wp.float64,
-    removal_disc: wp.float64,
-    factor: wp.array(dtype=wp.float64),
-):
-    """1/c of cell i. factor: of the disc's distance, of one row or of all (`rows` of them)."""
-    f = factor[wp.where(rows > 1, i, i % columns)]
-    return ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
+def factor_at(i: wp.int32, column: wp.int32, rows: wp.int32, factor: wp.array(dtype=wp.float64)):
+    """Factor of the disc's sliding distance at a cell, from one row of them or from all (`rows` of them)."""
+    return factor[wp.where(rows > 1, i, column)]
 
 
 @wp.kernel
@@ -82,7 +72,7 @@ def carried(
     compliance: wp.float64,
     implicit: wp.float64,
     cap: wp.float64,
-    threads: wp.int32,
+    blocks: wp.int32,
     removal_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_in: wp.array(dtype=wp.float64),
@@ -91,19 +81,23 @@ def carried(
     partial_out: wp.array2d(dtype=wp.float64),
 ):
     """Sum of the pressures at the trial approach, and of the stiffnesses of cells neither open nor capped."""
-    tid = wp.tid()
+    block = wp.tid() // wp.block_dim()
     removal_sphere = removal_in[step_in[0], 0]
     removal_disc = removal_in[step_in[0], 1]
     base = search_in[BASE]
     offset = search_in[OFFSET]
+    s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
     pressure = ZERO
     slope = ZERO
-    for i in range(tid, gap_in.shape[0], threads):
-        s = stiffness_at(i, columns, rows, compliance, implicit, removal_sphere, removal_disc, factor_in)
-        q = ((base - gap_in[i]) + offset) * s
-        pressure += wp.min(wp.max(q, ZERO), cap)
-        slope += wp.where(q > ZERO and q < cap, s, ZERO)
-    block = tid // wp.block_dim()
+    for row in range(block, gap_in.shape[0] // columns, blocks):
+        for column in range(wp.tid() % wp.block_dim(), columns, wp.block_dim()):
+            i = row * columns + column
+            if rows > 0:
+                f = factor_at(i, column, rows, factor_in)
+                s = ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
+            q = ((base - gap_in[i]) + offset) * s
+            pressure += wp.min(wp.max(q, ZERO), cap)
+            slope += wp.where(q > ZERO and q < cap, s, ZERO)
     wp.tile_store(partial_out[0], wp.tile_sum(wp.tile(pressure)), offset=block)
     wp.tile_store(partial_out[1], wp.tile_sum(wp.tile(slope)), offset=block)
 
@@ -177,7 +171,7 @@ def remove(
     compliance: wp.float64,
     implicit: wp.float64,
     cap: wp.float64,
-    threads: wp.int32,
+    blocks: wp.int32,
     removal_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_in: wp.array(dtype=wp.float64),
@@ -188,7 +182,7 @@ def remove(
     partial_out: wp.array2d(dtype=wp.float64),
 ):
     """One increment of wear, as `removal.remove`: sums in the order of `types.SUMS`, then `types.MAXIMA`."""
-    tid = wp.tid()
+    block = wp.tid() // wp.block_dim()
     removal_sphere = removal_in[step_in[0], 0]
     removal_disc = removal_in[step_in[0], 1]
     base = search_in[BASE]
@@ -209,40 +203,44 @@ def remove(
     last_row = NOWHERE
     first_column = NOWHERE
     last_column = NOWHERE
-    for i in range(tid, gap_out.shape[0], threads):
-        f = factor_in[wp.where(rows > 1, i, i % columns)]
-        s = ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
-        g = gap_out[i]
-        a = wear_sphere_out[i]
-        b = wear_disc_out[i]
-        p = wp.min(wp.max(((base - g) + offset) * s, ZERO), cap)
-        if p > ZERO:
-            da = removal_sphere * p
-            db = removal_disc * f * p
-            a += da
-            b += db
-            gap_out[i] = g + (da + db)
-            wear_sphere_out[i] = a
-            wear_disc_out[i] = b
-            pressure += p
-            factored += f * p
-            deviation += (p - mean) * (p - mean)
-            contact += ONE
-            capped += wp.where(p >= cap, ONE, ZERO)
-            highest = wp.max(highest, p)
-        if p + a + b > ZERO:
-            touched += ONE
-            worn_sphere += a
-            worn_disc += b
-            deepest_sphere = wp.max(deepest_sphere, a)
-            deepest_disc = wp.max(deepest_disc, b)
-            row = wp.float64(i // columns)
-            column = wp.float64(i % columns)
-            first_row = wp.max(first_row, -row)
-            last_row = wp.max(last_row, row)
-            first_column = wp.max(first_column, -column)
-            last_column = wp.max(last_column, column)
-    block = tid // wp.block_dim()
+    f = ONE
+    s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
+    for row in range(block, gap_out.shape[0] // columns, blocks):
+        touched_before = touched
+        for column in range(wp.tid() % wp.block_dim(), columns, wp.block_dim()):
+            i = row * columns + column
+            if rows > 0:
+                f = factor_at(i, column, rows, factor_in)
+                s = ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
+            g = gap_out[i]
+            a = wear_sphere_out[i]
+            b = wear_disc_out[i]
+            p = wp.min(wp.max(((base - g) + offset) * s, ZERO), cap)
+            if p > ZERO:
+                da = removal_sphere * p
+                db = removal_disc * f * p
+                a += da
+                b += db
+                gap_out[i] = g + (da + db)
+                wear_sphere_out[i] = a
+                wear_disc_out[i] = b
+                pressure += p
+                factored += f * p
+                deviation += (p - mean) * (p - mean)
+                contact += ONE
+                capped += wp.where(p >= cap, ONE, ZERO)
+                highest = wp.max(highest, p)
+            if p + a + b > ZERO:
+                touched += ONE
+                worn_sphere += a
+                worn_disc += b
+                deepest_sphere = wp.max(deepest_sphere, a)
+                deepest_disc = wp.max(deepest_disc, b)
+                first_column = wp.max(first_column, -wp.float64(column))
+                last_column = wp.max(last_column, wp.float64(column))
+        if touched > touched_before:
+            first_row = wp.max(first_row, -wp.float64(row))
+            last_row = wp.max(last_row, wp.float64(row))
     wp.tile_store(partial_out[0], wp.tile_sum(wp.tile(pressure)), offset=block)
     wp.tile_store(partial_out[1], wp.tile_sum(wp.tile(factored)), offset=block)
     wp.tile_store(partial_out[2], wp.tile_sum(wp.tile(deviation)), offset=block)

@@ -60,8 +60,8 @@ class DeviceLoop:
         on_cpu = self._device.is_cpu  # there a block is one thread: for tests
         self._block = 1 if on_cpu else BLOCK
         self._blocks = 3 if on_cpu else BLOCKS
-        threads = self._block * self._blocks
-        self._cells = [columns, factor.shape[0], compliance, float(implicit), min(hardness, 1e300), threads]
+        rows = 0 if bool((executor.to_numpy(factor) == 1.0).all()) else factor.shape[0]
+        self._cells = [columns, rows, compliance, float(implicit), min(hardness, 1e300), self._blocks]
         self._partial = wp.zeros(
             (len(SUMS) + len(MAXIMA), self._blocks), dtype=wp.float64, device=self._device
         )
