@@ -60,7 +60,7 @@ def _volume(n: Known) -> Verdict:
             "mm",
             {
                 "K_s alone, swept track": "experiment.patch_of_printed_K_mm",
-                "both, stationary (closed form)": "closed_form_patch_mm",
+                "both, stationary (cap of K F L)": "closed_form_patch_mm",
                 "V1": "v1.patch_by_depth_mm",
             },
             {"experiment": thesis.PATCH_DIAMETERS["experiment"], "thesis V1": thesis.PATCH_DIAMETERS["v1"]},
@@ -220,7 +220,8 @@ def _stability(n: Known) -> Verdict:
     "surfaces",
     "",
     "V3's patch is as wide as the highest peaks at its rim allow",
-    says="Touched is where the disc stands above the sphere's worn shape: at most 2√(a² + 2R·R_p) across.",
+    says="Touched is where the disc stands above the sphere's worn shape: at most 2√(z(2R − z)) across, with "
+    "z = R − √(R² − a²) + R_p.",
     rows=(
         Row(
             "patch, along and across, over all surfaces",
@@ -238,7 +239,7 @@ def _stability(n: Known) -> Verdict:
             {"smallest": "surfaces.farthest_smallest_mm", "largest": "surfaces.farthest_largest_mm"},
         ),
         Row(
-            "2√(a² + 2R·R_p)",
+            "extent with peaks R_p at both ends, 2√(z(2R − z))",
             "mm",
             {"smallest": "surfaces.bound_smallest_mm", "largest": "surfaces.bound_largest_mm"},
         ),

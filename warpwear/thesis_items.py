@@ -198,7 +198,11 @@ def _disc_of_v1(n: Known) -> Verdict:
             {"V1": "v1.patch_by_depth_mm"},
             {"thesis": thesis.PATCH_DIAMETERS["v1"]},
         ),
-        Row("patch, closed form of a paraboloid", "mm", {"2(4RKFL/π)^¼": "closed_form_patch_mm"}),
+        Row(
+            "patch of the volume K F L",
+            "mm",
+            {"cap of a sphere": "closed_form_patch_mm", "paraboloid, 2(4RKFL/π)^¼": "paraboloid_patch_mm"},
+        ),
     ),
     figures=("disc_3d_of_v1", "sphere_3d_of_v1"),
 )
