@@ -87,6 +87,7 @@ NUMBERS = {
     "v2.skewness_um": 0.09274,
     "v2.sphere_change_um": 0.06193,
     "v2.sphere_depth_change": -0.001075,
+    "v2.sphere_depth_um": 28.6,
     "v2.sphere_volume_change": 9.548e-15,
     "v2.true_factor_at_edge": 0.1257,
     "v3.area_sum_mm2": 108.8,
@@ -132,7 +133,8 @@ CASES = {
     "figure-4.28": (AGREES, {"v3.sphere_pattern_um": 0.006}, DISAGREES),
     "figure-4.30": (DISAGREES, {"v3.pressure_smallest_MPa": 581.0, "v3.pressure_largest_MPa": 599.0}, AGREES),
     "figure-4.31": (WRONG, {"v3.mean_disc_depth_um": 25.0}, AGREES),
-    "figure-4.32": (AGREES, {"surfaces.patch_mean_mm": 1.2}, DISAGREES),
+    "figure-4.32": (DISAGREES, {"surfaces.patch_largest_mm": 1.36}, AGREES),
+    "figure-4.32-shape": (WRONG, {"v2.skewness_um": 3.0}, AGREES),
     "figure-4.33": (WRONG, {"v3.disc_volume_over_v2": 0.02}, AGREES),
     "figure-4.34": (AGREES, {"v3.cof_over_v1": 1.1}, DISAGREES),
     "figure-4.35": (WRONG, {"v1.disc_depth_um": 1.5}, AGREES),
@@ -174,6 +176,15 @@ def test_reasons_quote_the_numbers() -> None:
     reason = judge(NUMBERS | {"v2.edge_pressure_excess": 0.0119})["figure-4.25"].reason
     assert "1.2 % more" in reason
     assert "1.3 %" in reason  # the closed form
+
+
+def test_a_patch_that_no_surface_reaches_does_not_agree() -> None:
+    found = judge(NUMBERS)["figure-4.32"]
+    assert "V1 and V2 agree" in found.reason
+    assert "1.29 to 1.32 mm over 3 surfaces and do not reach the printed 1.37 mm" in found.reason
+    assert "1.338 to 1.343 mm" in found.reason
+    wide = judge(NUMBERS | {"v1.patch_by_depth_mm": 1.4})["figure-4.32"]
+    assert (wide.kind, "do not both agree" in wide.reason) == (DISAGREES, True)
 
 
 def test_numbers_for_people() -> None:
