@@ -16,9 +16,9 @@ from warpwear.cli_report import report
 from warpwear.errors import InputError
 from warpwear.study import Study
 from warpwear.thesis_figures import FIGURES
-from warpwear.thesis_findings import all_items
 from warpwear.thesis_report import judge, thesis_report
 from warpwear.thesis_runs import Plan
+from warpwear.thesis_summary import SUMMARY, all_items
 from warpwear.thesis_verdicts import Kind, as_printed, number
 
 #: What the published studies give, to the digits that verdicts need.
@@ -185,6 +185,32 @@ def test_a_patch_that_no_surface_reaches_does_not_agree() -> None:
     assert "1.338 to 1.343 mm" in found.reason
     wide = judge(NUMBERS | {"v1.patch_by_depth_mm": 1.4})["figure-4.32"]
     assert (wide.kind, "do not both agree" in wide.reason) == (DISAGREES, True)
+
+
+def test_a_line_of_the_summary_is_judged_by_its_own_numbers() -> None:
+    found = {line.row.quantity: line.judge(NUMBERS | {"fine.patch_along_mm": 1.29}) for line in SUMMARY}
+    assert {name: kind for name, kind in found.items() if kind is not None} == {
+        "worn patch of the sphere, smooth: diameter": AGREES,
+        "worn patch of the sphere, rough: along sliding": DISAGREES,
+        "worn patch of the sphere, models beside the experiment": DISAGREES,
+        "mean pressure of V3, smallest of all steps": DISAGREES,
+        "mean pressure of V3, largest of all steps": DISAGREES,
+    }
+    smooth, rough = SUMMARY[:2]
+    assert smooth.judge(NUMBERS | {"v2.patch_by_depth_mm": 1.24}) == DISAGREES
+    assert rough.judge(NUMBERS | {"v3.patch_along_mm": 1.36}) == AGREES
+    assert rough.judge({}) == UNKNOWN
+    assert {line.item for line in SUMMARY} <= {item.id for item in all_items()}
+
+
+def test_summary_shows_a_verdict_where_something_is_printed(page: str, content: dict) -> None:
+    table = page[page.index('<table id="summary-table">') : page.index('id="contents"')]
+    rows = re.findall(r"<tr><td>(.*?)</tr>", table, flags=re.DOTALL)
+    for row, line in zip(rows, content["summary"], strict=True):
+        assert bool(line["printed"]) == (line["verdict"] is not None)
+        badges = re.findall(r'<span class="badge [\w-]+">([^<]+)</span>', row)
+        assert badges == ([line["verdict"]] if line["verdict"] else [])
+        assert f'href="#{line["item"]}"' in row
 
 
 def test_numbers_for_people() -> None:

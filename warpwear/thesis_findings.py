@@ -3,12 +3,11 @@
 from warpwear import thesis
 from warpwear.thesis_items import (
     SAME_VOLUME,
-    TABLE,
     is_root,
     of_all,
     shape_of,
 )
-from warpwear.thesis_verdicts import Item, Kind, Known, Row, Table, Verdict, holds_if, number, percent
+from warpwear.thesis_verdicts import Kind, Known, Row, Table, Verdict, holds_if, number, percent
 
 FINDINGS = Table()
 item = FINDINGS.item
@@ -273,61 +272,3 @@ def _surfaces(n: Known) -> Verdict:
         f"Geometry predicts the extents to {number(1e3 * n['surfaces.prediction_error_mm'], 2)} µm and the "
         f"largest is {number(1e3 * n['surfaces.bound_exceeded_mm'], 2)} µm beyond its bound.",
     )
-
-
-#: The table at the top of the report: a row and the item whose verdict it repeats.
-SUMMARY: tuple[tuple[Row, str], ...] = (
-    (
-        Row(
-            "worn patch of the sphere, diameter",
-            "mm",
-            {
-                "V1": "v1.patch_by_depth_mm",
-                "V2": "v2.patch_by_depth_mm",
-                "V3": "v3.patch_along_mm",
-                "V3 fine": "fine.patch_along_mm",
-            },
-            {
-                "thesis V1": thesis.PATCH_DIAMETERS["v1"],
-                "thesis V2": thesis.PATCH_DIAMETERS["v2"],
-                "thesis V3": thesis.PATCH_DIAMETERS["v3"],
-                "experiment": thesis.PATCH_DIAMETERS["experiment"],
-            },
-        ),
-        "figure-4.36",
-    ),
-    (of_all("deepest wear of the sphere", "µm", "sphere_depth_um"), "figure-A.9"),
-    (of_all("deepest wear of the disc", "µm", "disc_depth_um"), "figure-4.35"),
-    (of_all("worn volume of the sphere", "mm³", "sphere_volume_mm3"), "figure-4.21"),
-    (of_all("worn volume of the disc", "mm³", "disc_volume_mm3"), "figure-4.33"),
-    (of_all("area in contact, start", "mm²", "area_first_mm2"), "figure-A.8"),
-    (of_all("area in contact, 30 mm", "mm²", "area_30_mm2"), "cure"),
-    (of_all("area in contact, end", "mm²", "area_end_mm2"), "cure"),
-    (of_all("mean pressure, end", "MPa", "pressure_end_MPa"), "figure-4.17"),
-    (
-        Row(
-            "mean pressure of V3, smallest of all steps",
-            "MPa",
-            {"V3": "v3.pressure_smallest_MPa"},
-            {"thesis V3": thesis.V3_PRESSURES[0]},
-        ),
-        "figure-4.30",
-    ),
-    (
-        Row(
-            "mean pressure of V3, largest of all steps",
-            "MPa",
-            {"V3": "v3.pressure_largest_MPa"},
-            {"thesis V3": thesis.V3_PRESSURES[1]},
-        ),
-        "figure-4.30",
-    ),
-    (of_all("coefficient of friction, end", "–", "cof_end"), "figure-4.34"),
-    (of_all("coefficient of friction, start over end", "–", "cof_first_over_end"), "figure-4.37"),
-    (of_all("exponent m of the area in contact", "–", "exponent_m"), "cure"),
-)
-
-
-def all_items() -> tuple[Item, ...]:
-    """Of the thesis, then our own."""
-    return (*TABLE.items, *FINDINGS.items)

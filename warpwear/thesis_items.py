@@ -22,6 +22,8 @@ ROOT_EXPONENT, ROOT_LEVELLING, SHAPE_TOLERANCE = 0.5, 0.25, 0.05
 SAME_VOLUME = 1e-3
 #: Rounding of a printed diameter plus two cells of 10 µm [mm].
 DIAMETER_TOLERANCE = 0.025
+#: Rounding of a printed limit of the pressure [MPa].
+PRESSURE_TOLERANCE = 5.0
 #: Part of a depth below which no figure shows a difference of shape.
 VISIBLE = 0.01
 
@@ -420,7 +422,7 @@ def _pressure_maps(n: Known) -> Verdict:
     printed = [p.value for p in thesis.V3_PRESSURES]
     smooth = n["v1.pressure_unevenness"] < 0.01 and n["v2.edge_pressure_excess"] > 0.0
     return agrees_if(
-        low >= printed[0] - 5.0 and high <= printed[1] + 5.0,
+        low >= printed[0] - PRESSURE_TOLERANCE and high <= printed[1] + PRESSURE_TOLERANCE,
         f"V3's mean pressure runs from {number(low)} to {number(high)} MPa, as printed.",
         f"(a) and (b) {'agree' if smooth else 'do not both agree'}. (c) is pinned, but not so narrowly as "
         f"printed: with its own load tolerance of 0.5 N the mean runs from {number(low)} to {number(high)} "

@@ -14,10 +14,11 @@ from warpwear import __version__
 from warpwear.report_page import Picture, check_folder, embedded, render, write_folder
 from warpwear.results import Result
 from warpwear.thesis_figures import FIGURES
-from warpwear.thesis_findings import FINDINGS, SUMMARY, all_items
-from warpwear.thesis_items import TABLE
+from warpwear.thesis_findings import FINDINGS
+from warpwear.thesis_items import DIAMETER_TOLERANCE, PRESSURE_TOLERANCE, TABLE
 from warpwear.thesis_numbers import Numbers, collect
 from warpwear.thesis_runs import VERSIONS, Plan, Runs, published, running
+from warpwear.thesis_summary import SUMMARY, all_items
 from warpwear.thesis_verdicts import Kind, Row, Verdict, as_printed, number
 
 PAGE, NUMBERS = "report.html", "numbers.json"
@@ -63,7 +64,10 @@ def judge(numbers: Mapping[str, float]) -> dict[str, Verdict]:
 def as_json(numbers: Numbers, verdicts: Mapping[str, Verdict]) -> str:
     """Everything that is compared, for machines; without times, so that equal runs give equal files."""
     content = {
-        "summary": [_record(row, numbers) | {"item": item} for row, item in SUMMARY],
+        "summary": [
+            _record(line.row, numbers) | {"verdict": line.judge(numbers), "item": line.item}
+            for line in SUMMARY
+        ],
         "items": [
             {
                 "id": item.id,
@@ -117,7 +121,10 @@ def render_page(
         },
         printed_columns=PRINTED_COLUMNS,
         versions=VERSIONS,
-        summary=SUMMARY,
+        summary=[(line.row, line.judge(numbers), line.item) for line in SUMMARY],
+        diameter_tolerance=DIAMETER_TOLERANCE,
+        pressure_tolerance=PRESSURE_TOLERANCE,
+        places={item.id: item.place or "finding" for item in all_items()},
         items=TABLE.items,
         findings={item.id: item for item in FINDINGS.items},
         verdicts=verdicts,
