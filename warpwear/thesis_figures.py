@@ -332,9 +332,11 @@ def _rough_patches(runs: Runs, numbers: Numbers) -> Figure:
     def draw(axes: Any) -> None:
         axes.axhline(thesis.PATCH_DIAMETERS["v3"].value, color=fs.HARDNESS, lw=0.8, label="printed, 1.37 mm")
         axes.axhline(
-            numbers["closed_form_patch_mm"], color=PRINTED, lw=0.8, ls="--", label="smooth, closed form"
+            numbers["closed_form_patch_mm"], color=PRINTED, lw=0.8, ls="--", label="smooth, cap of K F L"
         )
-        axes.plot(seeds, [p.largest for p in patches], "_", ms=12, color=fs.NEUTRAL, label="2√(a² + 2R·R_p)")
+        axes.plot(
+            seeds, [p.largest for p in patches], "_", ms=12, color=fs.NEUTRAL, label="a peak R_p at both ends"
+        )
         axes.plot(
             seeds, [p.farthest for p in patches], "D", ms=3, color=fs.SUM, label="twice the farthest cell"
         )

@@ -7,11 +7,18 @@ import math
 
 import numpy as np
 
-from warpwear import thesis
+from warpwear import calibrate_thesis, thesis
 from warpwear.grid import FloatArray
 from warpwear.results import Result, Snapshot
 from warpwear.summary import shape_of_growth
-from warpwear.thesis_runs import VERSIONS, Runs, worn_radius
+from warpwear.thesis_runs import (
+    VERSIONS,
+    Runs,
+    depth_of_rim,
+    rim_at,
+    worn_radius,
+    worn_radius_of_paraboloid,
+)
 
 Numbers = dict[str, float]
 #: Distance after which relative differences of areas no longer show single cells [mm].
@@ -43,7 +50,7 @@ def _of_version(result: Result) -> Numbers:
         "patch_across_mm": end["patch_across"],
         "patch_by_area_mm": 2.0 * math.sqrt(end["area_touched"] / math.pi),
         # A sphere and a flat whose middles have receded by so much meet at this rim; a paraboloid is wider.
-        "patch_by_depth_mm": 2.0 * math.sqrt(total * (2.0 / curvature - total)) if curvature else math.nan,
+        "patch_by_depth_mm": 2.0 * rim_at(total, radius=1.0 / curvature) if curvature else math.nan,
         "sphere_depth_um": 1e3 * end["wear_depth_sphere"],
         "disc_depth_um": 1e3 * end["wear_depth_disc"],
         "sphere_volume_mm3": end["wear_volume_sphere"],
@@ -100,7 +107,7 @@ def _smooth(runs: Runs) -> Numbers:
     depth = history["wear_depth_disc"]
     return {
         "closed_form_patch_mm": 2.0 * worn_radius(v1.study),
-        "closed_form_depth_um": 1e3 * 0.5 * worn_radius(v1.study) ** 2 * v1.study.sphere.curvature,
+        "paraboloid_patch_mm": 2.0 * worn_radius_of_paraboloid(v1.study),
         "hertz_peak_MPa": hertz.peak_pressure,
         "hertz_area_mm2": hertz.area,
         "v1.peak_over_hertz": float(history["pressure_max"][0]) / hertz.peak_pressure,
@@ -199,8 +206,9 @@ def _patches(runs: Runs) -> Numbers:
     predicted = np.array([[p.predicted_along, p.predicted_across] for p in patches])
     measured = np.array([[p.along, p.across] for p in patches])
     volumes = np.array([p.disc_volume for p in patches]) / float(v2.history["wear_volume_disc"][-1]) - 1.0
-    radius, smooth = runs["v3"].study.sphere, worn_radius(runs["v3"].study)
-    asked = (0.25 * thesis.PATCH_DIAMETERS["v3"].value ** 2 - smooth**2) * 0.5 * radius.curvature
+    radius, smooth = 1.0 / runs["v3"].study.sphere.curvature, worn_radius(runs["v3"].study)
+    printed = 0.5 * thesis.PATCH_DIAMETERS["v3"].value
+    asked = depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)
     return {
         "surfaces": float(len(patches)),
         "surfaces.patch_mean_mm": float(mean.mean()),
@@ -269,19 +277,15 @@ def _stability(runs: Runs) -> Numbers:
 
 def calibration() -> Numbers:
     """What the printed patch of the ball and the printed wear coefficients say of each other."""
-    radius, half = thesis.SPHERE_RADIUS.value, 0.5 * thesis.PATCH_DIAMETERS["experiment"].value
-    slid = 1e-3 * thesis.LOAD.value * thesis.DISTANCE.value  # [N m]
-    depth = radius - math.sqrt(radius**2 - half**2)
-    cap = math.pi * depth**2 * (3.0 * radius - depth) / 3.0
-    sphere, disc = (thesis.WEAR_COEFFICIENTS[body].value for body in ("sphere", "disc"))
-    groove = disc * slid
+    worn = calibrate_thesis.patch()
+    by_cap, by_ellipsoid = 1e3 * worn.by_cap.mean, 1e3 * worn.by_ellipsoid.mean  # [mm³/(N m)]
+    groove = 1e-3 * thesis.WEAR_COEFFICIENTS["disc"].value * thesis.LOAD.value * thesis.DISTANCE.value
     return {
-        "experiment.cap_depth_um": 1e3 * depth,
-        "experiment.K_by_cap": cap / slid,
-        "experiment.K_by_ellipsoid": 4.0 / 3.0 * math.pi * half**2 * depth / slid,
-        "experiment.K_over_cap": sphere / (cap / slid),
-        "experiment.patch_of_printed_K_mm": 2.0 * (4.0 * radius * sphere * slid / math.pi) ** 0.25,
+        "experiment.K_by_cap": by_cap,
+        "experiment.K_by_ellipsoid": by_ellipsoid,
+        "experiment.K_over_cap": 1e3 * worn.printed / by_cap,
+        "experiment.patch_of_printed_K_mm": worn.asked,
         # A groove with the profile of a parabola, as wide as the patch and as long as the stroke.
-        "experiment.groove_depth_um": 1e3 * 1.5 * groove / (2.0 * half * thesis.STROKE.value),
+        "experiment.groove_depth_um": 1e3 * 1.5 * groove / (worn.diameter * thesis.STROKE.value),
         "experiment.distance_by_strokes_mm": thesis.STROKE.value * thesis.PASSES.value,
     }

@@ -1,5 +1,6 @@
 """The runs behind the report of the thesis: which studies, and what is kept of them."""
 
+import math
 import sys
 import time
 from collections.abc import Iterator
@@ -9,11 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from warpwear.calibration import diameter_of_cap
 from warpwear.errors import InputError
 from warpwear.results import Result
 from warpwear.runner import run
 from warpwear.study import Study
 from warpwear.surface_of import surface_in
+from warpwear.surfaces.sphere import sag
 
 #: Cell of the fine rough model in a quick report; it takes a tenth of the time.
 QUICK_CELL = "5 um"
@@ -62,7 +65,7 @@ class RoughPatch:
     predicted_along: float  # extents of the surface cut by the sphere that V1's patch belongs to
     predicted_across: float
     peak: float  # highest point over the mean plane near the rim, R_p
-    largest: float  # 2√(a² + 2R·R_p): both ends of a diameter on such a peak
+    largest: float  # 2√(z(2R − z)), z = R − √(R² − a²) + R_p: both ends of a diameter on such a peak
     farthest: float  # twice the distance of the farthest touched cell from the middle
     disc_volume: float  # [mm³]
 
@@ -148,10 +151,10 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
     radius = 1.0 / study.sphere.curvature
     smooth = worn_radius(study)
     square = np.add.outer(result.x**2, result.y**2)
-    # A cell is touched where it stands above the paraboloid through the smooth patch's rim.
-    touched = np.asarray(heights - (square - smooth**2) / (2.0 * radius) >= 0.0)
-    reach = smooth**2 + 2.0 * radius * float(heights.max())
-    near_rim = (square >= smooth**2) & (square <= reach)
+    # A cell is touched where it stands above the sphere through the smooth patch's rim.
+    over_rim = sag(result.x, result.y, radius=radius) - depth_of_rim(smooth, radius=radius)
+    touched = np.asarray(heights >= over_rim)
+    near_rim = (over_rim >= 0.0) & (over_rim <= heights.max())
     peak = float(heights[near_rim].max()) if near_rim.any() else 0.0
     return RoughPatch(
         seed,
@@ -160,16 +163,35 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
         predicted_along=_extent(touched, 1, study.grid.cell),
         predicted_across=_extent(touched, 0, study.grid.cell),
         peak=peak,
-        largest=2.0 * float(np.sqrt(smooth**2 + 2.0 * radius * max(peak, 0.0))),
+        largest=2.0 * rim_at(depth_of_rim(smooth, radius=radius) + max(peak, 0.0), radius=radius),
         farthest=2.0 * float(np.sqrt(square[result.snapshot(-1).wear_sphere > 0.0].max())),
         disc_volume=float(result.history["wear_volume_disc"][-1]),
     )
 
 
 def worn_radius(study: Study) -> float:
-    """Radius of the patch of smooth bodies on a stationary footprint, (4 R K F L/π)^¼ [mm]."""
-    total = sum(study.wear_coefficients) * study.contact.load * study.sliding.total
-    return float((4.0 * total / (np.pi * study.sphere.curvature)) ** 0.25)
+    """Rim's radius of the patch of smooth bodies on a stationary footprint: of the cap K F L [mm]."""
+    return 0.5 * diameter_of_cap(_worn_volume(study), radius=1.0 / study.sphere.curvature)
+
+
+def worn_radius_of_paraboloid(study: Study) -> float:
+    """The same with a paraboloid for the sphere, (4 R K F L/π)^¼ [mm]; a little wider."""
+    return float((4.0 * _worn_volume(study) / (np.pi * study.sphere.curvature)) ** 0.25)
+
+
+def depth_of_rim(rim: float, *, radius: float) -> float:
+    """Height of a cap from its rim's radius, R − √(R² − a²) [mm], without its cancellation."""
+    return rim * rim / (radius + math.sqrt(radius * radius - rim * rim))
+
+
+def rim_at(depth: float, *, radius: float) -> float:
+    """The rim's radius of a cap of that height, √(z(2R − z)) [mm]: the inverse."""
+    return math.sqrt(depth * (2.0 * radius - depth))
+
+
+def _worn_volume(study: Study) -> float:
+    """Of both bodies together, K F L [mm³]."""
+    return sum(study.wear_coefficients) * study.contact.load * study.sliding.total
 
 
 def _extent(touched: NDArray[np.bool_], over: int, cell: float) -> float:
