@@ -116,8 +116,8 @@ def doubts(study: "Study") -> list[str]:
         )
     if study.wear.law == "bearing-curve":
         found.append(
-            "wear.law = 'bearing-curve': the area in contact is the share that bears of the cells in contact, "
-            "their pressures are means over whole cells, and no hardness caps those of the share."
+            "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
+            "pressures are means over whole cells, and no hardness caps those of the share."
         )
     return found
 
@@ -145,8 +145,8 @@ def _unstable(study: "Study") -> str | None:
 def too_small(study: "Study") -> str | None:
     """That the domain will not hold the worn patch, as a sentence.
 
-    What both bodies lose is the overlap of a sphere with a plane, π a⁴/4R of a paraboloid, whatever the pressure;
-    roughness only makes the patch wider. Patches wider than the radius are left to the run.
+    What both bodies lose is the overlap of a sphere with a plane, π a⁴/4R of a paraboloid, whatever the
+    pressure; roughness only makes the patch wider. Patches wider than the radius are left to the run.
     """
     curvature = study.sphere.curvature
     if curvature == 0.0:

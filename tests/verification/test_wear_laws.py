@@ -77,7 +77,7 @@ def test_a_rough_disc_recedes_by_its_bearing_curve(device: str, monkeypatch: pyt
     monkeypatch.setattr("warpwear.runner.bearing_curve_of", lambda study: CURVE)
     result = run(flat_on_flat(), device=device, plots=False)
     history = result.history
-    assert any("share that bears" in warning for warning in result.record["warnings"])
+    assert any("share of the cells that bears" in warning for warning in result.record["warnings"])
     mean = 1e-6 * F * history["distance"]
     assert_allclose(history["wear_volume_disc"], mean, rtol=1e-12)
     # The approach holds the spring and the wear of its step, the latter by the slope at the step's start.
