@@ -8,7 +8,7 @@ numbers. What a search knows lies in `search`, in the order of `SEARCH`; the rul
 
 import warp as wp
 
-from warpwear.kernels.types import ONE, ZERO
+from warpwear.kernels.types import ABSENT, ONE, ZERO
 
 wp.set_module_options({"enable_backward": False})
 
@@ -34,6 +34,8 @@ ROUNDS = wp.constant(wp.float64(3.0))
 EVALUATIONS = wp.constant(wp.float64(400.0))
 FIRST_REACH = wp.constant(wp.float64(1.0e-18))
 INFINITE = wp.constant(wp.float64(1.0e300))
+#: Cells that a thread loads at once.
+FOUR = 4
 HALF = wp.constant(wp.float64(0.5))
 NOWHERE = wp.constant(wp.float64(-1.0e9))
 
@@ -87,17 +89,23 @@ def carried(
     base = search_in[BASE]
     offset = search_in[OFFSET]
     s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
+    width = wp.block_dim()
     pressure = ZERO
     slope = ZERO
     for row in range(block, gap_in.shape[0] // columns, blocks):
-        for column in range(wp.tid() % wp.block_dim(), columns, wp.block_dim()):
-            i = row * columns + column
-            if rows > 0:
-                f = factor_at(i, column, rows, factor_in)
-                s = ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
-            q = ((base - gap_in[i]) + offset) * s
-            pressure += wp.min(wp.max(q, ZERO), cap)
-            slope += wp.where(q > ZERO and q < cap, s, ZERO)
+        for first in range(wp.tid() % width, columns, FOUR * width):
+            gaps = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
+            for j in range(FOUR):  # loaded together: one at a time does not keep the memory busy
+                if first + j * width < columns:
+                    gaps[j] = gap_in[row * columns + first + j * width]
+            for j in range(FOUR):
+                if rows > 0:
+                    column = wp.min(first + j * width, columns - 1)
+                    f = factor_at(row * columns + column, column, rows, factor_in)
+                    s = ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
+                q = ((base - gaps[j]) + offset) * s
+                pressure += wp.min(wp.max(q, ZERO), cap)
+                slope += wp.where(q > ZERO and q < cap, s, ZERO)
     wp.tile_store(partial_out[0], wp.tile_sum(wp.tile(pressure)), offset=block)
     wp.tile_store(partial_out[1], wp.tile_sum(wp.tile(slope)), offset=block)
 

@@ -7,7 +7,7 @@ z(v) = m + s ln(q + (1 + q)(e^(v/s) − 1)) with q = e^(−m/s).
 
 import warp as wp
 
-from warpwear.kernels.types import LANES, ONE, Cells
+from warpwear.kernels.types import LANES, ONE, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 
@@ -80,3 +80,28 @@ def recede(
             b[j] = now
         gap_out[row, k] = g
         beyond_out[row, k] = b
+
+
+@wp.kernel
+def borne(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    base: wp.float64,
+    offset: wp.float64,
+    middle: wp.float64,
+    scale: wp.float64,
+    gap_in: wp.array2d(dtype=Cells),
+    wear_disc_in: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Sum of φ over the cells in contact: how many cells' area bears."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    share = ZERO
+    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
+        g = gap_in[row, k]
+        v = wear_disc_in[row, k]
+        for j in range(LANES):
+            if (base - g[j]) + offset > ZERO:
+                share += bearing(v[j], middle, scale)
+    sums_out[0, slot] = share

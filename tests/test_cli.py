@@ -54,7 +54,10 @@ def test_a_run_from_the_command_line(tmp_path: Path) -> None:
         (["run"], "Missing argument"),
         (["walk"], "No such command 'walk'"),
         (["plot", "nowhere"], "holds no result"),
-        (["show", "v3", "--set", "disc.surface=a.sur", "--set", "disc.synthetic.kind=flat"], "exclude each other"),
+        (
+            ["show", "v3", "--set", "disc.surface=a", "--set", "disc.synthetic.kind=flat"],
+            "exclude each other",
+        ),
     ],
 )
 def test_bad_input_is_exit_status_2_and_one_sentence(

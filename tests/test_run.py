@@ -167,9 +167,10 @@ def test_nothing_is_overwritten_silently(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
+        ({"grid.extent": "0.4 mm"}, r"grid\.extent = 0\.4 mm is too small: the worn patch will be 0\.42. mm"),
         (
-            {"grid.extent": "0.4 mm"},
-            r"grid\.extent = 0\.4 mm is too small: the contact reached the domain's edge",
+            {"grid.extent": "0.44 mm"},
+            r"grid\.extent = 0\.44 mm is too small: the contact reached the domain's edge",
         ),
         (
             {"grid.cell": "50 nm"},

@@ -377,7 +377,7 @@ def test_overwriting_replaces_both_files_and_nothing_else(tmp_path: Path) -> Non
 def test_a_run_that_fails_leaves_nothing(tmp_path: Path) -> None:
     plan = small_plan()
     narrow = plan.studies["v1"].replace({"grid.extent": "0.3 mm"})
-    with pytest.raises(InputError, match="edge"):
+    with pytest.raises(InputError, match="too small"):
         thesis_report(tmp_path / "new", plan=Plan(plan.studies | {"v1": narrow}, (3.0,), (1,)))
     assert list(tmp_path.iterdir()) == []
 

@@ -116,8 +116,8 @@ def doubts(study: "Study") -> list[str]:
         )
     if study.wear.law == "bearing-curve":
         found.append(
-            "wear.law = 'bearing-curve': areas, pressures and friction count whole cells, not the share of "
-            "each that bears."
+            "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
+            "pressures are means over whole cells, and no hardness caps those of the share."
         )
     return found
 
@@ -139,6 +139,25 @@ def _unstable(study: "Study") -> str | None:
     return (
         f"stepping.{name} = {study.stepping.plan[2]:g} mm is beyond the explicit stability limit "
         f"2/(k K) = {limit:.3g} mm"
+    )
+
+
+def too_small(study: "Study") -> str | None:
+    """That the domain will not hold the worn patch, as a sentence.
+
+    What both bodies lose is the overlap of a sphere with a plane, π a⁴/4R of a paraboloid, whatever the
+    pressure; roughness only makes the patch wider. Patches wider than the radius are left to the run.
+    """
+    curvature = study.sphere.curvature
+    if curvature == 0.0:
+        return None
+    volume = study.contact.load * sum(law.removal(0.0, study.sliding.total) for law in study.wear_laws)
+    patch = 2.0 * (4.0 * volume / (math.pi * curvature)) ** 0.25
+    if not study.grid.extent < patch < 1.0 / curvature:
+        return None
+    return (
+        f"grid.extent = {study.grid.extent:g} mm is too small: the worn patch will be {patch:.3g} mm wide or "
+        "more; a larger extent is needed"
     )
 
 

@@ -177,6 +177,9 @@ class OneScaleModel:
                 over=self.tiles,
             )
             pressure = self._executor.to_numpy(field)
+        bearing = None
+        if self._recession is not None:
+            bearing = self._recession.cells_bearing(balance, self.state.gap, self.state.wear_disc)
         # The scatter is summed about a value near the mean: of a bearing area the mean itself.
         rigid = self.study.uses_bearing_area
         near_mean = balance.cap if rigid else self._row["pressure_mean"] or balance.cap
@@ -208,7 +211,7 @@ class OneScaleModel:
         total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
         removal_of = removal_sphere, removal_disc
-        return self._measured(balance, increment, removal_of, reference, total, most, pressure)
+        return self._measured(balance, increment, removal_of, reference, total, most, pressure, bearing)
 
     def _balance(self, stiffness: Field, removal: float) -> Balance:
         load = self.study.contact.load
@@ -261,6 +264,7 @@ class OneScaleModel:
         total: dict[str, float],
         most: dict[str, float],
         pressure: FloatArray | None,
+        bearing: float | None = None,
     ) -> Step:
         grid = self._executor.grid
         area = grid.cell_area
@@ -282,10 +286,10 @@ class OneScaleModel:
             "approach": balance.approach,
             "load": self.study.contact.load,
             "load_residual": balance.load_residual,
-            "area_contact": count * area,
+            "area_contact": (count if bearing is None else bearing) * area,
             "area_plastic": total["capped"] * area,
             "area_touched": total["touched"] * area,
-            "area_cumulative": before["area_cumulative"] + count * area,
+            "area_cumulative": before["area_cumulative"] + (count if bearing is None else bearing) * area,
             "area_nominal": math.pi / 4.0 * along * across,
             "patch_along": along,
             "patch_across": across,

@@ -17,6 +17,7 @@ import h5py
 import numpy as np
 
 from warpwear import __version__, friction
+from warpwear.consistency import too_small
 from warpwear.errors import InputError
 from warpwear.evolution import COLUMNS as EVOLUTION
 from warpwear.execution import FIELDS_NEEDED, Executor
@@ -95,6 +96,9 @@ class _Loop:
         self._writer = writer
         self._progress = progress
         grid = executor.grid
+        problem = too_small(study)
+        if problem is not None and study.checks.strict:
+            raise InputError(f"{problem}.")
         surface = surface_in(study)
         self.warnings = [*study.notices(), *surface.notices(grid.x, grid.y)]
         for warning in self.warnings:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warpwear.balance import Balance
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.kernels import running_in
@@ -53,6 +54,7 @@ class Recession:
         self._factor = distance_factor
         self._beyond = executor.zeros()
         self._stiffness = executor.zeros()
+        self._share = executor.partials(1)
 
     def stiffness(self, compliance: float, removal_disc: float, wear_disc: Field) -> Field:
         """1/c of an implicit step. compliance: all but the disc's wear; removal_disc: its K ΔL [mm³/N]."""
@@ -69,6 +71,15 @@ class Recession:
             outputs=[self._stiffness],
         )
         return self._stiffness
+
+    def cells_bearing(self, balance: Balance, gap: Field, wear_disc: Field) -> float:
+        """How many cells' area bears in a solved contact, before its wear: Σ φ over the cells in contact."""
+        self._executor.launch(
+            running_in.borne,
+            inputs=[balance.base, balance.offset, self._curve.middle, self._curve.scale, gap, wear_disc],
+            outputs=[self._share],
+        )
+        return float(self._share.numpy().sum())
 
     def recede(self, wear_disc: Field, gap: Field) -> None:
         """Open the gap after the mean depth of a step was worn off the disc."""

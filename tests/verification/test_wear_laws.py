@@ -77,9 +77,7 @@ def test_a_rough_disc_recedes_by_its_bearing_curve(device: str, monkeypatch: pyt
     monkeypatch.setattr("warpwear.runner.bearing_curve_of", lambda study: CURVE)
     result = run(flat_on_flat(), device=device, plots=False)
     history = result.history
-    # From the first step on every cell is in contact, though next to nothing of it bears: that is told.
-    assert_allclose(history["area_contact"], 1.0)
-    assert any("count whole cells" in warning for warning in result.record["warnings"])
+    assert any("share of the cells that bears" in warning for warning in result.record["warnings"])
     mean = 1e-6 * F * history["distance"]
     assert_allclose(history["wear_volume_disc"], mean, rtol=1e-12)
     # The approach holds the spring and the wear of its step, the latter by the slope at the step's start.
@@ -126,3 +124,14 @@ def test_the_curve_is_the_discs_and_flat_ones_have_none() -> None:
 def test_where_the_bearing_curve_does_not_apply(changes: dict[str, str], message: str) -> None:
     with pytest.raises(InputError, match=message):
         flat_on_flat().replace(changes)
+
+
+def test_the_area_is_the_share_that_bears(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """φ at the depth before each step, over a square millimetre of cells in contact."""
+    monkeypatch.setattr("warpwear.runner.bearing_curve_of", lambda study: CURVE)
+    history = run(flat_on_flat(), device=device, plots=False).history
+    before = closed_form(np.append(0.0, 1e-6 * F * history["distance"][:-1]))
+    share = 1.0 / (1.0 + np.exp(-(before - CURVE.middle) / CURVE.scale))
+    assert_allclose(history["area_contact"], share, rtol=1e-10)
+    assert share[0] < 0.01
+    assert_allclose(history["cells_in_contact"], 100)
