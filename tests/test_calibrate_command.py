@@ -100,6 +100,13 @@ def test_standards_of_astm_are_under_their_names() -> None:
     assert found["wear_coefficient_mm3_per_Nm"] == pytest.approx(12.7e-4)
     assert found["uncertainty_mm3_per_Nm"] == pytest.approx(0.127e-4)
     assert found["worn"] == "disc"
+    same = record("wear", *flat, "--standard", "g133-flat", "--length", "3 cm")
+    assert same["wear_coefficient_mm3_per_Nm"] == found["wear_coefficient_mm3_per_Nm"]
+    refused = calibrate("wear", *flat, "--standard", "g133-flat", "--length", "25 mm").exception
+    assert isinstance(refused, InputError)
+    assert "--length is 25 mm and --stroke 30 mm: --standard g133-flat" in str(refused)
+    longer = record("wear", *flat, "--length", "25 mm")  # without the standard it is a length like any other
+    assert longer["wear_coefficient_mm3_per_Nm"] == pytest.approx(12.7e-4 * 25 / 30)
 
 
 def test_replicates_give_mean_scatter_and_count() -> None:

@@ -1,5 +1,6 @@
 """The command `warpwear calibrate wear`: from its options to the text it prints."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +100,13 @@ def calibrate_wear(
             raise InputError(f"{source} needs --length, that of the whole track, such as '30 mm'")
         lengths["--length"] = stroke
     mm = {name: options.optional(name, value, "mm") for name, value in lengths.items()}
+    if standard == "g133-flat" and stroke is not None:
+        slid_once = options.quantity("--stroke", stroke, "mm")
+        if not math.isclose(mm["--length"] or 0.0, slid_once, rel_tol=1e-9):
+            raise InputError(
+                f"--length is {mm['--length']:g} mm and --stroke {slid_once:g} mm: --standard g133-flat "
+                "takes the mean cross-section × the stroke, so allowed is the stroke alone"
+            )
     found = wear_coefficient(
         [_volume(source, value, mm, uncertainty, preparation) for value in sources[source]],
         load=force,
