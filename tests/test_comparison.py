@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 import shutil
 from pathlib import Path
 
@@ -157,6 +158,51 @@ def test_time_takes_the_runs_speed_unless_they_differ(runs: Path, tmp_path: Path
     assert not any("mm long" in note for note in told.notes)  # twice the longer run's
     slow = gather([runs / "a", runs / "light"], [record], speed="1 um/s")
     assert "record: It is 0.12 mm long, the runs 30, 60 mm." in slow.notes
+    twice = gather([runs / "a", runs / "soft"], [record], speed="1 um/s")
+    assert "record: It is 0.12 mm long, the runs 30 mm." in twice.notes
+    single = gather([runs / "a"], [record], speed="1 um/s")
+    assert "record: It is 0.12 mm long, the run 30 mm." in single.notes
+
+
+def test_a_raw_record_is_told_by_its_last_cycle_and_its_load(runs: Path, tmp_path: Path) -> None:
+    part = np.arange(1600) / 200  # of a pass of 30 mm, eight of them
+    position = 30.0 * np.where(part % 2 < 1, part % 1, 1 - part % 1)
+    table = np.column_stack([np.where(part % 2 < 1, 1.5, -1.5), np.full(1600, 5.0), position])
+    record = tmp_path / "raw.csv"
+    np.savetxt(record, table, delimiter=";", header="Fx (N);Fz (N);X position (mm)", comments="", fmt="%.6f")
+    notes = gather([runs / "a"], [record], stroke="30 mm").notes
+    assert notes[0] == "raw: Warning: the median of the normal force is 5 N where the run has 8 N."
+    (told,) = (note for note in notes if "last cycle" in note)
+    assert told == "raw: The middle of its last cycle is at 210 mm, the run 30 mm long."
+
+
+def test_gaps_of_a_measured_course_are_told_or_refused(runs: Path, tmp_path: Path) -> None:
+    record = tmp_path / "holes.csv"
+
+    def notes(places: np.ndarray) -> str:
+        np.savetxt(
+            record, np.c_[places, 0.3 + 0 * places], delimiter=";", header="Distance [mm];COF", comments=""
+        )
+        return "\n".join(gather([runs / "a"], [record]).notes)
+
+    assert "no measured point" not in notes(np.linspace(0.0, 30.0, 6))  # few, but even
+    assert "no measured point" not in notes(30.0 * np.linspace(0.0, 1.0, 60) ** 2)  # dense at first
+    some = notes(np.concatenate([np.arange(0.0, 10.0, 0.1), np.arange(22.0, 30.1, 0.1)]))
+    # From 9.9 to 22 mm of the 0.3 to 30 mm that both have, or a little more.
+    assert re.search(r"holes: It has no measured point over 4[01] % of .* from 9\.9 to 22 mm:", some)
+    with pytest.raises(
+        InputError, match=r"no measured point over 6\d % .* from 9\.9 to 28 mm; points over half"
+    ):
+        notes(np.concatenate([np.arange(0.0, 10.0, 0.1), np.arange(28.0, 30.1, 0.1)]))
+
+
+def test_both_courses_are_drawn_over_their_mean_in_the_last_tenth(runs: Path, measured: Path) -> None:
+    read = gather([runs / "a"], [measured])
+    right = FIGURES["cof"](read).axes[1]
+    assert "last tenth" in right.get_ylabel()
+    for line in right.get_lines():
+        x, y = line.get_data()
+        assert y[x >= 0.9 * x[-1]].mean() == pytest.approx(1.0, abs=2e-3)
 
 
 def test_what_is_refused_leaves_nothing_behind(runs: Path, measured: Path, tmp_path: Path) -> None:
@@ -164,6 +210,7 @@ def test_what_is_refused_leaves_nothing_behind(runs: Path, measured: Path, tmp_p
     run = runs / "a"
     assert "two runs or more, or a run and an --experiment; given: nothing." in refusal("--out", out)
     assert f"given: {run}." in refusal(run, "--out", out)
+    assert "given: " in refusal(run, "--out", runs / "a")  # before it looks at the folder
     assert "given: " in refusal("--experiment", measured, "--out", out)
     assert "is given 2 times" in refusal(run, runs / "." / "a", "--out", out)
     assert f"{tmp_path} holds no result" in refusal(run, tmp_path, "--out", out)

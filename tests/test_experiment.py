@@ -200,7 +200,12 @@ def test_raw_forces_from_the_middle_of_a_stroke_with_the_stroke_given(tmp_path: 
     assert found.distance[0] == pytest.approx(0.6 * 30 + 30, abs=0.5)  # the part, then a pass
     np.testing.assert_allclose(np.diff(found.distance), 60.0, rtol=1e-12)
     np.testing.assert_allclose(found.cof, 0.3 + 0.01 * (0.4 + found.distance / 30), atol=0.003)
-    assert any("median of the normal force is 8 N where the run has 5 N" in note for note in found.notes)
+    told = "Warning: the median of the normal force is 8 N where the run has 5 N."
+    assert found.warnings == (told,)
+    assert read_experiment(path, stroke=30.0, load=7.5).warnings == ()
+    for load in (3.9, 16.5, 8e3):
+        with pytest.raises(InputError, match=f"is 8 N where the run has {load:g} N; less than a factor of 2"):
+            read_experiment(path, stroke=30.0, load=load)
     with pytest.raises(
         InputError, match=r"the stroke is (30|29\.9) mm by the position where 20 mm was given"
     ):

@@ -161,14 +161,14 @@ def _of_curve(file: Path, folder: Path, area: str, reading: dict[str, Any]) -> t
         found = _fit(measured.distance, measured.cof, result, area)
     record = {
         "experiment": str(file),
-        "notes": list(measured.notes),
+        "notes": [*measured.warnings, *measured.notes],
         "result": str(folder),
         "area": area,
         "load_N": load,
         **fit_record(found),
     }
     text = fit_page(found, f"{file} with the area {WORDS[area]} of {folder}, F {load:g} N", area=area)
-    return record, "\n".join([text, *(f"  note: {note}" for note in measured.notes)])
+    return record, "\n".join([text, *(f"  note: {note}" for note in (*measured.warnings, *measured.notes))])
 
 
 def _fit(distance: Any, cof: Any, result: "Result", area: str) -> FrictionFit:

@@ -46,10 +46,11 @@ def compare(
     Prints a table, and writes it with overlaid figures: coefficient of friction, area in contact, mean
     pressure, worn volumes, worn profiles.
     """
-    from warpwear.comparison import gather
+    from warpwear.comparison import check_number, gather
     from warpwear.comparison_folder import check_out, write
     from warpwear.comparison_table import to_text
 
+    check_number(folders, experiments)
     check_out(out, file_format=file_format, overwrite=overwrite)
     comparison = gather(folders, experiments, speed=speed, stroke=stroke, columns=columns)
     click.echo(to_text(comparison))

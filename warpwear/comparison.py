@@ -3,12 +3,13 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from warpwear.coverage import check_coverage
 from warpwear.errors import InputError
 from warpwear.experiment import Experiment, read_experiment
 from warpwear.grid import FloatArray
@@ -78,9 +79,7 @@ def gather(
     speed, stroke: text with a unit, for experiments that give times or cycles; by default those of the runs,
     if they agree. columns: see `warpwear.record_columns.choose`. Raises InputError.
     """
-    if len(folders) + len(experiments) < 2:
-        given = str([*folders, *experiments][0]) if folders or experiments else "nothing"
-        raise InputError(f"compare needs two runs or more, or a run and an --experiment; given: {given}")
+    check_number(folders, experiments)
     for path, count in Counter(Path(p).resolve() for p in (*folders, *experiments)).items():
         if count > 1:
             raise InputError(f"{path} is given {count} times; each run and experiment is expected once")
@@ -96,12 +95,10 @@ def gather(
         for path in experiments
     ]
     names = _names(runs, [Path(path) for path in experiments])
-    named = [_renamed(run, name) for run, name in zip(runs, names, strict=False)]
-    measured = [
-        Experiment(name, e.distance, e.cof, e.notes, e.cycles)
-        for name, e in zip(names[len(runs) :], read, strict=True)
-    ]
-    notes = [*_differences(named)]
+    named = [replace(run, name=name) for run, name in zip(runs, names, strict=False)]
+    measured = [replace(e, name=name) for name, e in zip(names[len(runs) :], read, strict=True)]
+    notes = [f"{e.name}: {warning}" for e in measured for warning in e.warnings]
+    notes += _differences(named)
     notes += [f"{r.name} was interrupted." for r in named if not r.summary["finished"]]
     notes += [f"{r.name}: {warning}" for r in named for warning in r.summary["warnings"]]
     notes += [
@@ -109,8 +106,15 @@ def gather(
     ]
     notes += [f"{r.name} has no snapshot, so no profile." for r in named if not r.wear]
     for e in measured:
-        notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, named))]
+        notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, named), *_gaps(e, named))]
     return Comparison(tuple(named), tuple(measured), tuple(notes))
+
+
+def check_number(folders: Sequence[str | Path], experiments: Sequence[str | Path]) -> None:
+    """InputError for less than two together."""
+    if len(folders) + len(experiments) < 2:
+        given = str([*folders, *experiments][0]) if folders or experiments else "nothing"
+        raise InputError(f"compare needs two runs or more, or a run and an --experiment; given: {given}")
 
 
 def rms_difference(
@@ -170,10 +174,6 @@ def _read_run(folder: Path) -> RunData:
         return RunData(study.study.name, folder, study, history, summary, result.y, wear)
 
 
-def _renamed(run: RunData, name: str) -> RunData:
-    return RunData(name, run.folder, run.study, run.history, run.summary, run.across, run.wear)
-
-
 def _names(runs: list[RunData], experiments: list[Path]) -> list[str]:
     """The study's name of each run, its folder's where two are alike, else the path; files by their stem."""
     folders = [run.folder.resolve() for run in runs]
@@ -224,7 +224,19 @@ def _lengths(experiment: Experiment, runs: list[RunData]) -> list[str]:
     whole, totals = float(experiment.distance[-1]), [float(run.history["distance"][-1]) for run in runs]
     if not totals or any(0.5 * total <= whole <= 2.0 * total for total in totals):
         return []
-    return [f"It is {whole:.4g} mm long, the runs {', '.join(f'{total:.4g}' for total in totals)} mm."]
+    lengths = list(dict.fromkeys(f"{total:.4g}" for total in totals))
+    told = f"the {'run' if len(runs) == 1 else 'runs'} {', '.join(lengths)} mm"
+    if experiment.cycles is not None:  # the whole is not known: a point stands for a cycle
+        return [f"The middle of its last cycle is at {whole:.4g} mm, {told} long."]
+    return [f"It is {whole:.4g} mm long, {told}."]
+
+
+def _gaps(experiment: Experiment, runs: list[RunData]) -> list[str]:
+    """What is to be said of its gaps, over the distance that it shares with any run."""
+    known = [run.history["distance"] for run in runs if run.cof is not None]
+    start = max(min((float(d[0]) for d in known), default=0.0), float(experiment.distance[0]))
+    end = min(max((float(d[-1]) for d in known), default=0.0), float(experiment.distance[-1]))
+    return check_coverage(experiment, start, end) if end > start else []
 
 
 def _differences(runs: list[RunData]) -> list[str]:

@@ -30,11 +30,17 @@ class Experiment:
     cof: FloatArray  # shape (points,)
     notes: tuple[str, ...] = ()  # what was assumed and done, each a sentence
     cycles: FloatArray | None = None  # number of each point's cycle, from 1, where a raw record was averaged
+    warnings: tuple[str, ...] = ()  # what makes the whole doubtful, each a sentence
 
     @property
     def final_cof(self) -> float:
         """Mean over the last tenth of the distance."""
-        return float(self.cof[self.distance >= 0.9 * self.distance[-1]].mean())
+        return mean_of_last_tenth(self.distance, self.cof)
+
+
+def mean_of_last_tenth(distance: FloatArray, values: FloatArray) -> float:
+    """Of the points in the last tenth of the distance: the end of a course that scatters."""
+    return float(values[distance >= 0.9 * distance[-1]].mean())
 
 
 def read_experiment(
@@ -68,6 +74,7 @@ def read_experiment(
         reading = from_forces(path, table, stroke=stroke, load=load, speed=speed)
         distance, cof, cycles = reading.distance, reading.cof, reading.cycles
         notes += reading.notes
+        warnings = reading.warnings
     else:
         distance, how = sliding_distance(path, table, chosen, stroke=stroke, speed=speed)
         used = {role: column for role, column in chosen.items() if role in ("cof", how)}
@@ -77,9 +84,9 @@ def read_experiment(
             notes.append(f"Distance is {how} times {given}.")
         distance, cof, done = _in_order(path, distance, table["cof"])
         notes += done
-        cycles = None
+        cycles, warnings = None, []
     notes += _check_cof(path, distance, cof)
-    return Experiment(path.stem, distance, cof, tuple(notes), cycles)
+    return Experiment(path.stem, distance, cof, tuple(notes), cycles, tuple(warnings))
 
 
 def sliding_distance(

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from warpwear import figure_style as fs
 from warpwear.comparison import BODIES, Comparison, RunData
-from warpwear.experiment import Experiment
+from warpwear.experiment import Experiment, mean_of_last_tenth
 from warpwear.figure_axes import ACROSS
 from warpwear.grid import FloatArray
 
@@ -27,7 +27,7 @@ LEGEND_ROW = 0.15
 
 
 def cof(comparison: Comparison) -> Figure:
-    """Coefficient of friction over the distance slid, as it is and relative to its end value."""
+    """Coefficient of friction over the distance slid, as it is and over its mean in the last tenth of it."""
 
     def draw(axes: Any) -> None:
         for experiment, line in _experiments(comparison):
@@ -36,11 +36,13 @@ def cof(comparison: Comparison) -> Figure:
                     _measured(panel, experiment, end, line)
         for run, line in _runs(comparison):
             if run.cof is not None:
-                fs.over_distance(axes[0], run.history["distance"], run.cof, **line)
-                if run.cof.size > 1 and run.cof[-1] > 0.0:
-                    fs.over_distance(axes[1], run.history["distance"], run.cof / run.cof[-1], **line)
+                distance = run.history["distance"]
+                fs.over_distance(axes[0], distance, run.cof, **line)
+                end = mean_of_last_tenth(distance, run.cof)
+                if run.cof.size > 1 and end > 0.0:
+                    fs.over_distance(axes[1], distance, run.cof / end, **line)
         axes[0].set_ylabel("coefficient of friction, –")
-        axes[1].set_ylabel("relative to its end value, –")
+        axes[1].set_ylabel("over its mean in the last tenth, –")
         for panel in axes:
             panel.set_xlabel("sliding distance, mm")
             panel.set_xlim(left=0.0)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -20,6 +20,8 @@ HYSTERESIS = 0.25
 LEAST_PARTS = 20
 #: A cycle whose normal force is below this part of the median was not yet, or no longer, under load.
 UNLOADED = 0.5
+#: Relative difference of the normal force from the load that is told, and the factor that is refused.
+OTHER_LOAD, WRONG_LOAD = 0.1, 2.0
 #: Half the difference of the directions over their mean; below it the sign does not follow the direction.
 RECTIFIED = 0.2
 
@@ -32,6 +34,7 @@ class Reading:
     cof: FloatArray
     cycles: FloatArray | None  # number of each point's cycle, from 1
     notes: list[str]
+    warnings: list[str] = field(default_factory=list)  # what makes the whole doubtful
 
 
 def from_forces(
@@ -51,23 +54,25 @@ def from_forces(
     'distance', or 'time' and a speed [mm/s], serve where the force keeps its sign. Raises InputError.
     """
     friction = table["friction force"]
-    normal, notes = _normal(path, table, load)
+    normal, notes, warnings = _normal(path, table, load)
     if "position" in table:
         reading = _by_cycles(path, table["position"], friction, normal, stroke)
-        return Reading(reading.distance, reading.cof, reading.cycles, notes + reading.notes)
-    return _one_way(path, table, normal, speed, notes)
+    else:
+        reading = _one_way(path, table, normal, speed)
+    return replace(reading, notes=notes + reading.notes, warnings=warnings)
 
 
-def _normal(path: Path, table: Mapping[str, FloatArray], load: float | None) -> tuple[FloatArray, list[str]]:
-    """Normal force [N], pressing positive."""
+def _normal(
+    path: Path, table: Mapping[str, FloatArray], load: float | None
+) -> tuple[FloatArray, list[str], list[str]]:
+    """Normal force [N], pressing positive; notes and warnings."""
     if "normal force" not in table:
         if load is None:
             raise InputError(
                 f"{path} has a friction force but no normal force; a column such as 'Fz [N]' is expected"
             )
-        return np.full_like(table["friction force"], load), [
-            f"The normal force is not in the record: {load:g} N."
-        ]
+        told = f"The normal force is not in the record: {load:g} N."
+        return np.full_like(table["friction force"], load), [told], []
     normal = table["normal force"]
     middle = float(np.median(normal))
     if middle == 0.0:
@@ -78,16 +83,20 @@ def _normal(path: Path, table: Mapping[str, FloatArray], load: float | None) -> 
     if middle < 0.0:
         normal, middle = -normal, -middle
         notes.append("The normal force is negative in the record and was taken as pressing.")
-    if load is not None and abs(middle - load) > 0.1 * load:
-        notes.append(f"The median of the normal force is {middle:.3g} N where the run has {load:g} N.")
-    return normal, notes
+    if load is None or abs(middle - load) <= OTHER_LOAD * load:
+        return normal, notes, []
+    told = f"the median of the normal force is {middle:.3g} N where the run has {load:g} N"
+    if not load / WRONG_LOAD <= middle <= load * WRONG_LOAD:
+        raise InputError(
+            f"{path}: {told}; less than a factor of {WRONG_LOAD:g} is expected, so the unit or the column is "
+            "wrong, or the run is of another test"
+        )
+    return normal, notes, [f"Warning: {told}."]
 
 
-def _one_way(
-    path: Path, table: Mapping[str, FloatArray], normal: FloatArray, speed: float | None, notes: list[str]
-) -> Reading:
+def _one_way(path: Path, table: Mapping[str, FloatArray], normal: FloatArray, speed: float | None) -> Reading:
     """Sample by sample, for sliding in one direction."""
-    friction = table["friction force"]
+    friction, notes = table["friction force"], []
     sign = np.sign(np.median(friction))
     if sign == 0.0 or (sign * friction < 0.0).mean() > 0.1:
         raise InputError(
@@ -98,7 +107,7 @@ def _one_way(
         distance = table["distance"]
     elif "time" in table and speed is not None:
         distance = speed * table["time"]
-        notes = [*notes, f"Distance is time times speed, {speed:g} mm/s."]
+        notes.append(f"Distance is time times speed, {speed:g} mm/s.")
     else:
         raise InputError(
             f"{path} has forces but neither a position nor a distance; a column such as 'Position [mm]' is "
@@ -108,10 +117,7 @@ def _one_way(
     if np.any(np.diff(distance[loaded]) < 0.0):
         raise InputError(f"{path}: the distance falls; an accumulated distance is expected")
     if not loaded.all():
-        notes = [
-            *notes,
-            f"Rows with less than half of the median normal force, left out: {(~loaded).sum()}.",
-        ]
+        notes.append(f"Rows with less than half of the median normal force, left out: {(~loaded).sum()}.")
     distance, which = np.unique(distance[loaded], return_inverse=True)
     cof = np.bincount(which, weights=sign * friction[loaded] / normal[loaded]) / np.bincount(which)
     if distance.size < 2:
