@@ -83,6 +83,7 @@ class OneScaleModel:
         )
         self.state = State(executor.zeros(), executor.zeros(), executor.zeros())
         grid = executor.grid
+        self._x, self._y = grid.x, grid.y
         executor.launch(
             gap.gap,
             inputs=[
@@ -308,8 +309,8 @@ class OneScaleModel:
         }
         # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
         reach = max(
-            max(-grid.x[int(-most["first_row"])], grid.x[int(most["last_row"])]),
-            max(-grid.y[int(-most["first_column"])], grid.y[int(most["last_column"])]),
+            max(-self._x[int(-most["first_row"])], self._x[int(most["last_row"])]),
+            max(-self._y[int(-most["first_column"])], self._y[int(most["last_column"])]),
         )
         curvature = self.study.sphere.curvature
         beyond_sphere = (reach + 1.5 * grid.cell) * curvature >= 1.0
