@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import warp as wp
 
 ROOT = Path(__file__).parent.parent
 QUICK = ["--set", "grid.cell=20 um", "--set", "sliding.distance=3 mm"]
@@ -50,6 +51,11 @@ def test_a_run_from_the_command_line(tmp_path: Path) -> None:
         (["run", "v3", "--set", "contact.load"], "KEY=VALUE is expected"),
         (["run", "v3", "--set", "contact.laod=8 N"], "did you mean 'contact.load'"),
         (["run", "v3", "--device", "cuda:7"], "device = 'cuda:7' is not there"),
+        pytest.param(
+            ["run", "v3", "--device", "cuda"],
+            "device = 'cuda' is not there",
+            marks=pytest.mark.skipif(wp.is_cuda_available(), reason="a GPU is there"),
+        ),
         (["run", "v3", "--threads", "many"], "'many' is not a valid integer"),
         (["run"], "Missing argument"),
         (["walk"], "No such command 'walk'"),

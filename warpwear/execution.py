@@ -168,10 +168,10 @@ def find_device(name: str) -> Any:
     """Warp's device of this name. Raises InputError, naming those that are there."""
     if wp.config.log_level == wp.LOG_INFO:  # no greeting on a user's terminal, unless one was asked for
         wp.config.log_level = wp.LOG_ERROR
-    with _native_messages_hidden():
-        wp.init()
     try:
-        return wp.get_device(name)
+        with _native_messages_hidden():
+            wp.init()
+            return wp.get_device(name)
     except (ValueError, RuntimeError) as error:
         there = ", ".join(str(d.alias) for d in wp.get_devices())
         raise InputError(f"device = {name!r} is not there; this machine has {there}.") from error
@@ -179,7 +179,7 @@ def find_device(name: str) -> Any:
 
 @contextmanager
 def _native_messages_hidden() -> Iterator[None]:
-    """Warp's native part warns on a machine without a GPU; where that matters, our own words follow."""
+    """Warp's native part warns of a missing GPU or driver; where that matters, our own words follow."""
     try:
         stderr = os.dup(2)
     except OSError:  # no standard error to guard
