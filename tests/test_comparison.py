@@ -115,11 +115,13 @@ def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path) -> Non
     assert document["comparison"]["still"]["exponent_m"] is None
     with warpwear.Result.open(runs / "soft") as result:
         distance, cof = result.history["distance"], result.history["cof"]
-        of_area = result.summary["cof_shape"]["exponent_m"]
+        of_area = result.summary["area_shape"]["exponent_m"]
+        of_cof = result.summary["cof_shape"]["exponent_m"]
     late = distance >= 15.0
     slope = np.cov(np.log(distance[late]), np.log(cof[late]))
     found = document["comparison"]["soft"]["exponent_m"]  # flatter than the area's: ploughing does not grow
     assert found == pytest.approx(slope[0, 1] / slope[0, 0], rel=1e-9)
+    assert found == pytest.approx(of_cof, rel=1e-12)
     assert found < of_area - 0.05
     notes = "\n".join(document["notes"])
     assert "differ in load (a 8 N, light 4 N, soft 8 N, still 8 N)" in notes
@@ -199,7 +201,7 @@ def test_gaps_of_a_measured_course_are_told_or_refused(runs: Path, tmp_path: Pat
 def test_both_courses_are_drawn_over_their_mean_in_the_last_tenth(runs: Path, measured: Path) -> None:
     read = gather([runs / "a"], [measured])
     right = FIGURES["cof"](read).axes[1]
-    assert "last tenth" in right.get_ylabel()
+    assert "last tenth" in right.get_title()
     for line in right.get_lines():
         x, y = line.get_data()
         assert y[x >= 0.9 * x[-1]].mean() == pytest.approx(1.0, abs=2e-3)

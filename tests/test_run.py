@@ -223,7 +223,7 @@ def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytes
 
     def interrupted(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
         calls.append(1)
-        if len(calls) > 20:
+        if len(calls) > 100:
             raise KeyboardInterrupt
         return advance(self, *args, **kwargs)
 
@@ -234,7 +234,9 @@ def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytes
     with Result.open(tmp_path / "deep" / "out") as result:
         assert not result.finished
         assert np.isnan(result.history["cof"]).all()  # τ0 waits for the end of the test
-        assert result.history["distance"].size == 20
+        assert result.history["distance"].size == 100
+        assert result.summary["cof_shape"] is None
+        assert result.summary["area_shape"] is not None
         assert "interrupted" in repr(result)
 
 

@@ -16,7 +16,7 @@ Value = str | int | float | None
 SHAPES = (
     "m and λ are of the coefficient of friction: exponent of its growth over the second half of the "
     "distance, and its slope there over the early slope. For a run of constant shear strength without "
-    "ploughing they are those of the area that shears (cof_shape in summary.json)."
+    "ploughing they are those of the area that shears (area_shape in summary.json)."
 )
 
 

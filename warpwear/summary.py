@@ -47,7 +47,8 @@ def summarise(result: "Result") -> dict[str, Any]:
         },
         "cof": {"first": _finite(history["cof"][0]), "end": _finite(end["cof"])},
         "cof_area": study.friction.area,
-        "cof_shape": _shape(result),
+        "cof_shape": _shape(history["distance"], history["cof"]),
+        "area_shape": _shape(history["distance"], history[f"area_{study.friction.area}"]),
         "cof_reference": study.friction.coefficient,
         "shear_strength_MPa_for_reference": friction.calibrations(
             study.friction, history, load=load, hardness=study.hardness
@@ -91,11 +92,13 @@ def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float
     return {"exponent_m": exponent, "levelling_lambda": secant(0.5, 1.0) / early if early else math.nan}
 
 
-def _shape(result: "Result") -> dict[str, float] | None:
-    distance = result.history["distance"]
+def _shape(distance: FloatArray, values: FloatArray) -> dict[str, float] | None:
+    """None for too few steps, for a late start, and for values that are not known or, late, not positive."""
     if distance.size < 20 or distance[0] > distance[-1] / 80.0:
         return None
-    found = shape_of_growth(distance, result.history[f"area_{result.study.friction.area}"])
+    if not (np.isfinite(values).all() and np.all(values[distance >= 0.5 * distance[-1]] > 0.0)):
+        return None
+    found = shape_of_growth(distance, values)
     return {k: v for k, v in found.items() if math.isfinite(v)}
 
 

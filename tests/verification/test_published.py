@@ -33,7 +33,7 @@ def test_friction_is_a_straight_line(device: str) -> None:
     history = published(device).history
     assert np.corrcoef(history["distance"], history["cof"])[0, 1] ** 2 > 0.999
     assert_allclose(history["area_cumulative"], np.cumsum(history["area_contact"]), rtol=1e-12)
-    shape = published(device).summary["cof_shape"]
+    shape = published(device).summary["area_shape"]
     assert abs(shape["exponent_m"] - 1.0) < 0.01
     assert abs(shape["levelling_lambda"] - 1.0) < 0.01
     assert abs(history["area_cumulative"][-1] / history["area_touched"][-1] - 86.0) < 4.0

@@ -120,7 +120,7 @@ def test_headline_figures(cell: int, device: str) -> None:
     assert history["pressure_mean"][0] == pytest.approx(H, rel=0.01)
     assert area[30.0] == pytest.approx(0.123, abs=0.010)
     assert area[2400.0] == pytest.approx(1.253, abs=0.014)
-    shape = result.summary["cof_shape"]
+    shape = result.summary["area_shape"]
     assert shape["exponent_m"] == pytest.approx(0.50, abs=0.02)
     assert shape["levelling_lambda"] == pytest.approx(0.24, abs=0.02)
     assert 1.29 <= history["patch_along"][-1] <= 1.38
