@@ -42,7 +42,8 @@ def cof(comparison: Comparison) -> Figure:
                 if run.cof.size > 1 and end > 0.0:
                     fs.over_distance(axes[1], distance, run.cof / end, **line)
         axes[0].set_ylabel("coefficient of friction, –")
-        axes[1].set_ylabel("over its mean in the last tenth, –")
+        axes[1].set_ylabel("relative coefficient, –")
+        axes[1].set_title("over its mean in the last tenth of the distance")
         for panel in axes:
             panel.set_xlabel("sliding distance, mm")
             panel.set_xlim(left=0.0)

@@ -58,7 +58,7 @@ def hertz(data: FigureData) -> Figure:
 
 
 def factor(data: FigureData) -> Figure:
-    """Sliding distance of disc cells relative to that of the middle (thesis eq 4.22), inside the scar."""
+    """Sliding distance of disc cells over that in the middle (thesis eq 4.22), at the scar and its margin."""
     study, window = data.study, data.window
     whole = np.broadcast_to(
         distance_factor(study.cells, study.wear.distance_factor, curvature=study.sphere.curvature),
@@ -72,6 +72,6 @@ def factor(data: FigureData) -> Figure:
         axes[1].set_xlabel(ACROSS)
         axes[1].set_ylabel("relative sliding distance, –")
         axes[1].ticklabel_format(axis="y", useOffset=False)
-        axes[1].set_title("1: as far as in the middle")
+        axes[1].set_title("1 = sliding distance in the middle")
 
     return fs.new_figure(draw, columns=2, height=2.9)
