@@ -341,3 +341,24 @@ def test_toml_that_no_parser_takes(tmp_path: Path, text: str) -> None:
 def test_what_is_shown_keeps_every_digit_that_counts() -> None:
     study = Study.load("v3-fine").replace({"grid.cell": f"{1.5 / 7001!r} mm"})
     assert Study(**tomllib.loads(to_marked_toml(study))).cells.nx == 7001
+
+
+def test_a_description_tells_what_was_changed(tmp_path: Path) -> None:
+    v1 = Study.load("v1")
+    plain = v1.study.description
+    as_it_is = {"contact.load": "8000 mN", "study.name": "other", "output.snapshots": []}
+    assert v1.replace(as_it_is).study.description == plain
+    changed = v1.replace({"wear.law": "exponential", "wear.decay": "0.01 1/m"}).replace(
+        contact={"load": "4 N"}
+    )
+    assert changed.study.description == f"{plain}; changed: wear.law, wear.decay, contact.load"
+    assert changed.replace({"contact.load": "5 N"}).study.description == changed.study.description
+    (tmp_path / "changed.toml").write_text(changed.to_toml(), encoding="utf-8")
+    read = Study.load(tmp_path / "changed.toml")
+    assert read.study.description == changed.study.description
+    more = read.replace({"grid.cell": "20 um", "sliding.distance": "240 mm"})
+    listed = "wear.law, wear.decay, contact.load, grid.cell and others"
+    assert more.study.description == f"{plain}; changed: {listed}"
+    assert more.replace({"sliding.distance": "120 mm"}).study.description == more.study.description
+    assert v1.replace({"grid.cell": "20 um", "study.description": "mine"}).study.description == "mine"
+    assert v1.replace({"study.description": "", "grid.cell": "20 um"}).study.description == ""

@@ -13,6 +13,7 @@ from pydantic import Field, ValidationError, model_validator
 from warpwear import consistency, render
 from warpwear.contact import CappedFoundation
 from warpwear.defaults import CONSTANTS, fill
+from warpwear.description import is_described, with_changes
 from warpwear.errors import InputError
 from warpwear.grid import Grid
 from warpwear.hertz import Hertz, effective_modulus
@@ -304,7 +305,8 @@ class Study(Section):
     def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Mapping[str, Any]) -> Self:
         """A copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
 
-        A key that says the same in another way is dropped: a new sphere.diameter replaces sphere.radius.
+        A key that says the same in another way is dropped: a new sphere.diameter replaces sphere.radius. A
+        description that is not set itself tells what has changed.
         """
         flat = dict(changes or {})
         for section, keys in sections.items():
@@ -320,7 +322,15 @@ class Study(Section):
             replaced = {name} | _dropped_by(name)
             for key in [k for k in assumed if k in replaced or k.startswith(f"{name}.")]:
                 del assumed[key]
-        return type(self)(**nested)
+        found = type(self)(**nested)
+        if not self.study.description or "study.description" in flat:
+            return found
+        before, after = self.model_dump(), found.model_dump()
+        changed = [
+            name for name in flat if is_described(name) and _value(before, name) != _value(after, name)
+        ]
+        told = with_changes(self.study.description, changed)
+        return found.model_copy(update={"study": found.study.model_copy(update={"description": told})})
 
 
 def presets() -> list[str]:
@@ -354,6 +364,12 @@ def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
         if not isinstance(nested, dict):
             raise InputError(f"'{name}' is no key: {'.'.join(parents[: depth + 1])} has none below it.")
     nested[last] = value
+
+
+def _value(nested: Any, name: str) -> Any:
+    for part in name.split("."):
+        nested = nested.get(part) if isinstance(nested, dict) else None
+    return nested
 
 
 def _remove(nested: dict[str, Any], name: str) -> None:
