@@ -187,12 +187,9 @@ def _fit(distance: Any, cof: Any, result: "Result", area: str) -> FrictionFit:
 def fit_record(fit: FrictionFit) -> dict[str, Any]:
     """A fit, JSON-ready."""
     return {
-        "shear_strength_MPa": fit.shear_strength,
-        "shear_strength_error_MPa": fit.shear_strength_error,
+        **_shear_record(fit),
         "ploughing": fit.ploughing,
         "ploughing_error": fit.ploughing_error,
-        "rms_residual": fit.rms,
-        "r_squared": fit.r_squared,
         "distance_used_mm": [fit.first, fit.last],
         "points_used": fit.points,
         "points_left_out": fit.left_out,
@@ -204,7 +201,7 @@ def fit_record(fit: FrictionFit) -> dict[str, Any]:
     }
 
 
-def _shear_record(fit: ShearFit) -> dict[str, Any]:
+def _shear_record(fit: FrictionFit | ShearFit) -> dict[str, Any]:
     return {
         "shear_strength_MPa": fit.shear_strength,
         "shear_strength_error_MPa": fit.shear_strength_error,
