@@ -16,9 +16,10 @@ from warpwear.cli_report import report
 from warpwear.errors import InputError
 from warpwear.study import Study
 from warpwear.thesis_figures import FIGURES
+from warpwear.thesis_items import ALL_ITEMS
 from warpwear.thesis_report import judge, thesis_report
 from warpwear.thesis_runs import Plan
-from warpwear.thesis_summary import SUMMARY, all_items
+from warpwear.thesis_summary import SUMMARY
 from warpwear.thesis_verdicts import Kind, as_printed, number
 
 #: What the published studies give, to the digits that verdicts need.
@@ -156,7 +157,7 @@ CASES = {
 
 
 def test_every_item_has_a_case() -> None:
-    assert set(CASES) == {item.id for item in all_items()}
+    assert set(CASES) == {item.id for item in ALL_ITEMS}
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -200,7 +201,7 @@ def test_a_line_of_the_summary_is_judged_by_its_own_numbers() -> None:
     assert smooth.judge(NUMBERS | {"v2.patch_by_depth_mm": 1.24}) == DISAGREES
     assert rough.judge(NUMBERS | {"v3.patch_along_mm": 1.36}) == AGREES
     assert rough.judge({}) == UNKNOWN
-    assert {line.item for line in SUMMARY} <= {item.id for item in all_items()}
+    assert {line.item for line in SUMMARY} <= {item.id for item in ALL_ITEMS}
 
 
 def test_summary_shows_a_verdict_where_something_is_printed(page: str, content: dict) -> None:
@@ -272,9 +273,9 @@ def test_folder_holds_the_page_and_the_numbers_alone(folder: Path) -> None:
 def test_page_has_every_item_and_every_figure(page: str) -> None:
     ids = re.findall(r'\bid="([^"]+)"', page)
     assert len(ids) == len(set(ids))
-    assert {item.id for item in all_items()} <= set(ids)
+    assert {item.id for item in ALL_ITEMS} <= set(ids)
     assert {f"fig-{name}" for name in FIGURES} <= set(ids)
-    drawn = {name for item in all_items() for name in item.figures}
+    drawn = {name for item in ALL_ITEMS for name in item.figures}
     assert drawn == set(FIGURES)
     linked = set(re.findall(r'href="#([^"]+)"', page))
     assert linked <= set(ids)

@@ -1,7 +1,7 @@
 """What the report says of the thesis's models in its own words, each statement with a rule that can fail."""
 
 from warpwear import thesis
-from warpwear.thesis_items import (
+from warpwear.thesis_terms import (
     SAME_VOLUME,
     is_root,
     of_all,

@@ -15,10 +15,11 @@ from warpwear.report_page import Picture, check_folder, embedded, render, write_
 from warpwear.results import Result
 from warpwear.thesis_figures import FIGURES
 from warpwear.thesis_findings import FINDINGS
-from warpwear.thesis_items import DIAMETER_TOLERANCE, PRESSURE_TOLERANCE, TABLE
+from warpwear.thesis_items import ALL_ITEMS, OF_THESIS
 from warpwear.thesis_numbers import Numbers, collect
 from warpwear.thesis_runs import VERSIONS, Plan, Runs, published, running
-from warpwear.thesis_summary import SUMMARY, all_items
+from warpwear.thesis_summary import SUMMARY
+from warpwear.thesis_terms import DIAMETER_TOLERANCE, PRESSURE_TOLERANCE
 from warpwear.thesis_verdicts import Kind, Row, Verdict, as_printed, number
 
 PAGE, NUMBERS = "report.html", "numbers.json"
@@ -58,7 +59,7 @@ def thesis_report(
 
 def judge(numbers: Mapping[str, float]) -> dict[str, Verdict]:
     """The verdict of every item by its id, from these numbers."""
-    return {item.id: item.judge(numbers) for item in all_items()}
+    return {item.id: item.judge(numbers) for item in ALL_ITEMS}
 
 
 def as_json(numbers: Numbers, verdicts: Mapping[str, Verdict]) -> str:
@@ -77,7 +78,7 @@ def as_json(numbers: Numbers, verdicts: Mapping[str, Verdict]) -> str:
                 "reason": verdicts[item.id].reason,
                 "rows": [_record(row, numbers) for row in item.rows],
             }
-            for item in all_items()
+            for item in ALL_ITEMS
         ],
         "numbers": {name: _finite(value) for name, value in numbers.items()},
     }
@@ -124,8 +125,8 @@ def render_page(
         summary=[(line.row, line.judge(numbers), line.item) for line in SUMMARY],
         diameter_tolerance=DIAMETER_TOLERANCE,
         pressure_tolerance=PRESSURE_TOLERANCE,
-        places={item.id: item.place or "finding" for item in all_items()},
-        items=TABLE.items,
+        places={item.id: item.place or "finding" for item in ALL_ITEMS},
+        items=OF_THESIS,
         findings={item.id: item for item in FINDINGS.items},
         verdicts=verdicts,
         kinds=_count(verdicts),
@@ -152,7 +153,7 @@ def render_page(
 
 
 def _count(verdicts: Mapping[str, Verdict]) -> dict[Kind, int]:
-    of_thesis = [verdicts[item.id].kind for item in TABLE.items]
+    of_thesis = [verdicts[item.id].kind for item in OF_THESIS]
     return {kind: of_thesis.count(kind) for kind in Kind if kind in of_thesis}
 
 

@@ -5,9 +5,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from warpwear import thesis
-from warpwear.thesis_findings import FINDINGS
-from warpwear.thesis_items import DIAMETER_TOLERANCE, PRESSURE_TOLERANCE, TABLE, of_all
-from warpwear.thesis_verdicts import Item, Kind, Row
+from warpwear.thesis_terms import (
+    DIAMETER_TOLERANCE,
+    PRESSURE_TOLERANCE,
+    ROUGH_PATCHES,
+    SMOOTH_PATCHES,
+    of_all,
+)
+from warpwear.thesis_verdicts import Kind, Row
 
 
 @dataclass(frozen=True)
@@ -57,12 +62,10 @@ def _pressure(which: str, name: str, printed: thesis.Printed) -> Line:
     return Line(row, "figure-4.30", PRESSURE_TOLERANCE)
 
 
-SMOOTH = {"V1": "v1.patch_by_depth_mm", "V2": "v2.patch_by_depth_mm"}
-ROUGH = {"V3": "v3.patch_along_mm", "V3 fine": "fine.patch_along_mm"}
 SUMMARY: tuple[Line, ...] = (
-    _patch("smooth: diameter", SMOOTH, ("v1", "v2"), "figure-4.32"),
-    _patch("rough: along sliding", ROUGH, ("v3",), "figure-4.32"),
-    _patch("models beside the experiment", SMOOTH | ROUGH, ("experiment",), "figure-4.36"),
+    _patch("smooth: diameter", SMOOTH_PATCHES, ("v1", "v2"), "figure-4.32"),
+    _patch("rough: along sliding", ROUGH_PATCHES, ("v3",), "figure-4.32"),
+    _patch("models beside the experiment", SMOOTH_PATCHES | ROUGH_PATCHES, ("experiment",), "figure-4.36"),
     Line(of_all("deepest wear of the sphere", "µm", "sphere_depth_um"), "figure-A.9"),
     Line(of_all("deepest wear of the disc", "µm", "disc_depth_um"), "figure-4.35"),
     Line(of_all("worn volume of the sphere", "mm³", "sphere_volume_mm3"), "figure-4.21"),
@@ -77,8 +80,3 @@ SUMMARY: tuple[Line, ...] = (
     Line(of_all("coefficient of friction, start over end", "–", "cof_first_over_end"), "figure-4.37"),
     Line(of_all("exponent m of the area in contact", "–", "exponent_m"), "cure"),
 )
-
-
-def all_items() -> tuple[Item, ...]:
-    """Of the thesis, then our own."""
-    return (*TABLE.items, *FINDINGS.items)

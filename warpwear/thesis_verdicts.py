@@ -1,8 +1,8 @@
 """What the report of the thesis compares and how it judges: every verdict is computed from the numbers.
 
 An `Item` is declared with `@item` above the rule that judges it; the rule gets the numbers by name and
-returns a `Verdict`. The tables themselves are in `thesis_items` (figures and tables of the thesis) and
-`thesis_findings` (statements of our own).
+returns a `Verdict`. The tables themselves are in `thesis_items_*` (figures and tables of the thesis) and
+`thesis_findings` (statements of our own); `thesis_items` has all of them.
 """
 
 import math
