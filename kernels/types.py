@@ -31,6 +31,8 @@ SUMS = (
     "wear_sphere",
     "wear_disc",
 )
+#: The same of `sliding.remove`; what it says of the whole fields is kept a row of cells instead.
+STEP = ("pressure", "deviation_squared", "contact", "capped")
 #: Rows of the table of partial maxima, over the tiles visited. Lowest indices are stored negated.
 MAXIMA = ("pressure", "wear_sphere", "wear_disc", "first_row", "last_row", "first_column", "last_column")
 #: What is kept of every tile: cells ever touched, sums of the wear of sphere and disc [mm].

@@ -18,11 +18,11 @@ import warp as wp
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, gap, removal, running_in, tiles
+from warpwear.kernels import contact, gap, removal, running_in, sliding, tiles
 from warpwear.kernels.types import LANES, WIDTH, Cells
 
 if TYPE_CHECKING:
-    from warpwear.tiles import Tiles
+    from warpwear.tiles import TileList
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000
@@ -65,7 +65,7 @@ class Executor:
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
         self._launches: dict[tuple[str, int], tuple[Any, list[Any]]] = {}
         self._whole = self.share(np.full(grid.nx, self.vectors * LANES))
-        for module in (gap, contact, removal, running_in, tiles):  # compiled before any thread needs them
+        for module in (gap, contact, removal, running_in, sliding, tiles):  # compiled before threads need them
             wp.load_module(module, device=self.device)
 
     def __enter__(self) -> Self:
@@ -90,15 +90,18 @@ class Executor:
         *,
         inputs: Sequence[Any],
         outputs: Sequence[Any],
-        over: "Tiles | None" = None,
+        over: "TileList | None" = None,
+        chunks: list[tuple[int, int]] | None = None,
         often: bool = False,
     ) -> None:
         """Run a kernel over all slots; returns when it is done (CPU) or queued (GPU).
 
-        over: the tiles visited by a kernel that asks for a list of them. often: keep the launch for the next
+        over: the tiles visited by a kernel that asks for a list of them. chunks: ranges of slots for the
+        threads, other than those of the list or of whole rows. often: keep the launch for the next
         time, with its arguments, fields included: on small grids packing them is what a launch costs.
         """
-        chunks = self._whole if over is None else over.chunks
+        if chunks is None:
+            chunks = self._whole if over is None else over.chunks
         listed = [] if over is None else [over.list, over.count]
 
         def chunk(number: int) -> None:
@@ -132,9 +135,10 @@ class Executor:
         last[:] = [size, *arguments]
         return command
 
-    def zeros(self) -> Field:
-        """A field of zeros."""
-        return wp.zeros((self.grid.nx, self.vectors), dtype=Cells, device=self.device)
+    def zeros(self, rows: int | None = None) -> Field:
+        """A field of zeros, of as many rows as the grid if nothing is said."""
+        shape = (self.grid.nx if rows is None else rows, self.vectors)
+        return wp.zeros(shape, dtype=Cells, device=self.device)
 
     def field(self, values: FloatArray) -> Field:
         """A field from an array of shape (nx, ny), (1, ny) (every row the same) or (1, 1).

@@ -1,0 +1,272 @@
+"""A disc displaced under the sphere by whole cells: which tiles can touch, their gap, and the wear of both.
+
+Heights of the sphere and of the disc are kept apart, as worn. Below the sphere's row i lies the disc's row
+i + shift, modulo the disc's length: the same vectors of another row, so nothing is copied. Of every tile of
+the sphere the lowest height is kept and of every tile of the disc the highest, eight tiles in one vector like
+the cells of a field; their difference bounds the gap of a pair of tiles from below.
+"""
+
+import warp as wp
+
+from warpwear.kernels.contact import pressure_of
+from warpwear.kernels.reductions import sum_of
+from warpwear.kernels.removal import NOWHERE
+from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
+
+wp.set_module_options({"enable_backward": False})
+
+
+@wp.func
+def beneath(row: wp.int32, shift: wp.int32, rows: wp.int32):
+    """The disc's row under a row of the sphere; 0 ≤ shift < rows."""
+    displaced = row + shift
+    return wp.where(displaced < rows, displaced, displaced - rows)
+
+
+@wp.kernel
+def bounds(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    height_in: wp.array2d(dtype=Cells),
+    lowest_out: wp.array2d(dtype=wp.float64),
+    highest_out: wp.array2d(dtype=wp.float64),
+):
+    """Lowest and highest height of every tile of a body; nothing for places beyond the last tile."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for t in range(slot % slots_per_row, lowest_out.shape[1], slots_per_row):
+        low = Cells(ABSENT)
+        high = Cells(-ABSENT)
+        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, height_in.shape[1])):
+            low = wp.min(low, height_in[row, k])
+            high = wp.max(high, height_in[row, k])
+        lowest_out[row, t] = wp.min(low)
+        highest_out[row, t] = wp.max(high)
+
+
+@wp.kernel
+def select(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    limit: wp.float64,
+    shift: wp.int32,
+    lowest_in: wp.array2d(dtype=Cells),
+    highest_in: wp.array2d(dtype=Cells),
+    sphere_in: wp.array2d(dtype=Cells),
+    disc_in: wp.array2d(dtype=Cells),
+    gap_out: wp.array2d(dtype=Cells),
+    list_out: wp.array2d(dtype=wp.int32),
+    count_out: wp.array(dtype=wp.int32),
+):
+    """Lists, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps.
+
+    Where the bounds of a pair of tiles let it touch, its gap is made and decides: a list holds no tile too
+    many. Gaps of tiles that are not listed are left as they are.
+    """
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    if slot % slots_per_row > 0:  # a list is written in order, by one slot
+        return
+    under = beneath(row, shift, disc_in.shape[0])
+    count = wp.int32(0)
+    for m in range(lowest_in.shape[1]):
+        bound = lowest_in[row, m] - highest_in[under, m]
+        if wp.min(bound) <= limit:
+            for j in range(LANES):
+                t = m * LANES + j
+                if bound[j] <= limit and t * WIDTH < gap_out.shape[1]:
+                    low = Cells(ABSENT)
+                    for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_out.shape[1])):
+                        g = sphere_in[row, k] - disc_in[under, k]
+                        gap_out[row, k] = g
+                        low = wp.min(low, g)
+                    if wp.min(low) <= limit:
+                        list_out[row, count] = t
+                        count += 1
+    count_out[row] = count
+
+
+@wp.kernel
+def remove(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
+    base: wp.float64,
+    offset: wp.float64,
+    cap: wp.float64,
+    tie_width: wp.float64,
+    tie_pressure: wp.float64,
+    removal_sphere: wp.float64,
+    removal_disc: wp.float64,
+    pressure_reference: wp.float64,
+    shift: wp.int32,
+    stiffness_in: wp.array2d(dtype=Cells),
+    gap_in: wp.array2d(dtype=Cells),
+    sphere_out: wp.array2d(dtype=Cells),
+    disc_out: wp.array2d(dtype=Cells),
+    wear_sphere_out: wp.array2d(dtype=Cells),
+    wear_disc_out: wp.array2d(dtype=Cells),
+    lowest_out: wp.array2d(dtype=wp.float64),
+    highest_out: wp.array2d(dtype=wp.float64),
+    touched_out: wp.array2d(dtype=wp.float64),
+    worn_sphere_out: wp.array2d(dtype=wp.float64),
+    worn_disc_out: wp.array2d(dtype=wp.float64),
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """One increment of wear in place: each body loses K p ΔL (`removal_*` = K ΔL) where they touch.
+
+    Of the tiles that touch, the bounds and what `totals` sums are made anew from their cells: cells of the
+    sphere ever touched, wear of the sphere, wear of the disc. Sums of the step in the order of `types.STEP`,
+    maxima in that of `types.MAXIMA`, where rows and columns are those of the sphere.
+    """
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    lane = slot % slots_per_row
+    stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
+    under = beneath(row, shift, disc_out.shape[0])
+    vectors = gap_in.shape[1]
+
+    if lane >= count_in[row]:  # nothing to do: most rows
+        for i in range(4):
+            sums_out[i, slot] = ZERO
+        for i in range(3):
+            maxima_out[i, slot] = ZERO
+        for i in range(3, 7):
+            maxima_out[i, slot] = NOWHERE
+        return
+
+    pressure = Cells(ZERO)
+    deviation = Cells(ZERO)
+    contact = Cells(ZERO)
+    capped = Cells(ZERO)
+    highest_pressure = Cells(ZERO)
+    deepest_sphere = Cells(ZERO)
+    deepest_disc = Cells(ZERO)
+    from_first = Cells(ZERO)  # vectors from the first one touched to the row's end, 0 for none
+    to_last = Cells(ZERO)  # vectors from the row's start to the last one touched, 0 for none
+
+    for n in range(lane, count_in[row], slots_per_row):
+        t = tiles_in[row, n]
+        last = wp.min((t + 1) * WIDTH, vectors)
+        nearest = Cells(ABSENT)
+        for k in range(t * WIDTH, last):
+            nearest = wp.min(nearest, gap_in[row, k])
+        # Listed for an approach that was not needed in the end: nothing of it touches.
+        if (base - wp.min(nearest)) + offset >= -tie_width:
+            low = Cells(ABSENT)
+            high = Cells(-ABSENT)
+            touched = Cells(ZERO)
+            worn_sphere = Cells(ZERO)
+            worn_disc = Cells(ZERO)
+            for k in range(t * WIDTH, last):
+                stiffness = stiffness_in[stiffness_row, k]
+                g = gap_in[row, k]
+                s = sphere_out[row, k]
+                d = disc_out[under, k]
+                a = wear_sphere_out[row, k]
+                b = wear_disc_out[under, k]
+                p = Cells(ZERO)
+                from_reference = Cells(ZERO)
+                is_contact = Cells(ZERO)
+                is_capped = Cells(ZERO)
+                is_touched = Cells(ZERO)
+                to_end = Cells(ZERO)
+                from_start = Cells(ZERO)
+                vectors_to_end = wp.float64(vectors - k)
+                vectors_from_start = wp.float64(k + 1)
+                for j in range(LANES):
+                    q = pressure_of((base - g[j]) + offset, stiffness[j], cap, tie_width, tie_pressure)
+                    da = removal_sphere * q
+                    db = removal_disc * q
+                    p[j] = q
+                    s[j] = s[j] + da
+                    a[j] = a[j] + da
+                    d[j] = d[j] - db
+                    b[j] = b[j] + db
+                    from_reference[j] = wp.where(q > ZERO, q - pressure_reference, ZERO)
+                    is_contact[j] = wp.where(q > ZERO, ONE, ZERO)
+                    is_capped[j] = wp.where(q >= cap, ONE, ZERO)
+                    ever = q + a[j] > ZERO
+                    is_touched[j] = wp.where(ever, ONE, ZERO)
+                    to_end[j] = wp.where(ever, vectors_to_end, ZERO)
+                    from_start[j] = wp.where(ever, vectors_from_start, ZERO)
+                sphere_out[row, k] = s
+                disc_out[under, k] = d
+                wear_sphere_out[row, k] = a
+                wear_disc_out[under, k] = b
+                low = wp.min(low, s)
+                high = wp.max(high, d)
+                pressure += p
+                deviation += wp.cw_mul(from_reference, from_reference)
+                contact += is_contact
+                capped += is_capped
+                touched += is_touched
+                worn_sphere += a
+                worn_disc += b
+                highest_pressure = wp.max(highest_pressure, p)
+                deepest_sphere = wp.max(deepest_sphere, a)
+                deepest_disc = wp.max(deepest_disc, b)
+                from_first = wp.max(from_first, to_end)
+                to_last = wp.max(to_last, from_start)
+            lowest_out[row, t] = wp.min(low)
+            highest_out[under, t] = wp.max(high)
+            touched_out[row, t] = sum_of(touched)
+            worn_sphere_out[row, t] = sum_of(worn_sphere)
+            worn_disc_out[under, t] = sum_of(worn_disc)
+    sums_out[0, slot] = sum_of(pressure)
+    sums_out[1, slot] = sum_of(deviation)
+    sums_out[2, slot] = sum_of(contact)
+    sums_out[3, slot] = sum_of(capped)
+    first_column = NOWHERE
+    last_column = NOWHERE
+    here = wp.max(to_last) > ZERO
+    for j in range(LANES):
+        if to_last[j] > ZERO:
+            first_vector = wp.float64(vectors) - from_first[j]
+            last_vector = to_last[j] - ONE
+            first_column = wp.max(first_column, -(first_vector * wp.float64(LANES) + wp.float64(j)))
+            last_column = wp.max(last_column, last_vector * wp.float64(LANES) + wp.float64(j))
+    maxima_out[0, slot] = wp.max(highest_pressure)
+    maxima_out[1, slot] = wp.max(deepest_sphere)
+    maxima_out[2, slot] = wp.max(deepest_disc)
+    maxima_out[3, slot] = wp.where(here, -wp.float64(row), NOWHERE)
+    maxima_out[4, slot] = wp.where(here, wp.float64(row), NOWHERE)
+    maxima_out[5, slot] = first_column
+    maxima_out[6, slot] = last_column
+
+
+@wp.kernel
+def totals(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
+    shift: wp.int32,
+    touched_in: wp.array2d(dtype=Cells),
+    worn_sphere_in: wp.array2d(dtype=Cells),
+    worn_disc_in: wp.array2d(dtype=Cells),
+    touched_out: wp.array(dtype=wp.float64),
+    worn_sphere_out: wp.array(dtype=wp.float64),
+    worn_disc_out: wp.array(dtype=wp.float64),
+):
+    """Sums over the rows with listed tiles, of the sphere and of the disc beneath it.
+
+    Sums over the fields as they are: increments added up would drift.
+    """
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    if slot % slots_per_row > 0 or count_in[row] == 0:
+        return
+    under = beneath(row, shift, worn_disc_in.shape[0])
+    touched = Cells(ZERO)
+    worn_sphere = Cells(ZERO)
+    worn_disc = Cells(ZERO)
+    for m in range(touched_in.shape[1]):
+        touched += touched_in[row, m]
+        worn_sphere += worn_sphere_in[row, m]
+        worn_disc += worn_disc_in[under, m]
+    touched_out[row] = sum_of(touched)
+    worn_sphere_out[row] = sum_of(worn_sphere)
+    worn_disc_out[under] = sum_of(worn_disc)
