@@ -101,8 +101,10 @@ def remove(
     removal_disc: wp.float64,
     pressure_reference: wp.float64,
     shift: wp.int32,
+    first_known: wp.int32,
+    last_known: wp.int32,
     stiffness_in: wp.array2d(dtype=Cells),
-    gap_in: wp.array2d(dtype=Cells),
+    gap_out: wp.array2d(dtype=Cells),
     sphere_out: wp.array2d(dtype=Cells),
     disc_out: wp.array2d(dtype=Cells),
     wear_sphere_out: wp.array2d(dtype=Cells),
@@ -126,14 +128,14 @@ def remove(
     lane = slot % slots_per_row
     stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
     under = beneath(row, shift, disc_out.shape[0])
-    vectors = gap_in.shape[1]
+    vectors = gap_out.shape[1]
 
     if lane >= count_in[row]:  # nothing to do: most rows
         for i in range(4):
             sums_out[i, slot] = ZERO
         for i in range(3):
             maxima_out[i, slot] = ZERO
-        for i in range(3, 7):
+        for i in range(3, 5):
             maxima_out[i, slot] = NOWHERE
         return
 
@@ -144,97 +146,91 @@ def remove(
     highest_pressure = Cells(ZERO)
     deepest_sphere = Cells(ZERO)
     deepest_disc = Cells(ZERO)
-    from_first = Cells(ZERO)  # vectors from the first one touched to the row's end, 0 for none
-    to_last = Cells(ZERO)  # vectors from the row's start to the last one touched, 0 for none
+    first_column = NOWHERE
+    last_column = NOWHERE
 
     for n in range(lane, count_in[row], slots_per_row):
         t = tiles_in[row, n]
-        last = wp.min((t + 1) * WIDTH, vectors)
-        nearest = Cells(ABSENT)
-        for k in range(t * WIDTH, last):
-            nearest = wp.min(nearest, gap_in[row, k])
-        # Listed for an approach that was not needed in the end: nothing of it touches.
-        if (base - wp.min(nearest)) + offset >= -tie_width:
-            low = Cells(ABSENT)
-            high = Cells(-ABSENT)
-            touched = Cells(ZERO)
-            worn_sphere = Cells(ZERO)
-            worn_disc = Cells(ZERO)
-            for k in range(t * WIDTH, last):
-                stiffness = stiffness_in[stiffness_row, k]
-                g = gap_in[row, k]
-                s = sphere_out[row, k]
-                d = disc_out[under, k]
+        first = t * WIDTH
+        end = wp.min(first + WIDTH, vectors)
+        for k in range(first, end):
+            stiffness = stiffness_in[stiffness_row, k]
+            g = gap_out[row, k]
+            s = sphere_out[row, k]
+            d = disc_out[under, k]
+            a = wear_sphere_out[row, k]
+            b = wear_disc_out[under, k]
+            p = Cells(ZERO)
+            for j in range(LANES):
+                q = pressure_of((base - g[j]) + offset, stiffness[j], cap, tie_width, tie_pressure)
+                da = removal_sphere * q
+                db = removal_disc * q
+                p[j] = q
+                s[j] = s[j] + da
+                a[j] = a[j] + da
+                d[j] = d[j] - db
+                b[j] = b[j] + db
+            gap_out[row, k] = p
+            sphere_out[row, k] = s
+            disc_out[under, k] = d
+            wear_sphere_out[row, k] = a
+            wear_disc_out[under, k] = b
+        low = Cells(ABSENT)
+        high = Cells(-ABSENT)
+        worn_sphere = Cells(ZERO)
+        worn_disc = Cells(ZERO)
+        for k in range(first, end):
+            low = wp.min(low, sphere_out[row, k])
+            high = wp.max(high, disc_out[under, k])
+            a = wear_sphere_out[row, k]
+            b = wear_disc_out[under, k]
+            worn_sphere += a
+            worn_disc += b
+            deepest_sphere = wp.max(deepest_sphere, a)
+            deepest_disc = wp.max(deepest_disc, b)
+        lowest_out[row, t] = wp.min(low)
+        highest_out[under, t] = wp.max(high)
+        worn_sphere_out[row, t] = sum_of(worn_sphere)
+        worn_disc_out[under, t] = sum_of(worn_disc)
+        touched = Cells(ZERO)
+        for k in range(first, end):
+            p = gap_out[row, k]
+            a = wear_sphere_out[row, k]
+            from_reference = Cells(ZERO)
+            is_contact = Cells(ZERO)
+            is_capped = Cells(ZERO)
+            is_touched = Cells(ZERO)
+            for j in range(LANES):
+                from_reference[j] = wp.where(p[j] > ZERO, p[j] - pressure_reference, ZERO)
+                is_contact[j] = wp.where(p[j] > ZERO, ONE, ZERO)
+                is_capped[j] = wp.where(p[j] >= cap, ONE, ZERO)
+                is_touched[j] = wp.where(p[j] + a[j] > ZERO, ONE, ZERO)
+            highest_pressure = wp.max(highest_pressure, p)
+            pressure += p
+            deviation += wp.cw_mul(from_reference, from_reference)
+            contact += is_contact
+            capped += is_capped
+            touched += is_touched
+        touched_out[row, t] = sum_of(touched)
+        # Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
+        if first * LANES < first_known or end * LANES - 1 > last_known:
+            for k in range(first, end):
+                p = gap_out[row, k]
                 a = wear_sphere_out[row, k]
-                b = wear_disc_out[under, k]
-                p = Cells(ZERO)
-                from_reference = Cells(ZERO)
-                is_contact = Cells(ZERO)
-                is_capped = Cells(ZERO)
-                is_touched = Cells(ZERO)
-                to_end = Cells(ZERO)
-                from_start = Cells(ZERO)
-                vectors_to_end = wp.float64(vectors - k)
-                vectors_from_start = wp.float64(k + 1)
                 for j in range(LANES):
-                    q = pressure_of((base - g[j]) + offset, stiffness[j], cap, tie_width, tie_pressure)
-                    da = removal_sphere * q
-                    db = removal_disc * q
-                    p[j] = q
-                    s[j] = s[j] + da
-                    a[j] = a[j] + da
-                    d[j] = d[j] - db
-                    b[j] = b[j] + db
-                    from_reference[j] = wp.where(q > ZERO, q - pressure_reference, ZERO)
-                    is_contact[j] = wp.where(q > ZERO, ONE, ZERO)
-                    is_capped[j] = wp.where(q >= cap, ONE, ZERO)
-                    ever = q + a[j] > ZERO
-                    is_touched[j] = wp.where(ever, ONE, ZERO)
-                    to_end[j] = wp.where(ever, vectors_to_end, ZERO)
-                    from_start[j] = wp.where(ever, vectors_from_start, ZERO)
-                sphere_out[row, k] = s
-                disc_out[under, k] = d
-                wear_sphere_out[row, k] = a
-                wear_disc_out[under, k] = b
-                low = wp.min(low, s)
-                high = wp.max(high, d)
-                pressure += p
-                deviation += wp.cw_mul(from_reference, from_reference)
-                contact += is_contact
-                capped += is_capped
-                touched += is_touched
-                worn_sphere += a
-                worn_disc += b
-                highest_pressure = wp.max(highest_pressure, p)
-                deepest_sphere = wp.max(deepest_sphere, a)
-                deepest_disc = wp.max(deepest_disc, b)
-                from_first = wp.max(from_first, to_end)
-                to_last = wp.max(to_last, from_start)
-            lowest_out[row, t] = wp.min(low)
-            highest_out[under, t] = wp.max(high)
-            touched_out[row, t] = sum_of(touched)
-            worn_sphere_out[row, t] = sum_of(worn_sphere)
-            worn_disc_out[under, t] = sum_of(worn_disc)
+                    if p[j] + a[j] > ZERO:
+                        column = wp.float64(k * LANES + j)
+                        first_column = wp.max(first_column, -column)
+                        last_column = wp.max(last_column, column)
     sums_out[0, slot] = sum_of(pressure)
     sums_out[1, slot] = sum_of(deviation)
     sums_out[2, slot] = sum_of(contact)
     sums_out[3, slot] = sum_of(capped)
-    first_column = NOWHERE
-    last_column = NOWHERE
-    here = wp.max(to_last) > ZERO
-    for j in range(LANES):
-        if to_last[j] > ZERO:
-            first_vector = wp.float64(vectors) - from_first[j]
-            last_vector = to_last[j] - ONE
-            first_column = wp.max(first_column, -(first_vector * wp.float64(LANES) + wp.float64(j)))
-            last_column = wp.max(last_column, last_vector * wp.float64(LANES) + wp.float64(j))
     maxima_out[0, slot] = wp.max(highest_pressure)
     maxima_out[1, slot] = wp.max(deepest_sphere)
     maxima_out[2, slot] = wp.max(deepest_disc)
-    maxima_out[3, slot] = wp.where(here, -wp.float64(row), NOWHERE)
-    maxima_out[4, slot] = wp.where(here, wp.float64(row), NOWHERE)
-    maxima_out[5, slot] = first_column
-    maxima_out[6, slot] = last_column
+    maxima_out[3, slot] = first_column
+    maxima_out[4, slot] = last_column
 
 
 @wp.kernel

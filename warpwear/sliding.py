@@ -12,7 +12,7 @@ from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.kernels import gap, sliding
-from warpwear.kernels.types import LANES, MAXIMA, PADDING, STEP
+from warpwear.kernels.types import LANES, PADDING, STEP, STEP_MAXIMA
 from warpwear.one_scale import Step
 from warpwear.sliding_tiles import PerTile, SlidingTiles
 from warpwear.study import Study
@@ -80,11 +80,12 @@ class SlidingContact:
         self._kept = [PerTile(n, columns, device) for n in rows]
         self._totals = [wp.zeros(n, dtype=wp.float64, device=device) for n in rows]
         self._sums = executor.partials(len(STEP))
-        self._maxima = executor.partials(len(MAXIMA))
+        self._maxima = executor.partials(len(STEP_MAXIMA))
         self._stiffness: tuple[float, Field] | None = None  # with the compliance that it was made for
         self._approach: float | None = None
         self._changes: deque[float] = deque(maxlen=CHANGES)
-        self._most = dict.fromkeys(MAXIMA, -math.inf)
+        self._columns = executor.grid.ny, -1  # first and last one touched
+        self._most = dict.fromkeys(STEP_MAXIMA, -math.inf)
         self._row = dict.fromkeys(
             (
                 "distance",
@@ -118,8 +119,9 @@ class SlidingContact:
         state, tiles = self.state, self.tiles
         self._executor.launch(
             sliding.remove,
-            inputs=[*balance.law, removal_sphere, removal_disc, reference, shift, stiffness, tiles.gap],
+            inputs=[*balance.law, removal_sphere, removal_disc, reference, shift, *self._columns, stiffness],
             outputs=[
+                tiles.gap,
                 state.sphere,
                 state.disc,
                 state.wear_sphere,
@@ -210,18 +212,22 @@ class SlidingContact:
         grid = self._executor.grid
         area = grid.cell_area
         total = dict(zip(STEP, self._sums.numpy().sum(axis=1).tolist(), strict=True))
-        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
+        most = dict(zip(STEP_MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
         count = total["contact"]
         if not count > 0.0 or not math.isfinite(total["pressure"]):
             raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
-        touched, wear_sphere, wear_disc = (float(t.numpy().sum()) for t in self._totals)
+        by_row, *worn = (totals.numpy() for totals in self._totals)
+        wear_sphere, wear_disc = (float(rows.sum()) for rows in worn)
+        rows_touched = np.flatnonzero(by_row)
+        first_row, last_row = int(rows_touched[0]), int(rows_touched[-1])
         # What was reached once stays so, also where the tiles visited now do not show it.
         self._most = {name: max(most[name], self._most[name]) for name in most}
         pressure_max, most = most["pressure"], self._most
         mean = total["pressure"] / count
         variance = total["deviation_squared"] / count - (mean - reference) ** 2
-        along = (most["last_row"] + most["first_row"] + 1.0) * grid.cell
-        across = (most["last_column"] + most["first_column"] + 1.0) * grid.cell
+        first_column, last_column = self._columns = int(-most["first_column"]), int(most["last_column"])
+        along = (last_row - first_row + 1) * grid.cell
+        across = (last_column - first_column + 1) * grid.cell
         load, before = self.study.contact.load, self._row
         self._row = {
             "distance": before["distance"] + increment,
@@ -231,7 +237,7 @@ class SlidingContact:
             "load_residual": balance.load_residual,
             "area_contact": count * area,
             "area_plastic": total["capped"] * area,
-            "area_touched": touched * area,
+            "area_touched": float(by_row.sum()) * area,
             "area_cumulative": before["area_cumulative"] + count * area,
             "area_nominal": math.pi / 4.0 * along * across,
             "patch_along": along,
@@ -248,17 +254,9 @@ class SlidingContact:
             "archard_volume_disc": before["archard_volume_disc"] + removal[1] * load,
             "evaluations": float(balance.evaluations),
         }
-        reach = max(
-            max(-grid.x[int(-most["first_row"])], grid.x[int(most["last_row"])]),
-            max(-grid.y[int(-most["first_column"])], grid.y[int(most["last_column"])]),
-        )
+        reach = max(-grid.x[first_row], grid.x[last_row], -grid.y[first_column], grid.y[last_column])
         beyond_sphere = (reach + 1.5 * grid.cell) * self.study.sphere.curvature >= 1.0
-        at_edge = (
-            -most["first_row"] < 1.0
-            or most["last_row"] > grid.nx - 2
-            or -most["first_column"] < 1.0
-            or most["last_column"] > grid.ny - 2
-        )
+        at_edge = min(first_row, first_column) < 1 or last_row > grid.nx - 2 or last_column > grid.ny - 2
         return Step(balance, self._row, at_edge, beyond_sphere)
 
 
