@@ -9,7 +9,7 @@ the cells of a field; their difference bounds the gap of a pair of tiles from be
 import warp as wp
 
 from warpwear.kernels.contact import pressure_of
-from warpwear.kernels.reductions import sum_of
+from warpwear.kernels.reductions import lowest_of, sum_of
 from warpwear.kernels.removal import NOWHERE
 from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
 
@@ -40,7 +40,7 @@ def bounds(
         for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, height_in.shape[1])):
             low = wp.min(low, height_in[row, k])
             high = wp.max(high, height_in[row, k])
-        lowest_out[row, t] = wp.min(low)
+        lowest_out[row, t] = lowest_of(low)
         highest_out[row, t] = wp.max(high)
 
 
@@ -50,6 +50,8 @@ def select(
     slots_per_row: wp.int32,
     limit: wp.float64,
     shift: wp.int32,
+    lowest_of_eight_in: wp.array2d(dtype=wp.float64),
+    highest_of_row_in: wp.array(dtype=wp.float64),
     lowest_in: wp.array2d(dtype=Cells),
     highest_in: wp.array2d(dtype=Cells),
     sphere_in: wp.array2d(dtype=Cells),
@@ -61,28 +63,32 @@ def select(
     """Lists, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps.
 
     Where the bounds of a pair of tiles let it touch, its gap is made and decides: a list holds no tile too
-    many. Gaps of tiles that are not listed are left as they are.
+    many. Gaps of tiles that are not listed are left as they are. `lowest_of_eight_in`: of neighbouring tiles
+    of the sphere; with the highest of the disc's row it spares most bounds. Either may be out of date: wear
+    only lifts the one and lowers the other.
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     if slot % slots_per_row > 0:  # a list is written in order, by one slot
         return
     under = beneath(row, shift, disc_in.shape[0])
+    highest = highest_of_row_in[under]
     count = wp.int32(0)
     for m in range(lowest_in.shape[1]):
-        bound = lowest_in[row, m] - highest_in[under, m]
-        if wp.min(bound) <= limit:
-            for j in range(LANES):
-                t = m * LANES + j
-                if bound[j] <= limit and t * WIDTH < gap_out.shape[1]:
-                    low = Cells(ABSENT)
-                    for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_out.shape[1])):
-                        g = sphere_in[row, k] - disc_in[under, k]
-                        gap_out[row, k] = g
-                        low = wp.min(low, g)
-                    if wp.min(low) <= limit:
-                        list_out[row, count] = t
-                        count += 1
+        if lowest_of_eight_in[row, m] - highest <= limit:
+            bound = lowest_in[row, m] - highest_in[under, m]
+            if lowest_of(bound) <= limit:
+                for j in range(LANES):
+                    t = m * LANES + j
+                    if bound[j] <= limit and t * WIDTH < gap_out.shape[1]:
+                        low = Cells(ABSENT)
+                        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_out.shape[1])):
+                            g = sphere_in[row, k] - disc_in[under, k]
+                            gap_out[row, k] = g
+                            low = wp.min(low, g)
+                        if lowest_of(low) <= limit:
+                            list_out[row, count] = t
+                            count += 1
     count_out[row] = count
 
 
@@ -117,11 +123,12 @@ def remove(
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
-    """One increment of wear in place: each body loses K p ΔL (`removal_*` = K ΔL) where they touch.
+    """One increment of wear in place: each body loses K p ΔL (`removal_*` = K ΔL).
 
-    Of the tiles that touch, the bounds and what `totals` sums are made anew from their cells: cells of the
+    Of the tiles listed, the bounds and what `totals` sums are made anew from their cells: cells of the
     sphere ever touched, wear of the sphere, wear of the disc. Sums of the step in the order of `types.STEP`,
-    maxima in that of `types.MAXIMA`, where rows and columns are those of the sphere.
+    maxima in that of `types.STEP_MAXIMA`, where columns count that lie beyond the known ones.
+    The gap of the tiles listed gives way to their pressure.
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
@@ -188,7 +195,7 @@ def remove(
             worn_disc += b
             deepest_sphere = wp.max(deepest_sphere, a)
             deepest_disc = wp.max(deepest_disc, b)
-        lowest_out[row, t] = wp.min(low)
+        lowest_out[row, t] = lowest_of(low)
         highest_out[under, t] = wp.max(high)
         worn_sphere_out[row, t] = sum_of(worn_sphere)
         worn_disc_out[under, t] = sum_of(worn_disc)

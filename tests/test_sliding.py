@@ -17,7 +17,7 @@ from warpwear.sliding import SlidingContact
 from warpwear.sliding_tiles import SlidingTiles
 
 SHAPE, ROWS, CELL = (61, 83), 90, 0.005
-STEPS = 60
+STEPS = 30
 LAWS = {
     "implicit": {"stepping.scheme": "implicit"},
     "implicit, no cap": {"stepping.scheme": "implicit", "contact.hardness": "inf MPa"},

@@ -79,8 +79,10 @@ class Executor:
         """Ranges of slots for the threads, with about as many cells each. cells: of the rows, shape (nx,)."""
         if not self.device.is_cpu:
             return [(0, self.slots)]
+        chunks = max(1, min(self.threads, int(np.sum(cells)) // CELLS_PER_THREAD))
+        if chunks == 1:
+            return [(0, self.grid.nx)]
         done = np.concatenate([[0], np.cumsum(cells)])
-        chunks = max(1, min(self.threads, int(done[-1]) // CELLS_PER_THREAD))
         edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), self.grid.nx]
         return [(int(first), int(last)) for first, last in pairwise(edges)]
 

@@ -17,7 +17,7 @@ FIRST_DEPTH, DEEPER = 1.0e-5, 4.0
 #: Deeper than that every tile is listed [mm].
 DEEPEST = 0.1
 #: Looking at the bounds of a pair of tiles costs as much as so many of its cells.
-BOUNDS_IN_CELLS = 4.0
+BOUNDS_IN_CELLS = 1.0
 
 
 class PerTile:
@@ -65,6 +65,11 @@ class SlidingTiles(TileList):
                 outputs=[kept.numbers, other.numbers] if low else [other.numbers, kept.numbers],
                 chunks=[(0, field.shape[0] * executor.slots_per_row)],
             )
+        rows = sphere.shape[0], -1, LANES
+        self._coarse = [  # the sphere's lowest of eight tiles, the disc's highest of a row, before any wear
+            wp.array(self.lowest.to_numpy().reshape(rows).min(axis=2), dtype=wp.float64, device=device),
+            wp.array(self.highest.to_numpy().max(axis=1), dtype=wp.float64, device=device),
+        ]
         self._share_scan()
 
     @property
@@ -98,7 +103,7 @@ class SlidingTiles(TileList):
     def _list(self, limit: float) -> None:
         self._executor.launch(
             sliding.select,
-            inputs=[limit, self.shift, self.lowest.vectors, self.highest.vectors, *self._heights],
+            inputs=[limit, self.shift, *self._coarse, self.lowest.vectors, self.highest.vectors, *self._heights],
             outputs=[self.gap, self.list, self.count],
             chunks=self._scan,
             often=True,
