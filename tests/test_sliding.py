@@ -16,8 +16,8 @@ from warpwear.one_scale import Step
 from warpwear.sliding import SlidingContact
 from warpwear.sliding_tiles import SlidingTiles
 
-SHAPE, ROWS, CELL = (61, 83), 90, 0.005
-STEPS = 30
+SHAPE, ROWS, CELL = (31, 299), 44, 0.005
+STEPS = 25
 LAWS = {
     "implicit": {"stepping.scheme": "implicit"},
     "implicit, no cap": {"stepping.scheme": "implicit", "contact.hardness": "inf MPa"},
@@ -36,7 +36,7 @@ def plateaus(rng: np.random.Generator) -> FloatArray:
 
 def one_spike(rng: np.random.Generator) -> FloatArray:
     heights = rng.normal(0.0, 1e-4, (ROWS, SHAPE[1]))
-    heights[40, 41] = 0.05
+    heights[20, 141] = 0.05
     return heights
 
 

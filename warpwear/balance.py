@@ -123,10 +123,12 @@ class Balancer:
                 )
             if approach <= tiles.limit:
                 return Balance(base, found.offset, hardness, found.force - load, evaluations=evaluations)
-            # Tiles that touch are missing: with them the approach is smaller, at first by far.
+            # Tiles that touch are missing: with them the approach is smaller, at first by far, but not below
+            # what this list served, give or take rounding.
+            low = 1.5 * (tiles.limit - approach)
             depth = max(DEEPER * (tiles.limit - start), LEAST_DEPTH)
             tiles.reach(min(approach, start + depth) if far else approach, ahead=ahead)
-            base, step, low = approach, 0.0, -math.inf
+            base, step = approach, 0.0
 
     def _search(
         self,

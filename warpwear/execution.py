@@ -65,7 +65,8 @@ class Executor:
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
         self._launches: dict[tuple[str, int], tuple[Any, list[Any]]] = {}
         self._whole = self.share(np.full(grid.nx, self.vectors * LANES))
-        for module in (gap, contact, removal, running_in, sliding, tiles):  # compiled before threads need them
+        # Compiled before any thread needs them.
+        for module in (gap, contact, removal, running_in, sliding, tiles):
             wp.load_module(module, device=self.device)
 
     def __enter__(self) -> Self:

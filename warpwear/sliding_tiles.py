@@ -26,7 +26,7 @@ class PerTile:
     def __init__(self, rows: int, tiles: int, device: Any) -> None:
         groups = -(-tiles // LANES)
         self.vectors = wp.zeros((rows, groups), dtype=Cells, device=device)
-        self.numbers = wp.array(
+        self.numbers: Field = wp.array(
             ptr=self.vectors.ptr, shape=(rows, groups * LANES), dtype=wp.float64, device=device
         )
 
@@ -66,7 +66,7 @@ class SlidingTiles(TileList):
                 chunks=[(0, field.shape[0] * executor.slots_per_row)],
             )
         rows = sphere.shape[0], -1, LANES
-        self._coarse = [  # the sphere's lowest of eight tiles, the disc's highest of a row, before any wear
+        self._coarse: list[Field] = [  # the sphere's lowest of eight tiles, the disc's highest of a row, before any wear
             wp.array(self.lowest.to_numpy().reshape(rows).min(axis=2), dtype=wp.float64, device=device),
             wp.array(self.highest.to_numpy().max(axis=1), dtype=wp.float64, device=device),
         ]
@@ -75,9 +75,13 @@ class SlidingTiles(TileList):
     @property
     def smallest(self) -> float:
         """No gap is lower at this displacement [mm]."""
+        return float(self._bounds().min())
+
+    def _bounds(self) -> FloatArray:
+        """What no gap of a tile is lower than [mm]."""
         rows = self.lowest.vectors.shape[0]
         beneath = np.arange(self.shift, self.shift + rows) % self.highest.vectors.shape[0]
-        return float((self.lowest.to_numpy() - self.highest.to_numpy()[beneath]).min())
+        return self.lowest.to_numpy() - self.highest.to_numpy()[beneath]
 
     def displace(self, shift: int) -> None:
         """The disc lies so many rows on, 0 ≤ shift < its rows: nothing is listed."""
@@ -85,7 +89,8 @@ class SlidingTiles(TileList):
         self.limit = -math.inf
 
     def begin(self) -> None:
-        self._select(self.smallest)
+        bounds, rank = self._bounds().ravel(), self._least
+        self._select(float(np.partition(bounds, rank)[rank]) if rank < bounds.size else math.inf)
 
     def reach(self, approach: float, *, ahead: float = 0.0) -> None:
         if approach > self.limit:
@@ -103,7 +108,14 @@ class SlidingTiles(TileList):
     def _list(self, limit: float) -> None:
         self._executor.launch(
             sliding.select,
-            inputs=[limit, self.shift, *self._coarse, self.lowest.vectors, self.highest.vectors, *self._heights],
+            inputs=[
+                limit,
+                self.shift,
+                *self._coarse,
+                self.lowest.vectors,
+                self.highest.vectors,
+                *self._heights,
+            ],
             outputs=[self.gap, self.list, self.count],
             chunks=self._scan,
             often=True,

@@ -28,8 +28,8 @@ class TileList(ABC):
         self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         every = np.broadcast_to(np.arange(columns, dtype=np.int32), (nx, columns))
-        self.list = wp.array(every, dtype=wp.int32, device=device)
-        self.count = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
+        self.list: Field = wp.array(every, dtype=wp.int32, device=device)
+        self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
         self.limit = math.inf
         self.listed = nx * columns
         self.chunks = executor.share(np.full(nx, executor.grid.ny))
