@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-from baselines import NumpyLoop, Problem, Solved, sag_of, sliding_step, work_for
+from baselines import NumpyLoop, Problem
 from cold import cold
 from contenders import (
     Loop,
@@ -18,12 +17,12 @@ from contenders import (
     Trace,
     check,
     gap_of,
-    heights_of,
     named,
     package,
     steps,
     study_on,
 )
+from displaced import sliding
 from loops import sampled_run, whole_run
 from phases import kernel_times
 from timing import Row, Unit, measure, ratio_note
@@ -33,7 +32,6 @@ from warpwear import Study
 EARLY = [3.0e-3] * 10  # [mm]: near F/H
 LATE = [2400.0, 3.0, 3.0]  # implicit steps may be long: most of the footprint touches
 EARLY_STEP, LATE_STEP = 3.0e-3, 3.0
-SHIFT = 8  # cells a step of a displaced contact
 
 
 def static(cells: int, setting: Setting) -> list[Row]:
@@ -167,36 +165,6 @@ def phases(cells: int, setting: Setting) -> list[Row]:
     return rows
 
 
-def sliding(cells: int, setting: Setting) -> list[Row]:
-    """The disc moves by 8 cells a step under the sphere: NumPy alone, until a model of it is there."""
-    study = study_on(cells)
-    unit = Unit(cells)
-    problem = Problem.of(study)
-    sphere = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
-    count = setting.repeats + 1
-    track = np.pad(heights_of(study), ((0, SHIFT * count), (0, 0)), mode="reflect")
-    work = work_for(sphere)
-    trials: list[int] = []
-    removal = SHIFT * problem.cell
-
-    def run() -> None:
-        found = sliding_step(
-            sphere, track, start=SHIFT * len(trials), load=problem.load, hardness=problem.hardness,
-            cell=problem.cell, removal_sphere=problem.wear_sphere * removal,
-            removal_disc=problem.wear_disc * removal, work=work,
-        )  # fmt: skip
-        trials.append(found.trials)
-
-    seconds, units = measure(run, unit, setting.repeats)
-    worn = float((sphere - sag_of(study.cells.x, study.cells.y, study.sphere.curvature)).sum())
-    volume = problem.wear_sphere * removal * problem.load * len(trials)
-    blank = Solved(approach=1.0, volume_sphere=volume, volume_disc=0.0, area=1.0, evaluations=0)
-    worn *= problem.cell**2
-    check("sliding", {"K F L": [blank], "NumPy": [blank._replace(volume_sphere=worn)]})
-    note = f"{min(trials)}–{max(trials)} trials to half a cell's force; wears both bodies"
-    return [Row("sliding", cells, "NumPy", seconds, units, note)]
-
-
 def memory(cells: int, setting: Setting) -> list[Row]:
     """Peak memory of a run of ten steps above that after its imports, in float64 fields of its size."""
     command = [
@@ -245,7 +213,7 @@ CASES: dict[str, Case] = {
     "finer": Case(finer, sizes=(4096,), fields=12.0),
     "threads": Case(second_thread, fields=12.0, threads=2),
     "phases": Case(phases),
-    "sliding": Case(sliding, fields=8.0),
+    "sliding": Case(sliding, fields=14.0),
     "memory": Case(memory),
 }
 #: What --quick takes where no size is asked for.

@@ -8,12 +8,15 @@ from typing import Any
 
 import warp as wp
 
-#: Kernel files of a phase; a file that is not here is a phase of its own.
+#: Kernels or kernel files of a phase; a file that is not here is a phase of its own.
 PHASES = {
     "contact": "balance",
     "gap": "balance",
     "removal": "wear",
     "running_in": "wear",
+    "sliding.select": "gap",
+    "sliding.remove": "wear",
+    "sliding.totals": "wear",
 }
 
 
@@ -29,7 +32,8 @@ def kernel_times() -> Iterator[dict[str, float]]:
             return call()
         finally:
             file = kernel.module.name.rpartition(".")[2]
-            spent[PHASES.get(file, file)] += time.perf_counter() - start
+            phase = PHASES.get(f"{file}.{kernel.key}", PHASES.get(file, file))
+            spent[phase] += time.perf_counter() - start
 
     def first_launch(kernel: Any, *args: Any, **options: Any) -> Any:
         return timed(kernel, lambda: launch(kernel, *args, **options))

@@ -15,7 +15,7 @@ import numpy as np
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.kernels import contact, gap
-from warpwear.tiles import Tiles
+from warpwear.tiles import TileList
 
 #: Residual of the balance of a contact with compliance, relative to the load.
 TOLERANCE = 1.0e-12
@@ -67,7 +67,7 @@ class Balancer:
         self._sums = executor.partials(2)
         self._cell_area = executor.grid.cell_area
 
-    def bounds(self, gap_field: Field, tiles: Tiles) -> tuple[float, float]:
+    def bounds(self, gap_field: Field, tiles: TileList) -> tuple[float, float]:
         """Smallest and largest gap of the tiles listed [mm]."""
         self._executor.launch(gap.bounds, inputs=[gap_field], outputs=[self._sums], over=tiles, often=True)
         extremes = self._sums.numpy()
@@ -77,23 +77,25 @@ class Balancer:
         self,
         gap_field: Field,
         stiffness: Field,
-        tiles: Tiles,
+        tiles: TileList,
         *,
         load: float,
         hardness: float,
         start: float | None = None,
         step: float = 0.0,
+        scatter: float = 0.0,
     ) -> Balance:
         """Balance of a contact with compliance, to `TOLERANCE`.
 
         stiffness: 1/c [N/mm³], one row for all or one a row of cells. tiles: of the gap; more of them are
         listed as they are needed. start: approach near the solution [mm], from the step before; step: how far
-        beyond it the solution is expected [mm]. Without a start the search begins at the lowest cell.
+        beyond it the solution is expected [mm]; scatter: how far from there it may be, where that is known.
+        Without a start the search begins at the lowest cell.
 
         Raises ConvergenceError, never returns an unbalanced contact.
         """
-        low, ahead = -math.inf, STEPS_AHEAD * abs(step)
-        cold = start is None
+        low, ahead = -math.inf, max(STEPS_AHEAD * abs(step), scatter)
+        far = start is None or scatter > 0.0  # a list too short may lead far beyond the solution
         if start is None:
             start, low = tiles.smallest, 0.0
             known = stiffness.numpy()
@@ -105,7 +107,9 @@ class Balancer:
         base = start
         evaluations = 0
         while True:
-            found, base = self._search(gap_field, stiffness, tiles, base, step, low, load, hardness)
+            found, base = self._search(
+                gap_field, stiffness, tiles, base, step, low, scatter, load, hardness
+            )
             evaluations += found.evaluations
             approach = base + found.offset
             if not found.converged(load):
@@ -119,19 +123,22 @@ class Balancer:
                 )
             if approach <= tiles.limit:
                 return Balance(base, found.offset, hardness, found.force - load, evaluations=evaluations)
-            # Tiles that touch are missing: with them the approach is smaller, at first by far.
+            # Tiles that touch are missing: with them the approach is smaller, at first by far, but not below
+            # what this list served, give or take rounding.
+            low = 1.5 * (tiles.limit - approach)
             depth = max(DEEPER * (tiles.limit - start), LEAST_DEPTH)
-            tiles.reach(min(approach, start + depth) if cold else approach, ahead=ahead)
-            base, step, low = approach, 0.0, -math.inf
+            tiles.reach(min(approach, start + depth) if far else approach, ahead=ahead)
+            base, step = approach, 0.0
 
     def _search(
         self,
         gap_field: Field,
         stiffness: Field,
-        tiles: Tiles,
+        tiles: TileList,
         base: float,
         step: float,
         low: float,
+        scatter: float,
         load: float,
         hardness: float,
     ) -> "tuple[_Found, float]":
@@ -141,17 +148,17 @@ class Balancer:
             def carried(offset: float, base: float = base) -> tuple[float, float]:
                 return self._carried(gap_field, stiffness, tiles, base, offset, hardness)
 
-            found = _newton_in_bracket(carried, load, step, low, math.inf)
+            found = _newton_in_bracket(carried, load, step, low, math.inf, scatter)
             if found.converged(load) or not abs(found.offset) < HOPELESS:
                 break
             # Down to neighbouring numbers: from a base at the solution the offset has digits again.
-            base, step, low = base + found.offset, 0.0, -math.inf
+            base, step, low, scatter = base + found.offset, 0.0, -math.inf, 0.0
         return found, base
 
     def bearing(
         self,
         gap_field: Field,
-        tiles: Tiles,
+        tiles: TileList,
         *,
         highest: float,
         load: float,
@@ -190,8 +197,57 @@ class Balancer:
                 low = approach
         raise ConvergenceError(f"the bisection of the bearing area stopped with {high - low:.3g} mm to go.")
 
+    def bearing_near(
+        self,
+        gap_field: Field,
+        tiles: TileList,
+        *,
+        start: float,
+        scatter: float,
+        load: float,
+        hardness: float,
+        tolerance: float,
+    ) -> Balance:
+        """Balance of the bearing area from an approach near the solution [mm], which may be off by `scatter`.
+
+        A bracket is looked for in growing steps, then interpolated and halved in turns.
+        """
+        needed = load / (hardness * self._cell_area)
+        allowed = tolerance / (hardness * self._cell_area)
+        low, below = -math.inf, 0.0
+        high, above = math.inf, math.inf
+        approach, reach = start, scatter
+        for evaluation in range(1, MAX_EVALUATIONS):
+            tiles.reach(approach, ahead=scatter)
+            count = self._count(gap_field, tiles, approach)
+            if abs(count - needed) < allowed and count > 0:
+                return Balance(
+                    approach,
+                    0.0,
+                    load / (count * self._cell_area),
+                    (count - needed) * hardness * self._cell_area,
+                    evaluations=evaluation,
+                )
+            if count > needed:
+                high, above = approach, count
+            else:
+                low, below = approach, count
+            if math.isinf(low) or math.isinf(high):
+                approach += math.copysign(reach, needed - count)
+                reach *= DEEPER
+                if not reach < HOPELESS:
+                    break
+                continue
+            if high - low <= TIE:
+                return self._tied(gap_field, tiles, approach, load, hardness, evaluation)
+            share = (needed - below) / (above - below) if evaluation % 3 else 0.5
+            approach = low + share * (high - low)
+            if not low < approach < high:
+                approach = 0.5 * (low + high)
+        raise ConvergenceError(f"the bearing area has no balance near an approach of {start:.9g} mm.")
+
     def _tied(
-        self, gap_field: Field, tiles: Tiles, approach: float, load: float, hardness: float, done: int
+        self, gap_field: Field, tiles: TileList, approach: float, load: float, hardness: float, done: int
     ) -> Balance:
         above = float(np.nextafter(approach + TIE, math.inf))
         tiles.reach(above)
@@ -216,7 +272,7 @@ class Balancer:
         )
 
     def _carried(
-        self, gap_field: Field, stiffness: Field, tiles: Tiles, base: float, offset: float, cap: float
+        self, gap_field: Field, stiffness: Field, tiles: TileList, base: float, offset: float, cap: float
     ) -> tuple[float, float]:
         """Force [N] and its slope [N/mm] at an approach."""
         self._executor.launch(
@@ -229,7 +285,7 @@ class Balancer:
         force, slope = self._sums.numpy().sum(axis=1) * self._cell_area
         return float(force), float(slope)
 
-    def _count(self, gap_field: Field, tiles: Tiles, approach: float) -> float:
+    def _count(self, gap_field: Field, tiles: TileList, approach: float) -> float:
         """Cells in contact at an approach, of the tiles listed."""
         self._executor.launch(
             contact.bearing, inputs=[approach, gap_field], outputs=[self._sums], over=tiles, often=True
@@ -249,16 +305,21 @@ class _Found(NamedTuple):
 
 
 def _newton_in_bracket(
-    carried: Callable[[float], tuple[float, float]], load: float, guess: float, low: float, high: float
+    carried: Callable[[float], tuple[float, float]],
+    load: float,
+    guess: float,
+    low: float,
+    high: float,
+    scatter: float,
 ) -> _Found:
     """Looks for the offset with |force − load| ≤ TOLERANCE load until the bracket is down to one number.
 
     Newton's step is taken while it stays inside the bracket and the bracket halves at least every second
     evaluation: alone it crawls where c H is a few nanometres. Sides of the bracket that are not known yet are
-    looked for in doubling steps.
+    looked for in growing steps, the first as long as the guess is or may be wrong by.
     """
     offset = guess
-    reach = abs(guess) or FIRST_REACH
+    reach = max(abs(guess), scatter) or FIRST_REACH
     width_before = math.inf
     found = _Found(offset, math.nan, 0)
     for evaluation in range(1, MAX_EVALUATIONS):

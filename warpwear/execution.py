@@ -18,11 +18,11 @@ import warp as wp
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, device_steps, gap, removal, running_in, tiles
+from warpwear.kernels import contact, device_steps, gap, removal, running_in, sliding, tiles
 from warpwear.kernels.types import LANES, WIDTH, Cells
 
 if TYPE_CHECKING:
-    from warpwear.tiles import Tiles
+    from warpwear.tiles import TileList
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000
@@ -66,8 +66,10 @@ class Executor:
         self._launches: dict[tuple[str, int], tuple[Any, list[Any]]] = {}
         self._whole = self.share(np.full(grid.nx, self.vectors * LANES))
         # Compiled before any thread needs them.
-        for module in (gap, contact, removal, running_in, tiles, *([] if on_cpu else [device_steps])):
+        for module in (gap, contact, removal, running_in, sliding, tiles):
             wp.load_module(module, device=self.device)
+        if not on_cpu:
+            wp.load_module(device_steps, device=self.device)
 
     def __enter__(self) -> Self:
         return self
@@ -80,8 +82,10 @@ class Executor:
         """Ranges of slots for the threads, with about as many cells each. cells: of the rows, shape (nx,)."""
         if not self.device.is_cpu:
             return [(0, self.slots)]
+        chunks = max(1, min(self.threads, int(np.sum(cells)) // CELLS_PER_THREAD))
+        if chunks == 1:
+            return [(0, self.grid.nx)]
         done = np.concatenate([[0], np.cumsum(cells)])
-        chunks = max(1, min(self.threads, int(done[-1]) // CELLS_PER_THREAD))
         edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), self.grid.nx]
         return [(int(first), int(last)) for first, last in pairwise(edges)]
 
@@ -91,15 +95,18 @@ class Executor:
         *,
         inputs: Sequence[Any],
         outputs: Sequence[Any],
-        over: "Tiles | None" = None,
+        over: "TileList | None" = None,
+        chunks: list[tuple[int, int]] | None = None,
         often: bool = False,
     ) -> None:
         """Run a kernel over all slots; returns when it is done (CPU) or queued (GPU).
 
-        over: the tiles visited by a kernel that asks for a list of them. often: keep the launch for the next
+        over: the tiles visited by a kernel that asks for a list of them. chunks: ranges of slots for the
+        threads, other than those of the list or of whole rows. often: keep the launch for the next
         time, with its arguments, fields included: on small grids packing them is what a launch costs.
         """
-        chunks = self._whole if over is None else over.chunks
+        if chunks is None:
+            chunks = self._whole if over is None else over.chunks
         listed = [] if over is None else [over.list, over.count]
 
         def chunk(number: int) -> None:
@@ -133,13 +140,15 @@ class Executor:
         last[:] = [size, *arguments]
         return command
 
-    def zeros(self) -> Field:
-        """A field of zeros. On a CPU what is never touched takes neither time nor memory."""
+    def zeros(self, rows: int | None = None) -> Field:
+        """A field of zeros, of as many rows as the grid if nothing is said.
+
+        On a CPU what is never touched takes neither time nor memory.
+        """
+        shape = (self.grid.nx if rows is None else rows, self.vectors)
         if not self.device.is_cpu:
-            return wp.zeros((self.grid.nx, self.vectors), dtype=Cells, device=self.device)
-        return wp.array(
-            np.zeros((self.grid.nx, self.vectors, LANES)), dtype=Cells, device=self.device, copy=False
-        )
+            return wp.zeros(shape, dtype=Cells, device=self.device)
+        return wp.array(np.zeros((*shape, LANES)), dtype=Cells, device=self.device, copy=False)
 
     def field(self, values: FloatArray) -> Field:
         """A field from an array of shape (nx, ny), (1, ny) (every row the same) or (1, 1).

@@ -1,6 +1,7 @@
 """The list of tiles that a contact can reach: what a step has to visit of a field."""
 
 import math
+from abc import ABC, abstractmethod
 
 import numpy as np
 import warp as wp
@@ -15,33 +16,64 @@ SAMPLED, SAMPLE = 20_000, 4
 LEAST_TILES = 16
 
 
-class Tiles:
-    """Tiles of one gap whose lowest cell lies below a limit, row by row.
+class TileList(ABC):
+    """Tiles that a contact can reach, row by row: those with a cell whose gap does not exceed `limit` [mm].
 
-    The list serves every approach up to `limit`: what is not listed cannot touch, because gaps only open. It
-    is made anew when the limit is passed. On a GPU every tile is always listed: a pass over the memory costs
-    less there than to decide about it.
+    What is not listed cannot touch at an approach up to the limit. At first every tile is listed.
 
     least: cells that a list holds at least, so that a capped contact can carry its load on them.
+    """
+
+    def __init__(self, executor: Executor, *, least: float) -> None:
+        self._executor = executor
+        self._cells_of_tile = executor.grid.ny / executor.tiles_per_row
+        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
+        device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
+        every = np.broadcast_to(np.arange(columns, dtype=np.int32), (nx, columns))
+        self.list: Field = wp.array(every, dtype=wp.int32, device=device)
+        self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
+        self.limit = math.inf
+        self.listed = nx * columns
+        self.chunks = executor.share(np.full(nx, executor.grid.ny))
+
+    @property
+    @abstractmethod
+    def smallest(self) -> float:
+        """No gap is lower [mm]."""
+
+    @abstractmethod
+    def begin(self) -> None:
+        """To a list of the lowest tiles, where a search from the lowest cell begins."""
+
+    @abstractmethod
+    def reach(self, approach: float, *, ahead: float = 0.0) -> None:
+        """List all that touches up to an approach [mm]; where that takes a new list, up to so much more."""
+
+    def _adopt(self, limit: float) -> None:
+        """The list that a kernel has made for a limit."""
+        self.limit = limit
+        count = self.count.numpy()
+        self.listed = int(count.sum())
+        self.chunks = self._executor.share(count * self._cells_of_tile)
+
+
+class Tiles(TileList):
+    """Tiles of one gap that lies still and only opens.
+
+    The list serves every approach up to `limit`. It is made anew when the limit is passed. On a GPU every
+    tile is always listed: a pass over the memory costs less there than to decide about it.
     """
 
     def __init__(
         self, executor: Executor, gap: Field, wear_sphere: Field, wear_disc: Field, *, least: float
     ) -> None:
-        self._executor = executor
-        self._cells_of_tile = executor.grid.ny / executor.tiles_per_row
-        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
+        super().__init__(executor, least=least)
         self._fields = [gap, wear_sphere, wear_disc]
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._lowest = wp.zeros((nx, columns), dtype=wp.float64, device=device)
         self._kept = wp.zeros((nx, columns), dtype=Kept, device=device)
         self.rest = wp.zeros(nx, dtype=Kept, device=device)
-        every = np.broadcast_to(np.arange(columns, dtype=np.int32), (nx, columns))
-        self.list: Field = wp.array(every, dtype=wp.int32, device=device)
-        self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
-        self.limit = self._asked = math.inf
-        self.listed = nx * columns
-        self.chunks = executor.share(np.full(nx, executor.grid.ny))
+        self._asked = math.inf
         executor.launch(tiles.lowest, inputs=[gap], outputs=[self._lowest])
         self._smallest = float(self._lowest.numpy().min())
         self._on_cpu = device.is_cpu
@@ -82,7 +114,4 @@ class Tiles:
             inputs=[limit, *self._fields],
             outputs=[self._lowest, self._kept, self.rest, self.list, self.count],
         )
-        self.limit = limit
-        count = self.count.numpy()
-        self.listed = int(count.sum())
-        self.chunks = self._executor.share(count * self._cells_of_tile)
+        self._adopt(limit)

@@ -1,0 +1,196 @@
+"""A displaced contact that visits what can touch finds what visiting every cell finds."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+import reference
+from numpy.testing import assert_allclose
+
+from warpwear import Study
+from warpwear.execution import Executor
+from warpwear.grid import FloatArray, Grid
+from warpwear.one_scale import Step
+from warpwear.sliding import SlidingContact
+from warpwear.sliding_tiles import SlidingTiles
+
+SHAPE, ROWS, CELL = (31, 299), 44, 0.005
+STEPS = 25
+LAWS = {
+    "implicit": {"stepping.scheme": "implicit"},
+    "implicit, no cap": {"stepping.scheme": "implicit", "contact.hardness": "inf MPa"},
+    "explicit": {"stepping.scheme": "explicit", "contact.stiffness": "2e5 N/mm^3"},
+    "bearing area": {"stepping.scheme": "explicit", "stepping.load_tolerance": "0.00738 N"},
+}
+
+
+def rough(rng: np.random.Generator) -> FloatArray:
+    return rng.normal(0.0, 1e-3, (ROWS, SHAPE[1])).cumsum(axis=1) * 0.1
+
+
+def plateaus(rng: np.random.Generator) -> FloatArray:
+    return np.round(rng.normal(0.0, 2.0, (ROWS, SHAPE[1]))) * 1e-3
+
+
+def one_spike(rng: np.random.Generator) -> FloatArray:
+    heights = rng.normal(0.0, 1e-4, (ROWS, SHAPE[1]))
+    heights[20, 141] = 0.05
+    return heights
+
+
+def flat(rng: np.random.Generator) -> FloatArray:
+    return np.zeros((ROWS, SHAPE[1]))
+
+
+SURFACES: list[Callable[[np.random.Generator], FloatArray]] = [rough, plateaus, one_spike, flat]
+
+
+@dataclass
+class Plain:
+    """The same contact in NumPy, every cell at every step."""
+
+    study: Study
+    sphere: FloatArray
+    disc: FloatArray
+
+    def __post_init__(self) -> None:
+        self.wear_sphere = np.zeros_like(self.sphere)
+        self.wear_disc = np.zeros_like(self.disc)
+
+    def step(self, shift: int, increment: float) -> reference.Contact:
+        beneath = (np.arange(SHAPE[0]) + shift) % self.disc.shape[0]
+        study = self.study
+        load, hardness = study.contact.load, study.hardness
+        removal = [law.removal(0.0, increment) for law in study.wear_laws]
+        c = study.law().compliance + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
+        gap = self.sphere - self.disc[beneath]
+        if c > 0.0:
+            contact = reference.foundation(gap, c, load, hardness, CELL)
+        else:
+            contact = reference.bearing(gap, load, hardness, CELL, study.load_tolerance)
+        self.sphere += removal[0] * contact.pressure
+        self.wear_sphere += removal[0] * contact.pressure
+        self.disc[beneath] -= removal[1] * contact.pressure
+        self.wear_disc[beneath] += removal[1] * contact.pressure
+        return contact
+
+
+def study_of(law: str) -> Study:
+    changes: dict[str, Any] = {"stepping.increment": "1 mm", "stepping.force": True}
+    return Study.load("v3-fine").replace(changes | LAWS[law])
+
+
+def displacements(rng: np.random.Generator, *, periodic: bool) -> list[tuple[int, float]]:
+    """Shifts of 1 to 64 cells in both directions and steps of many lengths."""
+    moves = rng.integers(1, 65, STEPS) * rng.choice([-1, 1], STEPS)
+    places = moves.cumsum()
+    if not periodic:  # between the ends, with stops at both
+        places = np.clip(moves, 0, ROWS - SHAPE[0])
+    return list(zip(places.tolist(), (10.0 ** rng.uniform(-2.5, 0.5, STEPS)).tolist(), strict=True))
+
+
+def fields_of(contact: SlidingContact, executor: Executor) -> dict[str, FloatArray]:
+    return {name: executor.to_numpy(field).copy() for name, field in vars(contact.state).items()}
+
+
+@pytest.mark.parametrize("periodic", [True, False], ids=["periodic", "track"])
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("make", SURFACES)
+def test_a_displaced_contact_is_that_of_every_cell(
+    make: Callable[[np.random.Generator], FloatArray], law: str, periodic: bool, threads: int
+) -> None:
+    """Cells in contact, approach, pressures and volumes to 1e-12 over a random sequence of displacements."""
+    rng = np.random.default_rng(7)
+    study, disc = study_of(law), make(rng)
+    grid = Grid(*SHAPE, CELL)
+    plain = Plain(study, reference.sphere_gap(grid.x, grid.y, study.sphere.radius), disc.copy())
+    with Executor(grid, threads=threads) as executor:
+        contact = SlidingContact(study, disc, executor, periodic=periodic)
+        for shift, increment in displacements(rng, periodic=periodic):
+            found, expected = contact.step(shift, increment), plain.step(shift, increment)
+            pressure = expected.pressure
+            assert found.row["cells_in_contact"] == np.count_nonzero(pressure)
+            if law != "bearing area":  # of which any approach up to the next cell will do
+                assert found.balance.approach == pytest.approx(expected.approach, rel=1e-12, abs=1e-15)
+            row = {
+                "area_plastic": np.count_nonzero(expected.plastic) * CELL**2,
+                "pressure_mean": pressure[pressure > 0.0].mean(),
+                "pressure_max": pressure.max(),
+                "wear_volume_sphere": plain.wear_sphere.sum() * CELL**2,
+                "wear_volume_disc": plain.wear_disc.sum() * CELL**2,
+                "wear_depth_sphere": plain.wear_sphere.max(),
+                "wear_depth_disc": plain.wear_disc.max(),
+                "area_touched": np.count_nonzero(plain.wear_sphere) * CELL**2,
+            }
+            for name, value in row.items():
+                assert found.row[name] == pytest.approx(value, rel=1e-11), name
+        for name, field in fields_of(contact, executor).items():
+            assert_allclose(field, getattr(plain, name), rtol=1e-11, atol=1e-15, err_msg=name)
+
+
+def run(law: str, disc: FloatArray, moves: list[tuple[int, float]], threads: int) -> tuple[list[Step], Any]:
+    with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
+        contact = SlidingContact(study_of(law), disc, executor, periodic=True)
+        return [contact.step(*move) for move in moves], fields_of(contact, executor)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("make", SURFACES)
+def test_listed_tiles_give_what_every_tile_gives(
+    make: Callable[[np.random.Generator], FloatArray],
+    law: str,
+    threads: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rng = np.random.default_rng(8)
+    disc, moves = make(rng), displacements(rng, periodic=True)
+    some, some_fields = run(law, disc, moves, threads)
+    monkeypatch.setattr(SlidingTiles, "_select", lambda self, limit: self._list(np.inf))
+    every, every_fields = run(law, disc, moves, threads)
+    for one, other in zip(some, every, strict=True):
+        assert one.row["cells_in_contact"] == other.row["cells_in_contact"]
+        for name, value in other.row.items():
+            if name not in ("evaluations", "load_residual", "pressure_std"):
+                rel = 1e-6 if (name, law) == ("approach", "bearing area") else 1e-11
+                assert one.row[name] == pytest.approx(value, rel=rel, abs=1e-15), name
+    for name, field in some_fields.items():
+        assert_allclose(field, every_fields[name], rtol=1e-11, atol=1e-15, err_msg=name)
+
+
+def test_bounds_follow_the_wear(threads: int) -> None:
+    """After many steps the bounds and sums of every tile are those of the fields."""
+    rng = np.random.default_rng(9)
+    disc = rough(rng)
+    with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
+        contact = SlidingContact(study_of("implicit"), disc, executor, periodic=True)
+        for move in displacements(rng, periodic=True):
+            contact.step(*move)
+        tiles, state = contact.tiles, contact.state
+        again = SlidingTiles(executor, state.sphere, state.disc, least=1.0)
+        assert np.array_equal(tiles.lowest.to_numpy(), again.lowest.to_numpy())
+        assert np.array_equal(tiles.highest.to_numpy(), again.highest.to_numpy())
+
+
+def test_a_step_visits_few_tiles() -> None:
+    study = Study.load("v3-fine").replace({"grid.cell": "2 um"})
+    from warpwear.surface_of import surface_in
+
+    grid = study.cells
+    with Executor(grid) as executor:
+        contact = SlidingContact(study, surface_in(study).heights(grid.x, grid.y), executor, periodic=True)
+        for i in range(8):
+            contact.step(8 * i, 8e-3)
+            assert 0 < contact.tiles.listed < 0.1 * grid.nx * executor.tiles_per_row
+
+
+def test_a_track_has_ends() -> None:
+    with Executor(Grid(*SHAPE, CELL)) as executor:
+        contact = SlidingContact(study_of("implicit"), np.zeros((ROWS, SHAPE[1])), executor)
+        contact.step(ROWS - SHAPE[0], 1e-2)
+        for shift in (-1, ROWS - SHAPE[0] + 1):
+            with pytest.raises(ValueError, match=f"a shift of {shift} rows leaves the disc of {ROWS} rows"):
+                contact.step(shift, 1e-2)
+        with pytest.raises(ValueError, match="does not fit"):
+            SlidingContact(study_of("implicit"), np.zeros(SHAPE)[1:], executor)

@@ -1,0 +1,267 @@
+"""One grid in motion: a disc displaced by whole cells under a wearing sphere, step by step."""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from warpwear.balance import RIGID, Balance, Balancer
+from warpwear.errors import ConvergenceError
+from warpwear.execution import Executor, Field
+from warpwear.grid import FloatArray
+from warpwear.kernels import gap, sliding
+from warpwear.kernels.types import LANES, PADDING, STEP, STEP_MAXIMA
+from warpwear.one_scale import Step
+from warpwear.sliding_tiles import PerTile, SlidingTiles
+from warpwear.study import Study
+
+#: Cells listed at least, over those that carry the load at the hardness.
+SPARE = 1.25
+#: Changes of the approach from which the next is expected, and how many times the largest it may be.
+CHANGES, TIMES = 8, 2.0
+#: What the approach may change by when nothing is known of it, and at least [mm].
+FIRST_SCATTER, LEAST_SCATTER = 1.0e-4, 1.0e-6
+
+
+@dataclass
+class State:
+    """Fields [mm] on the executor's device: of nx × ny cells, and of the disc's rows × ny cells."""
+
+    sphere: Field  # height over the unworn apex, as worn
+    disc: Field  # height over the mean plane, as worn
+    wear_sphere: Field
+    wear_disc: Field
+
+
+class SlidingContact:
+    """Contact and wear of one study while its disc moves under the sphere.
+
+    A step visits what can touch at that displacement, and finds what visiting every cell would find. Every
+    cell of either body slides by the increment of the step while it is in contact: a distance factor of the
+    study is a matter of a disc that lies still, and is not applied.
+
+    disc: heights over the mean plane [mm], shape (rows ≥ nx, ny); row i of the sphere lies on row i + shift.
+    periodic: after the disc's last row comes its first. sphere: heights over the unworn apex [mm], shape
+    (nx, ny), instead of those of the study's sphere.
+
+    Raises ValueError for a disc that is shorter than the grid or of another width.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        disc: FloatArray,
+        executor: Executor,
+        *,
+        periodic: bool = False,
+        sphere: FloatArray | None = None,
+    ) -> None:
+        grid = executor.grid
+        if disc.shape[0] < grid.nx or disc.shape[1] != grid.ny:
+            raise ValueError(f"a disc of {disc.shape} cells does not fit under a grid of {grid.shape}")
+        self.study = study
+        self.periodic = periodic
+        self._executor = executor
+        self._rows = disc.shape[0]
+        self._balancer = Balancer(executor)
+        self.state = State(
+            _padded(executor, sphere, PADDING) if sphere is not None else self._sphere(),
+            _padded(executor, disc, -PADDING),
+            executor.zeros(),
+            executor.zeros(self._rows),
+        )
+        fully = study.contact.load / (study.hardness * grid.cell_area)
+        self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
+        columns, device = executor.tiles_per_row, executor.device
+        # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc.
+        rows = (grid.nx, grid.nx, self._rows)
+        self._kept = [PerTile(n, columns, device) for n in rows]
+        self._totals = [wp.zeros(n, dtype=wp.float64, device=device) for n in rows]
+        self._sums = executor.partials(len(STEP))
+        self._maxima = executor.partials(len(STEP_MAXIMA))
+        self._stiffness: tuple[float, Field] | None = None  # with the compliance that it was made for
+        self._approach: float | None = None
+        self._changes: deque[float] = deque(maxlen=CHANGES)
+        self._columns = executor.grid.ny, -1  # first and last one touched
+        self._most = dict.fromkeys(STEP_MAXIMA, -math.inf)
+        self._row = dict.fromkeys(
+            (
+                "distance",
+                "area_contact",
+                "area_cumulative",
+                "archard_volume_sphere",
+                "archard_volume_disc",
+                "pressure_mean",
+            ),
+            0.0,
+        )
+
+    def step(self, shift: int, increment: float) -> Step:
+        """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
+
+        Raises ConvergenceError when the load cannot be balanced, ValueError when a disc that is not periodic
+        would leave a part of the sphere without one.
+        """
+        if self.periodic:
+            shift %= self._rows
+        if not 0 <= shift <= self._rows - (0 if self.periodic else self._executor.grid.nx):
+            raise ValueError(f"a shift of {shift} rows leaves the disc of {self._rows} rows")
+        self.tiles.displace(shift)
+        distance = self._row["distance"]
+        removal_sphere, removal_disc = (law.removal(distance, increment) for law in self.study.wear_laws)
+        compliance = self._compliance(removal_sphere + removal_disc)
+        stiffness = self._stiffness_of(compliance)
+        balance = self._balance(stiffness, rigid=compliance == 0.0)
+        near_mean = balance.cap if compliance == 0.0 else self._row["pressure_mean"] or balance.cap
+        reference = near_mean if math.isfinite(near_mean) else 0.0
+        state, tiles = self.state, self.tiles
+        self._executor.launch(
+            sliding.remove,
+            inputs=[*balance.law, removal_sphere, removal_disc, reference, shift, *self._columns, stiffness],
+            outputs=[
+                tiles.gap,
+                state.sphere,
+                state.disc,
+                state.wear_sphere,
+                state.wear_disc,
+                tiles.lowest.numbers,
+                tiles.highest.numbers,
+                *(kept.numbers for kept in self._kept),
+                self._sums,
+                self._maxima,
+            ],
+            over=tiles,
+            often=True,
+        )
+        self._executor.launch(
+            sliding.totals,
+            inputs=[shift, *(kept.vectors for kept in self._kept)],
+            outputs=self._totals,
+            over=tiles,
+            often=True,
+        )
+        if self._approach is not None:
+            self._changes.append(abs(balance.approach - self._approach))
+        self._approach = balance.approach
+        return self._measured(balance, increment, (removal_sphere, removal_disc), reference)
+
+    def _sphere(self) -> Field:
+        """Heights of the study's sphere, by the kernel that makes the gap of a smooth disc."""
+        grid = self._executor.grid
+        nothing, heights = self._executor.zeros(), self._executor.zeros()
+        self._executor.launch(
+            gap.gap,
+            inputs=[
+                grid.ny,
+                grid.cell,
+                float(grid.x[0]),
+                float(grid.y[0]),
+                self.study.sphere.curvature,
+                nothing,
+                nothing,
+                nothing,
+            ],
+            outputs=[heights],
+        )
+        return heights
+
+    def _compliance(self, removal: float) -> float:
+        """c of a step that removes so much [mm³/N]."""
+        area = self._row["area_contact"]
+        law = self.study.law(radius=math.sqrt(area / math.pi) if area else None)
+        return law.compliance + (removal if self.study.stepping.scheme == "implicit" else 0.0)
+
+    def _stiffness_of(self, compliance: float) -> Field:
+        if self._stiffness is None or self._stiffness[0] != compliance:
+            stiffness = min(1.0 / compliance, RIGID) if compliance else RIGID
+            row = np.full((1, self._executor.grid.ny), stiffness)
+            self._stiffness = compliance, self._executor.field(row)
+        return self._stiffness[1]
+
+    def _balance(self, stiffness: Field, *, rigid: bool) -> Balance:
+        scatter = max(TIMES * max(self._changes, default=0.5 * FIRST_SCATTER), LEAST_SCATTER)
+        load, hardness = self.study.contact.load, self.study.hardness
+        if not rigid:
+            return self._balancer.foundation(
+                self.tiles.gap,
+                stiffness,
+                self.tiles,
+                load=load,
+                hardness=hardness,
+                start=self._approach,
+                scatter=0.0 if self._approach is None else scatter,
+            )
+        if not math.isfinite(hardness):
+            raise ValueError("a contact without compliance needs a hardness")
+        # Without an approach the search starts at the lowest cell, which is not far from the level sought.
+        return self._balancer.bearing_near(
+            self.tiles.gap,
+            self.tiles,
+            start=self.tiles.smallest if self._approach is None else self._approach,
+            scatter=scatter,
+            load=load,
+            hardness=hardness,
+            tolerance=self.study.load_tolerance,
+        )
+
+    def _measured(
+        self, balance: Balance, increment: float, removal: tuple[float, float], reference: float
+    ) -> Step:
+        grid = self._executor.grid
+        area = grid.cell_area
+        total = dict(zip(STEP, self._sums.numpy().sum(axis=1).tolist(), strict=True))
+        most = dict(zip(STEP_MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
+        count = total["contact"]
+        if not count > 0.0 or not math.isfinite(total["pressure"]):
+            raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
+        by_row, *worn = (totals.numpy() for totals in self._totals)
+        wear_sphere, wear_disc = (float(rows.sum()) for rows in worn)
+        rows_touched = np.flatnonzero(by_row)
+        first_row, last_row = int(rows_touched[0]), int(rows_touched[-1])
+        # What was reached once stays so, also where the tiles visited now do not show it.
+        self._most = {name: max(most[name], self._most[name]) for name in most}
+        pressure_max, most = most["pressure"], self._most
+        mean = total["pressure"] / count
+        variance = total["deviation_squared"] / count - (mean - reference) ** 2
+        first_column, last_column = self._columns = int(-most["first_column"]), int(most["last_column"])
+        along = (last_row - first_row + 1) * grid.cell
+        across = (last_column - first_column + 1) * grid.cell
+        load, before = self.study.contact.load, self._row
+        self._row = {
+            "distance": before["distance"] + increment,
+            "increment": increment,
+            "approach": balance.approach,
+            "load": load,
+            "load_residual": balance.load_residual,
+            "area_contact": count * area,
+            "area_plastic": total["capped"] * area,
+            "area_touched": float(by_row.sum()) * area,
+            "area_cumulative": before["area_cumulative"] + count * area,
+            "area_nominal": math.pi / 4.0 * along * across,
+            "patch_along": along,
+            "patch_across": across,
+            "pressure_mean": mean,
+            "pressure_std": math.sqrt(max(variance, 0.0)),
+            "pressure_max": pressure_max,
+            "wear_volume_sphere": wear_sphere * area,
+            "wear_volume_disc": wear_disc * area,
+            "wear_depth_sphere": most["wear_sphere"],
+            "wear_depth_disc": most["wear_disc"],
+            "cells_in_contact": count,
+            "archard_volume_sphere": before["archard_volume_sphere"] + removal[0] * load,
+            "archard_volume_disc": before["archard_volume_disc"] + removal[1] * load,
+            "evaluations": float(balance.evaluations),
+        }
+        reach = max(-grid.x[first_row], grid.x[last_row], -grid.y[first_column], grid.y[last_column])
+        beyond_sphere = (reach + 1.5 * grid.cell) * self.study.sphere.curvature >= 1.0
+        at_edge = min(first_row, first_column) < 1 or last_row > grid.nx - 2 or last_column > grid.ny - 2
+        return Step(balance, self._row, at_edge, beyond_sphere)
+
+
+def _padded(executor: Executor, heights: FloatArray, padding: float) -> Field:
+    """A field of its own, with a height beyond the last column that never touches."""
+    values = np.full((heights.shape[0], executor.vectors * LANES), padding)
+    values[:, : heights.shape[1]] = heights
+    return executor.field(values)
