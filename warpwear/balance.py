@@ -107,9 +107,7 @@ class Balancer:
         base = start
         evaluations = 0
         while True:
-            found, base = self._search(
-                gap_field, stiffness, tiles, base, step, low, scatter, load, hardness
-            )
+            found, base = self._search(gap_field, stiffness, tiles, base, step, low, scatter, load, hardness)
             evaluations += found.evaluations
             approach = base + found.offset
             if not found.converged(load):
