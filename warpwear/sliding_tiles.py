@@ -66,9 +66,8 @@ class SlidingTiles(TileList):
                 chunks=[(0, field.shape[0] * executor.slots_per_row)],
             )
         rows = sphere.shape[0], -1, LANES
-        self._coarse: list[
-            Field
-        ] = [  # the sphere's lowest of eight tiles, the disc's highest of a row, before any wear
+        # The sphere's lowest of eight tiles and the disc's highest of a row, before any wear.
+        self._coarse: list[Field] = [
             wp.array(self.lowest.to_numpy().reshape(rows).min(axis=2), dtype=wp.float64, device=device),
             wp.array(self.highest.to_numpy().max(axis=1), dtype=wp.float64, device=device),
         ]
