@@ -7,7 +7,7 @@ import warp as wp
 from baselines import NumpyLoop, Problem
 from cases import EARLY, LATE, LATE_STEP, Case
 from contenders import Setting, Trace, check, gap_of, package, study_on
-from loops import plan_of, whole
+from loops import plan_of
 from timing import Row, Unit, measure
 
 from warpwear import Study
@@ -16,6 +16,8 @@ from warpwear.grid import Grid
 
 #: Where the package's steps are compared with NumPy's.
 CHECK_CELLS = 1024
+#: Steps between two looks at the history.
+IN_A_BLOCK = 8
 COPIES = 20  # in a row, so that the time of a launch does not count
 
 
@@ -49,7 +51,7 @@ def compared(case: str, setting: Setting) -> None:
     before = [*EARLY, *LATE, LATE_STEP]
     with package(study, setting, 1) as fresh:
         model = fresh()
-        found = [model.advance(d) for d in before]
+        found = model.advance_all(before)
     in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
     check(case, {setting.device: found, "NumPy": [in_numpy.advance(d) for d in before]})
 
@@ -63,12 +65,14 @@ def late(cells: int, setting: Setting) -> list[Row]:
         model = fresh()
         trace.extend(model.advance(d) for d in LATE)
 
-        def run() -> None:
-            trace.append(model.advance(LATE_STEP))
-            wp.synchronize_device(setting.device)
+        def run() -> float:
+            start = time.perf_counter()
+            trace.extend(model.advance_all([LATE_STEP] * IN_A_BLOCK))
+            return (time.perf_counter() - start) / IN_A_BLOCK
 
         seconds, units = measure(run, unit, setting.repeats)
-    evaluations = sum(found.evaluations for found in trace[-setting.repeats :]) / setting.repeats
+    timed = trace[-setting.repeats * IN_A_BLOCK :]
+    evaluations = sum(found.evaluations for found in timed) / len(timed)
     bandwidth = unit.bytes / statistics.median(units)
     # The gap once an evaluation; gap and both wears read and written by the wear.
     moved = (evaluations + 6.0) * 8 * cells**2 / statistics.median(seconds)
@@ -91,9 +95,12 @@ def run_fine(_: int, setting: Setting) -> list[Row]:
     with package(study, setting, 1) as fresh:
 
         def run() -> float:
-            return whole(fresh(), plan, [])
+            model = fresh()
+            start = time.perf_counter()
+            model.advance_all(plan)
+            return time.perf_counter() - start
 
-        whole(fresh(), plan[:5], [])
+        fresh().advance_all(plan[:5])
         seconds, units = measure(run, unit, setting.repeats)
     note = f"{len(plan)} steps, {1e6 * sorted(seconds)[len(seconds) // 2] / len(plan):.0f} µs each"
     return [Row("gpu-v3-fine", unit.cells, f"warpwear on {setting.device}", seconds, units, note)]

@@ -19,7 +19,7 @@ from timing import Row, Unit, measure
 from warpwear import Study
 from warpwear.execution import Executor
 from warpwear.grid import Grid
-from warpwear.one_scale import OneScaleModel
+from warpwear.one_scale import OneScaleModel, Step
 from warpwear.surface_of import surface_in
 
 #: Relative difference allowed between contenders, in approach, volumes and area.
@@ -61,7 +61,14 @@ class Package:
         self._model = OneScaleModel(study, heights, executor)
 
     def advance(self, increment: float) -> Solved:
-        step = self._model.advance(increment)
+        return self._solved(self._model.advance(increment))
+
+    def advance_all(self, increments: Iterable[float]) -> list[Solved]:
+        """Steps in a row, on a GPU in blocks."""
+        return [self._solved(step) for step in self._model.steps((d, False) for d in increments)]
+
+    @staticmethod
+    def _solved(step: Step) -> Solved:
         row = step.row
         return Solved(
             step.balance.approach,
