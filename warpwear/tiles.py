@@ -1,6 +1,8 @@
 """The list of tiles that a contact can reach: what a step has to visit of a field."""
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -52,6 +54,27 @@ class Tiles:
         """Lowest gap before anything was worn [mm]; none is lower later."""
         return self._smallest
 
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that `restore` takes back; the list too, as sums depend on it in rounding."""
+        arrays = {name: array.numpy() for name, array in self._arrays().items()}
+        return arrays, {"limit": self.limit, "asked": self._asked, "fresh": self._fresh}
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on with the list of another time, on the fields of that time."""
+        for name, array in self._arrays().items():
+            array.assign(arrays[name])
+        self.limit, self._asked, self._fresh = numbers["limit"], numbers["asked"], numbers["fresh"]
+        self._count_listed()
+
+    def _arrays(self) -> dict[str, Any]:
+        return {
+            "tiles_lowest": self._lowest,
+            "tiles_kept": self._kept,
+            "tiles_rest": self.rest,
+            "tiles_list": self.list,
+            "tiles_count": self.count,
+        }
+
     def begin(self) -> None:
         """From every tile, which is what is listed at first, to the lowest."""
         if self._fresh and self._on_cpu:
@@ -83,6 +106,9 @@ class Tiles:
             outputs=[self._lowest, self._kept, self.rest, self.list, self.count],
         )
         self.limit = limit
+        self._count_listed()
+
+    def _count_listed(self) -> None:
         count = self.count.numpy()
         self.listed = int(count.sum())
         self.chunks = self._executor.share(count * self._cells_of_tile)
