@@ -19,8 +19,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parent.parent))
-
 import h5py
 import numpy as np
 
@@ -29,6 +27,7 @@ from warpwear import Study, execution, run
 SMALL = {"grid.cell": "20 um", "output.snapshots": ["0.5 mm", "3 mm"]}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "micro, implicit": ("v3-fine", SMALL | {"sliding.distance": "30 mm"}),
+    "micro, many tiles": ("v3-fine", {"grid.cell": "5 um", "sliding.distance": "2 mm"}),
     "micro, elastic, radial": (
         "v3-fine",
         SMALL

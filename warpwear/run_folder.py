@@ -90,10 +90,9 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
                 shutil.rmtree(work, ignore_errors=True)
     except OSError as error:
         why = error.strerror or str(error)
-        left = "no run"
-        if checkpoint.is_one(folder / checkpoint.FILE_NAME):
-            left = "a checkpoint, with which --resume goes on"
-        raise InputError(f"out = {folder} could not be written and holds {left}: {why}.") from error
+        kept = checkpoint.is_one(folder / checkpoint.FILE_NAME)
+        what = "a checkpoint, with which --resume goes on" if kept else "no run"
+        raise InputError(f"out = {folder} could not be written and holds {what}: {why}.") from error
     finally:
         for path in made:
             with suppress(OSError):  # not empty
