@@ -22,6 +22,7 @@ from test_tiles import CELL, LAWS, SHAPE, SURFACES
 import warpwear
 from warpwear import InputError, Result, Study, checkpoint, cli, run_lock
 from warpwear.checkpoint import FILE_NAME, HEADER
+from warpwear.device_loop import DeviceLoop
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.one_scale import OneScaleModel
@@ -139,6 +140,36 @@ def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path) -> Non
         assert len(result.snapshot_distances) == 2
     assert differences(one, other) == []
     assert sorted(p.name for p in other.iterdir()) == sorted(p.name for p in one.iterdir())
+
+
+def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As a GPU makes them: within a block the state is ahead of the history."""
+    made, init, run = [], OneScaleModel.__init__, DeviceLoop.run
+
+    def in_blocks(self: OneScaleModel, *args: Any, **kwargs: Any) -> None:
+        init(self, *args, **kwargs)
+        self.in_blocks = True
+
+    def stopped(self: DeviceLoop, *args: Any, **kwargs: Any) -> Any:
+        made.append(1)
+        if len(made) == 4:
+            raise SystemExit
+        return run(self, *args, **kwargs)
+
+    monkeypatch.setattr(OneScaleModel, "__init__", in_blocks)
+    monkeypatch.setattr("warpwear.one_scale.LONGEST_BLOCK", 10)
+    one, other = tmp_path / "alone", tmp_path / "stopped"
+    warpwear.run(short(), out=one, plots=False).close()
+    monkeypatch.setattr(DeviceLoop, "run", stopped)
+    with pytest.raises(SystemExit):
+        warpwear.run(short(), out=other, plots=False)
+    with h5py.File(other / FILE_NAME) as file:
+        assert file["rows"].shape[0] > 20
+        assert list(file["snapshots"]) == ["0000"]
+    warpwear.run(short(), out=other, plots=False, resume=True).close()
+    assert differences(one, other) == []
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
