@@ -72,6 +72,7 @@ def with_changes(command: Callable[..., Any]) -> Callable[..., Any]:
 @with_changes
 @click.option("--no-plots", is_flag=True, help="Draw no figures.")
 @click.option("--overwrite", is_flag=True, help="Replace the run that the folder holds.")
+@click.option("--resume", is_flag=True, help="Go on with the run that was stopped in the folder.")
 def run(
     study: str,
     out: Path | None,
@@ -80,17 +81,23 @@ def run(
     changes: tuple[str, ...],
     no_plots: bool,
     overwrite: bool,
+    resume: bool,
 ) -> None:
     """Run STUDY and write its run folder.
 
-    The folder gets study.toml, result.h5, history.csv, summary.json, figures and log.txt.
+    The folder gets study.toml, result.h5, history.csv, summary.json, figures and log.txt; while the run goes
+    on, every 2 minutes (run.checkpoint) and when it is interrupted, a checkpoint for --resume.
     """
+    from warpwear import checkpoint, run_folder
     from warpwear.results import Result
     from warpwear.runner import run as run_study
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # a batch system's way of pressing Ctrl-C
     loaded = _load(study, changes)
     folder = out if out is not None else Path(loaded.study.name)
+    if resume and not overwrite and run_folder.is_finished(folder, loaded):
+        click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
+        return
     try:
         result = run_study(
             loaded,
@@ -99,6 +106,7 @@ def run(
             threads=threads,
             plots=not no_plots,
             overwrite=overwrite,
+            resume=resume,
             progress=True,
         )
     except KeyboardInterrupt:
@@ -106,6 +114,8 @@ def run(
             with Result.open(folder) as result:
                 how = "finished, without all its figures" if result.finished else "unfinished"
                 click.echo(f"{folder}/ holds the run as far as it came: {how}", err=True)
+        if checkpoint.is_one(folder / checkpoint.FILE_NAME):
+            click.echo("the same command with --resume goes on from here", err=True)
         raise
     with result:
         click.echo(_report(result.summary))

@@ -168,6 +168,13 @@ class Executor:
         values: FloatArray = field.numpy().reshape(field.shape[0], -1)[:, : self.grid.ny]
         return values
 
+    def fill(self, field: Field, values: FloatArray) -> None:
+        """Give a field other values, shape (nx, ny), in place; its padding stays."""
+        host = field.numpy()
+        host.reshape(field.shape[0], -1)[:, : self.grid.ny] = values
+        if not self.device.is_cpu:
+            field.assign(host)
+
     def partials(self, quantities: int) -> Field:
         """A table for the partial results of so many quantities, one column a slot."""
         return wp.zeros((quantities, self.slots), dtype=wp.float64, device=self.device)

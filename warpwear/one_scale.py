@@ -2,8 +2,9 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -111,6 +112,31 @@ class OneScaleModel:
             and (study.study.model == "micro" or study.contact.foundation_update == "initial")
         )
         self._loop: DeviceLoop | None = None
+        #: Steps that the state is ahead of the last one given, in a block.
+        self.ahead = 0
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that the steps so far have changed: all that `restore` needs.
+
+        On a CPU fields are views of their memory. Not to be asked while steps are ahead.
+        """
+        arrays = {name: self._executor.to_numpy(field) for name, field in self._changing().items()}
+        of_tiles, numbers = self.tiles.saved_state()
+        last = None if self._last is None else asdict(self._last)
+        return arrays | of_tiles, {"tiles": numbers, "last": last, "most": self._most, "row": self._row}
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on from the state that another model of the same study, surface and device saved."""
+        for name, field in self._changing().items():
+            self._executor.fill(field, arrays[name])
+        self.tiles.restore(arrays, numbers["tiles"])
+        self._last = None if numbers["last"] is None else Balance(**numbers["last"])
+        self._most, self._row = dict(numbers["most"]), dict(numbers["row"])
+
+    def _changing(self) -> dict[str, Field]:
+        """The fields that steps change."""
+        fields = dict(vars(self.state))
+        return fields if self._recession is None else fields | {"beyond": self._recession.beyond}
 
     def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
         """One step for each increment [mm] of the plan, with its pressure where that is asked for.
@@ -154,7 +180,9 @@ class OneScaleModel:
         ]
         mean = self._row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
+        self.ahead = len(made)
         for increment, removed, step in zip(increments, removals, made, strict=True):
+            self.ahead -= 1
             self._last = step.balance
             reference = self._row["pressure_mean"]
             yield self._measured(step.balance, increment, removed, reference, step.totals, step.most, None)

@@ -18,16 +18,17 @@ class Progress:
         self._name = study.study.name
         self._quiet = quiet
         self._bar: tqdm | None = None
-        self._steps = self._done = 0
+        self._steps = self._done = self._before = 0
         self._started = self._said = time.perf_counter()
         self._next = 0.1
 
-    def start(self, steps: int) -> None:
-        """The run begins; it has this many steps."""
-        self._steps = steps
+    def start(self, steps: int, *, done: int = 0) -> None:
+        """The run begins, or goes on; it has this many steps, of which so many are done."""
+        self._steps, self._done, self._before = steps, done, done
+        self._next = done / steps + 0.1
         self._started = self._said = time.perf_counter()
         if not self._quiet and sys.stderr.isatty():
-            self._bar = tqdm(total=steps, desc=self._name, unit="step", leave=False)
+            self._bar = tqdm(total=steps, initial=done, desc=self._name, unit="step", leave=False)
 
     def step(self, row: dict[str, float]) -> None:
         """One step is done."""
@@ -41,7 +42,7 @@ class Progress:
         elif self._done >= self._next * self._steps or time.perf_counter() - self._said > EVERY_SECONDS:
             elapsed = time.perf_counter() - self._started
             self._said = time.perf_counter()
-            left = elapsed / self._done * (self._steps - self._done)
+            left = elapsed / (self._done - self._before) * (self._steps - self._done)
             self.say(
                 f"{self._name}: step {self._done} of {self._steps}, {row['distance']:.4g} mm slid, "
                 f"{row['area_contact']:.4g} mm² in contact, {elapsed:.0f} s gone, about {left:.0f} s left"

@@ -78,6 +78,22 @@ class ResultWriter:
             )
             dataset.attrs["units"] = units
 
+    @property
+    def snapshot_bytes(self) -> int:
+        """What the snapshots so far take in a file [B]."""
+        groups = self._file["snapshots"].values()
+        return sum(dataset.id.get_storage_size() for group in groups for dataset in group.values())
+
+    def copy_snapshots_to(self, file: h5py.File) -> None:
+        """Keep the snapshots so far in another file, compressed as they are."""
+        self._file.copy("snapshots", file)
+
+    def take_snapshots_from(self, file: h5py.File) -> None:
+        """Begin with the snapshots of another file."""
+        self._check_space(Path(file.filename).stat().st_size)
+        del self._file["snapshots"]
+        file.copy("snapshots", self._file)
+
     def finish(self, history: Mapping[str, FloatArray], record: Mapping[str, Any], *, finished: bool) -> None:
         """Keep the history and what else the run recorded, and mark it as finished or interrupted."""
         self._check_space(sum(values.nbytes for values in history.values()))

@@ -3,8 +3,6 @@
 import json
 import logging
 import math
-import shutil
-import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -16,13 +14,16 @@ from uuid import uuid4
 import h5py
 import numpy as np
 
-from warpwear import __version__, friction
+from warpwear import __version__, friction, run_folder
+from warpwear.checkpoint import FILE_NAME as CHECKPOINT
+from warpwear.checkpoint import Checkpoint, Checkpoints, Found, checksum, opened
 from warpwear.consistency import too_small
-from warpwear.errors import InputError
+from warpwear.errors import ConvergenceError, InputError
 from warpwear.evolution import COLUMNS as EVOLUTION
 from warpwear.execution import FIELDS_NEEDED, Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.history import COLUMNS, Column
+from warpwear.interrupts import Interrupts
 from warpwear.one_scale import OneScaleModel, Step
 from warpwear.progress import Progress
 from warpwear.results import FILE_NAME, Result, ResultWriter, Snapshot
@@ -46,38 +47,50 @@ def run(
     threads: int | None = None,
     plots: bool = True,
     overwrite: bool = False,
+    resume: bool = False,
     progress: bool = False,
 ) -> Result:
     """Run a study (or the one in a file, or a preset) and return its result.
 
     out: run folder to write (study.toml, result.h5, history.csv, summary.json, figures, log.txt); without it
     the result lives in memory. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
-    result depends on it. overwrite: replace a run that is there already. progress: report on standard error.
+    result depends on it. overwrite: replace a run that is there already. resume: go on from the checkpoint
+    that an unfinished run left in `out`, from the start where there is none; a finished run is returned as it
+    is. progress: report on standard error.
 
     Raises InputError for anything that cannot be computed or would be wrong (a contact at the domain's edge,
-    say) and ConvergenceError for an unbalanced contact; neither leaves a folder behind. KeyboardInterrupt
-    leaves an unfinished run.
+    say) and ConvergenceError for an unbalanced contact; neither leaves a folder behind. KeyboardInterrupt,
+    raised at the end of a step, leaves an unfinished run and a checkpoint.
     """
     if not isinstance(study, Study):
         study = Study.load(study)
-    folder = None if out is None else _check_folder(Path(out), overwrite=overwrite)
+    folder = None if out is None else Path(out)
+    if resume and (folder is None or overwrite):
+        raise InputError(f"resume needs out, a run folder{', and excludes overwrite' if overwrite else ''}.")
+    if folder is not None:
+        run_folder.check(folder, overwrite=overwrite, resume=resume)
+        if resume and run_folder.is_finished(folder, study):
+            return Result.open(folder)
     # A radial factor is a field of its own, and so is the stiffness that it makes differ from cell to cell.
     fields = FIELDS_NEEDED + 2.0 * (study.wear.distance_factor == "radial")
     executor = Executor(study.cells, device=device, threads=threads, fields_needed=fields)
-    with executor, _writing_to(folder) as work:
+    with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
         with _log_to(work), _result_file(work) as file:
             LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
             writer = ResultWriter(
                 file, study, executor.grid, device=str(executor.device), threads=executor.threads
             )
             loop = _Loop(study, executor, writer, Progress(study, quiet=not progress))
+            if folder and work:
+                loop.checkpoint_in(folder, work, resume=resume)
             loop.run()
             result = Result(file, None)
             if work:
                 _write_tables(work, study, result)
         if work and folder:
             result.close()
-            _move_into_place(work, folder)
+            run_folder.move_into_place(work, folder)
+            loop.end_checkpoints()
             result = Result.open(folder)
     if loop.interrupted:
         raise KeyboardInterrupt
@@ -91,7 +104,10 @@ class _Loop:
 
     def __init__(self, study: Study, executor: Executor, writer: ResultWriter, progress: Progress) -> None:
         self.study = study
-        self.interrupted = False
+        self.finished = self.interrupted = False
+        self._checkpoints: Checkpoints | None = None
+        self._checkpoint_failed = False
+        self._elapsed_before = 0.0
         self._edge_told = False
         self._writer = writer
         self._progress = progress
@@ -104,6 +120,7 @@ class _Loop:
         for warning in self.warnings:
             self._warn(warning)
         heights = surface.heights(grid.x, grid.y)
+        self._surface_sum = checksum(heights)
         self._surface_record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
         curve = None
         if study.wear.law == "bearing-curve":
@@ -113,18 +130,73 @@ class _Loop:
         self._executor = executor
         self._rows: list[dict[str, float]] = []
 
+    def checkpoint_in(self, folder: Path, work: Path, *, resume: bool) -> None:
+        """Keep checkpoints in a run folder, and make them in a work folder. Go on from the one there, or not.
+
+        Raises InputError for one that is damaged or another run's.
+        """
+        if resume:
+            with opened(folder / CHECKPOINT) as found:
+                if found is not None:
+                    self._restore(found)
+        device = str(self._executor.device)
+        self._checkpoints = Checkpoints(
+            folder / CHECKPOINT, work, self.study, device=device, surface=self._surface_sum
+        )
+        if not resume:
+            self._checkpoints.remove()  # of the run that is overwritten
+
+    def end_checkpoints(self) -> None:
+        """The result is in its place: of a finished run nothing else is needed."""
+        if self._checkpoints is not None and self.finished:
+            self._checkpoints.remove()
+
+    def _restore(self, found: Found) -> None:
+        found.refuse_changes(self.study, device=str(self._executor.device))
+        found.refuse_surface(self._surface_sum)
+        then = found.read()
+        self._model.restore(then.arrays, then.numbers)
+        self._writer.take_snapshots_from(found.file)
+        self._rows = then.rows
+        self.warnings, self._edge_told = then.warnings, then.edge_told
+        self._elapsed_before = then.elapsed
+        LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
+
     def run(self) -> None:
         study = self.study
         stops = set(study.output.snapshots)
-        total, speed = study.sliding.total, study.sliding.speed
+        total = study.sliding.total
         plan = [
             (increment, distance, distance in stops or distance == total)
             for increment, distance in increments(study.stepping.plan, total, stops)
         ]
-        started = time.perf_counter()
-        self._progress.start(len(plan))
+        self._started = time.perf_counter()
+        self._progress.start(len(plan), done=len(self._rows))
         try:
-            steps = self._model.steps((increment, keep) for increment, _, keep in plan)
+            self._make_steps(plan[len(self._rows) :])
+        except KeyboardInterrupt:
+            if not self._rows:
+                raise
+            self.interrupted = True
+        except (InputError, ConvergenceError):  # as it would be again
+            if self._checkpoints is not None:
+                self._checkpoints.remove()
+            raise
+        finally:
+            self._progress.end()
+        self.finished = len(self._rows) == len(plan)
+        history = self._history(finished=self.finished)
+        self._check_results(history)
+        how = "finished:" if self.finished else "interrupted after"
+        LOG.info("%s %d steps in %.1f s", how, len(self._rows), self._elapsed)
+        record = {"surface": self._surface_record, "warnings": self.warnings, "elapsed_s": self._elapsed}
+        self._writer.finish(history, record, finished=self.finished)
+
+    def _make_steps(self, plan: Sequence[tuple[float, float, bool]]) -> None:
+        """Steps of (increment, distance at its end, whether to keep a snapshot) [mm]."""
+        speed = self.study.sliding.speed
+        steps = self._model.steps((increment, keep) for increment, _, keep in plan)
+        with Interrupts() as interrupts:
             for (_, distance, keep), step in zip(plan, steps, strict=True):
                 self._check_edge(step)
                 time_slid = distance / speed if speed else math.nan
@@ -132,19 +204,29 @@ class _Loop:
                 if keep:
                     self._keep(step, distance)
                 self._progress.step(step.row)
-        except KeyboardInterrupt:
-            if not self._rows:
-                raise
-            self.interrupted = True
-        finally:
-            self._progress.end()
-        history = self._history(finished=not self.interrupted)
-        self._check_results(history)
-        elapsed = time.perf_counter() - started
-        how = "interrupted after" if self.interrupted else "finished:"
-        LOG.info("%s %d steps in %.1f s", how, len(self._rows), elapsed)
-        record = {"surface": self._surface_record, "warnings": self.warnings, "elapsed_s": elapsed}
-        self._writer.finish(history, record, finished=not self.interrupted)
+                if self._model.ahead:  # of a block that is made, so the state is not this step's
+                    continue
+                if self._checkpoints is not None and (interrupts.asked or self._checkpoints.due):
+                    self._checkpoint(self._checkpoints)
+                if interrupts.asked:
+                    self.interrupted = True
+                    break
+
+    def _checkpoint(self, checkpoints: Checkpoints) -> None:
+        arrays, numbers = self._model.saved_state()
+        now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._edge_told, self._elapsed)
+        try:
+            checkpoints.write(now, self._writer)
+        except OSError as error:
+            if not self._checkpoint_failed:
+                self._checkpoint_failed = True
+                why = error.strerror or str(error)
+                self._add_warning(f"No checkpoint could be written: {why}. The run goes on without.")
+
+    @property
+    def _elapsed(self) -> float:
+        """Time that the steps took, those before the checkpoint included [s]."""
+        return self._elapsed_before + time.perf_counter() - self._started
 
     def _history(self, *, finished: bool) -> dict[str, FloatArray]:
         history = {
@@ -223,42 +305,6 @@ def _roughness_on(grid: Grid, heights: FloatArray) -> dict[str, float]:
     return lengths | found
 
 
-def _check_folder(folder: Path, *, overwrite: bool) -> Path:
-    for path in (folder, *folder.parents):
-        if path.exists() and not path.is_dir():
-            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected.")
-    if folder.is_dir() and any(folder.iterdir()):
-        if not _holds_a_run(folder):
-            raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
-        if not overwrite:
-            raise InputError(f"out = {folder} already holds a run; give another --out, or --overwrite it.")
-    try:
-        with tempfile.TemporaryFile(dir=folder if folder.is_dir() else _nearest_folder(folder)):
-            pass
-    except OSError as error:
-        raise InputError(f"out = {folder} cannot be written: {error.strerror}.") from error
-    return folder
-
-
-@contextmanager
-def _writing_to(folder: Path | None) -> Iterator[Path | None]:
-    """A work folder inside or beside the run folder, gone again at the end. InputError if it cannot write."""
-    if folder is None:
-        yield None
-        return
-    inside = folder if folder.is_dir() else _nearest_folder(folder)
-    try:
-        work = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=inside))
-        work.chmod(0o755)
-        try:
-            yield work
-        finally:
-            shutil.rmtree(work, ignore_errors=True)
-    except OSError as error:
-        why = error.strerror or str(error)
-        raise InputError(f"out = {folder} could not be written and holds no run: {why}.") from error
-
-
 @contextmanager
 def _log_to(work: Path | None) -> Iterator[None]:
     handler = logging.FileHandler(work / "log.txt", encoding="utf-8") if work else logging.NullHandler()
@@ -285,34 +331,6 @@ def _result_file(work: Path | None) -> Iterator[h5py.File]:
         with suppress(Exception):  # a full disk fails to be flushed once more
             file.close()
         raise
-
-
-def _holds_a_run(folder: Path) -> bool:
-    try:
-        Result.open(folder).close()
-    except InputError:
-        return False
-    return True
-
-
-def _nearest_folder(path: Path) -> Path:
-    """The nearest parent that exists: a run that fails leaves no new parents behind."""
-    return next(parent for parent in path.absolute().parents if parent.is_dir())
-
-
-def _move_into_place(work: Path, folder: Path) -> None:
-    """All files of the run at once; into a folder that is there, file by file, leaving others alone."""
-    from warpwear.figures import Plotter
-
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    if not folder.is_dir():
-        work.rename(folder)
-        return
-    for figure in (folder / "figures").glob("*"):
-        if figure.stem in Plotter.NAMES:  # of the run that is replaced
-            figure.unlink()
-    for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):  # the result last
-        item.replace(folder / item.name)
 
 
 def _write_table(path: Path, columns: Sequence[Column], table: Mapping[str, FloatArray]) -> None:

@@ -52,7 +52,7 @@ class Recession:
         self._curve = curve
         self._executor = executor
         self._factor = distance_factor
-        self._beyond = executor.zeros()
+        self.beyond = executor.zeros()  # by which the surface stands deeper than its mean worn depth [mm]
         self._stiffness = executor.zeros()
         self._share = executor.partials(1)
 
@@ -86,5 +86,5 @@ class Recession:
         self._executor.launch(
             running_in.recede,
             inputs=[self._curve.middle, self._curve.scale, wear_disc],
-            outputs=[gap, self._beyond],
+            outputs=[gap, self.beyond],
         )

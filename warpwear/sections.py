@@ -40,6 +40,7 @@ PressureOrInfinite = Annotated[float, Quantity("MPa", POSITIVE_OR_INFINITE)]
 Stiffness = Annotated[float, Quantity("N/mm^3", POSITIVE_OR_INFINITE)]
 Angle = Annotated[float, Quantity("deg", Range(least=-360.0, or_equal=True, most=360.0))]
 Time = Annotated[float, Quantity("s")]
+Interval = Annotated[float, Quantity("s", Range(or_equal=True, infinite=True))]
 Frequency = Annotated[float, Quantity("Hz")]
 Speed = Annotated[float, Quantity("mm/s")]
 PoissonRatio = Annotated[float, Number(Range(or_equal=True, most=0.5))]
@@ -420,6 +421,14 @@ class Junctions(Section):
     )
     strength: Pressure | None = key(
         None, "shear strength σ_j of junctions; by default the hardness/(3√3) of the softer body"
+    )
+
+
+class Run(Section):
+    """[run]"""
+
+    checkpoint: Interval = key(
+        "2 min", "time between checkpoints, from which --resume goes on; 0 s is after every step, inf s never"
     )
 
 

@@ -30,6 +30,7 @@ from warpwear.sections import (
     GridSection,
     Junctions,
     Output,
+    Run,
     Section,
     Sliding,
     Sphere,
@@ -107,6 +108,7 @@ class Study(Section):
     stepping: Stepping = Stepping()
     friction: Friction = Friction()
     junctions: Junctions = Junctions()
+    run: Run = Run()
     checks: Checks = Checks()
     output: Output = Output()
     assumed: dict[str, str] = Field(default={}, description="keys that were assumed, and why")

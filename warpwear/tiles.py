@@ -2,6 +2,8 @@
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -83,6 +85,27 @@ class Tiles(TileList):
     def smallest(self) -> float:
         """Lowest gap before anything was worn [mm]; none is lower later."""
         return self._smallest
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that `restore` takes back; the list too, as sums depend on it in rounding."""
+        arrays = {name: array.numpy() for name, array in self._arrays().items()}
+        return arrays, {"limit": self.limit, "asked": self._asked, "fresh": self._fresh}
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on with the list of another time, on the fields of that time."""
+        for name, array in self._arrays().items():
+            array.assign(arrays[name])
+        self._asked, self._fresh = numbers["asked"], numbers["fresh"]
+        self._adopt(numbers["limit"])
+
+    def _arrays(self) -> dict[str, Any]:
+        return {
+            "tiles_lowest": self._lowest,
+            "tiles_kept": self._kept,
+            "tiles_rest": self.rest,
+            "tiles_list": self.list,
+            "tiles_count": self.count,
+        }
 
     def begin(self) -> None:
         """From every tile, which is what is listed at first, to the lowest."""

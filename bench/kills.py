@@ -1,0 +1,169 @@
+"""Kills runs at random moments and resumes them: is the end, bit for bit, that of a run left alone?
+
+    python bench/kills.py --kills 200
+
+Every study runs undisturbed once, with one thread. Then it is run with checkpoints after every step (or every
+`--every` seconds), killed with SIGKILL at a random moment, resumed, killed again and so on until it finishes,
+with one and two threads by turns; and again until all kills are spent. Needs os.fork.
+"""
+
+import argparse
+import contextlib
+import os
+import random
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from warpwear import Study, execution, run
+
+SMALL = {"grid.cell": "20 um", "output.snapshots": ["0.5 mm", "3 mm"]}
+CASES: dict[str, tuple[str, dict[str, Any]]] = {
+    "micro, implicit": ("v3-fine", SMALL | {"sliding.distance": "30 mm"}),
+    "micro, many tiles": ("v3-fine", {"grid.cell": "5 um", "sliding.distance": "2 mm"}),
+    "micro, elastic, radial": (
+        "v3-fine",
+        SMALL
+        | {
+            "sliding.distance": "10 mm",
+            "contact.stiffness": "1.9e6 N/mm^3",
+            "wear.distance_factor": "radial",
+        },
+    ),
+    "bearing area": (
+        "v3",
+        SMALL
+        | {
+            "grid.extent": "1.6 mm",
+            "stepping.scheme": "explicit",
+            "stepping.increment": "0.03 mm",
+            "stepping.load_tolerance": "0.5 N",
+            "stepping.force": True,
+            "sliding.distance": "5 mm",
+        },
+    ),
+    "macro, bearing curve": (
+        "v2",
+        SMALL
+        | {
+            "sliding.distance": "10 mm",
+            "wear.law": "bearing-curve",
+            "stepping.scheme": "implicit",
+            "disc.synthetic.kind": "self-affine",
+            "disc.synthetic.ra": "0.5 um",
+        },
+    ),
+}
+
+
+def study_of(case: str, every: float) -> Study:
+    """The study of a case, with a checkpoint every so many seconds."""
+    preset, changes = CASES[case]
+    return Study.load(preset).replace(changes | {"run.checkpoint": f"{every} s"})
+
+
+def differences(one: Path, other: Path) -> list[str]:
+    """What differs between the results of two run folders, in any bit."""
+    found = []
+    with h5py.File(one / "result.h5") as a, h5py.File(other / "result.h5") as b:
+        names: list[str] = []
+        a.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        others: list[str] = []
+        b.visititems(lambda name, item: others.append(name) if isinstance(item, h5py.Dataset) else None)
+        if names != others:
+            return ["names of the data sets"]
+        for name in names:
+            if a[name].shape != b[name].shape or not np.array_equal(
+                a[name][()].view(np.uint64), b[name][()].view(np.uint64)
+            ):
+                found.append(name)
+        if not (a.attrs["finished"] and b.attrs["finished"]):
+            found.append("finished")
+    for name in ("history.csv", "surface.csv"):
+        if (one / name).read_bytes() != (other / name).read_bytes():
+            found.append(name)
+    return found
+
+
+def start(study: Study, out: Path, threads: int) -> int:
+    """A process that runs or resumes a study."""
+    pid = os.fork()
+    if pid == 0:
+        status = 1
+        try:
+            run(study, out=out, threads=threads, plots=False, resume=True).close()
+            status = 0
+        finally:
+            os._exit(status)
+    return pid
+
+
+def killed(pid: int, after: float) -> bool:
+    """Whether a process had to be killed after so many seconds. RuntimeError if it failed by itself."""
+    deadline = time.monotonic() + after
+    while time.monotonic() < deadline:
+        done, status = os.waitpid(pid, os.WNOHANG)
+        if done:
+            if status:
+                raise RuntimeError(f"a run ended with status {status}")
+            return False
+        time.sleep(0.001)
+    os.kill(pid, signal.SIGKILL)
+    _, status = os.waitpid(pid, 0)
+    return os.WIFSIGNALED(status)
+
+
+def main() -> None:
+    """Exit status 1 if anything differs."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--kills", type=int, default=20, help="in all")
+    parser.add_argument("--every", type=float, default=0.0, help="seconds between checkpoints")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--case", choices=CASES, action="append", help="repeatable; all, if not given")
+    options = parser.parse_args()
+    execution.CELLS_PER_THREAD = 1000  # so that small grids are shared among threads too
+    dice = random.Random(options.seed)
+    cases = options.case or list(CASES)
+    kills, runs, alike, resumed = 0, 0, 0, 0
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        lasted: dict[str, float] = {}
+        for number, case in enumerate(cases):
+            started = time.monotonic()
+            pid = start(study_of(case, options.every), place / f"alone-{number}", 1)
+            assert not killed(pid, 600.0)
+            lasted[case] = time.monotonic() - started
+        while kills < options.kills or runs % len(cases):
+            number = runs % len(cases)
+            case, out = cases[number], place / "killed"
+            share = -(-(options.kills - kills) // (len(cases) - number))
+            study = study_of(case, options.every)
+            here = 0
+            while True:
+                patience = dice.uniform(0.0, 0.7 * lasted[case]) if here < share else 600.0
+                pid = start(study, out, 1 + here % 2)
+                if not killed(pid, patience):
+                    break
+                here += 1
+                with contextlib.suppress(OSError):
+                    resumed += (out / "checkpoint.h5").stat().st_size > 0
+            kills += here
+            runs += 1
+            wrong = differences(place / f"alone-{number}", out)
+            left = sorted(p.name for p in out.iterdir() if p.name.startswith((".", "checkpoint")))
+            alike += not wrong and not left
+            print(f"{case}: {here} kills, {', '.join(wrong + left) or 'bit for bit the same'}", flush=True)
+            shutil.rmtree(out)
+    print(f"{kills} kills ({resumed} with a checkpoint to go on from), {alike} of {runs} runs the same")
+    sys.exit(alike != runs)
+
+
+if __name__ == "__main__":
+    main()

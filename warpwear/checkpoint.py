@@ -1,0 +1,235 @@
+"""Checkpoints: one HDF5 file in the run folder, from which a run goes on as if it had never stopped.
+
+The file opens with a user block of `HEADER` bytes, a line "warpwear checkpoint FORMAT DIGEST": the digest of
+everything behind it is checked before the HDF5 library sees any of it. Then:
+
+- /model/NAME        arrays of the model (fields, lists of tiles)
+- /rows              the history so far, (steps, columns), names in the attribute `columns`
+- /snapshots         as in result.h5
+- /about             JSON: version, study, device, surface, warnings, elapsed time, the model's numbers
+
+It is written under another name, flushed to the disk and moved into place: a good one is always there.
+"""
+
+import errno
+import hashlib
+import json
+import os
+import shutil
+import time
+import tomllib
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from io import BufferedIOBase
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from warpwear import __version__
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.results import SPACE_FOR_THE_REST, ResultWriter
+from warpwear.study import Study
+
+FILE_NAME = "checkpoint.h5"
+#: Of the content. A file of another one is refused.
+FORMAT = 1
+MAGIC = "warpwear checkpoint"
+HEADER = 512
+#: Sections and keys that no step depends on: a run may go on with others.
+FREE = ("study.name", "study.description", "friction", "junctions", "run", "assumed")
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Where a run is."""
+
+    arrays: dict[str, Any]  # of the model, by name
+    numbers: dict[str, Any]  # of the model, by name, as JSON keeps them
+    rows: list[dict[str, float]]  # of the history
+    warnings: list[str]
+    edge_told: bool  # whether the contact has reached the domain's edge
+    elapsed: float  # [s]
+
+
+class Checkpoints:
+    """Writes the checkpoints of one run.
+
+    path: of the file; work: a folder of the same disk; every: how often it is due [s]; surface: `checksum` of
+    the disc's heights.
+    """
+
+    def __init__(self, path: Path, work: Path, study: Study, *, device: str, surface: int) -> None:
+        self.path = path
+        self._new = work / FILE_NAME
+        self._about = {
+            "version": __version__,
+            "study": study.to_toml(),
+            "device": device,
+            "surface": surface,
+        }
+        self._every = study.run.checkpoint
+        self._last = time.monotonic()
+
+    @property
+    def due(self) -> bool:
+        """Whether it is time for the next."""
+        return time.monotonic() - self._last >= self._every
+
+    def write(self, now: Checkpoint, snapshots: ResultWriter) -> None:
+        """Replace the last checkpoint. Raises OSError, and leaves that one, where the disk is too full."""
+        try:
+            self._check_space(now, snapshots)
+            with h5py.File(self._new, "w", userblock_size=HEADER) as file:
+                for name, values in now.arrays.items():
+                    file.create_dataset(f"model/{name}", data=values)
+                columns = list(now.rows[0])
+                table = np.array([[row[name] for name in columns] for row in now.rows])
+                file.create_dataset("rows", data=table).attrs["columns"] = columns
+                snapshots.copy_snapshots_to(file)
+                about = self._about | {
+                    name: getattr(now, name) for name in ("numbers", "warnings", "edge_told", "elapsed")
+                }
+                file["about"] = json.dumps(about)
+            with self._new.open("r+b") as whole:
+                digest = _digest(whole)
+                whole.seek(0)
+                whole.write(f"{MAGIC} {FORMAT} {digest}\n".encode())
+                whole.flush()
+                os.fsync(whole.fileno())
+            self._new.replace(self.path)
+            _flush_folder(self.path.parent)
+        finally:
+            self._new.unlink(missing_ok=True)
+            self._last = time.monotonic()
+
+    def remove(self) -> None:
+        """The run needs none any more."""
+        self.path.unlink(missing_ok=True)
+
+    def _check_space(self, now: Checkpoint, snapshots: ResultWriter) -> None:
+        """The HDF5 library does not survive a full disk."""
+        size = sum(values.nbytes for values in now.arrays.values()) + snapshots.snapshot_bytes
+        size += 8 * len(now.rows) * len(now.rows[0]) + SPACE_FOR_THE_REST
+        free = shutil.disk_usage(self._new.parent).free
+        if free < size:
+            raise OSError(errno.ENOSPC, f"{size / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free")
+
+
+class Found:
+    """A checkpoint that was found whole."""
+
+    def __init__(self, path: Path, file: h5py.File) -> None:
+        self._path = path
+        self.file = file
+        try:
+            self._about: dict[str, Any] = json.loads(file["about"][()])
+            self._table = file["rows"][()].tolist()
+            self._columns = [str(name) for name in file["rows"].attrs["columns"]]
+        except (KeyError, ValueError, OSError) as error:
+            raise InputError(f"{path} is no checkpoint that can be read: {error}.") from error
+
+    @property
+    def version(self) -> str:
+        """Of warpwear, that wrote it."""
+        return str(self._about["version"])
+
+    def refuse_changes(self, study: Study, *, device: str) -> None:
+        """Raises InputError for a run that would not go on where this one stopped."""
+        changed = changed_keys(Study(**tomllib.loads(self._about["study"])), study)
+        if changed:
+            raise InputError(
+                f"{self._path} is of another study ({', '.join(changed)}); --resume needs the study as it "
+                "was, --overwrite starts anew."
+            )
+        if self._about["device"].split(":")[0] != device.split(":")[0]:
+            raise InputError(
+                f"device = {device} cannot go on with {self._path}, which was made on "
+                f"{self._about['device']}; give that one."
+            )
+
+    def refuse_surface(self, surface: int) -> None:
+        """Raises InputError when the disc's surface (its `checksum`) is not what it was."""
+        if surface != self._about["surface"]:
+            raise InputError(
+                f"{self._path} cannot go on: the disc's heights are not what they were when the run began, "
+                "so the file of the surface, or the software that reads or makes it, has changed."
+            )
+
+    def read(self) -> Checkpoint:
+        """All of it but the snapshots."""
+        return Checkpoint(
+            {name: dataset[()] for name, dataset in self.file["model"].items()},
+            rows=[dict(zip(self._columns, row, strict=True)) for row in self._table],
+            **{name: self._about[name] for name in ("numbers", "warnings", "edge_told", "elapsed")},
+        )
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Found | None]:
+    """The checkpoint in a file, None without one. Raises InputError for one that is damaged or too new."""
+    if not path.exists():
+        yield None
+        return
+    damaged = f"{path} is damaged: it is not what was written; --overwrite starts anew."
+    with path.open("rb") as whole:
+        words = whole.readline(HEADER).decode(errors="replace").split()
+        if len(words) != 4 or " ".join(words[:2]) != MAGIC:
+            raise InputError(damaged)
+        if words[2] != str(FORMAT):
+            raise InputError(
+                f"{path} was written by another version of warpwear (format {words[2]}, this one reads "
+                f"{FORMAT}); resume it with that version, or --overwrite it."
+            )
+        if words[3] != _digest(whole):
+            raise InputError(damaged)
+    with h5py.File(path, "r") as file:
+        yield Found(path, file)
+
+
+def is_one(path: Path) -> bool:
+    """Whether a file calls itself a checkpoint of warpwear."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(MAGIC)) == MAGIC.encode()
+    except OSError:
+        return False
+
+
+def checksum(heights: FloatArray) -> int:
+    """Of a surface."""
+    return zlib.crc32(np.ascontiguousarray(heights).data)
+
+
+def changed_keys(before: Study, after: Study) -> list[str]:
+    """Keys that the steps depend on and whose values differ."""
+    one, other = _flat(tomllib.loads(before.to_toml())), _flat(tomllib.loads(after.to_toml()))
+    names = sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
+    return [name for name in names if not any(name == free or name.startswith(f"{free}.") for free in FREE)]
+
+
+def _flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in nested.items():
+        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
+    return flat
+
+
+def _digest(file: BufferedIOBase) -> str:
+    """Of everything behind the header."""
+    file.seek(HEADER)
+    return hashlib.file_digest(file, "blake2b").hexdigest()
+
+
+def _flush_folder(folder: Path) -> None:
+    """That the new name survives a power failure; not every system can."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

@@ -1,0 +1,123 @@
+"""The folder of a run: what may be written where, and how it gets there whole."""
+
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from warpwear import checkpoint, run_lock
+from warpwear.errors import InputError
+from warpwear.results import FILE_NAME, Result
+from warpwear.study import Study
+
+#: Work folders, inside the run folder; of a killed run they stay until the next.
+WORK = ".work-"
+
+
+def check(folder: Path, *, overwrite: bool, resume: bool) -> None:
+    """Raises InputError for a folder that a run must not, or cannot, be written into."""
+    for path in (folder, *folder.parents):
+        if path.exists() and not path.is_dir():
+            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected.")
+    if folder.is_dir():
+        run_lock.refuse_if_held(folder)
+        _check_content(folder, overwrite=overwrite, resume=resume)
+    try:
+        with tempfile.TemporaryFile(dir=folder if folder.is_dir() else _nearest_folder(folder)):
+            pass
+    except OSError as error:
+        raise InputError(f"out = {folder} cannot be written: {error.strerror}.") from error
+
+
+def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
+    kept = folder / checkpoint.FILE_NAME
+    if checkpoint.is_one(kept):
+        if not (overwrite or resume):
+            raise InputError(
+                f"out = {folder} holds the checkpoint of an unfinished run; --resume goes on with it, "
+                "--overwrite starts anew."
+            )
+    elif resume and kept.exists():
+        raise InputError(f"{kept} is no checkpoint of warpwear or is damaged; --overwrite or delete it.")
+    elif _holds_a_run(folder):
+        if not (overwrite or resume):
+            raise InputError(f"out = {folder} already holds a run; give another --out, or --overwrite it.")
+    elif not (folder / run_lock.NAME).exists() and any(
+        not path.name.startswith(WORK) for path in folder.iterdir()
+    ):
+        raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
+
+
+def is_finished(folder: Path, study: Study) -> bool:
+    """Whether the folder holds the finished run of this study, so that there is nothing to resume.
+
+    Raises InputError for a run of another study.
+    """
+    if checkpoint.is_one(folder / checkpoint.FILE_NAME) or not _holds_a_run(folder):
+        return False
+    with Result.open(folder) as result:
+        changed = checkpoint.changed_keys(result.study, study)
+        if changed:
+            raise InputError(
+                f"out = {folder} holds a run of another study ({', '.join(changed)}); --overwrite it, or "
+                "give another --out."
+            )
+        return result.finished
+
+
+@contextmanager
+def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterator[Path | None]:
+    """A work folder inside the run folder, gone again at the end, as is a run folder that stays empty.
+
+    Raises InputError if it cannot write, or another run works there.
+    """
+    if folder is None:
+        yield None
+        return
+    made = [path for path in (folder.absolute(), *folder.absolute().parents) if not path.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        check(folder, overwrite=overwrite, resume=resume)
+        with run_lock.held(folder):
+            for left in folder.glob(f"{WORK}*"):  # by runs that were killed
+                shutil.rmtree(left, ignore_errors=True)
+            work = Path(tempfile.mkdtemp(prefix=WORK, dir=folder))
+            work.chmod(0o755)
+            try:
+                yield work
+            finally:
+                shutil.rmtree(work, ignore_errors=True)
+    except OSError as error:
+        why = error.strerror or str(error)
+        kept = checkpoint.is_one(folder / checkpoint.FILE_NAME)
+        what = "a checkpoint, with which --resume goes on" if kept else "no run"
+        raise InputError(f"out = {folder} could not be written and holds {what}: {why}.") from error
+    finally:
+        for path in made:
+            with suppress(OSError):  # not empty
+                path.rmdir()
+
+
+def move_into_place(work: Path, folder: Path) -> None:
+    """All files of the run, one by one, the result last; others are left alone."""
+    from warpwear.figures import Plotter
+
+    for figure in (folder / "figures").glob("*"):
+        if figure.stem in Plotter.NAMES:  # of the run that is replaced
+            figure.unlink()
+    for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
+        item.replace(folder / item.name)
+
+
+def _holds_a_run(folder: Path) -> bool:
+    try:
+        Result.open(folder).close()
+    except InputError:
+        return False
+    return True
+
+
+def _nearest_folder(path: Path) -> Path:
+    """The nearest parent that exists."""
+    return next(parent for parent in path.absolute().parents if parent.is_dir())

@@ -1,0 +1,68 @@
+"""A file that says which process works in a run folder."""
+
+import json
+import os
+import platform
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import psutil
+
+from warpwear.errors import InputError
+
+NAME = ".lock"
+
+
+@contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """The folder for this process alone. Raises InputError where another works in it, OSError."""
+    refuse_if_held(folder)
+    path = folder / NAME
+    path.unlink(missing_ok=True)  # of a process that is gone
+    process = psutil.Process()
+    owner = {"pid": process.pid, "started": process.create_time(), "host": platform.node()}
+    try:
+        descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o644)
+    except FileExistsError:  # another was quicker
+        raise InputError(_in_use(folder, "another process")) from None
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+            json.dump(owner, file)
+        yield
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def refuse_if_held(folder: Path) -> None:
+    """Raises InputError where another run works in the folder, or may do so on another computer."""
+    path = folder / NAME
+    try:
+        owner = json.loads(path.read_text(encoding="utf-8"))
+        pid, started, host = int(owner["pid"]), float(owner["started"]), str(owner["host"])
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError, KeyError, TypeError):
+        raise InputError(
+            f"out = {folder} is in use by another run, or {path} is left of one that is gone and may be "
+            "deleted."
+        ) from None
+    if host != platform.node():
+        raise InputError(f"{_in_use(folder, f'process {pid} on {host}')} If that is gone, delete {path}.")
+    if _alive(pid, started):
+        raise InputError(_in_use(folder, f"process {pid}"))
+
+
+def _in_use(folder: Path, who: str) -> str:
+    return f"out = {folder} is in use by another run ({who}); give another --out, or wait for it."
+
+
+def _alive(pid: int, started: float) -> bool:
+    """Whether that very process runs: numbers of processes are used again."""
+    try:
+        process = psutil.Process(pid)
+        return process.status() != psutil.STATUS_ZOMBIE and abs(process.create_time() - started) < 1.0
+    except psutil.NoSuchProcess:
+        return False
+    except psutil.AccessDenied:
+        return True
