@@ -19,7 +19,8 @@ from timing import Row, Unit, measure
 from warpwear import Study
 from warpwear.execution import Executor
 from warpwear.grid import Grid
-from warpwear.one_scale import OneScaleModel, Step
+from warpwear.ledger import Step
+from warpwear.one_scale import OneScaleModel
 from warpwear.surface_of import surface_in
 
 #: Relative difference allowed between contenders, in approach, volumes and area.

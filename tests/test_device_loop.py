@@ -6,7 +6,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import Study
 from warpwear.execution import Executor
-from warpwear.one_scale import OneScaleModel, Step
+from warpwear.ledger import Step
+from warpwear.one_scale import OneScaleModel
 from warpwear.surface_of import surface_in
 
 KINDS = {

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from warpwear import Study
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.one_scale import Step
+from warpwear.ledger import Step
 from warpwear.sliding import SlidingContact
 from warpwear.sliding_tiles import SlidingTiles
 

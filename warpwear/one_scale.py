@@ -10,12 +10,12 @@ import numpy as np
 
 from warpwear.balance import RIGID, Balance, Balancer
 from warpwear.device_loop import DeviceLoop
-from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact, gap, removal
 from warpwear.kernels.types import MAXIMA, SUMS
 from warpwear.kinematics import distance_factor
+from warpwear.ledger import Ledger, Step
 from warpwear.running_in import Logistic, Recession
 from warpwear.study import Study
 from warpwear.tiles import Tiles
@@ -33,17 +33,6 @@ class State:
     gap: Field  # from the mean planes, as worn
     wear_sphere: Field
     wear_disc: Field
-
-
-@dataclass(frozen=True)
-class Step:
-    """One solved and worn increment."""
-
-    balance: Balance
-    row: dict[str, float]  # the columns of warpwear.history except time and cof
-    touches_edge: bool  # of the domain
-    touches_rim: bool  # of the sphere: the contact is as wide as the sphere itself
-    pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
 
 
 class OneScaleModel:
@@ -70,21 +59,9 @@ class OneScaleModel:
             None if bearing_curve is None else Recession(bearing_curve, executor, self._factor_field)
         )
         self._last: Balance | None = None
-        self._most = dict.fromkeys(MAXIMA, -math.inf)
-        self._row = dict.fromkeys(
-            (
-                "distance",
-                "area_contact",
-                "area_cumulative",
-                "archard_volume_sphere",
-                "archard_volume_disc",
-                "pressure_mean",
-            ),
-            0.0,
-        )
+        self._ledger = Ledger(study, executor.grid)
         self.state = State(executor.zeros(), executor.zeros(), executor.zeros())
         grid = executor.grid
-        self._x, self._y = grid.x, grid.y
         executor.launch(
             gap.gap,
             inputs=[
@@ -123,7 +100,12 @@ class OneScaleModel:
         arrays = {name: self._executor.to_numpy(field) for name, field in self._changing().items()}
         of_tiles, numbers = self.tiles.saved_state()
         last = None if self._last is None else asdict(self._last)
-        return arrays | of_tiles, {"tiles": numbers, "last": last, "most": self._most, "row": self._row}
+        return arrays | of_tiles, {
+            "tiles": numbers,
+            "last": last,
+            "most": self._ledger.most,
+            "row": self._ledger.row,
+        }
 
     def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
         """Go on from the state that another model of the same study, surface and device saved."""
@@ -131,7 +113,7 @@ class OneScaleModel:
             self._executor.fill(field, arrays[name])
         self.tiles.restore(arrays, numbers["tiles"])
         self._last = None if numbers["last"] is None else Balance(**numbers["last"])
-        self._most, self._row = dict(numbers["most"]), dict(numbers["row"])
+        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
 
     def _changing(self) -> dict[str, Field]:
         """The fields that steps change."""
@@ -172,27 +154,29 @@ class OneScaleModel:
                 implicit=self.study.stepping.scheme == "implicit",
             )
         assert self._last is not None
-        ends = itertools.accumulate(increments, initial=self._row["distance"])
+        ends = itertools.accumulate(increments, initial=self._ledger.row["distance"])
         removals = [
             (sphere, disc)
             for start, increment in zip(ends, increments, strict=False)
             for sphere, disc in [[law.removal(start, increment) for law in self._wear]]
         ]
-        mean = self._row["pressure_mean"]
+        mean = self._ledger.row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
         self.ahead = len(made)
         for increment, removed, step in zip(increments, removals, made, strict=True):
             self.ahead -= 1
             self._last = step.balance
-            reference = self._row["pressure_mean"]
-            yield self._measured(step.balance, increment, removed, reference, step.totals, step.most, None)
+            reference = self._ledger.row["pressure_mean"]
+            yield self._ledger.enter(step.balance, increment, removed, reference, step.totals, step.most)
 
     def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
 
         Raises ConvergenceError when the load cannot be balanced.
         """
-        removal_sphere, removal_disc = (law.removal(self._row["distance"], increment) for law in self._wear)
+        removal_sphere, removal_disc = (
+            law.removal(self._ledger.row["distance"], increment) for law in self._wear
+        )
         stiffness = self._stiffness_of(removal_sphere, removal_disc)
         balance = self._balance(stiffness, removal_sphere + removal_disc)
         law = [*balance.law]
@@ -211,7 +195,7 @@ class OneScaleModel:
             bearing = self._recession.cells_bearing(balance, self.state.gap, self.state.wear_disc)
         # The scatter is summed about a value near the mean: of a bearing area the mean itself.
         rigid = self.study.uses_bearing_area
-        near_mean = balance.cap if rigid else self._row["pressure_mean"] or balance.cap
+        near_mean = balance.cap if rigid else self._ledger.row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
         self._executor.launch(
             removal.remove,
@@ -240,7 +224,9 @@ class OneScaleModel:
         total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
         removal_of = removal_sphere, removal_disc
-        return self._measured(balance, increment, removal_of, reference, total, most, pressure, bearing)
+        return self._ledger.enter(
+            balance, increment, removal_of, reference, total, most, pressure=pressure, bearing=bearing
+        )
 
     def _balance(self, stiffness: Field, removal: float) -> Balance:
         load = self.study.contact.load
@@ -262,12 +248,12 @@ class OneScaleModel:
             load=load,
             hardness=self.study.hardness,
             start=self._last.approach if self._last else None,
-            step=removal * self._row["pressure_mean"],
+            step=removal * self._ledger.row["pressure_mean"],
         )
 
     def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> Field:
         """1/c of the cells of a step that removes so much [mm³/N]; one row where all are alike."""
-        area = self._row["area_contact"]
+        area = self._ledger.row["area_contact"]
         law = self.study.law(radius=math.sqrt(area / math.pi) if area else None)
         if self._recession is not None:
             compliance = law.compliance + removal_sphere
@@ -283,69 +269,3 @@ class OneScaleModel:
             shape = (values.shape[0], self._executor.grid.ny)
             self._stiffness = made_for, self._executor.field(np.broadcast_to(values, shape))
         return self._stiffness[1]
-
-    def _measured(
-        self,
-        balance: Balance,
-        increment: float,
-        removal: tuple[float, float],
-        reference: float,
-        total: dict[str, float],
-        most: dict[str, float],
-        pressure: FloatArray | None,
-        bearing: float | None = None,
-    ) -> Step:
-        grid = self._executor.grid
-        area = grid.cell_area
-        count = total["contact"]
-        if not count > 0.0 or not math.isfinite(total["pressure"]):
-            raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
-        # What was reached once stays so, also where the tiles visited now do not show it.
-        self._most = {name: max(most[name], self._most[name]) for name in most}
-        pressure_max, most = most["pressure"], self._most
-        mean = total["pressure"] / count
-        variance = total["deviation_squared"] / count - (mean - reference) ** 2
-        along = (most["last_row"] + most["first_row"] + 1.0) * grid.cell
-        across = (most["last_column"] + most["first_column"] + 1.0) * grid.cell
-        sphere, disc = removal
-        before = self._row
-        self._row = {
-            "distance": before["distance"] + increment,
-            "increment": increment,
-            "approach": balance.approach,
-            "load": self.study.contact.load,
-            "load_residual": balance.load_residual,
-            "area_contact": (count if bearing is None else bearing) * area,
-            "area_plastic": total["capped"] * area,
-            "area_touched": total["touched"] * area,
-            "area_cumulative": before["area_cumulative"] + (count if bearing is None else bearing) * area,
-            "area_nominal": math.pi / 4.0 * along * across,
-            "patch_along": along,
-            "patch_across": across,
-            "pressure_mean": mean,
-            "pressure_std": math.sqrt(max(variance, 0.0)),
-            "pressure_max": pressure_max,
-            "wear_volume_sphere": total["wear_sphere"] * area,
-            "wear_volume_disc": total["wear_disc"] * area,
-            "wear_depth_sphere": most["wear_sphere"],
-            "wear_depth_disc": most["wear_disc"],
-            "cells_in_contact": count,
-            "archard_volume_sphere": before["archard_volume_sphere"] + sphere * self.study.contact.load,
-            "archard_volume_disc": before["archard_volume_disc"]
-            + disc * total["pressure_times_factor"] * area,
-            "evaluations": float(balance.evaluations),
-        }
-        # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
-        reach = max(
-            max(-self._x[int(-most["first_row"])], self._x[int(most["last_row"])]),
-            max(-self._y[int(-most["first_column"])], self._y[int(most["last_column"])]),
-        )
-        curvature = self.study.sphere.curvature
-        beyond_sphere = (reach + 1.5 * grid.cell) * curvature >= 1.0
-        at_edge = (
-            -most["first_row"] < 1.0
-            or most["last_row"] > grid.nx - 2
-            or -most["first_column"] < 1.0
-            or most["last_column"] > grid.ny - 2
-        )
-        return Step(balance, self._row, at_edge, beyond_sphere, pressure)

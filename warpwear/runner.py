@@ -24,7 +24,8 @@ from warpwear.execution import FIELDS_NEEDED, Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.history import COLUMNS, Column
 from warpwear.interrupts import Interrupts
-from warpwear.one_scale import OneScaleModel, Step
+from warpwear.ledger import Step
+from warpwear.one_scale import OneScaleModel
 from warpwear.progress import Progress
 from warpwear.results import FILE_NAME, Result, ResultWriter, Snapshot
 from warpwear.stepping import increments

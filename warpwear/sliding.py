@@ -8,12 +8,11 @@ import numpy as np
 import warp as wp
 
 from warpwear.balance import RIGID, Balance, Balancer
-from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.kernels import gap, sliding
 from warpwear.kernels.types import LANES, PADDING, STEP, STEP_MAXIMA
-from warpwear.one_scale import Step
+from warpwear.ledger import Ledger, Step
 from warpwear.sliding_tiles import PerTile, SlidingTiles
 from warpwear.study import Study
 
@@ -21,6 +20,8 @@ from warpwear.study import Study
 SPARE = 1.25
 #: Changes of the approach from which the next is expected, and how many times the largest it may be.
 CHANGES, TIMES = 8, 2.0
+#: Of a step before which nothing was touched.
+NO_ROWS = {"first_row": -math.inf, "last_row": -math.inf}
 #: What the approach may change by when nothing is known of it, and at least [mm].
 FIRST_SCATTER, LEAST_SCATTER = 1.0e-4, 1.0e-6
 
@@ -84,19 +85,7 @@ class SlidingContact:
         self._stiffness: tuple[float, Field] | None = None  # with the compliance that it was made for
         self._approach: float | None = None
         self._changes: deque[float] = deque(maxlen=CHANGES)
-        self._columns = executor.grid.ny, -1  # first and last one touched
-        self._most = dict.fromkeys(STEP_MAXIMA, -math.inf)
-        self._row = dict.fromkeys(
-            (
-                "distance",
-                "area_contact",
-                "area_cumulative",
-                "archard_volume_sphere",
-                "archard_volume_disc",
-                "pressure_mean",
-            ),
-            0.0,
-        )
+        self._ledger = Ledger(study, executor.grid)
 
     def step(self, shift: int, increment: float) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -109,17 +98,21 @@ class SlidingContact:
         if not 0 <= shift <= self._rows - (0 if self.periodic else self._executor.grid.nx):
             raise ValueError(f"a shift of {shift} rows leaves the disc of {self._rows} rows")
         self.tiles.displace(shift)
-        distance = self._row["distance"]
+        distance = self._ledger.row["distance"]
         removal_sphere, removal_disc = (law.removal(distance, increment) for law in self.study.wear_laws)
         compliance = self._compliance(removal_sphere + removal_disc)
         stiffness = self._stiffness_of(compliance)
         balance = self._balance(stiffness, rigid=compliance == 0.0)
-        near_mean = balance.cap if compliance == 0.0 else self._row["pressure_mean"] or balance.cap
+        near_mean = balance.cap if compliance == 0.0 else self._ledger.row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
         state, tiles = self.state, self.tiles
+        most = self._ledger.most
+        known = (self._executor.grid.ny, -1)  # first and last column that were touched
+        if math.isfinite(most["first_column"]):
+            known = int(-most["first_column"]), int(most["last_column"])
         self._executor.launch(
             sliding.remove,
-            inputs=[*balance.law, removal_sphere, removal_disc, reference, shift, *self._columns, stiffness],
+            inputs=[*balance.law, removal_sphere, removal_disc, reference, shift, *known, stiffness],
             outputs=[
                 tiles.gap,
                 state.sphere,
@@ -145,7 +138,7 @@ class SlidingContact:
         if self._approach is not None:
             self._changes.append(abs(balance.approach - self._approach))
         self._approach = balance.approach
-        return self._measured(balance, increment, (removal_sphere, removal_disc), reference)
+        return self._entered(balance, increment, (removal_sphere, removal_disc), reference)
 
     def _sphere(self) -> Field:
         """Heights of the study's sphere, by the kernel that makes the gap of a smooth disc."""
@@ -169,7 +162,7 @@ class SlidingContact:
 
     def _compliance(self, removal: float) -> float:
         """c of a step that removes so much [mm³/N]."""
-        area = self._row["area_contact"]
+        area = self._ledger.row["area_contact"]
         law = self.study.law(radius=math.sqrt(area / math.pi) if area else None)
         return law.compliance + (removal if self.study.stepping.scheme == "implicit" else 0.0)
 
@@ -206,58 +199,21 @@ class SlidingContact:
             tolerance=self.study.load_tolerance,
         )
 
-    def _measured(
+    def _entered(
         self, balance: Balance, increment: float, removal: tuple[float, float], reference: float
     ) -> Step:
-        grid = self._executor.grid
-        area = grid.cell_area
         total = dict(zip(STEP, self._sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(STEP_MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
-        count = total["contact"]
-        if not count > 0.0 or not math.isfinite(total["pressure"]):
-            raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
-        by_row, *worn = (totals.numpy() for totals in self._totals)
-        wear_sphere, wear_disc = (float(rows.sum()) for rows in worn)
-        rows_touched = np.flatnonzero(by_row)
-        first_row, last_row = int(rows_touched[0]), int(rows_touched[-1])
-        # What was reached once stays so, also where the tiles visited now do not show it.
-        self._most = {name: max(most[name], self._most[name]) for name in most}
-        pressure_max, most = most["pressure"], self._most
-        mean = total["pressure"] / count
-        variance = total["deviation_squared"] / count - (mean - reference) ** 2
-        first_column, last_column = self._columns = int(-most["first_column"]), int(most["last_column"])
-        along = (last_row - first_row + 1) * grid.cell
-        across = (last_column - first_column + 1) * grid.cell
-        load, before = self.study.contact.load, self._row
-        self._row = {
-            "distance": before["distance"] + increment,
-            "increment": increment,
-            "approach": balance.approach,
-            "load": load,
-            "load_residual": balance.load_residual,
-            "area_contact": count * area,
-            "area_plastic": total["capped"] * area,
-            "area_touched": float(by_row.sum()) * area,
-            "area_cumulative": before["area_cumulative"] + count * area,
-            "area_nominal": math.pi / 4.0 * along * across,
-            "patch_along": along,
-            "patch_across": across,
-            "pressure_mean": mean,
-            "pressure_std": math.sqrt(max(variance, 0.0)),
-            "pressure_max": pressure_max,
-            "wear_volume_sphere": wear_sphere * area,
-            "wear_volume_disc": wear_disc * area,
-            "wear_depth_sphere": most["wear_sphere"],
-            "wear_depth_disc": most["wear_disc"],
-            "cells_in_contact": count,
-            "archard_volume_sphere": before["archard_volume_sphere"] + removal[0] * load,
-            "archard_volume_disc": before["archard_volume_disc"] + removal[1] * load,
-            "evaluations": float(balance.evaluations),
+        touched, worn_sphere, worn_disc = (totals.numpy() for totals in self._totals)
+        total |= {
+            "pressure_times_factor": total["pressure"],
+            "touched": float(touched.sum()),
+            "wear_sphere": float(worn_sphere.sum()),
+            "wear_disc": float(worn_disc.sum()),
         }
-        reach = max(-grid.x[first_row], grid.x[last_row], -grid.y[first_column], grid.y[last_column])
-        beyond_sphere = (reach + 1.5 * grid.cell) * self.study.sphere.curvature >= 1.0
-        at_edge = min(first_row, first_column) < 1 or last_row > grid.nx - 2 or last_column > grid.ny - 2
-        return Step(balance, self._row, at_edge, beyond_sphere)
+        rows = np.flatnonzero(touched)
+        most |= {"first_row": -float(rows[0]), "last_row": float(rows[-1])} if rows.size else NO_ROWS
+        return self._ledger.enter(balance, increment, removal, reference, total, most)
 
 
 def _padded(executor: Executor, heights: FloatArray, padding: float) -> Field:

@@ -10,7 +10,8 @@ from thesis import F, H, K, R, cap, smooth
 from warpwear import run
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.one_scale import OneScaleModel, Step
+from warpwear.ledger import Step
+from warpwear.one_scale import OneScaleModel
 
 
 @pytest.mark.parametrize(("cell", "below", "touching"), [(10, 124, 140), (5, 540, 548), (2, 3388, 3396)])
