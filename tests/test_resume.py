@@ -365,7 +365,12 @@ def test_what_killed_runs_left_is_cleaned_up(tmp_path: Path) -> None:
     gone = {"pid": os.getpid(), "started": psutil.Process().create_time() - 99.0, "host": platform.node()}
     (out / run_lock.NAME).write_text(json.dumps(gone))
     (out / "history.csv").write_text("half")  # killed while it moved its files into place
-    warpwear.run(short(sliding__distance="0 mm"), out=out, plots=False).close()
+    study = short(sliding__distance="0 mm")
+    warpwear.run(study, out=out, plots=False).close()
+    assert not [p for p in out.iterdir() if p.name.startswith(".")]
+    (out / ".work-abc").mkdir()  # killed when all was in place
+    (out / run_lock.NAME).write_text(json.dumps(gone))
+    warpwear.run(study, out=out, plots=False, resume=True).close()
     assert not [p for p in out.iterdir() if p.name.startswith(".")]
 
 

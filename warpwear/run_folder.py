@@ -52,8 +52,9 @@ def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
 def is_finished(folder: Path, study: Study) -> bool:
     """Whether the folder holds the finished run of this study, so that there is nothing to resume.
 
-    Raises InputError for a run of another study.
+    Raises InputError for a run of another study, and while another run works there.
     """
+    run_lock.refuse_if_held(folder)
     if checkpoint.is_one(folder / checkpoint.FILE_NAME) or not _holds_a_run(folder):
         return False
     with Result.open(folder) as result:
@@ -63,7 +64,11 @@ def is_finished(folder: Path, study: Study) -> bool:
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); --overwrite it, or "
                 "give another --out."
             )
-        return result.finished
+        finished = result.finished
+    if finished and (folder / run_lock.NAME).exists():  # killed when all was in place
+        with run_lock.held(folder):
+            _clean(folder)
+    return finished
 
 
 @contextmanager
@@ -80,8 +85,7 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
         folder.mkdir(parents=True, exist_ok=True)
         check(folder, overwrite=overwrite, resume=resume)
         with run_lock.held(folder):
-            for left in folder.glob(f"{WORK}*"):  # by runs that were killed
-                shutil.rmtree(left, ignore_errors=True)
+            _clean(folder)
             work = Path(tempfile.mkdtemp(prefix=WORK, dir=folder))
             work.chmod(0o755)
             try:
@@ -108,6 +112,12 @@ def move_into_place(work: Path, folder: Path) -> None:
             figure.unlink()
     for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
         item.replace(folder / item.name)
+
+
+def _clean(folder: Path) -> None:
+    """Remove what runs that were killed left beside their results."""
+    for left in folder.glob(f"{WORK}*"):
+        shutil.rmtree(left, ignore_errors=True)
 
 
 def _holds_a_run(folder: Path) -> bool:
