@@ -59,7 +59,7 @@ class Ledger:
         """Book a step of an increment [mm] that removed so much of sphere and disc [mm³/N].
 
         total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
-        which the squares count [MPa]. bearing: cells' area that bears, where that is not all that is in contact.
+        which the squares count [MPa]. bearing: cells' area that bears, where not all that is in contact does.
 
         Raises ConvergenceError where nothing is in contact.
         """
