@@ -1,368 +1,18 @@
-"""Figures of the report of the thesis that show its versions side by side; the table of all its figures.
+"""The table of all figures of the report of the thesis, each with the caption that stands below it.
 
-Figures of a single run come from its `plot`. Each entry has the caption that stands below it.
+Figures of a single run come from its `plot`, those of several from `thesis_curves` and `thesis_maps`.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpwear import figure_style as fs
-from warpwear import thesis, thesis_maps
+from warpwear import thesis_curves, thesis_maps
 from warpwear.thesis_numbers import Numbers
-from warpwear.thesis_runs import VERSIONS, Runs, worn_radius
+from warpwear.thesis_runs import Runs
 
 Draw = Callable[[Runs, Numbers], Figure]
-#: Colour and line of each version in every figure; the thesis's printed values and the experiment are grey.
-LINES: dict[str, dict[str, Any]] = {
-    "v1": {"color": "#0072B2", "ls": "-", "lw": 3.0, "alpha": 0.5},  # wide: others lie on it
-    "v2": {"color": "#56B4E9", "ls": "--"},
-    "v3": {"color": "#D55E00", "ls": "-."},
-    "fine": {"color": "#009E73", "ls": "-"},
-}
-PRINTED, EXPERIMENT = "#999999", "#000000"
-
-
-def _versions(runs: Runs, axes: Axes, column: str, *names: str) -> None:
-    for name in names:
-        history = runs[name].history
-        fs.over_distance(axes, history["distance"], history[column], label=VERSIONS[name], **LINES[name])
-
-
-def _radius_and_pressure(runs: Runs, numbers: Numbers) -> Figure:
-    history = runs["v1"].history
-    distance = history["distance"]
-    radius = np.sqrt(history["area_contact"] / np.pi)
-
-    def draw(axes: Any) -> None:
-        for left, scale in zip(axes, ("linear", "log"), strict=True):
-            fs.over_distance(left, distance, radius, color=fs.CONTACT, label="radius √(A/π) (left)")
-            right = left.twinx()
-            right.spines["right"].set_visible(True)
-            right.plot(
-                distance,
-                history["pressure_mean"],
-                color=fs.MEAN_PRESSURE,
-                ls=":",
-                label="mean pressure (right)",
-            )
-            left.axvline(thesis.SLOWS_AFTER.value, color=PRINTED, lw=0.8, ls="--", label="0.1 m")
-            left.set_xscale(scale)
-            if scale == "log":
-                fs.logarithmic(left)
-                fs.logarithmic(right)
-            left.set_ylabel("radius, mm")
-            right.set_ylabel("mean pressure, MPa")
-            if scale == "linear":
-                left.set_ylim(bottom=0.0)
-                right.set_ylim(bottom=0.0)
-        fs.legend_above(axes[0], right, columns=3)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _cof_of_v1(runs: Runs, numbers: Numbers) -> Figure:
-    history = runs["v1"].history
-    distance = history["distance"]
-
-    def draw(axes: Any) -> None:
-        _versions(runs, axes, "cof", "v1")
-        root = history["cof"][-1] * np.sqrt(distance / distance[-1])
-        axes.plot(distance, root, color=PRINTED, ls=":", label="square root through the end")
-        axes.set_ylabel("coefficient of friction, –")
-        axes.set_xlim(left=0.0)
-        axes.set_ylim(bottom=0.0)
-        fs.legend_above(axes, columns=2)
-
-    return fs.new_figure(draw)
-
-
-def _distance_factor(runs: Runs, numbers: Numbers) -> Figure:
-    study = runs["v2"].study
-    edge = worn_radius(study)
-    y = np.linspace(-edge, edge, 401)
-    ball = np.sqrt(1.0 - (y * study.sphere.curvature) ** 2)
-
-    def draw(axes: Any) -> None:
-        for panel, contact in zip(axes, (False, True), strict=True):
-            panel.axhline(1.0, color=LINES["v1"]["color"], label="without (V1)")
-            panel.plot(y, ball, label="with, cos θ (V2)", color=LINES["v3"]["color"], ls="--")
-            if contact:
-                panel.plot(
-                    y,
-                    np.sqrt(np.maximum(0.0, 1.0 - (y / edge) ** 2)),
-                    color=fs.HARDNESS,
-                    ls=":",
-                    label="chord of the contact, 2√(a² − y²)",
-                )
-            panel.set_xlabel("across sliding, y, mm")
-            panel.set_ylabel("relative distance, –")
-        axes[1].set_ylim(0.0, 1.05)
-        fs.legend_above(axes[1], columns=3)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _volumes_of_v2(runs: Runs, numbers: Numbers) -> Figure:
-    def draw(axes: Any) -> None:
-        for body, color in (("sphere", fs.SPHERE), ("disc", fs.DISC)):
-            for name, line in (("v1", "-"), ("v2", "--")):
-                history = runs[name].history
-                fs.over_distance(
-                    axes[0],
-                    history["distance"],
-                    history[f"wear_volume_{body}"],
-                    color=color,
-                    ls=line,
-                    label=f"{body}, {VERSIONS[name]}",
-                )
-            first, second = (runs[name].history[f"wear_volume_{body}"] for name in ("v1", "v2"))
-            fs.over_distance(
-                axes[1],
-                history["distance"],
-                100.0 * (second / first - 1.0),
-                color=color,
-                label=f"{body}, V2 against V1",
-            )
-        axes[0].set_ylabel("worn volume, mm³")
-        axes[1].set_ylabel("V2 against V1, %")
-        axes[0].set_ylim(bottom=0.0)
-        fs.legend_above(*axes, columns=3)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _cof_of_v2(runs: Runs, numbers: Numbers) -> Figure:
-    first, second = (runs[name].history for name in ("v1", "v2"))
-
-    def draw(axes: Any) -> None:
-        _versions(runs, axes[0], "cof", "v1", "v2")
-        axes[0].set_ylabel("coefficient of friction, –")
-        axes[0].set_ylim(bottom=0.0)
-        fs.over_distance(
-            axes[1], first["distance"], 100.0 * (second["cof"] / first["cof"] - 1.0), color=fs.NEUTRAL, lw=0.6
-        )
-        axes[1].set_ylabel("V2 against V1, %")
-        fs.legend_above(axes[0], columns=2)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _bars(
-    axes: Axes, labels: list[str], values: list[float], colours: list[str], text: str = "{:.3g}"
-) -> None:
-    bars = axes.bar(range(len(values)), values, color=colours, width=0.65)
-    axes.bar_label(bars, [text.format(v) for v in values], fontsize=7, padding=2)
-    axes.set_xticks(range(len(values)), labels)
-    axes.margins(y=0.12)
-
-
-def _disc_volumes(runs: Runs, numbers: Numbers) -> Figure:
-    values = [numbers[f"{name}.disc_volume_mm3"] for name in VERSIONS]
-    colours = [LINES[name]["color"] for name in VERSIONS]
-
-    def draw(axes: Any) -> None:
-        _bars(axes[0], list(VERSIONS.values()), values, colours, "{:.5f}")
-        axes[0].set_ylabel("worn volume of the disc, mm³")
-        change = [100.0 * (value / values[0] - 1.0) for value in values]
-        _bars(axes[1], list(VERSIONS.values()), change, colours, "{:.3f}")
-        axes[1].axhline(0.0, color=fs.NEUTRAL, lw=0.6)
-        axes[1].set_ylabel("against V1, %")
-        axes[1].margins(y=0.2)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _cof_of_all(runs: Runs, numbers: Numbers) -> Figure:
-    def draw(axes: Any) -> None:
-        for panel in axes:
-            _versions(runs, panel, "cof", *VERSIONS)
-            panel.set_ylabel("coefficient of friction, –")
-        axes[1].set_ylim(0.0, 1.5 * numbers["v1.cof_end"])
-        axes[0].set_ylim(bottom=0.0)
-        axes[0].set_title("full scale")
-        axes[1].set_title("scale of V1; V3 leaves it")
-        fs.legend_above(axes[0], columns=4)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _disc_depths(runs: Runs, numbers: Numbers) -> Figure:
-    labels = [*VERSIONS.values(), "groove of\nTable 4.1"]
-    values = [numbers[f"{name}.disc_depth_um"] for name in VERSIONS] + [numbers["experiment.groove_depth_um"]]
-
-    def draw(axes: Any) -> None:
-        _bars(axes, labels, values, [*(LINES[name]["color"] for name in VERSIONS), EXPERIMENT])
-        axes.set_ylabel("depth of the disc's wear, µm")
-
-    return fs.new_figure(draw)
-
-
-def _patch_bars(runs: Runs, numbers: Numbers) -> Figure:
-    ours = [
-        numbers["v1.patch_by_depth_mm"],
-        numbers["v2.patch_by_depth_mm"],
-        numbers["v3.patch_along_mm"],
-        numbers["fine.patch_along_mm"],
-    ]
-    printed = [thesis.PATCH_DIAMETERS[name].value for name in ("experiment", "v1", "v2", "v3")]
-
-    def draw(axes: Any) -> None:
-        place = np.arange(4)
-        for bars in (
-            axes.bar(
-                place - np.array([0.0, 0.19, 0.19, 0.19]),
-                printed,
-                0.36,
-                color=[EXPERIMENT, *[PRINTED] * 3],
-                label="printed in the thesis",
-            ),
-            axes.bar(place[1:] + 0.19, ours[:3], 0.36, color=[LINES[n]["color"] for n in ("v1", "v2", "v3")]),
-            axes.bar([4.0], ours[3:], 0.36, color=LINES["fine"]["color"]),
-        ):
-            axes.bar_label(bars, fmt="{:.2f}", fontsize=7, padding=2)
-        axes.set_xticks(range(5), ["experiment", "V1", "V2", "V3", "V3 fine"])
-        axes.set_ylabel("diameter of the sphere's patch, mm")
-        axes.margins(y=0.12)
-        axes.set_title("grey and black: printed; coloured: ours")
-
-    return fs.new_figure(draw, width=5.0)
-
-
-def _relative_cof(runs: Runs, numbers: Numbers) -> Figure:
-    def draw(axes: Any) -> None:
-        for panel in axes:
-            for name in VERSIONS:
-                history = runs[name].history
-                fs.over_distance(
-                    panel,
-                    history["distance"],
-                    history["cof"] / history["cof"][-1],
-                    label=VERSIONS[name],
-                    **LINES[name],
-                )
-            panel.set_ylabel("coefficient over its end value, –")
-        axes[0].set_ylim(0.0, 1.05)
-        axes[1].set_xscale("log")
-        axes[1].set_yscale("log")
-        axes[1].set_ylim(1e-3, 1.5)
-        fs.legend_above(axes[0], columns=4)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _straight_line(runs: Runs, numbers: Numbers) -> Figure:
-    history = runs["v3"].history
-    distance = history["distance"]
-
-    def draw(axes: Any) -> None:
-        kinds = (
-            ("cumulative", "sum", fs.SUM, "running sum of areas"),
-            ("touched", "touched", fs.TOUCHED, "area ever touched"),
-        )
-        for panel, (area, key, color, label) in zip(axes, kinds, strict=True):
-            values = history[f"area_{area}"]
-            line = np.polyval(np.polyfit(distance, values, 1), distance)
-            fs.over_distance(panel, distance, values, color=color, label=label, lw=2.0)
-            panel.plot(distance, line, color=fs.HARDNESS, ls=":", label="straight line")
-            panel.set_title(f"{label}: R² = {numbers[f'v3.{key}_straightness_R2']:.4f}")
-            panel.set_ylabel("area, mm²")
-            panel.set_ylim(bottom=0.0)
-        fs.legend_above(*axes, columns=3)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _areas_of_all(runs: Runs, numbers: Numbers) -> Figure:
-    def draw(axes: Any) -> None:
-        for panel in axes:
-            _versions(runs, panel, "area_contact", "v1", "v3", "fine")
-            panel.axhline(numbers["v3.load_over_hardness_mm2"], color=PRINTED, lw=0.8, ls=":", label="F/H")
-            panel.set_ylabel("area in contact, mm²")
-        axes[0].set_ylim(bottom=0.0)
-        axes[1].set_xscale("log")
-        fs.logarithmic(axes[1])
-        fs.legend_above(axes[0], columns=4)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _stability(runs: Runs, numbers: Numbers) -> Figure:
-    beyond, steady = runs.beyond.history, runs.steady.history
-    middle = 0.5 * beyond["distance"][-1]
-    near = np.abs(beyond["distance"] - middle) <= 15.0
-
-    def draw(axes: Any) -> None:
-        unstable = {"color": LINES["v3"]["color"]}
-        fs.over_distance(axes[0], beyond["distance"], beyond["area_contact"], lw=0.2, **unstable)
-        fs.over_distance(
-            axes[0],
-            steady["distance"],
-            steady["area_contact"],
-            color=LINES["v1"]["color"],
-            label="stable: implicit",
-        )
-        fs.over_distance(
-            axes[1],
-            beyond["distance"][near],
-            beyond["area_contact"][near],
-            lw=0.7,
-            marker=".",
-            ms=2,
-            label="explicit, beyond the limit",
-            **unstable,
-        )
-        axes[1].plot(steady["distance"][near], steady["area_contact"][near], color=LINES["v1"]["color"])
-        axes[1].set_title("30 mm in the middle, a dot a step")
-        for panel in axes:
-            panel.set_ylabel("area in contact, mm²")
-            panel.set_ylim(bottom=0.0)
-        fs.legend_above(*axes, columns=2)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _rough_patches(runs: Runs, numbers: Numbers) -> Figure:
-    patches = runs.patches
-    seeds = np.arange(len(patches))
-
-    def draw(axes: Any) -> None:
-        axes.axhline(thesis.PATCH_DIAMETERS["v3"].value, color=fs.HARDNESS, lw=0.8, label="printed, 1.37 mm")
-        axes.axhline(
-            numbers["closed_form_patch_mm"], color=PRINTED, lw=0.8, ls="--", label="smooth, cap of K F L"
-        )
-        axes.plot(
-            seeds, [p.largest for p in patches], "_", ms=12, color=fs.NEUTRAL, label="a peak R_p at both ends"
-        )
-        axes.plot(
-            seeds, [p.farthest for p in patches], "D", ms=3, color=fs.SUM, label="twice the farthest cell"
-        )
-        for side, color, shift in (("along", fs.SPHERE, -0.12), ("across", fs.DISC, 0.12)):
-            axes.plot(
-                seeds + shift,
-                [getattr(p, side) for p in patches],
-                "o",
-                ms=4,
-                color=color,
-                label=f"{side}, V3",
-            )
-            axes.plot(
-                seeds + shift,
-                [getattr(p, f"predicted_{side}") for p in patches],
-                "x",
-                ms=4,
-                color=color,
-                label=f"{side}, geometry alone",
-            )
-        axes.set_xticks(seeds, [str(p.seed) for p in patches])
-        axes.set_xlabel("seed of the rough surface")
-        axes.set_ylabel("extent of the patch, mm")
-        fs.legend_above(axes, columns=4)
-
-    return fs.new_figure(draw, width=fs.PAGE, height=2.9)
 
 
 class Entry(NamedTuple):
@@ -387,7 +37,7 @@ FIGURES: dict[str, Entry] = {
         "(mm): at the end.",
     ),
     "radius_and_pressure": Entry(
-        _radius_and_pressure,
+        thesis_curves.radius_and_pressure,
         "Radius of the area in contact (mm, left scale) and mean pressure (MPa, right scale) of V1 over "
         "the sliding distance (mm); on linear and on logarithmic axes, where a power law is straight.",
     ),
@@ -405,9 +55,11 @@ FIGURES: dict[str, Entry] = {
     "volumes_of_v1": Entry(
         _of_run("v1", "volumes"), "V1: worn volumes (mm³) and deepest cells (µm) over the distance (mm)."
     ),
-    "cof_of_v1": Entry(_cof_of_v1, "V1: coefficient of friction (–) over the sliding distance (mm)."),
+    "cof_of_v1": Entry(
+        thesis_curves.cof_of_v1, "V1: coefficient of friction (–) over the sliding distance (mm)."
+    ),
     "distance_factor": Entry(
-        _distance_factor,
+        thesis_curves.distance_factor,
         "Sliding distance of a disc cell relative to the middle, across sliding (mm). Left: as in V2. "
         "Right: with the chord of the contact, which a swept cell slides.",
     ),
@@ -416,9 +68,12 @@ FIGURES: dict[str, Entry] = {
         "V2: pressure (MPa) through the middle. Left: first step, with Hertz. Right: at the end, across "
         "and along sliding, with the closed form.",
     ),
-    "volumes_of_v2": Entry(_volumes_of_v2, "Worn volumes (mm³) of V1 and V2, and V2 against V1 (%)."),
+    "volumes_of_v2": Entry(
+        thesis_curves.volumes_of_v2, "Worn volumes (mm³) of V1 and V2, and V2 against V1 (%)."
+    ),
     "cof_of_v2": Entry(
-        _cof_of_v2, "Coefficient of friction (–) of V1 and V2, and V2 against V1 (%); steps are single cells."
+        thesis_curves.cof_of_v2,
+        "Coefficient of friction (–) of V1 and V2, and V2 against V1 (%); steps are single cells.",
     ),
     "disc_3d_of_v3": Entry(_of_run("v3", "disc_3d"), "V3: the rough disc before and after, heights in µm."),
     "sphere_3d_of_v3": Entry(
@@ -440,20 +95,22 @@ FIGURES: dict[str, Entry] = {
         thesis_maps.sphere_patches,
         "Wear depth of the sphere at the end (µm); the extents along and across are of touched cells.",
     ),
-    "disc_volumes": Entry(_disc_volumes, "Worn volume of the disc (mm³) and against V1 (%)."),
+    "disc_volumes": Entry(thesis_curves.disc_volumes, "Worn volume of the disc (mm³) and against V1 (%)."),
     "cof_of_all": Entry(
-        _cof_of_all,
+        thesis_curves.cof_of_all,
         "Coefficient of friction (–) with one shear strength for all: V3, which sums its areas, is off the "
         "scale of the others.",
     ),
     "disc_depths": Entry(
-        _disc_depths,
+        thesis_curves.disc_depths,
         "Deepest cell of the disc (µm) of the models on a stationary footprint, and the groove that Table "
         "4.1's K_d makes of 30 mm × 0.80 mm.",
     ),
-    "patch_bars": Entry(_patch_bars, "Diameter of the sphere's worn patch (mm) as printed and of our runs."),
+    "patch_bars": Entry(
+        thesis_curves.patch_bars, "Diameter of the sphere's worn patch (mm) as printed and of our runs."
+    ),
     "relative_cof": Entry(
-        _relative_cof,
+        thesis_curves.relative_cof,
         "Our coefficients relative to their end value (–), linear and logarithmic. The thesis prints no "
         "values to set beside them.",
     ),
@@ -466,21 +123,21 @@ FIGURES: dict[str, Entry] = {
         "V2: wear of the sphere (µm) along and across sliding, and V2 minus V1 (µm).",
     ),
     "straight_line": Entry(
-        _straight_line,
+        thesis_curves.straight_line,
         "V3: running sum of the areas in contact and area ever touched (mm²) with straight lines.",
     ),
     "areas_of_all": Entry(
-        _areas_of_all,
+        thesis_curves.areas_of_all,
         "Area in contact (mm²) over the distance (mm) on linear and logarithmic axes; F/H is load over "
         "hardness.",
     ),
     "stability": Entry(
-        _stability,
+        thesis_curves.stability,
         "Area in contact (mm²) of V1 with the foundation that matches Hertz's area: explicit beyond its "
         "limit, and implicit.",
     ),
     "rough_patches": Entry(
-        _rough_patches,
+        thesis_curves.rough_patches,
         "Extents of V3's patch (mm) on surfaces of different seeds: run (dots), the unworn surface cut by "
         "the worn sphere without a run (crosses), twice the farthest touched cell, and the bound by the "
         "highest peak near the rim.",
