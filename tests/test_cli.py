@@ -77,6 +77,14 @@ def test_bad_input_is_exit_status_2_and_one_sentence(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_smooth_run_stands_beside_hertz(tmp_path: Path) -> None:
+    done = warpwear("run", "v1", "--set", "sliding.distance=0.3 mm", "--no-plots", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    # K_N = 3/π E*/a with E* = 1.072e5 MPa and a = 55.2 µm
+    assert "1.856e+06 N/mm³" in done.stdout
+    assert "Hertz, unworn: radius 55.2 µm, peak 1255 MPa, approach 1.01 µm" in done.stdout
+
+
 def test_listing_and_showing(tmp_path: Path) -> None:
     listed = warpwear("studies", cwd=tmp_path)
     assert [line.split()[0] for line in listed.stdout.splitlines()] == ["v1", "v2", "v3", "v3-fine"]

@@ -263,6 +263,9 @@ def _report(summary: dict[str, Any]) -> str:
         f"  deepest wear      sphere {s['depth_um']['sphere']:.4g}, disc {s['depth_um']['disc']:.4g} µm",
         f"  worn volume       sphere {s['volume_mm3']['sphere']:.5g}, disc {s['volume_mm3']['disc']:.5g} mm³",
     ]
+    if s["model"] == "macro":
+        stiffness = s["foundation_N_per_mm3"]
+        lines.append(f"  foundation        {stiffness:.4g} N/mm³ to begin with{_beside_hertz(s)}")
     if cof["end"] is not None:
         lines.append(
             f"  friction          {cof['first']:.3g} at first, {cof['end']:.3g} at the end "
@@ -282,3 +285,13 @@ def _report(summary: dict[str, Any]) -> str:
     if s["assumptions"]:
         lines.append(f"  {len(s['assumptions'])} assumptions: see summary.json or 'warpwear show'")
     return "\n".join(lines)
+
+
+def _beside_hertz(summary: dict[str, Any]) -> str:
+    hertz = summary["hertz"]
+    if hertz is None:
+        return ""
+    return (
+        f"; Hertz, unworn: radius {hertz['radius_um']:.3g} µm, peak {hertz['peak_pressure_MPa']:.4g} MPa, "
+        f"approach {hertz['approach_um']:.3g} µm"
+    )

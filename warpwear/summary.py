@@ -21,6 +21,7 @@ def summarise(result: "Result") -> dict[str, Any]:
     load = study.contact.load
     return {
         "name": study.study.name,
+        "model": study.study.model,
         **{
             k: v.item() if isinstance(v, np.generic) else v
             for k, v in result.attributes.items()
