@@ -9,12 +9,16 @@ from warpwear.execution import FIELDS_NEEDED, Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.ledger import Step
 from warpwear.one_scale import OneScaleModel
+from warpwear.patch_book import PatchBook
+from warpwear.patch_width import refuse_narrow
+from warpwear.patches import Patches
 from warpwear.results import Snapshot
 from warpwear.stepping import increments
 from warpwear.study import Study
 from warpwear.surface_of import bearing_curve_of
 from warpwear.surfaces.base import Surface
 from warpwear.surfaces.parameters import roughness
+from warpwear.two_scale import TwoScaleModel
 
 
 class Model(Protocol):
@@ -43,10 +47,13 @@ class Made:
     model: Model
     surface_sum: int  # `checksum` of the heights
     record: dict[str, Any]  # of the surface, for the result
+    book: PatchBook | None = None  # of the patches that the model has
 
 
 def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     """What the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
+    if study.study.model == "two-scale":
+        return Executor(Patches.of(study).grid, device=device, threads=threads)
     # A radial factor is a field of its own, and so is the stiffness that it makes differ from cell to cell.
     fields = FIELDS_NEEDED + 2.0 * (study.wear.distance_factor == "radial")
     return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
@@ -54,9 +61,14 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
 
 def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
     """The model that the study asks for, on a surface. Raises InputError for one that it cannot use."""
-    grid = executor.grid
+    grid = study.cells
     heights = surface.heights(grid.x, grid.y)
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
+    if study.study.model == "two-scale":
+        patches = Patches.of(study)
+        refuse_narrow(patches, heights)
+        of_patches = TwoScaleModel(study, patches, heights, executor)
+        return Made(of_patches, checksum(heights), record, of_patches.book)
     curve = None
     if study.wear.law == "bearing-curve":
         curve = bearing_curve_of(study)

@@ -117,6 +117,7 @@ class _Loop:
             self._warn(warning)
         made = model_of(study, surface, executor)
         self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
+        self._book = made.book
         self._device = str(executor.device)
         self._rows: list[dict[str, float]] = []
 
@@ -174,6 +175,8 @@ class _Loop:
         LOG.info("%s %d steps in %.1f s", how, len(self._rows), self._elapsed)
         record = {"surface": self._surface_record, "warnings": self.warnings, "elapsed_s": self._elapsed}
         self._writer.finish(history, record, finished=self.finished)
+        if self._book is not None:
+            self._writer.add_patches(self._book)
 
     def _make_steps(self, plan: Sequence[tuple[float, float, bool]]) -> None:
         """Steps of (increment, distance at its end, whether to keep a snapshot) [mm]."""

@@ -55,7 +55,9 @@ def summarise(result: "Result") -> dict[str, Any]:
             study.friction, history, load=load, hardness=study.hardness
         ),
         "hertz": _elastic(study),
-        "foundation_N_per_mm3": _finite(study.law().stiffness),
+        "foundation_N_per_mm3": _finite(
+            study.foundation() if study.uses_foundation else study.law().stiffness
+        ),
         "junctions": {
             "critical_diameter_um": 1.0e3 * study.critical_junction if study.critical_junction else None,
             "strength_MPa": study.junction_strength,
