@@ -1,9 +1,10 @@
 """Patches of a contact, each at an approach of its own: what they carry, their pressures, their wear.
 
-All patches lie in one field of shape (patches, lines · vectors of a line): a row is a patch, its lines of cells
-(along axis 1 of the domain) one after another, each padded to whole vectors. A tile is `types.WIDTH` vectors of
-one line, or what is left of it. A slot is a place in the list of patches visited (one of several that share a
-patch on a GPU); tiles whose lowest gap, before any wear, is above the patch's approach are skipped.
+All patches lie in one field of shape (patches, lines · vectors of a line): a row is a patch, its lines of
+cells (along axis 1 of the domain) one after another, each padded to whole vectors. A tile is `types.WIDTH`
+vectors of one line, or what is left of it. A slot is a place in the list of patches visited (one of several
+that share a patch on a GPU); tiles whose lowest gap, before any wear, is above the patch's approach are
+skipped.
 """
 
 import warp as wp

@@ -35,7 +35,8 @@ def _model(study: "Study") -> None:
             )
         if not rough:
             raise ValueError(
-                f"disc.surface (a file) or [disc.synthetic] must be given: the {study.study.model} model is rough"
+                f"disc.surface (a file) or [disc.synthetic] must be given: the {study.study.model} model is "
+                "rough"
             )
     elif bearing_curve:
         if not rough:
@@ -56,13 +57,13 @@ def _patches(study: "Study") -> None:
         if not _whole(length / cell):
             near = max(round(length / cell), 1) * cell
             raise ValueError(
-                f"macro.{name} = {1e3 * length:g} µm is not a whole number of cells of {1e3 * cell:g} µm; the "
-                f"nearest that is, is {1e3 * near:.6g} µm"
+                f"macro.{name} = {1e3 * length:g} µm is not a whole number of cells of {1e3 * cell:g} µm; "
+                f"the nearest that is, is {1e3 * near:.6g} µm"
             )
     if macro.patch_width > macro.cell * (1.0 + SAME):
         raise ValueError(
-            f"macro.patch = {1e3 * macro.patch_width:g} µm is larger than macro.cell = {1e3 * macro.cell:g} µm: "
-            "patches would overlap; allowed is the macro cell or less"
+            f"macro.patch = {1e3 * macro.patch_width:g} µm is larger than macro.cell = "
+            f"{1e3 * macro.cell:g} µm: patches would overlap; allowed is the macro cell or less"
         )
     if macro.cell > 0.5 * study.grid.extent * (1.0 + SAME):
         raise ValueError(
@@ -82,13 +83,13 @@ def _patches(study: "Study") -> None:
         )
     if study.wear.law == "running-in":
         raise ValueError(
-            "wear.law = 'running-in' changes what sphere and disc wear beside each other, which the two-scale "
-            "model keeps in one proportion; allowed are archard and exponential"
+            "wear.law = 'running-in' changes what sphere and disc wear beside each other, which the "
+            "two-scale model keeps in one proportion; allowed are archard and exponential"
         )
     if study.wear.distance_factor != "none":
         raise ValueError(
-            f"wear.distance_factor = '{study.wear.distance_factor}' changes what sphere and disc wear beside each "
-            "other from cell to cell, which the two-scale model keeps in one proportion; allowed is none"
+            f"wear.distance_factor = '{study.wear.distance_factor}' changes what sphere and disc wear beside "
+            "each other from cell to cell, which the two-scale model keeps in one proportion; allowed is none"
         )
     if macro.coupling == "load" and study.stepping.scheme == "explicit":
         raise ValueError("macro.coupling = 'load' needs stepping.scheme = 'implicit'")

@@ -79,7 +79,7 @@ class Executor:
             self._pool.shutdown()
 
     def share(self, cells: Any) -> list[tuple[int, int]]:
-        """Ranges of slots for the threads, with about as many cells each. cells: of the rows visited, (rows,)."""
+        """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""
         rows = len(cells)
         if not self.device.is_cpu:
             return [(0, rows * self.slots_per_row)]

@@ -25,8 +25,8 @@ class Step:
 class Ledger:
     """The books of one contact: its last row, and the largest of what only ever grows.
 
-    row: columns of the last step, 0 before the first. most: by the names of `kernels.types.MAXIMA`. weight: area
-    that a cell stands for over its own. margin: cells along the edge that must not be touched.
+    row: columns of the last step, 0 before the first. most: by the names of `kernels.types.MAXIMA`. weight:
+    area that a cell stands for over its own. margin: cells along the edge that must not be touched.
     """
 
     def __init__(self, study: Study, grid: Grid, *, weight: float = 1.0, margin: int = 1) -> None:

@@ -1,13 +1,14 @@
 """How patches share a load: each at an approach of its own, joined by what lies between it and the body.
 
-A patch k carries the mean pressure p_k(u_k) at its approach u_k. Behind it is a spring of stiffness K_N [N/mm³], the
-bulk, so that all patches have
+A patch k carries the mean pressure p_k(u_k) at its approach u_k. Behind it is a spring of stiffness K_N
+[N/mm³], the bulk, so that all patches have
 
     u_k + p_k / K_N = δ,   A Σ p_k = F
 
-with one approach δ of the bodies, both measured from the mean planes. Every evaluation of the patches at any u_k
-is a point of the curve p_k(δ), at δ_k = u_k + p_k / K_N: Newton's method follows all these curves to a
-common δ. Without a spring all u_k are δ. What a patch answers is the micro law's affair: any increasing p_k(u_k).
+with one approach δ of the bodies, both measured from the mean planes. Every evaluation of the patches at any
+u_k is a point of the curve p_k(δ), at δ_k = u_k + p_k / K_N: Newton's method follows all these curves to a
+common δ. Without a spring all u_k are δ. What a patch answers is the micro law's affair: any increasing
+p_k(u_k).
 """
 
 import math
@@ -24,7 +25,7 @@ from warpwear.grid import FloatArray
 BoolArray = NDArray[np.bool_]
 #: Mean pressures [MPa] of all patches and their slopes [N/mm³] at the approaches base + offset [mm].
 Response = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
-#: Evaluations after which the approach of the bodies is held while the patches are solved at it, inside brackets.
+#: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
 JOINT = 12
 #: First step of a search that starts where the solution is [mm].
 FIRST_REACH = 1.0e-18
@@ -63,7 +64,7 @@ class Task:
     load: float  # F [N]
     area: float  # that each stands for [mm²]
     flexibility: float  # 1/K_N [mm³/N], 0 without a spring
-    most: float  # no patch carries more [MPa]
+    hardness: float  # that no patch exceeds [MPa]
     lowest: FloatArray  # below that approach a patch carries nothing [mm]
 
 
@@ -86,21 +87,21 @@ def share(response: Response, task: Task, start: Shares | None, *, step: float) 
         search = _Search(response, task, base, common)
         low = -math.inf
     evaluations = 0
-    for _ in range(MAX_ROUNDS):
+    for number in range(MAX_ROUNDS):
+        if number:  # down to neighbouring numbers: from bases at the solution the offsets have digits again
+            search = _Search(response, task, search.base + search.offset, search.common_base + search.common)
+            step, low = 0.0, -math.inf
         found = search.run(step, low)
         evaluations += search.evaluations
         if found is not None:
             return replace(found, evaluations=evaluations)
         if not abs(search.common) < HOPELESS:
             break
-        # Down to neighbouring numbers: from bases at the solution the offsets have digits again.
-        search = _Search(response, task, search.base + search.offset, search.common_base + search.common)
-        step, low = 0.0, -math.inf
     raise ConvergenceError(
         f"the load shares of {task.lowest.size} patches did not converge in {evaluations} evaluations: "
         f"{search.residual:.3g} N of {task.load:.6g} N are left (allowed {TOLERANCE * task.load:.1g} N), and "
-        f"{search.spring_residual:.3g} mm between a patch's approach with its bulk spring and that of the bodies "
-        f"(allowed {search.spring_allowed:.1g} mm), near an approach of {search.common_base:.9g} mm."
+        f"{search.spring_residual:.3g} mm between a patch's approach with its bulk spring and that of the "
+        f"bodies (allowed {search.spring_allowed:.1g} mm), near an approach of {search.common_base:.9g} mm."
     )
 
 
@@ -167,9 +168,11 @@ class _Search:
                         return None
             at_point = np.where(free, point + self._shift, self.offset)
             brackets.enter(x, point, at_point)
-            highest = x + self._shift
-            lowest = np.maximum(brackets.low, highest - flexibility * task.most)
-            highest = np.minimum(brackets.high, highest)
+            # Where nothing is carried, and where the hardness is.
+            bound = x + self._shift
+            highest = np.minimum(brackets.high, bound)
+            lowest = np.maximum(task.lowest - self.base, bound - flexibility * task.hardness)
+            lowest = np.minimum(np.maximum(brackets.low, lowest), highest)
             guesses = at_point + (x - point) / (1.0 + flexibility * slope)
             outside = (guesses < lowest) | (guesses > highest)
             if held and self.evaluations % BISECT_EVERY == 0:

@@ -25,7 +25,7 @@ class Worn:
 
 
 class PatchContact:
-    """The gap of every fine cell on a capped foundation, patch by patch: the micro law of a two-scale contact.
+    """The gap of every fine cell on a capped foundation, patch by patch: the micro law of two scales.
 
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
@@ -113,7 +113,7 @@ class PatchContact:
         return self._executor.to_numpy(field)
 
     def remove(self, base: FloatArray, offset: FloatArray, *, removal: float, reference: float) -> Worn:
-        """Wear both bodies by removal [mm³/N] times the pressure. reference: from which squares count [MPa]."""
+        """Wear both bodies by removal [mm³/N] times the pressure. reference: squares count from it [MPa]."""
         touching = (base - self.lowest) + offset > 0.0
         self._visit(touching | (self.lowest < self.reached))
         self._send(base, offset)

@@ -1,4 +1,4 @@
-"""Every patch pressed to a mean pressure that is prescribed, all at once, each inside a bracket of its own."""
+"""Patches pressed to mean pressures that are prescribed, all at once, each inside a bracket of its own."""
 
 import math
 
@@ -27,9 +27,9 @@ def press(
 ) -> Shares:
     """Approaches at which patches carry target [MPa], each to `TOLERANCE` of it.
 
-    lowest: below that approach a patch carries nothing [mm]. start: of the step before; step: how far beyond it
-    [mm]; first: first step of a patch that did not touch. common: approach of the bodies, for the record; area: that
-    a patch stands for [mm²]; load: of all [N]. Raises ConvergenceError.
+    lowest: below that approach a patch carries nothing [mm]. start: of the step before; step: how far beyond
+    it [mm]; first: first step of a patch that did not touch [mm]. common: approach of the bodies, for the
+    record [mm]; area: that a patch stands for [mm²]; load: of all [N]. Raises ConvergenceError.
     """
     asked = target > 0.0
     touched = np.zeros(target.size, dtype=bool) if start is None else asked & (start.pressure > 0.0)
@@ -64,6 +64,6 @@ def press(
         base, offset = base + offset, np.zeros_like(offset)
     worst = int(np.argmax(np.abs(left) - allowed))
     raise ConvergenceError(
-        f"the patches did not converge to their prescribed loads in {evaluations} evaluations: patch {worst} carries "
-        f"{p[worst]:.9g} MPa of {target[worst]:.9g} MPa, at an approach of {base[worst]:.9g} mm."
+        f"the patches did not converge to their prescribed loads in {evaluations} evaluations: patch {worst} "
+        f"carries {p[worst]:.9g} MPa of {target[worst]:.9g} MPa, at an approach of {base[worst]:.9g} mm."
     )

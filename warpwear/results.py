@@ -21,9 +21,9 @@ from warpwear.history import COLUMNS
 from warpwear.study import Study
 
 if TYPE_CHECKING:
-    from warpwear.patch_book import PatchBook
     from warpwear.evolution import SurfaceEvolution
     from warpwear.figures import Plotter
+    from warpwear.patch_book import PatchBook
 
 FIELDS = {"pressure": "MPa", "wear_sphere": "mm", "wear_disc": "mm", "gap": "mm"}
 FILE_NAME = "result.h5"

@@ -219,7 +219,7 @@ class Contact(Section):
     )
     foundation_update: Literal["initial", "updated"] = key(
         "initial",
-        "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (of the scar, two-scale)",
+        "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (two-scale: scar)",
     )
 
 

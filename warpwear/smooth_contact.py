@@ -13,7 +13,7 @@ from warpwear.surfaces.sphere import sag
 
 
 class SmoothContact:
-    """A Winkler foundation of smooth bodies on the macro cells, capped at the hardness, with a wear of its own.
+    """A Winkler foundation of smooth bodies on the macro cells, capped at the hardness, with its own wear.
 
     Uncapped it would ask more of the first patches than all their cells carry at the hardness. Its gap is the
     mean over each patch of the sphere's.

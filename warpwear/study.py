@@ -143,7 +143,7 @@ class Study(Section):
 
     @property
     def hardness(self) -> float:
-        """Largest pressure of a cell [MPa]: contact.hardness, or the softer body's where cells are asperities."""
+        """Largest pressure of a cell [MPa]: contact.hardness, or the softer body's for rough cells."""
         if self.contact.hardness is not None:
             return self.contact.hardness
         found = None if self.study.model == "macro" else self.softer_hardness
@@ -181,7 +181,7 @@ class Study(Section):
         )
 
     def law(self, *, radius: float | None = None) -> CappedFoundation:
-        """The contact law of a cell. radius: of the area in contact [mm], for a foundation that follows it."""
+        """The law of a cell. radius: of the area in contact [mm], for a foundation that follows it."""
         macro = self.study.model == "macro"
         stiffness = self.foundation(radius=radius) if macro else self.contact.stiffness
         return CappedFoundation(stiffness=stiffness, hardness=self.hardness)

@@ -21,7 +21,7 @@ from warpwear.study import Study
 
 
 class TwoScaleModel:
-    """Contact and wear of one study whose patches share the load, by one approach or as a smooth contact says.
+    """Contact and wear of one study. Patches share the load by one approach, or as a smooth contact says.
 
     Approaches and gaps count from the mean planes, so that the worn mean height of a patch, which closes the
     loop back to the macro contact, is part of its gap.
@@ -35,7 +35,7 @@ class TwoScaleModel:
         self._wear = study.wear_laws
         curvature, hardness = study.sphere.curvature, study.hardness
         self.contact = PatchContact(patches, heights, executor, curvature=curvature, hardness=hardness)
-        # What a patch touches in the outermost macro cells may be the domain's last, where it stands for more.
+        # In the outermost macro cells, what a patch touches may stand for the domain's edge.
         margin = 1 if patches.cover_everything else patches.pitch
         self._ledger = Ledger(study, patches.domain, weight=patches.weight, margin=margin)
         self.book = PatchBook(patches)
@@ -141,7 +141,7 @@ class TwoScaleModel:
             load=load,
             area=self.patches.area,
             flexibility=1.0 / foundation,
-            most=min(study.hardness, load / self.patches.area),
+            hardness=study.hardness,
             lowest=self.contact.lowest,
         )
         return share(self.contact.response, task, self._last, step=step if self._last else self._first)
