@@ -20,7 +20,8 @@ class SmoothContact:
     """
 
     def __init__(self, study: Study, patches: Patches) -> None:
-        self._load, self._hardness, self._area = study.contact.load, study.hardness, patches.area
+        self._load, self._hardness = study.contact.load, study.hardness
+        self.area = patches.area  # of a macro cell [mm²]
         curvature = study.sphere.curvature
         heights = sag(patches.domain.x, patches.domain.y, radius=1.0 / curvature if curvature else np.inf)
         stored = patches.stored(heights).reshape(patches.count, patches.side, -1)[:, :, : patches.side]
@@ -43,9 +44,9 @@ class SmoothContact:
         def carried(offset: float) -> tuple[float, float]:
             p = pressure(offset)
             between = np.count_nonzero((p > 0.0) & (p < self._hardness))
-            return self._area * float(p.sum()), self._area * stiffness * between
+            return self.area * float(p.sum()), self.area * stiffness * between
 
-        step = self._load / (self._area * stiffness * self.worn.size)
+        step = self._load / (self.area * stiffness * self.worn.size)
         found = newton_in_bracket(carried, self._load, step, -math.inf, math.inf, 0.0)
         if not found.converged(self._load):
             raise ConvergenceError(

@@ -203,6 +203,11 @@ class Study(Section):
         return self.study.model == "macro"
 
     @property
+    def samples_area(self) -> bool:
+        """Whether patches stand for more than themselves, so that fields cover only a part of the domain."""
+        return self.study.model == "two-scale" and self.macro.patch_width < self.macro.cell
+
+    @property
     def wear_coefficients(self) -> tuple[float, float]:
         """K of sphere and disc [mm²/N], hardness contained; in the long run, where a law changes it."""
         sphere, disc = self.wear_laws
