@@ -24,6 +24,7 @@ from contenders import (
 )
 from displaced import sliding
 from loops import sampled_run, whole_run
+from patches import patches
 from phases import kernel_times
 from timing import Row, Unit, measure, ratio_note
 
@@ -214,6 +215,7 @@ CASES: dict[str, Case] = {
     "threads": Case(second_thread, fields=12.0, threads=2),
     "phases": Case(phases),
     "sliding": Case(sliding, fields=14.0),
+    "patches": Case(patches, sizes=(1500,), fields=20.0),
     "memory": Case(memory),
 }
 #: What --quick takes where no size is asked for.
