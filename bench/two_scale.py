@@ -181,9 +181,11 @@ def draw(found: list[Course], load: Table, drawn: dict[tuple[str, int], Any], ti
             panel.set_ylabel("CoF over that of\n" + ("all covered" if part == parts[2] else "the preset"))
         for panel in (axes[0], axes[2], axes[3]):
             panel.legend(loc="best", handlelength=2.2)
-        for row, kind in zip(load, kinds, strict=False):
-            errors = [100.0 * row[f"error_{d:g}mm"] for d in ERROR_AT]
-            axes[4].semilogx(ERROR_AT, errors, "o", ls=kind, color=fs.DISC, ms=3, label=f"seed {row['seed']}")
+        errors = 100.0 * np.array([[row[f"error_{d:g}mm"] for d in ERROR_AT] for row in load])
+        for of_seed, row in zip(errors, load, strict=True):
+            label = "one surface each" if row is load[0] else None
+            axes[4].semilogx(ERROR_AT, of_seed, "o-", color=fs.DISC, alpha=0.4, ms=2.5, lw=0.7, label=label)
+        axes[4].semilogx(ERROR_AT, errors.mean(axis=0), "o-", color=fs.DISC, ms=4, label="mean")
         axes[4].set_ylim(0.0)
         axes[4].set_title("load coupling against approach coupling")
         axes[4].set_ylabel("load on other patches, %")
@@ -223,7 +225,7 @@ def main(out: str, cell: str, time_cell: str, repeats: int, quick: bool) -> None
     found = courses(cell)
     parts: dict[str, Table] = {"courses": [course.row for course in found]}
     show(f"CoF over the distance, {cell} cells, one shear strength", parts["courses"])
-    parts["load"] = load_part(cell, seeds[:2])
+    parts["load"] = load_part(cell, seeds)
     show("load coupling: load on other patches than the approach coupling's, 50 µm patches", parts["load"])
     parts["representative"], drawn = sample_part(cell, seeds)
     show("patches of 100 µm in macro cells of 300 µm against all covered", parts["representative"])

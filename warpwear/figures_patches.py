@@ -19,7 +19,6 @@ from warpwear.patches import Patches
 NEIGHBOURS, ROOM = 1, 1
 #: Left, bottom, width and height of a colour bar beside a map, over the map's.
 BAR = (1.04, 0.0, 0.06, 1.0)
-LABEL = "load over area, MPa"
 
 
 def load_share(data: FigureData) -> Figure:
@@ -38,20 +37,20 @@ def load_share(data: FigureData) -> Figure:
             line, column = divmod(place, columns)
             name = [*found][line]
             top = max(float(of[column].max()) for of in found.values()) / patches.area
-            last = column == columns - 1
-            _draw_macro(panel, found[name][column] / patches.area, patches, shown, top, LABEL if last else "")
+            _draw_macro(panel, found[name][column] / patches.area, patches, shown, top)
             title = fs.after(float(data.history["distance"][rows[column]]))
             if line == 1:
                 apart = load_share_error(found[name][column], found["patches"][column])
                 title = f"{100.0 * apart:.2g} % of the load\non other patches"
             panel.set_title(title)
-            panel.set_xlabel("x, mm" if line == len(found) - 1 else "")
+            below = line == len(found) - 1 or columns == 1
+            panel.set_xlabel("x, mm" if below else "")
             panel.set_ylabel(f"{name}\ny, mm" if column == 0 else "")
-            panel.tick_params(labelleft=column == 0, labelbottom=line == len(found) - 1)
+            panel.tick_params(labelleft=column == 0, labelbottom=below)
 
-    width = fs.PAGE if columns > 1 else fs.COLUMN
-    height = 0.75 * width / max(columns, 1) + 0.35
-    return fs.new_figure(draw, rows=len(found), columns=columns, height=height, width=width)
+    if columns == 1:  # beside each other
+        return fs.new_figure(draw, columns=len(found), height=2.6)
+    return fs.new_figure(draw, rows=len(found), columns=columns, height=0.75 * fs.PAGE / columns + 0.35)
 
 
 def patch_zoom(data: FigureData) -> Figure:
@@ -67,11 +66,11 @@ def patch_zoom(data: FigureData) -> Figure:
     def draw(axes: Any) -> None:
         for line, (index, row) in enumerate(zip(shown, rows, strict=True)):
             share = result.load_share[row]
-            half = int(np.abs(share - 0.5 * share.max()).argmin())
+            half = int(np.where(share > 0.0, np.abs(share - 0.5 * share.max()), np.inf).argmin())
             pressure = result.snapshot(index).pressure
             left, middle, right = axes[3 * line : 3 * line + 3]
             carried = share / patches.area
-            _draw_macro(left, carried, patches, macro, float(carried.max()), LABEL)
+            _draw_macro(left, carried, patches, macro, float(carried.max()))
             left.set_title(f"{fs.after(float(result.snapshot_distances[index]))}: patches")
             near, alone = (_around(patches, half, neighbours) for neighbours in (NEIGHBOURS, 0))
             top = float(pressure[near.x, near.y].max())
@@ -87,12 +86,10 @@ def patch_zoom(data: FigureData) -> Figure:
     return fs.new_figure(draw, rows=len(shown), columns=3, height=2.0)
 
 
-def _draw_macro(
-    axes: Any, values: FloatArray, patches: Patches, window: Window, high: float, label: str
-) -> None:
-    """Values of the patches, as macro cells."""
+def _draw_macro(axes: Any, values: FloatArray, patches: Patches, window: Window, high: float) -> None:
+    """Pressures of the patches, as macro cells."""
     square = values.reshape(patches.across, patches.across)
-    _draw(axes, square[window.x, window.y], window, high, label)
+    _draw(axes, square[window.x, window.y], window, high, "load over area, MPa")
 
 
 def _draw(axes: Any, values: FloatArray, window: Window, high: float, label: str) -> None:
