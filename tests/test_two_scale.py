@@ -74,8 +74,8 @@ class Stepped:
     ("macro", "stiffness", "distance"),
     [
         ("50 um", "inf N/mm^3", "300 mm"),
-        ("250 um", "inf N/mm^3", "30 mm"),
-        ("30 um", "1.9e6 N/mm^3", "30 mm"),
+        ("250 um", "inf N/mm^3", "3 mm"),
+        ("30 um", "1.9e6 N/mm^3", "3 mm"),
     ],
 )
 def test_full_tiling_without_bulk_is_the_one_scale_run(
@@ -88,12 +88,12 @@ def test_full_tiling_without_bulk_is_the_one_scale_run(
         warpwear.run(study.replace({"study.model": "micro"}), device=device) as one,
         warpwear.run(study, device=device) as two,
     ):
-        assert one.history["approach"].size > 200
+        assert one.history["approach"].size > 100
         for name in ("approach", "pressure_max", "pressure_mean", "wear_volume_disc", "wear_depth_sphere"):
             assert_allclose(two.history[name], one.history[name], rtol=1e-12, err_msg=name)
         for name in ("area_contact", "area_touched", "area_cumulative", "patch_along", "patch_across"):
             assert_allclose(two.history[name], one.history[name], rtol=1e-12, err_msg=name)
-        for i in range(3):
+        for i in range(one.snapshot_distances.size):
             a, b = one.snapshot(i), two.snapshot(i)
             for name in ("pressure", "wear_sphere", "wear_disc"):
                 expected = getattr(a, name)
@@ -157,7 +157,7 @@ def reference_step(
     return delta, u, _carried(gap, u, c, hardness)
 
 
-@pytest.mark.parametrize("spring", [1.9e6, 5e4, 3e3])
+@pytest.mark.parametrize("spring", [1.9e6, 3e3])
 def test_a_bulk_spring_in_series_against_bisection(spring: float) -> None:
     """Over a worn run: every patch's approach and load, δ and the gap, within what bisection resolves."""
     study = quick(grid__cell="25 um", macro__cell="100 um", macro__patch="100 um", grid__extent="1 mm")
@@ -165,7 +165,7 @@ def test_a_bulk_spring_in_series_against_bisection(spring: float) -> None:
     stepped = Stepped(study)
     gap = stepped.gap().reshape(stepped.patches.count, -1)
     wear = sum(study.wear_coefficients)
-    for increment in (0.003, 0.01, 0.1, 1.0, 3.0, 3.0, 3.0, 10.0):
+    for increment in (0.003, 0.1, 3.0, 3.0, 10.0):
         delta, u, p = reference_step(
             gap,
             c=wear * increment,
@@ -189,8 +189,9 @@ def test_a_bulk_spring_in_series_against_bisection(spring: float) -> None:
         gap = gap + wear * increment * pressure
 
 
-def test_iterations_and_residuals_of_a_long_run() -> None:
-    with warpwear.run(quick(sliding__distance="2400 mm")) as result:
+@pytest.mark.parametrize("distance", ["10 mm", pytest.param("2400 mm", marks=pytest.mark.slow)])
+def test_iterations_and_residuals_of_a_run(distance: str) -> None:
+    with warpwear.run(quick(sliding__distance=distance)) as result:
         assert np.median(result.history["evaluations"]) <= 8.0
         assert np.abs(result.history["load_residual"]).max() <= 1e-12 * 8.0
         assert_allclose(result.load_share.sum(axis=1), 8.0, rtol=1e-12)
@@ -304,7 +305,9 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
 
 
 def test_the_hdf5_file_has_the_patches(tmp_path: Path) -> None:
-    warpwear.run(of_kind("some of the area"), out=tmp_path / "run", plots=False).close()
+    warpwear.run(
+        of_kind("some of the area").replace({"sliding.distance": "3 mm"}), out=tmp_path / "run", plots=False
+    ).close()
     with h5py.File(tmp_path / "run" / "result.h5") as file, Result.open(tmp_path / "run") as result:
         steps = file["history/distance"].size
         assert file["history/load_share"].shape == file["history/area_patch"].shape == (steps, 36)

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
@@ -17,6 +18,7 @@ from warpwear.patches import Patches
 
 #: Patches beside the one that is zoomed into, on each side; room around the macro contact [macro cells].
 NEIGHBOURS, ROOM = 1, 1
+NOT_COVERED = ListedColormap(["#E4E4E4"])
 #: Left, bottom, width and height of a colour bar beside a map, over the map's.
 BAR = (1.04, 0.0, 0.06, 1.0)
 
@@ -56,7 +58,8 @@ def load_share(data: FigureData) -> Figure:
 def patch_zoom(data: FigureData) -> Figure:
     """From the load of the patches to the pressure of the cells of one that carries half of the most.
 
-    At the first two snapshots shown: later patches are worn smooth, and the most loaded are so first.
+    At the first two snapshots shown: later patches are worn smooth, and the most loaded are so first. Grey is
+    what no patch covers.
     """
     result, patches = data.result, Patches.of(data.study)
     shown = data.shown[:2]
@@ -67,7 +70,8 @@ def patch_zoom(data: FigureData) -> Figure:
         for line, (index, row) in enumerate(zip(shown, rows, strict=True)):
             share = result.load_share[row]
             half = int(np.where(share > 0.0, np.abs(share - 0.5 * share.max()), np.inf).argmin())
-            pressure = result.snapshot(index).pressure
+            snapshot = result.snapshot(index)
+            pressure = snapshot.pressure
             left, middle, right = axes[3 * line : 3 * line + 3]
             carried = share / patches.area
             _draw_macro(left, carried, patches, macro, float(carried.max()))
@@ -78,6 +82,8 @@ def patch_zoom(data: FigureData) -> Figure:
                 (middle, near, "around one of them"),
                 (right, alone, f"this patch: {share[half]:.3g} N"),
             ):
+                beside = np.where(np.isnan(snapshot.gap[window.x, window.y]), 1.0, np.nan)
+                draw_map(panel, beside, window, NOT_COVERED, None)
                 _draw(panel, pressure[window.x, window.y], window, top, "pressure, MPa")
                 panel.set_title(title)
             _frame(left, near)
