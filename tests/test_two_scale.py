@@ -365,6 +365,14 @@ def test_a_patch_narrower_than_the_roughness_cannot_stand_for_more() -> None:
         warpwear.run(quick().replace(narrow))
 
 
+def test_a_macro_cell_wider_than_the_contact_shares_no_load() -> None:
+    wide = {"macro.cell": "0.75 mm", "macro.patch": None, "sliding.distance": "0.3 mm"}
+    with pytest.raises(
+        InputError, match=r"macro\.cell = 750 µm is larger than the contact, .* 6\d\d µm wide"
+    ):
+        warpwear.run(quick().replace(wide))
+
+
 def test_a_contact_that_outgrows_the_macro_grid_stops_the_run() -> None:
     with pytest.raises(InputError, match=r"grid\.extent = 0\.5 mm is too small: the contact reached"):
         warpwear.run(quick(grid__extent="0.5 mm", sliding__distance="40 mm"))

@@ -218,14 +218,20 @@ def too_small(study: "Study") -> str | None:
     curvature = study.sphere.curvature
     if curvature == 0.0:
         return None
-    volume = study.contact.load * sum(law.removal(0.0, study.sliding.total) for law in study.wear_laws)
-    patch = 2.0 * (4.0 * volume / (math.pi * curvature)) ** 0.25
+    patch = worn_width(study)
     if not study.grid.extent < patch < 1.0 / curvature:
         return None
     return (
         f"grid.extent = {study.grid.extent:g} mm is too small: the worn patch will be {patch:.3g} mm wide or "
         "more; a larger extent is needed"
     )
+
+
+def worn_width(study: "Study") -> float:
+    """Of the patch that smooth bodies wear to, a paraboloid's [mm]; infinite for a flat."""
+    volume = study.contact.load * sum(law.removal(0.0, study.sliding.total) for law in study.wear_laws)
+    curvature = study.sphere.curvature
+    return 2.0 * (4.0 * volume / (math.pi * curvature)) ** 0.25 if curvature else math.inf
 
 
 def _steps(study: "Study") -> None:

@@ -10,7 +10,7 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.ledger import Step
 from warpwear.one_scale import OneScaleModel
 from warpwear.patch_book import PatchBook
-from warpwear.patch_width import refuse_narrow
+from warpwear.patch_width import refuse_unsuitable
 from warpwear.patches import Patches
 from warpwear.results import Snapshot
 from warpwear.stepping import increments
@@ -66,7 +66,7 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
     if study.study.model == "two-scale":
         patches = Patches.of(study)
-        refuse_narrow(patches, heights)
+        refuse_unsuitable(study, patches, heights)
         of_patches = TwoScaleModel(study, patches, heights, executor)
         return Made(of_patches, checksum(heights), record, of_patches.book)
     curve = None

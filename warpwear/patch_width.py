@@ -1,13 +1,16 @@
-"""Whether patches that stand for more than themselves are wide enough for the roughness."""
+"""Whether patches suit the contact and, where they stand for more than themselves, the roughness."""
 
+import math
 from typing import TYPE_CHECKING
 
+from warpwear.consistency import worn_width
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.patches import Patches
 from warpwear.surfaces.spectrum import autocorrelation_length, power_spectrum, suggested_roll_off
 
 if TYPE_CHECKING:
+    from warpwear.study import Study
     from warpwear.surfaces.spectrum import RollOff
 
 #: The estimate of a roll-off length scatters by 6 % between surfaces of the same spectrum: a patch
@@ -24,14 +27,32 @@ def roll_off_of(heights: FloatArray, *, cell: float) -> "RollOff":
     )
 
 
-def refuse_narrow(patches: Patches, heights: FloatArray) -> None:
-    """Raises InputError for representative patches narrower than the roll-off length of the roughness.
+def refuse_unsuitable(study: "Study", patches: Patches, heights: FloatArray) -> None:
+    """Raises InputError for macro cells wider than the contact, and for samples narrower than the roughness.
 
-    A patch that does not hold the longest waves sees a part of a hill or of a valley, not the roughness.
-    heights: [mm], over the domain; smooth ones have no roll-off.
+    heights: [mm], over the domain.
     """
-    if patches.cover_everything or heights.max() == heights.min():
+    _refuse_wide(study, heights)
+    if not patches.cover_everything and heights.max() > heights.min():  # smooth ones have no roll-off
+        _refuse_narrow(patches, heights)
+
+
+def _refuse_wide(study: "Study", heights: FloatArray) -> None:
+    """The contact ends 2 √(a² + 2 R R_p) wide, with a of smooth bodies and the highest peak R_p."""
+    curvature = study.sphere.curvature
+    if curvature == 0.0:
         return
+    smooth = max(0.5 * worn_width(study), study.hertz.radius if study.hertz else 0.0)
+    width = 2.0 * math.sqrt(smooth**2 + 2.0 * max(float(heights.max()), 0.0) / curvature)
+    if study.macro.cell > width:
+        raise InputError(
+            f"macro.cell = {1e3 * study.macro.cell:g} µm is larger than the contact, which ends about "
+            f"{1e3 * width:.3g} µm wide: one patch would carry all of the load; allowed are smaller ones."
+        )
+
+
+def _refuse_narrow(patches: Patches, heights: FloatArray) -> None:
+    """A patch that does not hold the longest waves sees a part of a hill or valley, not the roughness."""
     cell = patches.domain.cell
     found = roll_off_of(heights, cell=cell)
     width = patches.side * cell
