@@ -184,9 +184,8 @@ def remove(
     step_in: wp.array(dtype=wp.int32),
     search_in: wp.array(dtype=wp.float64),
     factor_in: wp.array(dtype=wp.float64),
+    unworn_in: wp.array(dtype=wp.float64),
     gap_out: wp.array(dtype=wp.float64),
-    wear_sphere_out: wp.array(dtype=wp.float64),
-    wear_disc_out: wp.array(dtype=wp.float64),
     partial_out: wp.array2d(dtype=wp.float64),
 ):
     """One increment of wear, as `removal.remove`: sums in the order of `types.SUMS`, then `types.MAXIMA`."""
@@ -213,32 +212,33 @@ def remove(
     last_column = NOWHERE
     f = ONE
     s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
+    opening = removal_sphere + removal_disc
+    share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)  # of the sphere, at all distances
     for row in range(block, gap_out.shape[0] // columns, blocks):
         touched_before = touched
         for column in range(wp.tid() % wp.block_dim(), columns, wp.block_dim()):
             i = row * columns + column
             if rows > 0:
                 f = factor_at(i, column, rows, factor_in)
-                s = ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
+                opening = removal_sphere + f * removal_disc
+                s = ONE / (compliance + implicit * opening)
+                share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
             g = gap_out[i]
-            a = wear_sphere_out[i]
-            b = wear_disc_out[i]
+            u = unworn_in[i]
             p = wp.min(wp.max(((base - g) + offset) * s, ZERO), cap)
             if p > ZERO:
-                da = removal_sphere * p
-                db = removal_disc * f * p
-                a += da
-                b += db
-                gap_out[i] = g + (da + db)
-                wear_sphere_out[i] = a
-                wear_disc_out[i] = b
+                g += opening * p
+                gap_out[i] = g
                 pressure += p
                 factored += f * p
                 deviation += (p - mean) * (p - mean)
                 contact += ONE
                 capped += wp.where(p >= cap, ONE, ZERO)
                 highest = wp.max(highest, p)
-            if p + a + b > ZERO:
+            w = g - u
+            if p + w > ZERO:
+                a = share * w
+                b = w - a
                 touched += ONE
                 worn_sphere += a
                 worn_disc += b

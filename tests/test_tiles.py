@@ -55,7 +55,7 @@ def run(law: str, heights: FloatArray, increments: list[float], threads: int) ->
     with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
         model = OneScaleModel(study, heights.copy(), executor)
         steps = [model.advance(increment, with_pressure=True) for increment in increments]
-        fields = [executor.to_numpy(f).copy() for f in vars(model.state).values()]
+        fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]
     return steps, fields
 
 

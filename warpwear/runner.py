@@ -242,14 +242,14 @@ class _Loop:
 
     def _keep(self, step: Step, distance: float) -> None:
         assert step.pressure is not None
-        state, to_numpy = self._model.state, self._executor.to_numpy
+        sphere, disc = self._model.worn()
         self._writer.add_snapshot(
             Snapshot(
                 distance,
                 pressure=step.pressure,
-                wear_sphere=to_numpy(state.wear_sphere),
-                wear_disc=to_numpy(state.wear_disc),
-                gap=to_numpy(state.gap),
+                wear_sphere=sphere,
+                wear_disc=disc,
+                gap=self._executor.to_numpy(self._model.state.gap),
             )
         )
 
