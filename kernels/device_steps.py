@@ -180,15 +180,20 @@ def remove(
     implicit: wp.float64,
     cap: wp.float64,
     blocks: wp.int32,
+    share_changes: wp.int32,
     removal_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_in: wp.array(dtype=wp.float64),
     factor_in: wp.array(dtype=wp.float64),
     unworn_in: wp.array(dtype=wp.float64),
     gap_out: wp.array(dtype=wp.float64),
+    share_out: wp.array(dtype=wp.float64),
     partial_out: wp.array2d(dtype=wp.float64),
 ):
-    """One increment of wear, as `removal.remove`: sums in the order of `types.SUMS`, then `types.MAXIMA`."""
+    """One increment of wear, as `removal.remove`: sums in the order of `types.SUMS`, then `types.MAXIMA`.
+
+    share_out: of the sphere in what is worn; used only where the two bodies do not wear in one proportion.
+    """
     block = wp.tid() // wp.block_dim()
     removal_sphere = removal_in[step_in[0], 0]
     removal_disc = removal_in[step_in[0], 1]
@@ -213,7 +218,7 @@ def remove(
     f = ONE
     s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
     opening = removal_sphere + removal_disc
-    share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)  # of the sphere, at all distances
+    share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
     for row in range(block, gap_out.shape[0] // columns, blocks):
         touched_before = touched
         for column in range(wp.tid() % wp.block_dim(), columns, wp.block_dim()):
@@ -227,8 +232,13 @@ def remove(
             u = unworn_in[i]
             p = wp.min(wp.max(((base - g) + offset) * s, ZERO), cap)
             if p > ZERO:
+                before = g - u
                 g += opening * p
                 gap_out[i] = g
+                if share_changes > 0:
+                    after = before + opening * p
+                    of_sphere = share_out[i] * before + removal_sphere * p
+                    share_out[i] = wp.where(after > ZERO, of_sphere / after, ZERO)
                 pressure += p
                 factored += f * p
                 deviation += (p - mean) * (p - mean)
@@ -237,6 +247,8 @@ def remove(
                 highest = wp.max(highest, p)
             w = g - u
             if p + w > ZERO:
+                if share_changes > 0:
+                    share = share_out[i]
                 a = share * w
                 b = w - a
                 touched += ONE

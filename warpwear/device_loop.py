@@ -34,8 +34,8 @@ class DeviceStep:
 class DeviceLoop:
     """Steps of one contact on a foundation.
 
-    gap, unworn: fields as of `one_scale.State`; the gap is worn in place. The wear of the two bodies is in one
-    proportion at all distances. factor: of the disc's sliding distance, a field of one
+    gap, unworn, share: fields as of `one_scale.State`; gap and share change in place, the share only where the
+    wear of the two is not in one proportion (`share_changes`). factor: of the disc's sliding distance, a field of one
     row or of all. compliance: 1/k [mm³/N]; implicit: whether the wear of a step adds to it.
     """
 
@@ -44,18 +44,21 @@ class DeviceLoop:
         executor: Executor,
         gap: Field,
         unworn: Field,
+        share: Field,
         factor: Field,
         *,
         load: float,
         hardness: float,
         compliance: float,
         implicit: bool,
+        share_changes: bool,
     ) -> None:
         self._executor = executor
         self._device = executor.device
         self._load, self._cap = load, hardness
         columns = executor.vectors * LANES
-        self._gap, self._unworn = self._numbers(gap), self._numbers(unworn)
+        self._gap, self._unworn, self._share = (self._numbers(field) for field in (gap, unworn, share))
+        self._share_changes = int(share_changes)
         self._factor = self._numbers(factor)
         on_cpu = self._device.is_cpu  # there a block is one thread: for tests
         self._block = 1 if on_cpu else BLOCK
@@ -107,8 +110,13 @@ class DeviceLoop:
         else:
             while self._searching.numpy()[0]:
                 self._try()
-        known = [*self._cells, self._removals, self._step, self._search, self._factor, self._unworn]
-        self._launch(device_steps.remove, self._block * self._blocks, known, [self._gap, self._partial])
+        steps = [self._removals, self._step, self._search, self._factor]
+        self._launch(
+            device_steps.remove,
+            self._block * self._blocks,
+            [*self._cells, self._share_changes, *steps, self._unworn],
+            [self._gap, self._share, self._partial],
+        )
         quantities = len(SUMS) + len(MAXIMA)
         self._launch(
             device_steps.record,

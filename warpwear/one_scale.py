@@ -116,7 +116,7 @@ class OneScaleModel:
             and (study.study.model == "micro" or study.contact.foundation_update == "initial")
         )
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
-        self.in_blocks = executor.device.is_cuda and self._foreseen and not self._share_changes
+        self.in_blocks = executor.device.is_cuda and self._foreseen
         self._loop: DeviceLoop | None = None
         #: Steps that the state is ahead of the last one given, in a block.
         self.ahead = 0
@@ -182,7 +182,7 @@ class OneScaleModel:
             yield from self._block(block)
             block = []
             if not self.in_blocks or with_pressure or self._last is None:
-                yield self.advance(increment, with_pressure=with_pressure, then=then)
+                yield self.advance(increment, with_pressure=with_pressure, then=None if self.in_blocks else then)
         yield from self._block(block)
 
     def _block(self, increments: list[float]) -> Iterator[Step]:
@@ -194,11 +194,13 @@ class OneScaleModel:
                 self._executor,
                 self.state.gap,
                 self.state.unworn,
+                self.state.share,
                 self._factor_field,
                 load=self.study.contact.load,
                 hardness=self.study.hardness,
                 compliance=self.study.law().compliance,
                 implicit=self.study.stepping.scheme == "implicit",
+                share_changes=self._share_changes,
             )
         assert self._last is not None
         ends = itertools.accumulate(increments, initial=self._ledger.row["distance"])
@@ -212,7 +214,8 @@ class OneScaleModel:
         self.ahead = len(made)
         for increment, removed, step in zip(increments, removals, made, strict=True):
             self.ahead -= 1
-            self._last = step.balance
+            self._last, self._ahead = step.balance, None
+            self._foresight.note(step.balance.approach, sum(removed))
             reference = self._ledger.row["pressure_mean"]
             yield self._ledger.enter(step.balance, increment, removed, reference, step.totals, step.most)
 
