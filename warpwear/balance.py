@@ -52,6 +52,7 @@ class Carried(NamedTuple):
 class Ahead:
     """What was evaluated before its step begins, in the pass that ended the last one."""
 
+    made_for: tuple[float, float, float]  # what the stiffness of the step is made for
     offset: float  # from the approach of the last step [mm]
     carried: Carried
 

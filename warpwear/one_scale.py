@@ -133,7 +133,7 @@ class OneScaleModel:
             "tiles": numbers,
             "last": last,
             "foresight": self._foresight.saved_state(),
-            "ahead": None if self._ahead is None else [self._ahead.offset, *self._ahead.carried],
+            "ahead": None if self._ahead is None else asdict(self._ahead),
             "most": self._ledger.most,
             "row": self._ledger.row,
         }
@@ -145,9 +145,10 @@ class OneScaleModel:
         self.tiles.restore(arrays, numbers["tiles"])
         self._last = None if numbers["last"] is None else Balance(**numbers["last"])
         self._foresight.restore(numbers["foresight"])
-        if numbers["ahead"] is not None:
-            offset, *carried = numbers["ahead"]
-            self._ahead = Ahead(offset, Carried(*carried))
+        ahead = numbers["ahead"]
+        self._ahead = ahead and Ahead(
+            tuple(ahead["made_for"]), ahead["offset"], Carried(*ahead["carried"])
+        )
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
 
     def _changing(self) -> dict[str, Field]:
@@ -290,7 +291,8 @@ class OneScaleModel:
         )
         self._ahead = None
         if step_next:
-            self._ahead = Ahead(step_next, self._balancer.evaluated(self._balancer.ahead))
+            carried = self._balancer.evaluated(self._balancer.ahead)
+            self._ahead = Ahead(stiffness_next.made_for, step_next, carried)
         if self._recession is not None:
             self._recession.recede(self._wear_of_disc(), self.state.gap, self.state.unworn)
         total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))
@@ -331,6 +333,9 @@ class OneScaleModel:
                 step=removal * self.study.hardness,
             )
         # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
+        step, known = removal * self._ledger.row["pressure_mean"], None
+        if self._ahead is not None and self._ahead.made_for == stiffness.made_for:
+            step, known = self._ahead.offset, self._ahead.carried
         return self._balancer.foundation(
             self.state.gap,
             stiffness.field,
@@ -338,9 +343,9 @@ class OneScaleModel:
             load=load,
             hardness=self.study.hardness,
             start=self._last.approach if self._last else None,
-            step=self._ahead.offset if self._ahead else removal * self._ledger.row["pressure_mean"],
+            step=step,
             stiffest=stiffness.stiffest,
-            known=self._ahead.carried if self._ahead else None,
+            known=known,
         )
 
     def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> Stiffness:
