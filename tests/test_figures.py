@@ -111,15 +111,19 @@ def is_empty(axes: Axes) -> bool:
     return not axes.collections
 
 
-def each_figure(results: dict[str, Result]) -> list[tuple[str, str, Result]]:
-    return [
-        (run, name, r) for run, r in results.items() for name in r.plot.NAMES if name not in r.plot.left_out
-    ]
+#: Of these every test run draws all figures, of the others the slow ones: each figure is drawn of one.
+DRAWN_EVERY_TIME = ("rough", "static", "smooth")
 
 
-def test_every_figure_of_every_run_is_fit_to_print(results: dict[str, Result]) -> None:
+@pytest.mark.parametrize(
+    "run", [run if run in DRAWN_EVERY_TIME else pytest.param(run, marks=pytest.mark.slow) for run in RUNS]
+)
+def test_every_figure_of_every_run_is_fit_to_print(results: dict[str, Result], run: str) -> None:
     faults: list[str] = []
-    for run, name, result in each_figure(results):
+    result = results[run]
+    for name in result.plot.NAMES:
+        if name in result.plot.left_out:
+            continue
         figure, renderer = drawn(result, name)
         where = f"{run}, {name}"
         if figure.get_figwidth() not in (3.5, 7.0):
