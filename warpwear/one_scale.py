@@ -16,6 +16,7 @@ from warpwear.kernels import contact, gap, removal
 from warpwear.kernels.types import MAXIMA, SUMS
 from warpwear.kinematics import distance_factor
 from warpwear.ledger import Ledger, Step
+from warpwear.results import Snapshot
 from warpwear.running_in import Logistic, Recession
 from warpwear.study import Study
 from warpwear.tiles import Tiles
@@ -114,6 +115,18 @@ class OneScaleModel:
         self.tiles.restore(arrays, numbers["tiles"])
         self._last = None if numbers["last"] is None else Balance(**numbers["last"])
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
+
+    def snapshot(self, step: Step, distance: float) -> Snapshot:
+        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
+        assert step.pressure is not None
+        state, to_numpy = self.state, self._executor.to_numpy
+        return Snapshot(
+            distance,
+            pressure=step.pressure,
+            wear_sphere=to_numpy(state.wear_sphere),
+            wear_disc=to_numpy(state.wear_disc),
+            gap=to_numpy(state.gap),
+        )
 
     def _changing(self) -> dict[str, Field]:
         """The fields that steps change."""
