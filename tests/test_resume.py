@@ -279,7 +279,7 @@ def test_what_cannot_be_resumed_is_refused_and_kept(alone: Path, tmp_path: Path)
     refused(r"another version of warpwear \(format 9, this one reads 2\)")
     path.write_bytes(good)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("warpwear.runner.checksum", lambda heights: 1)
+        patch.setattr("warpwear.models.checksum", lambda heights: 1)
         refused("the disc's heights are not what they were")
     # What no step depends on may change.
     renamed = short(study__name="other", friction__shear_strength="2 MPa", run__checkpoint="1 min")

@@ -19,6 +19,7 @@ from warpwear.kernels import removal as removal_kernels
 from warpwear.kernels.types import LANES, MAXIMA, SUMS
 from warpwear.kinematics import distance_factor
 from warpwear.ledger import Ledger, Step
+from warpwear.results import Snapshot
 from warpwear.running_in import Logistic, Recession
 from warpwear.study import Study
 from warpwear.tiles import Tiles
@@ -150,6 +151,13 @@ class OneScaleModel:
             tuple(ahead["made_for"]), ahead["offset"], Carried(*ahead["carried"])
         )
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
+
+    def snapshot(self, step: Step, distance: float) -> Snapshot:
+        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
+        assert step.pressure is not None
+        sphere, disc = self.worn()
+        gap = self._executor.to_numpy(self.state.gap)
+        return Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
 
     def _changing(self) -> dict[str, Field]:
         """The fields that steps change."""
@@ -361,6 +369,7 @@ class OneScaleModel:
         for made in self._stiffness:
             if made.made_for == made_for:
                 return made
+        del self._stiffness[:-1]
         values = self._factor * made_for[2]
         values += law.compliance + made_for[1]
         with np.errstate(divide="ignore"):
@@ -368,10 +377,11 @@ class OneScaleModel:
         np.minimum(values, RIGID, out=values)
         ny, padded = self._executor.grid.ny, self._executor.vectors * LANES
         values = np.broadcast_to(values, (values.shape[0], ny))
-        # A padding of 0 would look like cells at the point of touching.
-        field = self._executor.field(np.pad(values, ((0, 0), (0, padded - ny)), mode="edge"))
+        if ny < padded:  # a stiffness of 0 there would look like cells at the point of touching
+            values = np.pad(values, ((0, 0), (0, padded - ny)), mode="edge")
+        field = self._executor.field(values)
         made = Stiffness(made_for, field, float(values.max()))
-        self._stiffness = [*self._stiffness[-1:], made]
+        self._stiffness.append(made)
         return made
 
     def _wear_of_disc(self) -> Field:

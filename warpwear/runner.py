@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -16,22 +15,20 @@ import numpy as np
 
 from warpwear import __version__, friction, run_folder
 from warpwear.checkpoint import FILE_NAME as CHECKPOINT
-from warpwear.checkpoint import Checkpoint, Checkpoints, Found, checksum, opened
+from warpwear.checkpoint import Checkpoint, Checkpoints, Found, opened
 from warpwear.consistency import too_small
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.evolution import COLUMNS as EVOLUTION
-from warpwear.execution import FIELDS_NEEDED, Executor
-from warpwear.grid import FloatArray, Grid
+from warpwear.execution import Executor
+from warpwear.grid import FloatArray
 from warpwear.history import COLUMNS, Column
 from warpwear.interrupts import Interrupts
 from warpwear.ledger import Step
-from warpwear.one_scale import OneScaleModel
+from warpwear.models import executor_of, model_of, plan_of
 from warpwear.progress import Progress
-from warpwear.results import FILE_NAME, Result, ResultWriter, Snapshot
-from warpwear.stepping import increments
+from warpwear.results import FILE_NAME, Result, ResultWriter
 from warpwear.study import Study
-from warpwear.surface_of import bearing_curve_of, surface_in
-from warpwear.surfaces.parameters import roughness
+from warpwear.surface_of import surface_in
 
 LOG = logging.getLogger("warpwear")
 #: A coefficient of friction beyond this is a mistake, not a result.
@@ -72,14 +69,12 @@ def run(
         run_folder.check(folder, overwrite=overwrite, resume=resume)
         if resume and run_folder.is_finished(folder, study):
             return Result.open(folder)
-    # A radial factor is a field of its own, and so is the stiffness that it makes differ from cell to cell.
-    fields = FIELDS_NEEDED + 2.0 * (study.wear.distance_factor == "radial")
-    executor = Executor(study.cells, device=device, threads=threads, fields_needed=fields)
+    executor = executor_of(study, device=device, threads=threads)
     with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
         with _log_to(work), _result_file(work) as file:
             LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
             writer = ResultWriter(
-                file, study, executor.grid, device=str(executor.device), threads=executor.threads
+                file, study, study.cells, device=str(executor.device), threads=executor.threads
             )
             loop = _Loop(study, executor, writer, Progress(study, quiet=not progress))
             if folder and work:
@@ -112,7 +107,7 @@ class _Loop:
         self._edge_told = False
         self._writer = writer
         self._progress = progress
-        grid = executor.grid
+        grid = study.cells
         problem = too_small(study)
         if problem is not None and study.checks.strict:
             raise InputError(f"{problem}.")
@@ -120,15 +115,9 @@ class _Loop:
         self.warnings = [*study.notices(), *surface.notices(grid.x, grid.y)]
         for warning in self.warnings:
             self._warn(warning)
-        heights = surface.heights(grid.x, grid.y)
-        self._surface_sum = checksum(heights)
-        self._surface_record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
-        curve = None
-        if study.wear.law == "bearing-curve":
-            curve = bearing_curve_of(study)
-            self._surface_record["bearing_curve"] = asdict(curve)
-        self._model = OneScaleModel(study, heights, executor, bearing_curve=curve)
-        self._executor = executor
+        made = model_of(study, surface, executor)
+        self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
+        self._device = str(executor.device)
         self._rows: list[dict[str, float]] = []
 
     def checkpoint_in(self, folder: Path, work: Path, *, resume: bool) -> None:
@@ -140,9 +129,8 @@ class _Loop:
             with opened(folder / CHECKPOINT) as found:
                 if found is not None:
                     self._restore(found)
-        device = str(self._executor.device)
         self._checkpoints = Checkpoints(
-            folder / CHECKPOINT, work, self.study, device=device, surface=self._surface_sum
+            folder / CHECKPOINT, work, self.study, device=self._device, surface=self._surface_sum
         )
         if not resume:
             self._checkpoints.remove()  # of the run that is overwritten
@@ -153,7 +141,7 @@ class _Loop:
             self._checkpoints.remove()
 
     def _restore(self, found: Found) -> None:
-        found.refuse_changes(self.study, device=str(self._executor.device))
+        found.refuse_changes(self.study, device=self._device)
         found.refuse_surface(self._surface_sum)
         then = found.read()
         self._model.restore(then.arrays, then.numbers)
@@ -164,13 +152,7 @@ class _Loop:
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
 
     def run(self) -> None:
-        study = self.study
-        stops = set(study.output.snapshots)
-        total = study.sliding.total
-        plan = [
-            (increment, distance, distance in stops or distance == total)
-            for increment, distance in increments(study.stepping.plan, total, stops)
-        ]
+        plan = plan_of(self.study)
         self._started = time.perf_counter()
         self._progress.start(len(plan), done=len(self._rows))
         try:
@@ -203,7 +185,7 @@ class _Loop:
                 time_slid = distance / speed if speed else math.nan
                 self._rows.append(step.row | {"distance": distance, "time": time_slid})
                 if keep:
-                    self._keep(step, distance)
+                    self._writer.add_snapshot(self._model.snapshot(step, distance))
                 self._progress.step(step.row)
                 if self._model.ahead:  # of a block that is made, so the state is not this step's
                     continue
@@ -239,19 +221,6 @@ class _Loop:
             study.friction, history, load=study.contact.load, finished=finished
         )
         return history
-
-    def _keep(self, step: Step, distance: float) -> None:
-        assert step.pressure is not None
-        sphere, disc = self._model.worn()
-        self._writer.add_snapshot(
-            Snapshot(
-                distance,
-                pressure=step.pressure,
-                wear_sphere=sphere,
-                wear_disc=disc,
-                gap=self._executor.to_numpy(self._model.state.gap),
-            )
-        )
 
     def _check_edge(self, step: Step) -> None:
         curvature = self.study.sphere.curvature
@@ -297,13 +266,6 @@ class _Loop:
     def _warn(self, sentence: str) -> None:
         LOG.warning(sentence)
         self._progress.say(f"note: {sentence}")
-
-
-def _roughness_on(grid: Grid, heights: FloatArray) -> dict[str, float]:
-    """What the cells see of the surface: after filling, filtering, mirroring and sampling."""
-    found = roughness(heights, pixel=(grid.cell, grid.cell))
-    lengths = {f"{key}_um": 1.0e3 * found.pop(key) for key in ("sa", "sq", "sz")}
-    return lengths | found
 
 
 @contextmanager
