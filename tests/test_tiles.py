@@ -54,7 +54,7 @@ def run(law: str, heights: FloatArray, increments: list[float], threads: int) ->
     study = Study.load("v3-fine").replace({"stepping.increment": "1 mm", "stepping.force": True} | LAWS[law])
     with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
         model = OneScaleModel(study, heights.copy(), executor)
-        steps = [model.advance(increment, with_pressure=True) for increment in increments]
+        steps = list(model.steps((increment, True) for increment in increments))
         fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]
     return steps, fields
 
