@@ -66,11 +66,13 @@ _WEAR = """
     typedef double Stored;
     typedef long long Counts;
     const auto size_of = [](double v) { return fabs(v); };
+    const auto fetch = [](const Stored*) {};
 #else
     typedef double Lanes __attribute__((ext_vector_type(8)));
     typedef double Stored __attribute__((ext_vector_type(8), aligned(8)));
     typedef long long Counts __attribute__((ext_vector_type(8)));
     const auto size_of = [](Lanes v) { return __builtin_elementwise_abs(v); };
+    const auto fetch = [](const Stored* place) { __builtin_prefetch(place, 1); };
 #endif
     const int lanes = sizeof(Lanes) / sizeof(double);
     const Lanes zero = 0.0;
@@ -96,6 +98,8 @@ _WEAR = """
 #if !defined(__CUDA_ARCH__)
             #pragma clang fp contract(fast)
 #endif
+            fetch(gap + i + 16);  // a fifth of the time, where fields do not fit the cache
+            fetch(unworn + i + 16);
             Lanes g = gap[i];
             Lanes p = ((base - g) + (offset - tie_width)) * stiffness[i];
             p = p > zero ? p : zero;
@@ -313,7 +317,9 @@ def remove(
     vectors = gap_out.shape[1]
     if here:
         n = lane
-        while n < count_in[row] and first_column == NOWHERE and tiles_in[row, n] * WIDTH * LANES < first_known:
+        while (
+            n < count_in[row] and first_column == NOWHERE and tiles_in[row, n] * WIDTH * LANES < first_known
+        ):
             t = tiles_in[row, n]
             for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, vectors)):
                 s = stiffness_in[stiffness_row, k]

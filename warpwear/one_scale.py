@@ -65,6 +65,10 @@ class OneScaleModel:
         self.study = study
         self._executor = executor
         self._wear = study.wear_laws
+        self._rigid = study.uses_bearing_area
+        #: 1/k of the foundation [mm³/N], None where it follows the contact.
+        updated = study.study.model == "macro" and study.contact.foundation_update == "updated"
+        self._compliance = None if updated else study.law().compliance
         self._balancer = Balancer(executor)
         self._sums = executor.partials(len(SUMS))
         self._maxima = executor.partials(len(MAXIMA))
@@ -89,9 +93,7 @@ class OneScaleModel:
         worn = sphere.fastest + disc.fastest * self._factor
         share = np.divide(sphere.fastest, worn, out=np.zeros_like(worn), where=worn > 0.0)
         shape = (executor.grid.nx if self._share_changes else share.shape[0], executor.grid.ny)
-        self.state = State(
-            executor.zeros(), executor.zeros(), executor.field(np.broadcast_to(share, shape))
-        )
+        self.state = State(executor.zeros(), executor.zeros(), executor.field(np.broadcast_to(share, shape)))
         grid = executor.grid
         executor.launch(
             gap.gap,
@@ -106,16 +108,10 @@ class OneScaleModel:
             outputs=[self.state.gap, self.state.unworn],
         )
         fully = study.contact.load / (study.hardness * grid.cell_area)
-        self.tiles = Tiles(
-            executor, self.state.gap, self.state.unworn, self.state.share, least=SPARE * fully
-        )
+        self.tiles = Tiles(executor, self.state.gap, self.state.unworn, self.state.share, least=SPARE * fully)
         self._highest = self._balancer.bounds(self.state.gap, self.tiles)[1]
         #: Whether 1/c of a step is known before it.
-        self._foreseen = (
-            not study.uses_bearing_area
-            and self._recession is None
-            and (study.study.model == "micro" or study.contact.foundation_update == "initial")
-        )
+        self._foreseen = not self._rigid and self._recession is None and self._compliance is not None
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
         self.in_blocks = executor.device.is_cuda and self._foreseen
         self._loop: DeviceLoop | None = None
@@ -147,9 +143,7 @@ class OneScaleModel:
         self._last = None if numbers["last"] is None else Balance(**numbers["last"])
         self._foresight.restore(numbers["foresight"])
         ahead = numbers["ahead"]
-        self._ahead = ahead and Ahead(
-            tuple(ahead["made_for"]), ahead["offset"], Carried(*ahead["carried"])
-        )
+        self._ahead = ahead and Ahead(tuple(ahead["made_for"]), ahead["offset"], Carried(*ahead["carried"]))
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
@@ -191,7 +185,9 @@ class OneScaleModel:
             yield from self._block(block)
             block = []
             if not self.in_blocks or with_pressure or self._last is None:
-                yield self.advance(increment, with_pressure=with_pressure, then=None if self.in_blocks else then)
+                yield self.advance(
+                    increment, with_pressure=with_pressure, then=None if self.in_blocks else then
+                )
         yield from self._block(block)
 
     def _block(self, increments: list[float]) -> Iterator[Step]:
@@ -207,7 +203,7 @@ class OneScaleModel:
                 self._factor_field,
                 load=self.study.contact.load,
                 hardness=self.study.hardness,
-                compliance=self.study.law().compliance,
+                compliance=self._compliance,
                 implicit=self.study.stepping.scheme == "implicit",
                 share_changes=self._share_changes,
             )
@@ -228,9 +224,7 @@ class OneScaleModel:
             reference = self._ledger.row["pressure_mean"]
             yield self._ledger.enter(step.balance, increment, removed, reference, step.totals, step.most)
 
-    def advance(
-        self, increment: float, *, with_pressure: bool = False, then: float | None = None
-    ) -> Step:
+    def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
 
         then: the next increment, where it is known [mm]; the pass that wears evaluates for it as well.
@@ -256,8 +250,7 @@ class OneScaleModel:
         if self._recession is not None:
             bearing = self._recession.cells_bearing(balance, self.state.gap, self._wear_of_disc())
         # The scatter is summed about a value near the mean: of a bearing area the mean itself.
-        rigid = self.study.uses_bearing_area
-        near_mean = balance.cap if rigid else self._ledger.row["pressure_mean"] or balance.cap
+        near_mean = balance.cap if self._rigid else self._ledger.row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
         step_next, stiffness_next = 0.0, stiffness
         if then is not None and self._foreseen:
@@ -274,7 +267,14 @@ class OneScaleModel:
         if self._share_changes:
             self._executor.launch(
                 removal_kernels.divide,
-                inputs=[*law, *removal, stiffness.field, self._factor_field, self.state.unworn, self.state.gap],
+                inputs=[
+                    *law,
+                    *removal,
+                    stiffness.field,
+                    self._factor_field,
+                    self.state.unworn,
+                    self.state.gap,
+                ],
                 outputs=[self.state.share],
                 over=self.tiles,
                 often=True,
@@ -305,7 +305,7 @@ class OneScaleModel:
             self._recession.recede(self._wear_of_disc(), self.state.gap, self.state.unworn)
         total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
-        if not rigid:
+        if not self._rigid:
             balance = self._carried(balance, total["pressure"])
         self._last = balance
         return self._ledger.enter(
@@ -330,7 +330,7 @@ class OneScaleModel:
 
     def _balance(self, stiffness: Stiffness, removal: float) -> Balance:
         load = self.study.contact.load
-        if self.study.uses_bearing_area:
+        if self._rigid:
             return self._balancer.bearing(
                 self.state.gap,
                 self.tiles,
@@ -358,20 +358,22 @@ class OneScaleModel:
 
     def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> Stiffness:
         """Of a step that removes so much [mm³/N]; one row where all are alike."""
-        area = self._ledger.row["area_contact"]
-        law = self.study.law(radius=math.sqrt(area / math.pi) if area else None)
+        compliance = self._compliance
+        if compliance is None:
+            area = self._ledger.row["area_contact"]
+            compliance = self.study.law(radius=math.sqrt(area / math.pi) if area else None).compliance
         if self._recession is not None:
-            compliance = law.compliance + removal_sphere
+            compliance += removal_sphere
             field = self._recession.stiffness(compliance, removal_disc, self._wear_of_disc())
             return Stiffness((compliance, removal_sphere, removal_disc), field, math.inf)
         implicit = self.study.stepping.scheme == "implicit"
-        made_for = (law.compliance, removal_sphere * implicit, removal_disc * implicit)
+        made_for = (compliance, removal_sphere * implicit, removal_disc * implicit)
         for made in self._stiffness:
             if made.made_for == made_for:
                 return made
         del self._stiffness[:-1]
         values = self._factor * made_for[2]
-        values += law.compliance + made_for[1]
+        values += compliance + made_for[1]
         with np.errstate(divide="ignore"):
             np.reciprocal(values, out=values)
         np.minimum(values, RIGID, out=values)

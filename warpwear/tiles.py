@@ -66,9 +66,7 @@ class Tiles(TileList):
     tile is always listed: a pass over the memory costs less there than to decide about it.
     """
 
-    def __init__(
-        self, executor: Executor, gap: Field, unworn: Field, share: Field, *, least: float
-    ) -> None:
+    def __init__(self, executor: Executor, gap: Field, unworn: Field, share: Field, *, least: float) -> None:
         super().__init__(executor, least=least)
         self._fields = [gap, unworn, share]
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
