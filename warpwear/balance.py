@@ -113,9 +113,10 @@ class Balancer:
         """Balance of a contact with compliance, to `TOLERANCE`.
 
         stiffness: 1/c [N/mm³], one row for all or one a row of cells; stiffest: no cell's is larger. tiles:
-        of the gap; more of them are listed as they are needed. known: what start + step carries. start: approach near the solution [mm], from the step before; step: how far
-        beyond it the solution is expected [mm]; scatter: how far from there it may be, where that is known.
-        Without a start the search begins at the lowest cell.
+        of the gap; more of them are listed as they are needed. start: approach near the solution [mm], from
+        the step before; step: how far beyond it the solution is expected [mm]; scatter: how far from there it
+        may be, where that is known; known: what start + step carries. Without a start the search begins at
+        the lowest cell.
 
         Raises ConvergenceError, never returns an unbalanced contact.
         """

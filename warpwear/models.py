@@ -47,7 +47,7 @@ class Made:
 
 def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     """What the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
-    # A radial factor is a field of its own, and so are the share of the sphere and the stiffnesses of two steps.
+    # A radial factor is a field of its own, so are the share of the sphere and the stiffnesses of two steps.
     fields = FIELDS_NEEDED + 5.0 * (study.wear.distance_factor == "radial")
     return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
 
