@@ -29,7 +29,7 @@ CELLS_PER_THREAD = 100_000
 #: On a GPU neighbouring threads read neighbouring vectors of a row; so many slots keep it busy.
 SLOTS_CUDA = 65536
 
-#: Fields alive at the peak of a run: gap, wear of both bodies, heights or pressure, and room to work.
+#: Fields alive at the peak of a run: gap as worn and unworn, pressure, wear of both bodies, and room to work.
 FIELDS_NEEDED = 6.0
 
 Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
