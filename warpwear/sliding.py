@@ -10,7 +10,7 @@ import warp as wp
 from warpwear.balance import RIGID, Balance, Balancer
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
-from warpwear.kernels import gap, sliding
+from warpwear.kernels import contact, gap, sliding
 from warpwear.kernels.types import LANES, PADDING, STEP, STEP_MAXIMA
 from warpwear.ledger import Ledger, Step
 from warpwear.sliding_tiles import PerTile, SlidingTiles
@@ -34,6 +34,7 @@ class State:
     disc: Field  # height over the mean plane, as worn
     wear_sphere: Field
     wear_disc: Field
+    plastic_disc: Field  # displaced for good where a cell was at the hardness; one row where none is kept
 
 
 class SlidingContact:
@@ -45,7 +46,8 @@ class SlidingContact:
 
     disc: heights over the mean plane [mm], shape (rows ≥ nx, ny); row i of the sphere lies on row i + shift.
     periodic: after the disc's last row comes its first. sphere: heights over the unworn apex [mm], shape
-    (nx, ny), instead of those of the study's sphere.
+    (nx, ny), instead of those of the study's sphere. share: what this disc slides of the increment of the
+    test: its volumes count 1/share times, as those of the whole stroke that it stands for.
 
     Raises ValueError for a disc that is shorter than the grid or of another width.
     """
@@ -58,6 +60,7 @@ class SlidingContact:
         *,
         periodic: bool = False,
         sphere: FloatArray | None = None,
+        share: float = 1.0,
     ) -> None:
         grid = executor.grid
         if disc.shape[0] < grid.nx or disc.shape[1] != grid.ny:
@@ -66,18 +69,24 @@ class SlidingContact:
         self.periodic = periodic
         self._executor = executor
         self._rows = disc.shape[0]
+        self._share = share
+        self._wear, self._elastic = study.wear_laws, study.law().compliance
+        self._implicit = study.stepping.scheme == "implicit"
+        self._keeps = study.sliding.plastic == "keep" and math.isfinite(study.hardness)
         self._balancer = Balancer(executor)
         self.state = State(
             _padded(executor, sphere, PADDING) if sphere is not None else self._sphere(),
             _padded(executor, disc, -PADDING),
             executor.zeros(),
             executor.zeros(self._rows),
+            executor.zeros(self._rows if self._keeps else 1),
         )
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
         columns, device = executor.tiles_per_row, executor.device
-        # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc.
-        rows = (grid.nx, grid.nx, self._rows)
+        # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere and of the disc,
+        # what is displaced of the disc.
+        rows = (grid.nx, grid.nx, self._rows, self.state.plastic_disc.shape[0])
         self._kept = [PerTile(n, columns, device) for n in rows]
         self._totals = [wp.zeros(n, dtype=wp.float64, device=device) for n in rows]
         self._sums = executor.partials(len(STEP))
@@ -87,8 +96,10 @@ class SlidingContact:
         self._changes: deque[float] = deque(maxlen=CHANGES)
         self._ledger = Ledger(study, executor.grid)
 
-    def step(self, shift: int, increment: float) -> Step:
+    def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
+
+        The row of the step has one column more, `plastic_volume_disc`.
 
         Raises ConvergenceError when the load cannot be balanced, ValueError when a disc that is not periodic
         would leave a part of the sphere without one.
@@ -99,12 +110,14 @@ class SlidingContact:
             raise ValueError(f"a shift of {shift} rows leaves the disc of {self._rows} rows")
         self.tiles.displace(shift)
         distance = self._ledger.row["distance"]
-        removal_sphere, removal_disc = (law.removal(distance, increment) for law in self.study.wear_laws)
+        of_sphere, of_disc = (law.removal(distance, increment) for law in self._wear)
+        removal_sphere, removal_disc = of_sphere, self._share * of_disc
         compliance = self._compliance(removal_sphere + removal_disc)
         stiffness = self._stiffness_of(compliance)
         balance = self._balance(stiffness, rigid=compliance == 0.0)
         near_mean = balance.cap if compliance == 0.0 else self._ledger.row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
+        pressure = self._pressures(balance, stiffness) if with_pressure else None
         state, tiles = self.state, self.tiles
         most = self._ledger.most
         known = (self._executor.grid.ny, -1)  # first and last column that were touched
@@ -112,7 +125,16 @@ class SlidingContact:
             known = int(-most["first_column"]), int(most["last_column"])
         self._executor.launch(
             sliding.remove,
-            inputs=[*balance.law, removal_sphere, removal_disc, reference, shift, *known, stiffness],
+            inputs=[
+                *balance.law,
+                removal_sphere,
+                removal_disc,
+                reference,
+                shift,
+                *known,
+                compliance * self.study.hardness if self._keeps else math.inf,
+                stiffness,
+            ],
             outputs=[
                 tiles.gap,
                 state.sphere,
@@ -121,7 +143,9 @@ class SlidingContact:
                 state.wear_disc,
                 tiles.lowest.numbers,
                 tiles.highest.numbers,
-                *(kept.numbers for kept in self._kept),
+                *(kept.numbers for kept in self._kept[:3]),
+                state.plastic_disc,
+                self._kept[3].numbers,
                 self._sums,
                 self._maxima,
             ],
@@ -138,7 +162,18 @@ class SlidingContact:
         if self._approach is not None:
             self._changes.append(abs(balance.approach - self._approach))
         self._approach = balance.approach
-        return self._entered(balance, increment, (removal_sphere, removal_disc), reference)
+        return self._entered(balance, increment, (of_sphere, of_disc), reference, pressure)
+
+    def _pressures(self, balance: Balance, stiffness: Field) -> FloatArray:
+        """The pressure field of a solved contact [MPa]."""
+        field = self._executor.zeros()
+        self._executor.launch(
+            contact.pressures,
+            inputs=[*balance.law, stiffness, self.tiles.gap],
+            outputs=[field],
+            over=self.tiles,
+        )
+        return self._executor.to_numpy(field)
 
     def _sphere(self) -> Field:
         """Heights of the study's sphere, by the kernel that makes the gap of a smooth disc."""
@@ -162,9 +197,7 @@ class SlidingContact:
 
     def _compliance(self, removal: float) -> float:
         """c of a step that removes so much [mm³/N]."""
-        area = self._ledger.row["area_contact"]
-        law = self.study.law(radius=math.sqrt(area / math.pi) if area else None)
-        return law.compliance + (removal if self.study.stepping.scheme == "implicit" else 0.0)
+        return self._elastic + (removal if self._implicit else 0.0)
 
     def _stiffness_of(self, compliance: float) -> Field:
         if self._stiffness is None or self._stiffness[0] != compliance:
@@ -200,20 +233,27 @@ class SlidingContact:
         )
 
     def _entered(
-        self, balance: Balance, increment: float, removal: tuple[float, float], reference: float
+        self,
+        balance: Balance,
+        increment: float,
+        removal: tuple[float, float],
+        reference: float,
+        pressure: FloatArray | None,
     ) -> Step:
         total = dict(zip(STEP, self._sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(STEP_MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
-        touched, worn_sphere, worn_disc = (totals.numpy() for totals in self._totals)
+        touched, worn_sphere, worn_disc, pressed = (totals.numpy() for totals in self._totals)
         total |= {
             "pressure_times_factor": total["pressure"],
             "touched": float(touched.sum()),
             "wear_sphere": float(worn_sphere.sum()),
-            "wear_disc": float(worn_disc.sum()),
+            "wear_disc": float(worn_disc.sum()) / self._share,
         }
         rows = np.flatnonzero(touched)
         most |= {"first_row": -float(rows[0]), "last_row": float(rows[-1])} if rows.size else NO_ROWS
-        return self._ledger.enter(balance, increment, removal, reference, total, most)
+        step = self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
+        step.row["plastic_volume_disc"] = float(pressed.sum()) / self._share * self._executor.grid.cell_area
+        return step
 
 
 def _padded(executor: Executor, heights: FloatArray, padding: float) -> Field:
