@@ -193,6 +193,18 @@ def find_device(name: str) -> Any:
         raise InputError(f"device = {name!r} is not there; this machine has {there}.") from error
 
 
+def free_memory(device: str) -> dict[str, int]:
+    """Memory that is free on the host and on a device [B], by what a sentence calls them. Raises InputError."""
+    return _free_memory(find_device(device))
+
+
+def _free_memory(device: Any) -> dict[str, int]:
+    free = {"the host": psutil.virtual_memory().available}
+    if device.is_cuda:
+        free[str(device)] = device.free_memory
+    return free
+
+
 @contextmanager
 def _native_messages_hidden() -> Iterator[None]:
     """Warp's native part warns of a missing GPU or driver; where that matters, our own words follow."""
@@ -211,9 +223,7 @@ def _native_messages_hidden() -> Iterator[None]:
 
 
 def _check_memory(grid: Grid, device: Any, fields_needed: float) -> None:
-    free = {"the host": psutil.virtual_memory().available}
-    if device.is_cuda:
-        free[str(device)] = device.free_memory
+    free = _free_memory(device)
     needed = fields_needed * 8 * grid.cells
     for place, there in free.items():
         if needed > there:

@@ -4,6 +4,10 @@ A row holds the state solved in the step and the wear of its increment; `distanc
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from warpwear.study import Study
 
 
 @dataclass(frozen=True)
@@ -42,3 +46,14 @@ COLUMNS = (
     Column("archard_volume_disc", "mm^3", "the same of the disc, with its distance factor"),
     Column("evaluations", "1", "passes over the gap that the balance took"),
 )
+
+#: Of a swept run.
+SWEPT = (
+    Column("position", "mm", "place of the sphere's apex along the track, 0 in the middle of the stroke"),
+    Column("plastic_volume_disc", "mm^3", "volume displaced of the disc for good, not worn"),
+)
+
+
+def columns_of(study: "Study") -> tuple[Column, ...]:
+    """The columns that a run of the study has."""
+    return COLUMNS + SWEPT if study.is_swept else COLUMNS

@@ -2,7 +2,9 @@
 
 import math
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -20,6 +22,8 @@ from warpwear.study import Study
 SPARE = 1.25
 #: Changes of the approach from which the next is expected, and how many times the largest it may be.
 CHANGES, TIMES = 8, 2.0
+#: Kept of every tile and of every row.
+KEPT = ("touched", "worn_sphere", "worn_disc", "pressed_disc")
 #: Of a step before which nothing was touched.
 NO_ROWS = {"first_row": -math.inf, "last_row": -math.inf}
 #: What the approach may change by when nothing is known of it, and at least [mm].
@@ -72,14 +76,14 @@ class SlidingContact:
         self._share = share
         self._wear, self._elastic = study.wear_laws, study.law().compliance
         self._implicit = study.stepping.scheme == "implicit"
-        self._keeps = study.sliding.plastic == "keep" and math.isfinite(study.hardness)
+        self.keeps_dents = study.sliding.plastic == "keep" and math.isfinite(study.hardness)
         self._balancer = Balancer(executor)
         self.state = State(
             _padded(executor, sphere, PADDING) if sphere is not None else self._sphere(),
             _padded(executor, disc, -PADDING),
             executor.zeros(),
             executor.zeros(self._rows),
-            executor.zeros(self._rows if self._keeps else 1),
+            executor.zeros(self._rows if self.keeps_dents else 1),
         )
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
@@ -119,10 +123,8 @@ class SlidingContact:
         reference = near_mean if math.isfinite(near_mean) else 0.0
         pressure = self._pressures(balance, stiffness) if with_pressure else None
         state, tiles = self.state, self.tiles
-        most = self._ledger.most
-        known = (self._executor.grid.ny, -1)  # first and last column that were touched
-        if math.isfinite(most["first_column"]):
-            known = int(-most["first_column"]), int(most["last_column"])
+        columns = self._touched_columns()
+        known = (columns.start, columns.stop - 1) if columns.stop else (self._executor.grid.ny, -1)
         self._executor.launch(
             sliding.remove,
             inputs=[
@@ -132,7 +134,7 @@ class SlidingContact:
                 reference,
                 shift,
                 *known,
-                compliance * self.study.hardness if self._keeps else math.inf,
+                compliance * self.study.hardness if self.keeps_dents else math.inf,
                 stiffness,
             ],
             outputs=[
@@ -163,6 +165,45 @@ class SlidingContact:
             self._changes.append(abs(balance.approach - self._approach))
         self._approach = balance.approach
         return self._entered(balance, increment, (of_sphere, of_disc), reference, pressure)
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that the steps so far have changed: all that `restore` needs.
+
+        Of fields only the columns that were ever touched: beyond them they are as they were made.
+        """
+        band = self._touched_columns()
+        arrays = {name: self._executor.to_numpy(field)[:, band] for name, field in vars(self.state).items()}
+        arrays |= {name: array.numpy() for name, array in self._of_tiles().items()}
+        return arrays, {
+            "columns": [band.start, band.stop],
+            "approach": self._approach,
+            "changes": [*self._changes],
+            "most": self._ledger.most,
+            "row": self._ledger.row,
+        }
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on from the state that another contact of the same study, disc and device saved."""
+        band = slice(*numbers["columns"])
+        for name, field in vars(self.state).items():
+            values = self._executor.to_numpy(field)
+            values[:, band] = arrays[name]
+            self._executor.fill(field, values)
+        for name, array in self._of_tiles().items():
+            array.assign(arrays[name])
+        self._approach = numbers["approach"]
+        self._changes.extend(numbers["changes"])
+        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
+
+    def _of_tiles(self) -> dict[str, Field]:
+        """What is kept of tiles and rows, by name."""
+        kept = {"sphere_lowest": self.tiles.lowest.numbers, "disc_highest": self.tiles.highest.numbers}
+        kept |= {f"{name}_in_tiles": kept.numbers for name, kept in zip(KEPT, self._kept, strict=True)}
+        return kept | {f"{name}_in_rows": totals for name, totals in zip(KEPT, self._totals, strict=True)}
+
+    def _touched_columns(self) -> slice:
+        first, last = (self._ledger.most[name] for name in ("first_column", "last_column"))
+        return slice(int(-first), int(last) + 1) if math.isfinite(first) else slice(0, 0)
 
     def _pressures(self, balance: Balance, stiffness: Field) -> FloatArray:
         """The pressure field of a solved contact [MPa]."""

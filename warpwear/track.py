@@ -88,6 +88,12 @@ class Track:
         first = 0 if self.periodic else self.window // 2
         return (start + cells // 2 + first - 0.5 * self.rows) * self.cell
 
+    def beneath(self, disc: FloatArray, row: int) -> FloatArray:
+        """Of a field of the disc, shape (rows, ny), what lies under a sphere whose first row is on `row`."""
+        if row + self.window <= self.rows:
+            return disc[row : row + self.window]
+        return np.asarray(disc[np.arange(row, row + self.window) % self.rows])
+
     def _covered(self, step: int) -> tuple[int, int]:
         """First cell of the pass that a step covers, and how many."""
         number, segment = divmod(step, self.steps_of_pass)

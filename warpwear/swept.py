@@ -1,0 +1,69 @@
+"""A sphere that slides over a track: one contact, displaced step by step along the way of `track.Track`."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from warpwear.execution import Executor
+from warpwear.grid import FloatArray
+from warpwear.ledger import Step
+from warpwear.results import Snapshot
+from warpwear.sliding import SlidingContact
+from warpwear.study import Study
+from warpwear.track import Track
+
+#: Fields of the disc's size at the peak of a run: heights as read and as worn, wear, room to work.
+DISC_FIELDS = 4.0
+
+
+class SweptModel:
+    """Contact and wear of one swept study on one executor.
+
+    heights: of the track over its mean plane [mm], shape (track.rows, ny). The caller may let go of the array.
+    """
+
+    def __init__(self, study: Study, track: Track, heights: FloatArray, executor: Executor) -> None:
+        self._track, self._executor = track, executor
+        self._contact = SlidingContact(study, heights, executor, periodic=track.periodic, share=track.share)
+        self._keeps = self._contact.keeps_dents
+        self._done = 0
+        #: Steps that the state is ahead of the last one given, in a block.
+        self.ahead = 0
+
+    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
+        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
+        for increment, with_pressure in plan:
+            row = self._track.row(self._done)
+            step = self._contact.step(row, increment, with_pressure=with_pressure)
+            step.row["position"] = self._track.place(self._done)
+            self._done += 1
+            yield step
+
+    def snapshot(self, step: Step, distance: float) -> Snapshot:
+        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
+        assert step.pressure is not None
+        state, to_numpy = self._contact.state, self._executor.to_numpy
+        row = self._track.row(self._done - 1)
+        disc = to_numpy(state.disc)
+        return Snapshot(
+            distance,
+            pressure=step.pressure,
+            wear_sphere=to_numpy(state.wear_sphere),
+            wear_disc=to_numpy(state.wear_disc),
+            gap=to_numpy(state.sphere) - self._track.beneath(disc, row),
+            plastic_disc=to_numpy(state.plastic_disc) if self._keeps else None,
+            row=row,
+        )
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
+        arrays, numbers = self._contact.saved_state()
+        return arrays, numbers | {"steps": self._done}
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on from the state that another model of the same study, surface and device saved."""
+        self._contact.restore(arrays, numbers)
+        self._done = numbers["steps"]
+
+    def heights(self) -> FloatArray:
+        """Of the track as it is now [mm], shape (track.rows, ny); on a CPU a view."""
+        return self._executor.to_numpy(self._contact.state.disc)
