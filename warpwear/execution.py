@@ -194,7 +194,10 @@ def find_device(name: str) -> Any:
 
 
 def free_memory(device: str) -> dict[str, int]:
-    """Memory that is free on the host and on a device [B], by what a sentence calls them. Raises InputError."""
+    """Memory that is free on the host and on a device [B], by what a sentence calls them.
+
+    Raises InputError for a device that is not there.
+    """
     return _free_memory(find_device(device))
 
 

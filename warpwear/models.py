@@ -110,8 +110,8 @@ def _check_memory(study: Study, rows: int, fields: float, device: str) -> None:
         if needed > free:
             raise InputError(
                 f"sliding.track = {study.sliding.track!r} makes a disc of {rows} × {study.cells.ny} cells, "
-                f"which takes {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB free, so "
-                "a representative track, such as sliding.track = '3.2 mm', or larger cells are needed."
+                f"which takes {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB free, "
+                "so a representative track, such as sliding.track = '3.2 mm', or larger cells are needed."
             )
 
 

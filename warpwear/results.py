@@ -233,7 +233,7 @@ class Result:
 
     @cached_property
     def track_x(self) -> FloatArray:
-        """Centres of the track's rows along the sliding direction [mm], shape (rows,). KeyError without one."""
+        """Centres of the track's rows along the sliding direction [mm], shape (rows,). KeyError without."""
         values: FloatArray = self._file["track/x"][()]
         return values
 

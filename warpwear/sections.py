@@ -326,7 +326,7 @@ class Sliding(Section):
     speed: Speed | None = key(None, "sliding speed, for the time axis only")
     kinematics: Literal["stationary", "swept"] = key(
         "stationary",
-        "stationary: the same disc cells stay under the sphere; swept: it slides over the track, cell by cell",
+        "stationary: the same disc cells stay under the sphere; swept: it slides along a track on the disc",
     )
     track: Annotated[
         float | Literal["full"],

@@ -88,7 +88,7 @@ class SlidingContact:
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
         columns, device = executor.tiles_per_row, executor.device
-        # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere and of the disc,
+        # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc,
         # what is displaced of the disc.
         rows = (grid.nx, grid.nx, self._rows, self.state.plastic_disc.shape[0])
         self._kept = [PerTile(n, columns, device) for n in rows]

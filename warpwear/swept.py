@@ -23,8 +23,8 @@ class SweptModel:
 
     def __init__(self, study: Study, track: Track, heights: FloatArray, executor: Executor) -> None:
         self._track, self._executor = track, executor
-        self._contact = SlidingContact(study, heights, executor, periodic=track.periodic, share=track.share)
-        self._keeps = self._contact.keeps_dents
+        self.contact = SlidingContact(study, heights, executor, periodic=track.periodic, share=track.share)
+        self._keeps = self.contact.keeps_dents
         self._done = 0
         #: Steps that the state is ahead of the last one given, in a block.
         self.ahead = 0
@@ -33,7 +33,7 @@ class SweptModel:
         """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
         for increment, with_pressure in plan:
             row = self._track.row(self._done)
-            step = self._contact.step(row, increment, with_pressure=with_pressure)
+            step = self.contact.step(row, increment, with_pressure=with_pressure)
             step.row["position"] = self._track.place(self._done)
             self._done += 1
             yield step
@@ -41,7 +41,7 @@ class SweptModel:
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
-        state, to_numpy = self._contact.state, self._executor.to_numpy
+        state, to_numpy = self.contact.state, self._executor.to_numpy
         row = self._track.row(self._done - 1)
         disc = to_numpy(state.disc)
         return Snapshot(
@@ -56,14 +56,14 @@ class SweptModel:
 
     def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-        arrays, numbers = self._contact.saved_state()
+        arrays, numbers = self.contact.saved_state()
         return arrays, numbers | {"steps": self._done}
 
     def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
         """Go on from the state that another model of the same study, surface and device saved."""
-        self._contact.restore(arrays, numbers)
+        self.contact.restore(arrays, numbers)
         self._done = numbers["steps"]
 
     def heights(self) -> FloatArray:
         """Of the track as it is now [mm], shape (track.rows, ny); on a CPU a view."""
-        return self._executor.to_numpy(self._contact.state.disc)
+        return self._executor.to_numpy(self.contact.state.disc)

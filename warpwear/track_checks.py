@@ -52,7 +52,8 @@ def check(study: "Study") -> None:
     if track.periodic and track.cells < track.window:
         whose = f"sliding.track = {sliding.track:g} mm" if sliding.track != "full" else named
         raise ValueError(
-            f"{whose} is shorter than grid.extent = {extent:g} mm: the sphere would lie on the same cells twice"
+            f"{whose} is shorter than grid.extent = {extent:g} mm: the sphere would lie on the same cells "
+            "twice"
         )
     if track.cells < sliding.shift:
         raise ValueError(
@@ -62,34 +63,33 @@ def check(study: "Study") -> None:
     contact = extent if study.sphere.curvature == 0.0 else worn_patch(study)
     if lap < contact:
         raise ValueError(
-            f"{named} is shorter than the contact will be, {contact:.3g} mm: its middle would never leave the "
-            "sphere; allowed are longer ones, or kinematics = 'stationary'"
+            f"{named} is shorter than the contact will be, {contact:.3g} mm: its middle would never leave "
+            "the sphere; allowed are longer ones, or kinematics = 'stationary'"
         )
     if sliding.plastic == "keep" and study.uses_bearing_area:
         raise ValueError(
-            "sliding.plastic = 'keep' needs a contact with compliance: stepping.scheme = 'implicit' with wear, "
-            "or a finite contact.stiffness"
+            "sliding.plastic = 'keep' needs a contact with compliance: stepping.scheme = 'implicit' with "
+            "wear, or a finite contact.stiffness"
         )
 
 
 def worn_patch(study: "Study") -> float:
     """Width of the patch at the end of the test, of smooth bodies [mm]; roughness makes it wider.
 
-    What both bodies lose is the overlap of a sphere with a plane, π a⁴/4R of a paraboloid, whatever the
-    pressure. Of a swept disc only the groove under the sphere counts: the share 2a of the stroke.
+    On a disc that lies still both bodies lose the overlap of a sphere with a plane, π a⁴/4R of a paraboloid,
+    whatever the pressure. A sphere that slides loses that overlap alone; or, where it hardly wears, its
+    groove is a segment of its own circle, 2a³/3R in section.
     """
     curvature, load, total = study.sphere.curvature, study.contact.load, study.sliding.total
-    sphere, disc = (load * law.removal(0.0, total) for law in study.wear_laws)
     if curvature == 0.0:
         return study.grid.extent
-    patch = 2.0 * (4.0 * (sphere + disc) / (math.pi * curvature)) ** 0.25
+    sphere, disc = (load * law.removal(0.0, total) for law in study.wear_laws)
     lap = study.sliding.lap
     if not study.is_swept or lap is None:
-        return patch
-    for _ in range(20):  # falls from the patch of a disc that lies still
-        under = disc * min(patch / lap, 1.0)
-        patch = 2.0 * (4.0 * (sphere + under) / (math.pi * curvature)) ** 0.25
-    return patch
+        return float(2.0 * (4.0 * (sphere + disc) / (math.pi * curvature)) ** 0.25)
+    patch = (4.0 * sphere / (math.pi * curvature)) ** 0.25
+    groove = (1.5 * disc / (lap * curvature)) ** (1.0 / 3.0) if total > lap else 0.0
+    return float(2.0 * max(patch, groove))
 
 
 def unstable(study: "Study") -> str | None:
@@ -121,7 +121,7 @@ def inapplicable(study: "Study") -> dict[str, str]:
     why = "does not apply to sliding.kinematics = 'swept', whose steps are sliding.shift cells long"
     found |= dict.fromkeys((f"stepping.{name}" for name in steps), why)
     found["wear.distance_factor"] = (
-        "does not apply to sliding.kinematics = 'swept', where each cell slides as far as the contact is over it"
+        "does not apply to sliding.kinematics = 'swept', where a cell slides while the contact is over it"
     )
     if not math.isfinite(study.hardness):
         found["sliding.plastic"] = "does not apply without a contact.hardness: no cell reaches it"
@@ -144,16 +144,16 @@ def doubts(study: "Study") -> list[str]:
     radius = sliding.track_radius
     if radius is not None and radius < 2.0 * study.grid.extent:
         found.append(
-            f"sliding.track_radius = {radius:g} mm: the track is computed straight, which a contact this wide "
-            "does not feel."
+            f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact may be "
+            "wide beside its radius."
         )
     disc, track = study.disc.synthetic, sliding.track
     if track != "full" and disc is not None and disc.kind != "flat":
         repeat = float(track) / disc.period
         if disc.kind == "milled" or abs(repeat - round(repeat)) > WHOLE * repeat:
             found.append(
-                f"The disc's surface does not repeat after sliding.track = {float(track):g} mm: where the lap "
-                "closes it has a seam."
+                f"The disc's surface does not repeat after sliding.track = {float(track):g} mm: where the "
+                "lap closes it has a seam."
             )
     return found
 
