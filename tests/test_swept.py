@@ -287,8 +287,9 @@ def test_keys_that_do_not_apply() -> None:
 
 
 def smooth(**changes: Any) -> Study:
-    swept = {"sliding.kinematics": "swept", "grid.cell": "10 um", "disc.synthetic.kind": "flat"}
-    swept["output.snapshots"] = ["1200 mm", "1230 mm"]
+    swept: dict[str, Any] = {"sliding.kinematics": "swept", "disc.synthetic.kind": "flat"}
+    swept["grid.cell"] = "10 um"
+    swept["output.snapshots"] = [f"{1200 + 30 * i / 8} mm" for i in range(9)]
     return Study.load("v3-fine").replace(swept | {k.replace("__", "."): v for k, v in changes.items()})
 
 
@@ -316,19 +317,55 @@ def test_a_smooth_disc_wears_as_known() -> None:
     assert section.sum() * 0.01 == pytest.approx(12.7e-7 * 8.0 * 2400.0 / 30.0, rel=1e-9)
     assert 0.78e-3 * 0.99 < section[section > 0.0].mean() < 0.8e-3 * 1.01
     assert width == pytest.approx(1.025, abs=0.02)
-    before, after = result.snapshot(0), result.snapshot(1)
-    a_pass = (after.wear_disc - before.wear_disc).mean(axis=0)
-    line = 0.5 * (before.pressure + after.pressure).sum(axis=0) * 0.01
+    during = [result.snapshot(i) for i in range(9)]  # of one pass
+    a_pass = (during[-1].wear_disc - during[0].wear_disc).mean(axis=0)
+    line = np.mean([snapshot.pressure for snapshot in during], axis=0).sum(axis=0) * 0.01
     assert_allclose(a_pass, 12.7e-7 * line, atol=0.02 * a_pass.max())
 
 
 @pytest.mark.slow
 def test_a_representative_track_stands_for_the_whole_one() -> None:
-    """On a smooth disc to 2 %: volume, patch, groove, the area of every pass in mid-stroke."""
-    whole, part = (warpwear.run(smooth(sliding__track=track)) for track in ("full", "3.2 mm"))
-    for name in ("wear_volume_sphere", "patch_across", "patch_along"):
-        assert part.history[name][-1] == pytest.approx(whole.history[name][-1], rel=0.02)
+    """On a smooth disc: volumes, patch and groove to 2 %, and the area of each pass in mid-stroke.
+
+    On a rotating disc that too agrees. A stroke has ends, beyond which the disc is less worn: they round the
+    patch's leading edges, which late costs it some of its area, and which no periodic track has.
+    """
+    rotating = f"{30.0 / (2.0 * np.pi)!r} mm"
+    ways = [{"sliding.track": track} for track in ("full", "3.2 mm")]
+    whole, part = (warpwear.run(smooth().replace(way)) for way in ways)
+    round_whole, round_part = (
+        warpwear.run(smooth().replace(way | {"sliding.track_radius": rotating})) for way in ways
+    )
+    for name in ("wear_volume_sphere", "wear_volume_disc", "patch_across", "patch_along"):
+        for one, other in ((part, whole), (round_part, round_whole)):
+            assert one.history[name][-1] == pytest.approx(other.history[name][-1], rel=0.02)
     inside = np.abs(whole.track_x) < 14.0
     grooves = whole.snapshot(-1).wear_disc[inside].mean(axis=0), part.snapshot(-1).wear_disc.mean(axis=0)
     assert grooves[1].mean() == pytest.approx(grooves[0].mean(), rel=0.02)
-    assert_allclose(middle_areas(part)[1:], middle_areas(whole)[1:], rtol=0.02)
+    assert_allclose(middle_areas(round_part)[1:], middle_areas(round_whole)[1:], rtol=0.01)
+    assert_allclose(middle_areas(part)[1:40], middle_areas(whole)[1:40], rtol=0.02)
+    assert_allclose(middle_areas(part)[40:], middle_areas(whole)[40:], rtol=0.06)
+    assert_allclose(middle_areas(part), middle_areas(round_part), rtol=0.01)
+
+
+@pytest.mark.slow
+def test_a_representative_track_on_a_rough_disc() -> None:
+    """Within the scatter of five seeds: the area of early and late passes, the patch.
+
+    With steps of about the same length on the sphere: those of a representative track are S/P as long, and
+    near F/H an implicit step spreads the load over cells that it has not worn down yet.
+    """
+    found: dict[str, list[list[float]]] = {"full": [], "3.2 mm": []}
+    for (track, shift), seed in itertools.product((("full", 8), ("3.2 mm", 1)), range(5)):
+        rough_one = smooth(sliding__track=track, sliding__shift=shift).replace(
+            {"disc.synthetic.kind": "self-affine", "disc.synthetic.seed": seed, "output.snapshots": []}
+            | {"disc.synthetic.period": "3.2 mm", "sliding.distance": "360 mm"}
+        )
+        result = warpwear.run(rough_one)
+        areas = middle_areas(result)
+        last = result.history["patch_across"][-1]
+        found[track].append([areas[0], areas[3], areas[7], areas[11], float(last)])
+    whole, part = (np.array(found[track]) for track in found)
+    scatter = np.sqrt(whole.std(axis=0, ddof=1) ** 2 + part.std(axis=0, ddof=1) ** 2)
+    off = np.abs(whole.mean(axis=0) - part.mean(axis=0))
+    assert (off <= scatter + 0.02 * whole.mean(axis=0)).all(), (whole, part)

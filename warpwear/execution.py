@@ -18,7 +18,7 @@ import warp as wp
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, device_steps, gap, removal, running_in, sliding, tiles
+from warpwear.kernels import contact, device_sliding, device_steps, gap, removal, running_in, sliding, tiles
 from warpwear.kernels.types import LANES, WIDTH, Cells
 
 if TYPE_CHECKING:
@@ -69,7 +69,8 @@ class Executor:
         for module in (gap, contact, removal, running_in, sliding, tiles):
             wp.load_module(module, device=self.device)
         if not on_cpu:
-            wp.load_module(device_steps, device=self.device)
+            for module in (device_steps, device_sliding):
+                wp.load_module(module, device=self.device)
 
     def __enter__(self) -> Self:
         return self

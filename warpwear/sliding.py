@@ -1,8 +1,9 @@
 """One grid in motion: a disc displaced by whole cells under a wearing sphere, step by step."""
 
+import itertools
 import math
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.balance import RIGID, Balance, Balancer
+from warpwear.device_sliding import DeviceSliding
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact, gap, sliding
@@ -99,6 +101,9 @@ class SlidingContact:
         self._approach: float | None = None
         self._changes: deque[float] = deque(maxlen=CHANGES)
         self._ledger = Ledger(study, executor.grid)
+        self._loop: DeviceSliding | None = None
+        #: Whether the device can make steps by itself: those of a contact with compliance.
+        self.blocks_allowed = executor.device.is_cuda and not study.uses_bearing_area
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -165,6 +170,46 @@ class SlidingContact:
             self._changes.append(abs(balance.approach - self._approach))
         self._approach = balance.approach
         return self._entered(balance, increment, (of_sphere, of_disc), reference, pressure)
+
+    @property
+    def in_blocks(self) -> bool:
+        """Whether `steps` can be made on the device in one go from here on."""
+        return self.blocks_allowed and self._approach is not None
+
+    def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[Step]:
+        """Steps as `step` makes them, on the device in one go before the first of them is seen."""
+        if self._loop is None:
+            self._loop = DeviceSliding(
+                self._executor,
+                [*vars(self.state).values()],
+                [self.tiles.lowest.numbers, self.tiles.highest.numbers],
+                [kept.numbers for kept in self._kept],
+                self._totals,
+                load=self.study.contact.load,
+                hardness=self.study.hardness,
+                compliance=self._elastic,
+                implicit=self._implicit,
+                keeps=self.keeps_dents,
+            )
+        assert self._approach is not None
+        ends = itertools.accumulate(increments, initial=self._ledger.row["distance"])
+        removals = [
+            (sphere, disc)
+            for start, increment in zip(ends, increments, strict=False)
+            for sphere, disc in [[law.removal(start, increment) for law in self._wear]]
+        ]
+        made = self._loop.run(
+            [shift % self._rows for shift in shifts],
+            [(sphere, self._share * disc) for sphere, disc in removals],
+            approach=self._approach,
+            wander=max(self._changes, default=FIRST_SCATTER),
+            mean_pressure=self._ledger.row["pressure_mean"],
+        )
+        for increment, removal, step in zip(increments, removals, made, strict=True):
+            self._changes.append(abs(step.balance.approach - self._approach))
+            self._approach = step.balance.approach
+            reference = self._ledger.row["pressure_mean"]
+            yield self._booked(step.balance, increment, removal, reference, step.totals, step.most)
 
     def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Arrays and numbers that the steps so far have changed: all that `restore` needs.
@@ -288,12 +333,29 @@ class SlidingContact:
             "pressure_times_factor": total["pressure"],
             "touched": float(touched.sum()),
             "wear_sphere": float(worn_sphere.sum()),
-            "wear_disc": float(worn_disc.sum()) / self._share,
+            "wear_disc": float(worn_disc.sum()),
+            "pressed_disc": float(pressed.sum()),
         }
         rows = np.flatnonzero(touched)
         most |= {"first_row": -float(rows[0]), "last_row": float(rows[-1])} if rows.size else NO_ROWS
+        return self._booked(balance, increment, removal, reference, total, most, pressure=pressure)
+
+    def _booked(
+        self,
+        balance: Balance,
+        increment: float,
+        removal: tuple[float, float],
+        reference: float,
+        total: dict[str, float],
+        most: dict[str, float],
+        *,
+        pressure: FloatArray | None = None,
+    ) -> Step:
+        """What the disc lost counts for the whole stroke."""
+        total = total | {"wear_disc": total["wear_disc"] / self._share}
         step = self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
-        step.row["plastic_volume_disc"] = float(pressed.sum()) / self._share * self._executor.grid.cell_area
+        pressed = total["pressed_disc"] / self._share
+        step.row["plastic_volume_disc"] = pressed * self._executor.grid.cell_area
         return step
 
 

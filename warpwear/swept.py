@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from warpwear.device_sliding import LONGEST_BLOCK
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray
 from warpwear.ledger import Step
@@ -18,7 +19,7 @@ DISC_FIELDS = 4.0
 class SweptModel:
     """Contact and wear of one swept study on one executor.
 
-    heights: of the track over its mean plane [mm], shape (track.rows, ny). The caller may let go of the array.
+    heights: of the track over its mean plane [mm], shape (track.rows, ny). The caller may let go of it.
     """
 
     def __init__(self, study: Study, track: Track, heights: FloatArray, executor: Executor) -> None:
@@ -30,13 +31,39 @@ class SweptModel:
         self.ahead = 0
 
     def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
+        """One step for each increment [mm] of the plan, with its pressure where that is asked for.
+
+        On a GPU steps whose pressure nobody asks for are made in blocks, before the first of them is seen.
+        """
+        block: list[float] = []
         for increment, with_pressure in plan:
-            row = self._track.row(self._done)
-            step = self.contact.step(row, increment, with_pressure=with_pressure)
-            step.row["position"] = self._track.place(self._done)
-            self._done += 1
-            yield step
+            if self.contact.in_blocks and not with_pressure:
+                block.append(increment)
+                if len(block) < LONGEST_BLOCK:
+                    continue
+            yield from self._block(block)
+            block = []
+            if with_pressure or not self.contact.in_blocks:
+                row = self._track.row(self._done)
+                yield self._given(self.contact.step(row, increment, with_pressure=with_pressure))
+        yield from self._block(block)
+
+    def _block(self, increments: list[float]) -> Iterator[Step]:
+        """Steps made on the device in one go."""
+        if not increments:
+            return
+        first = self._done
+        rows = [self._track.row(first + i) for i in range(len(increments))]
+        steps = self.contact.steps(rows, increments)
+        self.ahead = len(increments)
+        for step in steps:
+            self.ahead -= 1
+            yield self._given(step)
+
+    def _given(self, step: Step) -> Step:
+        step.row["position"] = self._track.place(self._done)
+        self._done += 1
+        return step
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""

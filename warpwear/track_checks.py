@@ -144,7 +144,7 @@ def doubts(study: "Study") -> list[str]:
     radius = sliding.track_radius
     if radius is not None and radius < 2.0 * study.grid.extent:
         found.append(
-            f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact may be "
+            f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
             "wide beside its radius."
         )
     disc, track = study.disc.synthetic, sliding.track
