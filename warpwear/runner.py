@@ -21,7 +21,7 @@ from warpwear.errors import ConvergenceError, InputError
 from warpwear.evolution import COLUMNS as EVOLUTION
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray
-from warpwear.history import Column, columns_of
+from warpwear.history import Column, Rows, columns_of
 from warpwear.interrupts import Interrupts
 from warpwear.ledger import Step
 from warpwear.models import executor_of, model_of, plan_of
@@ -122,7 +122,7 @@ class _Loop:
             writer.add_track(Track.of(study).x, made.heights)
         self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
         self._device = str(executor.device)
-        self._rows: list[dict[str, float]] = []
+        self._rows = Rows()
 
     def checkpoint_in(self, folder: Path, work: Path, *, resume: bool) -> None:
         """Keep checkpoints in a run folder, and make them in a work folder. Go on from the one there, or not.
@@ -150,7 +150,7 @@ class _Loop:
         then = found.read()
         self._model.restore(then.arrays, then.numbers)
         self._writer.take_snapshots_from(found.file)
-        self._rows = then.rows
+        self._rows = Rows(then.rows)
         self.warnings, self._edge_told = then.warnings, then.edge_told
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
@@ -216,10 +216,7 @@ class _Loop:
         return self._elapsed_before + time.perf_counter() - self._started
 
     def _history(self, *, finished: bool) -> dict[str, FloatArray]:
-        history = {
-            column.name: np.array([row.get(column.name, math.nan) for row in self._rows])
-            for column in columns_of(self.study)
-        }
+        history = {column.name: self._rows.column(column.name) for column in columns_of(self.study)}
         study = self.study
         history["cof"] = friction.coefficient(
             study.friction, history, load=study.contact.load, finished=finished
