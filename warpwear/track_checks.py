@@ -147,15 +147,25 @@ def doubts(study: "Study") -> list[str]:
             f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
             "wide beside its radius."
         )
-    disc, track = study.disc.synthetic, sliding.track
-    if track != "full" and disc is not None and disc.kind != "flat":
-        repeat = float(track) / disc.period
-        if disc.kind == "milled" or abs(repeat - round(repeat)) > WHOLE * repeat:
-            found.append(
-                f"The disc's surface does not repeat after sliding.track = {float(track):g} mm: where the "
-                "lap closes it has a seam."
-            )
+    if sliding.track != "full" and not _repeats(study, float(sliding.track)):
+        found.append(
+            f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
+            "seam where the lap closes."
+        )
     return found
+
+
+def _repeats(study: "Study", length: float) -> bool:
+    """Whether the disc's surface closes on itself after a length [mm] of the track."""
+    disc = study.disc.synthetic
+    if disc is None:  # a file: nothing says that it does
+        return False
+    if disc.kind == "flat":
+        return True
+    closes = _is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
+    if disc.kind == "milled":
+        closes = closes and _is_whole(length * abs(math.sin(math.radians(disc.lay))) / disc.feed)
+    return closes
 
 
 def _is_whole(number: float) -> bool:
