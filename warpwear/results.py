@@ -237,10 +237,16 @@ class Result:
         values: FloatArray = self._file["track/x"][()]
         return values
 
-    def track_heights(self) -> FloatArray:
+    def track_heights(self, rows: slice = slice(None)) -> FloatArray:
         """Heights of the track before any wear [mm], shape (rows, ny). KeyError without a track."""
-        values: FloatArray = self._file["track/heights"][()]
+        values: FloatArray = self._file["track/heights"][rows]
         return values
+
+    def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:
+        """Depths worn off the track and displaced of it for good at snapshot number `index` [mm]."""
+        group = self._file["snapshots"][list(self._file["snapshots"])[index]]
+        worn: FloatArray = group["wear_disc"][rows]
+        return worn, group["plastic_disc"][rows] if "plastic_disc" in group else np.zeros_like(worn)
 
     @cached_property
     def summary(self) -> dict[str, Any]:
