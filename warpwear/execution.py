@@ -136,8 +136,12 @@ class Executor:
         for index, value in enumerate(arguments):
             before = last[index + 1]
             # Arrays are compared by identity, numbers by value; a NaN is set each time.
-            if value is not before and (not isinstance(value, int | float) or value != before):
+            if value is before:
+                continue
+            if not isinstance(value, int | float):
                 command.set_param_at_index(index, value)
+            elif value != before:
+                command.set_param_at_index_from_ctype(index, value)
         last[:] = [size, *arguments]
         return command
 
