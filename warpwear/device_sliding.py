@@ -13,7 +13,6 @@ from warpwear.balance import TOLERANCE, Balance
 from warpwear.device_loop import AHEAD, DeviceStep
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
-from warpwear.grid import FloatArray
 from warpwear.kernels import device_sliding, device_steps
 from warpwear.kernels.types import MAXIMA, SUMS
 
@@ -21,7 +20,8 @@ from warpwear.kernels.types import MAXIMA, SUMS
 LONGEST_BLOCK = 2000
 #: Threads of a block over tiles, over the tiles of a row, over partial results; blocks over tiles at most.
 BLOCK, OF_ROW, OF_PARTIALS, BLOCKS = 128, 64, 256, 2112
-#: Where each column of a row comes from: by block or by row, which line, how it is reduced.
+#: Where each column of a row comes from: by block or by row, which line, how it is reduced. First those of
+#: `types.SUMS`, then those of `types.MAXIMA`, which begin at column MOST of a row.
 STEP, ROWS = device_sliding.OF_STEP.index, device_sliding.OF_ROWS.index
 ADDS, LARGEST, GROWS = range(3)
 COLUMNS: dict[str, tuple[int, int, int]] = {
@@ -42,6 +42,7 @@ COLUMNS: dict[str, tuple[int, int, int]] = {
     "last_column": (0, STEP("last_column"), LARGEST),
     "pressed_disc": (1, ROWS("pressed_disc"), GROWS),
 }
+MOST = AHEAD + len(SUMS)
 GROWING = [i for i, (_, _, how) in enumerate(COLUMNS.values()) if how == GROWS]
 
 
@@ -132,7 +133,7 @@ class DeviceSliding:
         else:
             for _ in range(steps):
                 self._one_step()
-        return [self._read(row) for row in self._rows.numpy()[:steps]]
+        return [self._read(row) for row in self._rows.numpy()[:steps].tolist()]
 
     def _one_step(self) -> None:
         over_tiles, of_row, of_partials = self._threads
@@ -196,17 +197,17 @@ class DeviceSliding:
         host[: len(values)] = values
         array.assign(host)
 
-    def _read(self, row: FloatArray) -> DeviceStep:
-        base, offset, residual, evaluations = row[:AHEAD].tolist()
+    def _read(self, row: list[float]) -> DeviceStep:
+        base, offset, residual, evaluations = row[:AHEAD]
         if not abs(residual) <= TOLERANCE * self._load:
             raise ConvergenceError(
                 f"the load balance did not converge: {residual:.3g} N of {self._load:.6g} N are left "
                 f"(allowed {TOLERANCE * self._load:.1g} N) near an approach of {base + offset:.9g} mm."
             )
-        values = dict(zip(COLUMNS, row[AHEAD:].tolist(), strict=True))
-        most = [values[name] for name in [*COLUMNS][len(SUMS) : len(SUMS) + len(MAXIMA)]]
+        totals = dict(zip(SUMS, row[AHEAD:MOST], strict=True))
+        totals["pressed_disc"] = row[-1]
         return DeviceStep(
             Balance(base, offset, self._cap, residual, evaluations=int(evaluations)),
-            {name: values[name] for name in (*SUMS, "pressed_disc")},
-            dict(zip(MAXIMA, most, strict=True)),
+            totals,
+            dict(zip(MAXIMA, row[MOST:-1], strict=True)),
         )
