@@ -165,11 +165,11 @@ def test_volumes_are_exact_under_reversal(shift: int, device: str) -> None:
 
 @pytest.mark.parametrize(("track", "loses"), [*zip(TRACKS, LOSES, strict=True)])
 def test_a_track_goes_on_from_any_step(track: str, loses: str, device: str) -> None:
-    """In every number of every row, and in every cell."""
+    """In every number of every row, and in every cell; on a GPU from the end of a block of steps."""
     study = small(track, **{k.replace(".", "__"): v for k, v in LOSES[loses].items()})
     disc = rough(Track.of(study).rows)
     steps, snapshot, wear = steps_of(study, disc, device)
-    for restart in (1, 11):
+    for restart in (1, 5):
         again, snapshot_again, wear_again = steps_of(study, disc, device, restart=restart)
         assert [step.row for step in again] == [step.row for step in steps]
         assert_array_equal(wear_again, wear)

@@ -10,7 +10,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.balance import TOLERANCE, Balance
-from warpwear.device_loop import AHEAD, DeviceStep
+from warpwear.device_loop import AHEAD, BLOCK, DeviceStep
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.kernels import device_sliding, device_steps
@@ -18,8 +18,8 @@ from warpwear.kernels.types import MAXIMA, SUMS
 
 #: Steps made before their history is read.
 LONGEST_BLOCK = 2000
-#: Threads of a block over tiles, over the tiles of a row, over partial results; blocks over tiles at most.
-BLOCK, OF_ROW, OF_PARTIALS, BLOCKS = 128, 64, 256, 2112
+#: Blocks over tiles at most.
+BLOCKS = 2112
 #: Where each column of a row comes from: by block or by row, which line, how it is reduced. First those of
 #: `types.SUMS`, then those of `types.MAXIMA`, which begin at column MOST of a row.
 STEP, ROWS = device_sliding.OF_STEP.index, device_sliding.OF_ROWS.index
@@ -75,7 +75,7 @@ class DeviceSliding:
         self._in_tiles, self._in_rows = [*in_tiles], [*in_rows]
         self._keeps = int(keeps)
         on_cpu = self._device.is_cpu  # there a block is one thread: for tests
-        self._threads = [1, 1, 1] if on_cpu else [BLOCK, OF_ROW, OF_PARTIALS]
+        self._block = 1 if on_cpu else BLOCK
         tiles = executor.grid.nx * executor.tiles_per_row
         self._blocks = 3 if on_cpu else min(-(-tiles // BLOCK), BLOCKS)
         self._known = [
@@ -123,22 +123,23 @@ class DeviceSliding:
         total[GROWING, 0] = [float(sums.numpy().sum()) for sums in self._in_rows]
         self._total.assign(total)
         self._step.zero_()
+        left = steps
         if self._device.is_cuda:
             if self._graph is None:
+                self._one_step()  # compiles what it needs, which a capture could not
                 with wp.ScopedCapture(device=self._device) as capture:
-                    self._one_step()
-                self._graph = capture.graph
-            for _ in range(steps):
+                    self._one_step(captured=True)
+                self._graph, left = capture.graph, steps - 1
+            for _ in range(left):
                 wp.capture_launch(self._graph)
         else:
-            for _ in range(steps):
+            for _ in range(left):
                 self._one_step()
         return [self._read(row) for row in self._rows.numpy()[:steps].tolist()]
 
-    def _one_step(self) -> None:
-        over_tiles, of_row, of_partials = self._threads
-        self._launch(device_sliding.begin, 1, [], [self._search, self._searching], 1)
-        if self._device.is_cuda:
+    def _one_step(self, *, captured: bool = False) -> None:
+        self._launch(device_sliding.begin, 1, [], [self._search, self._searching])
+        if captured:
             wp.capture_while(self._searching, self._try)
         else:
             while self._searching.numpy()[0]:
@@ -146,37 +147,33 @@ class DeviceSliding:
         tables = [self._removals, self._shifts, self._step, self._search]
         self._launch(
             device_sliding.remove,
-            over_tiles * self._blocks,
+            self._block * self._blocks,
             [*self._known, self._keeps, *tables],
             [*self._bounds, *self._fields, *self._in_tiles, self._partial],
-            over_tiles,
         )
         self._launch(
             device_sliding.rows,
-            of_row * self._executor.grid.nx,
+            self._block * self._executor.grid.nx,
             [self._executor.tiles_per_row, self._keeps, self._shifts, self._step, *self._in_tiles],
             [*self._in_rows, self._change],
-            of_row,
         )
         self._launch(
             device_sliding.record,
-            of_partials * len(COLUMNS),
+            self._block * len(COLUMNS),
             [self._how, self._partial, self._change],
             [self._step, self._total, self._rows],
-            of_partials,
         )
-        self._launch(device_steps.finish, 1, [self._load], [self._search, self._step, self._rows], 1)
+        self._launch(device_steps.finish, 1, [self._load], [self._search, self._step, self._rows])
 
     def _try(self) -> None:
-        over_tiles, _, of_partials = self._threads
         tables = [self._removals, self._shifts, self._step, self._search]
         known = [*self._known, *tables, *self._bounds, *self._fields[:2]]
-        self._launch(device_sliding.carried, over_tiles * self._blocks, known, [self._partial], over_tiles)
+        self._launch(device_sliding.carried, self._block * self._blocks, known, [self._partial])
         balance = [self._load, TOLERANCE, self._executor.grid.cell_area, self._partial]
-        self._launch(device_steps.decide, of_partials, balance, [self._search, self._searching], of_partials)
+        self._launch(device_steps.decide, self._block, balance, [self._search, self._searching])
 
     def _launch(
-        self, kernel: object, threads: int, inputs: Sequence[object], outputs: Sequence[object], block: int
+        self, kernel: object, threads: int, inputs: Sequence[object], outputs: Sequence[object]
     ) -> None:
         wp.launch(
             kernel,
@@ -184,7 +181,7 @@ class DeviceSliding:
             inputs=[*inputs],
             outputs=[*outputs],
             device=self._device,
-            block_dim=block,
+            block_dim=self._block,
         )
 
     def _table(self, lines: int, columns: int) -> Field:
