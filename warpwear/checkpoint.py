@@ -38,7 +38,7 @@ from warpwear.study import Study
 
 FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
-FORMAT = 1
+FORMAT = 2
 MAGIC = "warpwear checkpoint"
 HEADER = 512
 #: Sections and keys that no step depends on: a run may go on with others.

@@ -61,8 +61,8 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
         fields = FIELDS_NEEDED + (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
         _check_memory(study, rows, fields, device)
         return Executor(study.cells, device=device, threads=threads)
-    # A radial factor is a field of its own, and so is the stiffness that it makes differ from cell to cell.
-    fields = FIELDS_NEEDED + 2.0 * (study.wear.distance_factor == "radial")
+    # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
+    fields = FIELDS_NEEDED + 5.0 * (study.wear.distance_factor == "radial")
     return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
 
 

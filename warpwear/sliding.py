@@ -264,7 +264,7 @@ class SlidingContact:
     def _sphere(self) -> Field:
         """Heights of the study's sphere, by the kernel that makes the gap of a smooth disc."""
         grid = self._executor.grid
-        nothing, heights = self._executor.zeros(), self._executor.zeros()
+        heights = self._executor.zeros()
         self._executor.launch(
             gap.gap,
             inputs=[
@@ -273,11 +273,9 @@ class SlidingContact:
                 float(grid.x[0]),
                 float(grid.y[0]),
                 self.study.sphere.curvature,
-                nothing,
-                nothing,
-                nothing,
+                self._executor.zeros(),
             ],
-            outputs=[heights],
+            outputs=[heights, heights],
         )
         return heights
 
