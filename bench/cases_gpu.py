@@ -6,6 +6,7 @@ import time
 import warp as wp
 from baselines import NumpyLoop, Problem
 from cases import EARLY, LATE, LATE_STEP, Case
+from cases_track import run_full
 from contenders import Setting, Trace, check, gap_of, package, study_on
 from loops import plan_of
 from timing import Row, Unit, measure
@@ -109,4 +110,5 @@ def run_fine(_: int, setting: Setting) -> list[Row]:
 CASES_GPU: dict[str, Case] = {
     "gpu-late": Case(late, default_sizes=(16384,)),
     "gpu-v3-fine": Case(run_fine, sizes=(1500,)),
+    "gpu-track": Case(run_full, sizes=(1500,), fields=120.0),
 }
