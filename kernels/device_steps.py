@@ -180,16 +180,20 @@ def remove(
     implicit: wp.float64,
     cap: wp.float64,
     blocks: wp.int32,
+    share_changes: wp.int32,
     removal_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_in: wp.array(dtype=wp.float64),
     factor_in: wp.array(dtype=wp.float64),
+    unworn_in: wp.array(dtype=wp.float64),
     gap_out: wp.array(dtype=wp.float64),
-    wear_sphere_out: wp.array(dtype=wp.float64),
-    wear_disc_out: wp.array(dtype=wp.float64),
+    share_out: wp.array(dtype=wp.float64),
     partial_out: wp.array2d(dtype=wp.float64),
 ):
-    """One increment of wear, as `removal.remove`: sums in the order of `types.SUMS`, then `types.MAXIMA`."""
+    """One increment of wear, as `removal.remove`: sums in the order of `types.SUMS`, then `types.MAXIMA`.
+
+    share_out: of the sphere in what is worn; used only where the two bodies do not wear in one proportion.
+    """
     block = wp.tid() // wp.block_dim()
     removal_sphere = removal_in[step_in[0], 0]
     removal_disc = removal_in[step_in[0], 1]
@@ -202,8 +206,8 @@ def remove(
     contact = ZERO
     capped = ZERO
     touched = ZERO
+    worn = ZERO
     worn_sphere = ZERO
-    worn_disc = ZERO
     highest = ZERO
     deepest_sphere = ZERO
     deepest_disc = ZERO
@@ -213,39 +217,51 @@ def remove(
     last_column = NOWHERE
     f = ONE
     s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
+    opening = removal_sphere + removal_disc
+    width = wp.block_dim()
+    share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
     for row in range(block, gap_out.shape[0] // columns, blocks):
         touched_before = touched
-        for column in range(wp.tid() % wp.block_dim(), columns, wp.block_dim()):
-            i = row * columns + column
-            if rows > 0:
-                f = factor_at(i, column, rows, factor_in)
-                s = ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
-            g = gap_out[i]
-            a = wear_sphere_out[i]
-            b = wear_disc_out[i]
-            p = wp.min(wp.max(((base - g) + offset) * s, ZERO), cap)
-            if p > ZERO:
-                da = removal_sphere * p
-                db = removal_disc * f * p
-                a += da
-                b += db
-                gap_out[i] = g + (da + db)
-                wear_sphere_out[i] = a
-                wear_disc_out[i] = b
-                pressure += p
-                factored += f * p
-                deviation += (p - mean) * (p - mean)
-                contact += ONE
-                capped += wp.where(p >= cap, ONE, ZERO)
-                highest = wp.max(highest, p)
-            if p + a + b > ZERO:
-                touched += ONE
-                worn_sphere += a
-                worn_disc += b
-                deepest_sphere = wp.max(deepest_sphere, a)
-                deepest_disc = wp.max(deepest_disc, b)
-                first_column = wp.max(first_column, -wp.float64(column))
-                last_column = wp.max(last_column, wp.float64(column))
+        for first in range(wp.tid() % width, columns, FOUR * width):
+            gaps = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
+            unworn = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
+            for j in range(FOUR):  # loaded together, as in `carried`
+                if first + j * width < columns:
+                    gaps[j] = gap_out[row * columns + first + j * width]
+                    unworn[j] = unworn_in[row * columns + first + j * width]
+            for j in range(FOUR):
+                column = wp.min(first + j * width, columns - 1)
+                i = row * columns + column
+                if rows > 0:
+                    f = factor_at(i, column, rows, factor_in)
+                    opening = removal_sphere + f * removal_disc
+                    s = ONE / (compliance + implicit * opening)
+                    share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
+                p = wp.min(wp.max(((base - gaps[j]) + offset) * s, ZERO), cap)
+                w = (gaps[j] + opening * p) - unworn[j]
+                if p > ZERO:
+                    gap_out[i] = gaps[j] + opening * p
+                    pressure += p
+                    factored += f * p
+                    deviation += (p - mean) * (p - mean)
+                    contact += ONE
+                    capped += wp.where(p >= cap, ONE, ZERO)
+                    highest = wp.max(highest, p)
+                if p + w > ZERO:
+                    if share_changes > 0:
+                        share = share_out[i]
+                        if p > ZERO:
+                            of_sphere = share * (gaps[j] - unworn[j]) + removal_sphere * p
+                            share = wp.where(w > ZERO, of_sphere / w, ZERO)
+                            share_out[i] = share
+                    a = share * w
+                    touched += ONE
+                    worn += w
+                    worn_sphere += a
+                    deepest_sphere = wp.max(deepest_sphere, a)
+                    deepest_disc = wp.max(deepest_disc, w - a)
+                    first_column = wp.max(first_column, -wp.float64(column))
+                    last_column = wp.max(last_column, wp.float64(column))
         if touched > touched_before:
             first_row = wp.max(first_row, -wp.float64(row))
             last_row = wp.max(last_row, wp.float64(row))
@@ -256,7 +272,7 @@ def remove(
     wp.tile_store(partial_out[4], wp.tile_sum(wp.tile(capped)), offset=block)
     wp.tile_store(partial_out[5], wp.tile_sum(wp.tile(touched)), offset=block)
     wp.tile_store(partial_out[6], wp.tile_sum(wp.tile(worn_sphere)), offset=block)
-    wp.tile_store(partial_out[7], wp.tile_sum(wp.tile(worn_disc)), offset=block)
+    wp.tile_store(partial_out[7], wp.tile_sum(wp.tile(worn - worn_sphere)), offset=block)
     wp.tile_store(partial_out[8], wp.tile_max(wp.tile(highest)), offset=block)
     wp.tile_store(partial_out[9], wp.tile_max(wp.tile(deepest_sphere)), offset=block)
     wp.tile_store(partial_out[10], wp.tile_max(wp.tile(deepest_disc)), offset=block)

@@ -31,11 +31,12 @@ def needs(path: Path) -> Path:
 @pytest.mark.parametrize("name", ["al3d-1.al3d", "sur-2.sur"])
 def test_a_measured_disc_runs_and_draws_its_figures(tmp_path: Path, name: str) -> None:
     extend = {"disc__extend": "mirror"} if name.endswith(".al3d") else {}
-    result = warpwear.run(study_of(needs(SHARED / name), **extend), out=tmp_path / "out")
+    drawn = name.endswith(".sur")  # of one: it takes seconds
+    result = warpwear.run(study_of(needs(SHARED / name), **extend), out=tmp_path / "out", plots=drawn)
     assert result.finished
-    assert len(list((tmp_path / "out" / "figures").glob("*.png"))) == len(result.plot.NAMES) - len(
-        result.plot.left_out
-    )
+    assert not drawn or len(list((tmp_path / "out" / "figures").glob("*.png"))) == len(
+        result.plot.NAMES
+    ) - len(result.plot.left_out)
     assert max(map(abs, result.summary["conservation_relative"].values())) < 1e-10
     record = result.summary["surface"]
     assert record["kind"] == "measured"

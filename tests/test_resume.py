@@ -279,8 +279,8 @@ def test_what_cannot_be_resumed_is_refused_and_kept(alone: Path, tmp_path: Path)
     for size in (0, HEADER, len(good) // 2):
         path.write_bytes(good[:size])
         refused("damaged")
-    path.write_bytes(good.replace(b"checkpoint 1 ", b"checkpoint 9 ", 1))
-    refused(r"another version of warpwear \(format 9, this one reads 1\)")
+    path.write_bytes(good.replace(b"checkpoint 2 ", b"checkpoint 9 ", 1))
+    refused(r"another version of warpwear \(format 9, this one reads 2\)")
     path.write_bytes(good)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("warpwear.models.checksum", lambda heights: 1)
@@ -418,4 +418,4 @@ def test_the_checkpoint_is_plain_hdf5(tmp_path: Path) -> None:
     run_stopped(short(), tmp_path / "out", 12)
     with h5py.File(tmp_path / "out" / FILE_NAME) as file:
         assert file["rows"].shape[0] == 12
-        assert {"gap", "wear_sphere", "wear_disc"} <= set(file["model"])
+        assert {"gap", "tiles_list"} <= set(file["model"])

@@ -19,7 +19,7 @@ import shutil
 import time
 import tomllib
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from io import BufferedIOBase
@@ -32,12 +32,13 @@ import numpy as np
 from warpwear import __version__
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.history import Rows
 from warpwear.results import SPACE_FOR_THE_REST, ResultWriter
 from warpwear.study import Study
 
 FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
-FORMAT = 1
+FORMAT = 2
 MAGIC = "warpwear checkpoint"
 HEADER = 512
 #: Sections and keys that no step depends on: a run may go on with others.
@@ -50,7 +51,7 @@ class Checkpoint:
 
     arrays: dict[str, Any]  # of the model, by name
     numbers: dict[str, Any]  # of the model, by name, as JSON keeps them
-    rows: list[dict[str, float]]  # of the history
+    rows: Sequence[dict[str, float]] | Rows  # of the history
     warnings: list[str]
     edge_told: bool  # whether the contact has reached the domain's edge
     elapsed: float  # [s]

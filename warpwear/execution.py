@@ -18,7 +18,7 @@ import warp as wp
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, device_steps, gap, removal, running_in, sliding, tiles
+from warpwear.kernels import contact, device_sliding, device_steps, gap, removal, running_in, sliding, tiles
 from warpwear.kernels.types import LANES, WIDTH, Cells
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ CELLS_PER_THREAD = 100_000
 #: On a GPU neighbouring threads read neighbouring vectors of a row; so many slots keep it busy.
 SLOTS_CUDA = 65536
 
-#: Fields alive at the peak of a run: gap, wear of both bodies, heights or pressure, and room to work.
+#: Fields alive at the peak of a run: gap as worn and unworn, pressure, wear of both bodies, and room to work.
 FIELDS_NEEDED = 6.0
 
 Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
@@ -69,7 +69,8 @@ class Executor:
         for module in (gap, contact, removal, running_in, sliding, tiles):
             wp.load_module(module, device=self.device)
         if not on_cpu:
-            wp.load_module(device_steps, device=self.device)
+            for module in (device_steps, device_sliding):
+                wp.load_module(module, device=self.device)
 
     def __enter__(self) -> Self:
         return self
@@ -136,8 +137,12 @@ class Executor:
         for index, value in enumerate(arguments):
             before = last[index + 1]
             # Arrays are compared by identity, numbers by value; a NaN is set each time.
-            if value is not before and (not isinstance(value, int | float) or value != before):
+            if value is before:
+                continue
+            if not isinstance(value, int | float):
                 command.set_param_at_index(index, value)
+            elif value != before:
+                command.set_param_at_index_from_ctype(index, value)
         last[:] = [size, *arguments]
         return command
 
@@ -194,6 +199,21 @@ def find_device(name: str) -> Any:
         raise InputError(f"device = {name!r} is not there; this machine has {there}.") from error
 
 
+def free_memory(device: str) -> dict[str, int]:
+    """Memory that is free on the host and on a device [B], by what a sentence calls them.
+
+    Raises InputError for a device that is not there.
+    """
+    return _free_memory(find_device(device))
+
+
+def _free_memory(device: Any) -> dict[str, int]:
+    free = {"the host": psutil.virtual_memory().available}
+    if device.is_cuda:
+        free[str(device)] = device.free_memory
+    return free
+
+
 @contextmanager
 def _native_messages_hidden() -> Iterator[None]:
     """Warp's native part warns of a missing GPU or driver; where that matters, our own words follow."""
@@ -212,9 +232,7 @@ def _native_messages_hidden() -> Iterator[None]:
 
 
 def _check_memory(grid: Grid, device: Any, fields_needed: float) -> None:
-    free = {"the host": psutil.virtual_memory().available}
-    if device.is_cuda:
-        free[str(device)] = device.free_memory
+    free = _free_memory(device)
     needed = fields_needed * 8 * grid.cells
     for place, there in free.items():
         if needed > there:

@@ -3,11 +3,11 @@
 import math
 from typing import TYPE_CHECKING
 
-from warpwear.consistency import worn_width
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.patches import Patches
 from warpwear.surfaces.spectrum import autocorrelation_length, power_spectrum, suggested_roll_off
+from warpwear.track_checks import worn_patch
 
 if TYPE_CHECKING:
     from warpwear.study import Study
@@ -42,7 +42,7 @@ def _refuse_wide(study: "Study", heights: FloatArray) -> None:
     curvature = study.sphere.curvature
     if curvature == 0.0:
         return
-    smooth = max(0.5 * worn_width(study), study.hertz.radius if study.hertz else 0.0)
+    smooth = max(0.5 * worn_patch(study), study.hertz.radius if study.hertz else 0.0)
     width = 2.0 * math.sqrt(smooth**2 + 2.0 * max(float(heights.max()), 0.0) / curvature)
     if study.macro.cell > width:
         raise InputError(

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from warpwear.balance import newton_in_bracket
+from warpwear.balance import Carried, newton_in_bracket
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.patches import Patches
@@ -41,13 +41,13 @@ class SmoothContact:
         def pressure(offset: float) -> FloatArray:
             return np.clip((overlap + offset) * stiffness, 0.0, self._hardness)
 
-        def carried(offset: float) -> tuple[float, float]:
+        def carried(offset: float) -> Carried:
             p = pressure(offset)
             between = np.count_nonzero((p > 0.0) & (p < self._hardness))
-            return self.area * float(p.sum()), self.area * stiffness * between
+            return Carried(self.area * float(p.sum()), self.area * stiffness * between, 0.0)
 
         step = self._load / (self.area * stiffness * self.worn.size)
-        found = newton_in_bracket(carried, self._load, step, -math.inf, math.inf, 0.0)
+        found = newton_in_bracket(carried, self._load, step, -math.inf, math.inf, 0.0, stiffness, None)
         if not found.converged(self._load):
             raise ConvergenceError(
                 f"the smooth macro contact did not converge: {found.force - self._load:.3g} N of "

@@ -1,6 +1,7 @@
 """Worn tracks and worn balls of known volume."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -16,6 +17,12 @@ CELL = 0.003
 PLACES = (np.arange(800) - 399.5) * CELL
 
 
+@cache
+def rough_track():
+    """Of Ra 1 mm: heights are proportional to it, and making them takes long."""
+    return SelfAffine(ra=1.0, seed=1, period=2.5).heights(PLACES, PLACES)
+
+
 def track(*, ra=0.0003, width=0.7, depth=0.01, pile=0.002, offset=0.0, scatter=0.1):
     """Heights with a track along axis 0 and its net sections [mm²]."""
     y = np.abs(PLACES - offset)
@@ -24,7 +31,7 @@ def track(*, ra=0.0003, width=0.7, depth=0.01, pile=0.002, offset=0.0, scatter=0
     ridge = pile * np.exp(-np.square((y - width / 2 - foot) / foot * 2))
     scale = 1 + scatter * np.sin(2 * np.pi * PLACES / 0.4)
     form = np.multiply.outer(scale, trough + ridge)
-    rough = SelfAffine(ra=ra, seed=1, period=2.5).heights(PLACES, PLACES)
+    rough = ra * rough_track()
     tilt = np.add.outer(0.003 * PLACES, 0.002 * PLACES) + 0.1
     return form + rough + tilt, -form.sum(axis=1) * CELL
 
@@ -71,7 +78,7 @@ def test_a_given_width_and_a_curved_surface():
 
 
 def test_no_track_and_no_room():
-    rough = SelfAffine(ra=0.003, period=2.5).heights(PLACES, PLACES)
+    rough = 0.003 * rough_track()
     with pytest.raises(InputError, match=r"no track stands out|too little surface"):
         find_track(rough, pixel=(CELL, CELL))
     heights, _ = track(width=2.3, pile=0.0)
@@ -136,12 +143,19 @@ FILE = {
 }
 
 
+@cache
+def rough_ball(seed):
+    """Of Ra 1 mm. Longer waves than a ball's roughness has, for which no test of these asks."""
+    return SelfAffine(ra=1.0, seed=seed, period=2.5, cut_off=0.016).heights(
+        *places((400, 380), (0.005, 0.005))
+    )
+
+
 def ball(flat, ra, *, middle=(0.02, -0.05), seed=2):
     x, y = places((400, 380), (0.005, 0.005))
     sphere = Sphere((*middle, 0.2), 3.0).heights(x, y)
     worn = np.minimum(sphere, 0.2 - flat)
-    rough = SelfAffine(ra=ra, seed=seed, period=2.5).heights(x, y)
-    return worn + rough, float((sphere - worn).sum()) * 0.005**2
+    return worn + ra * rough_ball(seed), float((sphere - worn).sum()) * 0.005**2
 
 
 @pytest.mark.parametrize("radius", [3.0, None])
