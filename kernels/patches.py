@@ -76,7 +76,11 @@ def carried(
     gap_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
-    """Sum of the pressures, and of the stiffnesses of the cells that are neither open nor capped."""
+    """Sum of the pressures, and of the stiffnesses of the cells that are neither open nor capped.
+
+    Third: the change of pressure that the cell nearest to it needs to open, close or reach the cap. As far as
+    that the sum of the pressures is a straight line.
+    """
     slot = first_slot + wp.tid()
     patch = patches_in[slot // slots_per_row]
     base = base_in[patch]
@@ -84,8 +88,13 @@ def carried(
     tiles = (vectors + WIDTH - 1) // WIDTH
     pressure = Cells(ZERO)
     between = Cells(ZERO)
+    nearest = Cells(ABSENT)
+    beside = ABSENT  # of the tiles that are skipped
     for n in range(slot % slots_per_row, lowest_in.shape[1], slots_per_row):
-        if (base - lowest_in[patch, n]) + offset > ZERO:
+        overlap = (base - lowest_in[patch, n]) + offset
+        if overlap <= ZERO:
+            beside = wp.min(beside, -overlap)
+        else:
             line = n // tiles
             first = (n - line * tiles) * WIDTH
             last = line * vectors + wp.min(first + WIDTH, vectors)
@@ -93,14 +102,18 @@ def carried(
                 g = gap_in[patch, k]
                 p = Cells(ZERO)
                 b = Cells(ZERO)
+                near = Cells(ZERO)
                 for j in range(LANES):
                     q = ((base - g[j]) + offset) * stiffness
                     p[j] = wp.min(wp.max(q, ZERO), cap)
                     b[j] = wp.where(q > ZERO and q < cap, ONE, ZERO)
+                    near[j] = wp.min(wp.abs(q), wp.abs(q - cap))
                 pressure += p
                 between += b
+                nearest = wp.min(nearest, near)
     sums_out[0, slot] = sum_of(pressure)
     sums_out[1, slot] = sum_of(between) * stiffness
+    sums_out[2, slot] = wp.min(wp.min(nearest), beside * stiffness)
 
 
 @wp.kernel

@@ -209,13 +209,14 @@ def test_a_step_that_does_not_converge_stops_the_run(kind: str, monkeypatch: pyt
     assert "\n" not in str(caught.value)
 
 
-def _staircase(base: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _staircase(base: FloatArray, offset: FloatArray) -> load_shares.Answer:
     """Flat treads joined by steep risers: Newton's method alone leaps to and fro."""
     u = base + offset
     whole = np.floor(u * 1e4)
     part = np.clip((u * 1e4 - whole - 0.99) * 100.0, 0.0, 1.0)
     p = np.clip((whole + part) * 1e-1, 0.0, 40.0)
-    return p, np.where((part > 0.0) & (p > 0.0) & (p < 40.0), 1e5, 0.0)
+    slope = np.where((part > 0.0) & (p > 0.0) & (p < 40.0), 1e5, 0.0)
+    return load_shares.Answer(p, slope, np.zeros_like(p))
 
 
 @pytest.mark.parametrize("flexibility", [0.0, 1e-6, 1e-3, 1.0])
@@ -223,7 +224,7 @@ def test_the_safeguards_hold_where_newton_leaps(flexibility: float) -> None:
     task = load_shares.Task(load=40.0, area=1.0, flexibility=flexibility, hardness=40.0, lowest=np.zeros(7))
     heights = np.linspace(0.0, 3e-3, 7)
 
-    def response(base: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def response(base: FloatArray, offset: FloatArray) -> load_shares.Answer:
         return _staircase(base - heights, offset)
 
     found = load_shares.share(response, task, None, step=1e-5)

@@ -15,16 +15,28 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from warpwear.balance import HOPELESS, MAX_EVALUATIONS, MAX_ROUNDS, TOLERANCE
+from warpwear.balance import DIGITS, HOPELESS, MAX_EVALUATIONS, MAX_ROUNDS, SURELY, TOLERANCE
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 
 BoolArray = NDArray[np.bool_]
-#: Mean pressures [MPa] of all patches and their slopes [N/mm³] at the approaches base + offset [mm].
-Response = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+
+
+class Answer(NamedTuple):
+    """What patches answer to an approach of each, shape (patches,)."""
+
+    pressure: FloatArray  # mean of each [MPa]
+    slope: FloatArray  # [N/mm³]
+    straight: FloatArray  # how far the approach may move while the pressure follows this slope [mm]
+
+
+#: Of all patches at the approaches base + offset [mm].
+Response = Callable[[FloatArray, FloatArray], Answer]
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
 JOINT = 12
 #: First step of a search that starts where the solution is [mm].
@@ -127,7 +139,7 @@ class _Search:
         self.offset = np.full_like(self.base, guess)
         brackets = _Brackets(self.base.size)
         for self.evaluations in range(1, MAX_EVALUATIONS):
-            p, slope = self._response(self.base, self.offset)
+            p, slope, straight = self._response(self.base, self.offset)
             self.residual, self.common = task.area * float(p.sum()) - load, x
             free = p == 0.0
             point = (self.offset - self._shift) + flexibility * p
@@ -145,6 +157,9 @@ class _Search:
             solved = self.spring_residual <= self.spring_allowed
             if solved and abs(self.residual) <= TOLERANCE * load:
                 return self._found(p, common)
+            sure = self._sure(p, slope, straight, free, newton)
+            if sure is not None:
+                return sure
             if not abs(x) < HOPELESS:
                 return None
             # No curve falls, so beyond the range of these points the common approach cannot lie.
@@ -179,6 +194,25 @@ class _Search:
                 outside |= np.abs(point - x) > self.spring_allowed
             self.offset = np.where(outside, 0.5 * (lowest + highest), guesses)
         return None
+
+    def _sure(
+        self, p: FloatArray, slope: FloatArray, straight: FloatArray, free: BoolArray, newton: float
+    ) -> Shares | None:
+        """Newton's step, where no patch leaves its straight line on the way: a solution that needs no look."""
+        flexibility, load = self._task.flexibility, self._task.load
+        if math.isnan(newton) or self._task.area * float(slope.sum()) * abs(newton) > DIGITS * load:
+            return None
+        point = (self.offset - self._shift) + flexibility * p
+        move = (newton - point) / (1.0 + flexibility * slope)
+        if np.any((np.abs(move) >= SURELY * straight) & ~(free & (move <= 0.0))):
+            return None
+        self.offset = self.offset + move
+        p = p + slope * move
+        self.residual = self._task.area * float(p.sum()) - load
+        self._measure(p, (self.offset - self._shift) + flexibility * p, free, newton)
+        if abs(self.residual) > TOLERANCE * load or self.spring_residual > self.spring_allowed:
+            return None
+        return self._found(p, newton)
 
     def _measure(self, p: FloatArray, point: FloatArray, free: BoolArray, common: float) -> None:
         """How far patches are from a common approach, those aside that it does not reach."""

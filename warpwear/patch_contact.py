@@ -10,6 +10,7 @@ from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.types import PATCH_MAXIMA, PATCH_SUMS, WIDTH
+from warpwear.load_shares import Answer
 from warpwear.patches import Patches
 
 #: Work of a patch where no cell has touched yet, over that of one where all have.
@@ -73,9 +74,10 @@ class PatchContact:
         #: 1/c of the cells [N/mm³].
         self.stiffness = np.inf
 
-    def response(self, base: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Mean pressure of each patch [MPa] and its slope [N/mm³] at its approach base + offset [mm]."""
+    def response(self, base: FloatArray, offset: FloatArray) -> Answer:
+        """What each patch answers to its approach base + offset [mm]."""
         pressure, slope = np.zeros_like(base), np.zeros_like(base)
+        straight = (self.lowest - base) - offset
         self._visit((base - self.lowest) + offset > 0.0)
         if self._listed.size:
             self._send(base, offset)
@@ -95,9 +97,10 @@ class PatchContact:
                 chunks=self._chunks,
                 often=True,
             )
-            table = self._of_patches(self._sums)[:2].sum(axis=2)
-            pressure[self._listed], slope[self._listed] = table / self._cells
-        return pressure, slope
+            table = self._of_patches(self._sums)[:3]
+            pressure[self._listed], slope[self._listed] = table[:2].sum(axis=2) / self._cells
+            straight[self._listed] = table[2].min(axis=1) / self.stiffness
+        return Answer(pressure, slope, straight)
 
     def pressures(self, base: FloatArray, offset: FloatArray) -> FloatArray:
         """The pressure of every cell [MPa], as stored."""

@@ -41,7 +41,7 @@ def press(
         reach = np.maximum(np.abs(offset), FIRST_REACH)
         low, high = np.full_like(base, -math.inf), np.full_like(base, math.inf)
         for evaluation in range(1, MAX_EVALUATIONS):
-            p, slope = response(base, offset)
+            p, slope, _ = response(base, offset)
             evaluations += 1
             left = p - target
             if np.all(np.abs(left) <= allowed):

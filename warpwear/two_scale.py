@@ -41,6 +41,8 @@ class TwoScaleModel:
         self.book = PatchBook(patches)
         self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
         self._last: Shares | None = None
+        #: Pressure at which the approach grew by wear in the last step and the one before [MPa].
+        self._pace = (0.0, 0.0)
         steady = [law.steady for law in self._wear]
         #: Of what both bodies lose, the part of the sphere.
         self._of_sphere = steady[0] / sum(steady) if sum(steady) else 0.5
@@ -70,7 +72,8 @@ class TwoScaleModel:
             pressure = self.patches.on_domain(self.contact.pressures(shares.base, shares.offset))
         reference = row["pressure_mean"] or (study.hardness if math.isfinite(study.hardness) else 0.0)
         worn = self.contact.remove(shares.base, shares.offset, removal=removal, reference=reference)
-        self._last = shares
+        pace = (shares.approach - self._last.approach) / removal if self._last and removal else 0.0
+        self._last, self._pace = shares, (self._pace[1], pace)
         return self._entered(shares, worn, increment, removals, reference, pressure)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
@@ -92,7 +95,12 @@ class TwoScaleModel:
     def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
         arrays = {"gap": self._executor.to_numpy(self.contact.gap), "reached": self.contact.reached}
-        numbers: dict[str, Any] = {"most": self._ledger.most, "row": self._ledger.row, "last": None}
+        numbers: dict[str, Any] = {
+            "most": self._ledger.most,
+            "row": self._ledger.row,
+            "last": None,
+            "pace": self._pace,
+        }
         if self._last is not None:
             state = vars(self._last)
             arrays |= {f"shares_{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
@@ -107,6 +115,7 @@ class TwoScaleModel:
         self._executor.fill(self.contact.gap, arrays["gap"])
         self.contact.reached = arrays["reached"]
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
+        self._pace = (numbers["pace"][0], numbers["pace"][1])
         if numbers["last"] is not None:
             of_patches = {k: arrays[f"shares_{k}"] for k in ("base", "offset", "pressure")}
             self._last = Shares(**of_patches, **numbers["last"])
@@ -122,7 +131,9 @@ class TwoScaleModel:
             if study.uses_foundation
             else math.inf
         )
-        step = removal * row["pressure_mean"]
+        before, now = self._pace
+        # Where the contact grows evenly its pressure falls by as much again.
+        step = removal * (now * min(now / before, 1.0) if before > 0.0 < now else row["pressure_mean"])
         load = study.contact.load
         if self._smooth is not None:
             target = self._smooth.press(foundation=foundation, removal=removal)
