@@ -18,6 +18,7 @@ wp.set_module_options({"enable_backward": False})
 
 #: Stands for "no cell" among first and last indices.
 NOWHERE = wp.constant(wp.float64(-1.0e9))
+EIGHT = wp.constant(wp.int32(LANES))
 
 
 @wp.kernel
@@ -154,6 +155,8 @@ def remove(
     pressure_reference: wp.float64,
     lowest_in: wp.array2d(dtype=wp.float64),
     initial_in: wp.array2d(dtype=Cells),
+    columns: wp.int32,
+    full_out: wp.array2d(dtype=wp.int32),
     gap_out: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
@@ -163,7 +166,8 @@ def remove(
     Sums and maxima of the step and of each patch, a column a slot, in the order of `types.PATCH_SUMS` and
     `types.PATCH_MAXIMA`. Squares are those of the deviation from `pressure_reference`. reached: the largest
     approach that a patch has had: a tile above it was never touched, every other one is visited, so that the
-    sums of what was touched and worn are those of the whole patch.
+    sums of what was touched and worn are those of the whole patch. columns: of a line. full: 1 for tiles
+    whose cells have all touched, of which no more is looked for; their extents were told when they became so.
     """
     slot = first_slot + wp.tid()
     patch = patches_in[slot // slots_per_row]
@@ -183,13 +187,43 @@ def remove(
     to_last = Cells(ZERO)  # vectors from a line's start to the last one touched, 0 for none
     first_line = NOWHERE
     last_line = NOWHERE
+    in_full = ZERO  # cells of full tiles
     # What a cell does is written lane by lane, what is summed over cells vector by vector: see `removal`.
     for n in range(slot % slots_per_row, lowest_in.shape[1], slots_per_row):
         low = lowest_in[patch, n]
         if low < reached or (base - low) + offset > ZERO:
             line = n // tiles
             first = (n - line * tiles) * WIDTH
-            any_touched = Cells(ZERO)
+            cells = wp.float64(wp.min(WIDTH * EIGHT, columns - first * EIGHT))
+            if full_out[patch, n] == 1:
+                in_full += cells
+                for v in range(first, wp.min(first + WIDTH, vectors)):
+                    k = line * vectors + v
+                    g = gap_out[patch, k]
+                    initial = initial_in[patch, k]
+                    p = Cells(ZERO)
+                    d = Cells(ZERO)
+                    w = Cells(ZERO)
+                    is_contact = Cells(ZERO)
+                    is_capped = Cells(ZERO)
+                    for j in range(LANES):
+                        q = wp.min(wp.max(((base - g[j]) + offset) * stiffness, ZERO), cap)
+                        p[j] = q
+                        g[j] = g[j] + removal * q
+                        w[j] = g[j] - initial[j]
+                        d[j] = wp.where(q > ZERO, q - pressure_reference, ZERO)
+                        is_contact[j] = wp.where(q > ZERO, ONE, ZERO)
+                        is_capped[j] = wp.where(q >= cap, ONE, ZERO)
+                    gap_out[patch, k] = g
+                    pressure += p
+                    deviation += wp.cw_mul(d, d)
+                    contact += is_contact
+                    capped += is_capped
+                    worn += w
+                    highest_pressure = wp.max(highest_pressure, p)
+                    deepest = wp.max(deepest, w)
+                continue
+            of_tile = Cells(ZERO)
             for v in range(first, wp.min(first + WIDTH, vectors)):
                 k = line * vectors + v
                 g = gap_out[patch, k]
@@ -221,21 +255,23 @@ def remove(
                 deviation += wp.cw_mul(d, d)
                 contact += is_contact
                 capped += is_capped
-                touched += is_touched
+                of_tile += is_touched
                 worn += w
-                any_touched = wp.max(any_touched, is_touched)
                 highest_pressure = wp.max(highest_pressure, p)
                 deepest = wp.max(deepest, w)
                 from_first = wp.max(from_first, to_end)
                 to_last = wp.max(to_last, from_start)
-            here = wp.max(any_touched) > ZERO
+            touched += of_tile
+            count = sum_of(of_tile)
+            full_out[patch, n] = wp.where(count == cells, 1, 0)
+            here = count > ZERO
             first_line = wp.max(first_line, wp.where(here, -wp.float64(line), NOWHERE))
             last_line = wp.max(last_line, wp.where(here, wp.float64(line), NOWHERE))
     sums_out[0, slot] = sum_of(pressure)
     sums_out[1, slot] = sum_of(deviation)
     sums_out[2, slot] = sum_of(contact)
     sums_out[3, slot] = sum_of(capped)
-    sums_out[4, slot] = sum_of(touched)
+    sums_out[4, slot] = sum_of(touched) + in_full
     sums_out[5, slot] = sum_of(worn)
     first_column = NOWHERE
     last_column = NOWHERE

@@ -14,7 +14,6 @@ p_k(u_k).
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-
 from typing import NamedTuple
 
 import numpy as np
@@ -198,7 +197,7 @@ class _Search:
     def _sure(
         self, p: FloatArray, slope: FloatArray, straight: FloatArray, free: BoolArray, newton: float
     ) -> Shares | None:
-        """Newton's step, where no patch leaves its straight line on the way: a solution that needs no look."""
+        """Newton's step, where no patch leaves its straight line on the way: it needs no second look."""
         flexibility, load = self._task.flexibility, self._task.load
         if math.isnan(newton) or self._task.area * float(slope.sum()) * abs(newton) > DIGITS * load:
             return None

@@ -39,6 +39,7 @@ class PatchContact:
         tiles = patches.side * -(-patches.vectors // int(WIDTH))
         count, device, domain = patches.count, executor.device, patches.domain
         self._lowest_of_tiles = wp.zeros((count, tiles), dtype=wp.float64, device=device)
+        self._full = wp.zeros((count, tiles), dtype=wp.int32, device=device)
         self.initial: Field = executor.zeros()
         executor.launch(
             kernels.gap,
@@ -135,8 +136,9 @@ class PatchContact:
                 reference,
                 self._lowest_of_tiles,
                 self.initial,
+                self.patches.side,
             ],
-            outputs=[self.gap, self._sums, self._maxima],
+            outputs=[self._full, self.gap, self._sums, self._maxima],
             chunks=self._chunks,
             often=True,
         )
