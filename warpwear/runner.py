@@ -219,7 +219,7 @@ class _Loop:
         history = {column.name: self._rows.column(column.name) for column in columns_of(self.study)}
         study = self.study
         history["cof"] = friction.coefficient(
-            study.friction, history, load=study.contact.load, finished=finished
+            study.friction, history, load=study.contact.load, finished=finished, lap=study.lap
         )
         return history
 
