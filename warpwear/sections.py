@@ -486,5 +486,7 @@ class Output(Section):
     """[output]"""
 
     snapshots: tuple[LengthOrZero, ...] = key(
-        (), "sliding distances at which fields are kept; the end always is"
+        (),
+        "sliding distances at which fields are kept; the end always is; swept: at the end of the step that "
+        "reaches each",
     )
