@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
+from test_figures import OF_TRACKS
 from test_swept import small
 
 import warpwear
 from warpwear import InputError, Result
 from warpwear.animation import animate
 from warpwear.track_data import blocks, by_pass, depth_along, groove, roughness_in_track
-
-OF_TRACKS = {"groove", "track_map", "wear_per_pass", "cof_stroke", "track_roughness"}
 
 
 @pytest.fixture(scope="module")
