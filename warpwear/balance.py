@@ -139,14 +139,14 @@ class Balancer:
         scatter: float,
         load: float,
         hardness: float,
-    ) -> "tuple[_Found, float]":
+    ) -> "tuple[Found, float]":
         """How far the balance came on the tiles listed, and the base that its offset counts from."""
         for _ in range(MAX_ROUNDS):
 
             def carried(offset: float, base: float = base) -> tuple[float, float]:
                 return self._carried(gap_field, stiffness, tiles, base, offset, hardness)
 
-            found = _newton_in_bracket(carried, load, step, low, math.inf, scatter)
+            found = newton_in_bracket(carried, load, step, low, math.inf, scatter)
             if found.converged(load) or not abs(found.offset) < HOPELESS:
                 break
             # Down to neighbouring numbers: from a base at the solution the offset has digits again.
@@ -291,7 +291,7 @@ class Balancer:
         return float(self._sums.numpy()[0].sum())
 
 
-class _Found(NamedTuple):
+class Found(NamedTuple):
     """Where a search ended."""
 
     offset: float  # [mm]
@@ -302,14 +302,14 @@ class _Found(NamedTuple):
         return abs(self.force - load) <= TOLERANCE * load
 
 
-def _newton_in_bracket(
+def newton_in_bracket(
     carried: Callable[[float], tuple[float, float]],
     load: float,
     guess: float,
     low: float,
     high: float,
     scatter: float,
-) -> _Found:
+) -> Found:
     """Looks for the offset with |force − load| ≤ TOLERANCE load until the bracket is down to one number.
 
     Newton's step is taken while it stays inside the bracket and the bracket halves at least every second
@@ -319,10 +319,10 @@ def _newton_in_bracket(
     offset = guess
     reach = max(abs(guess), scatter) or FIRST_REACH
     width_before = math.inf
-    found = _Found(offset, math.nan, 0)
+    found = Found(offset, math.nan, 0)
     for evaluation in range(1, MAX_EVALUATIONS):
         force, slope = carried(offset)
-        found = _Found(offset, force, evaluation)
+        found = Found(offset, force, evaluation)
         if found.converged(load):
             break
         residual = force - load
