@@ -383,22 +383,103 @@ def step(
 
 
 @wp.kernel
-def curvature(
+def product(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    step_in: wp.array2d(dtype=Cells),
-    response_in: wp.array2d(dtype=Cells),
+    first_in: wp.array2d(dtype=Cells),
+    second_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
-    """Sum of step × response."""
+    """Sum of the products of two fields."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
-    product = Cells(ZERO)
-    for k in range(slot % slots_per_row, step_in.shape[1], slots_per_row):
-        s = step_in[row, k]
-        y = response_in[row, k]
-        sy = Cells(ZERO)
+    total = Cells(ZERO)
+    for k in range(slot % slots_per_row, first_in.shape[1], slots_per_row):
+        a = first_in[row, k]
+        b = second_in[row, k]
+        ab = Cells(ZERO)
         for j in range(LANES):
-            sy[j] = s[j] * y[j]
-        product += sy
-    sums_out[0, slot] = sum_of(product)
+            ab[j] = a[j] * b[j]
+        total += ab
+    sums_out[0, slot] = sum_of(total)
+
+
+@wp.kernel
+def between(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    cap: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    indicator_out: wp.array2d(dtype=Cells),
+):
+    """1 on the cells with 0 < p < H, 0 elsewhere."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        f = Cells(ZERO)
+        for j in range(LANES):
+            f[j] = wp.where(p[j] > ZERO and p[j] < cap, ONE, ZERO)
+        indicator_out[row, k] = f
+
+
+@wp.kernel
+def conjugate(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    memory: wp.float64,
+    cap: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    descent_in: wp.array2d(dtype=Cells),
+    direction_out: wp.array2d(dtype=Cells),
+):
+    """direction = descent + memory × direction on the cells with 0 < p < H, 0 elsewhere."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        z = descent_in[row, k]
+        d = direction_out[row, k]
+        for j in range(LANES):
+            d[j] = wp.where(p[j] > ZERO and p[j] < cap, z[j] + memory * d[j], ZERO)
+        direction_out[row, k] = d
+
+
+@wp.kernel
+def relax(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    length: wp.float64,
+    cap: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    direction_in: wp.array2d(dtype=Cells),
+    response_in: wp.array2d(dtype=Cells),
+    solution_out: wp.array2d(dtype=Cells),
+    residual_out: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """solution += length × direction, residual −= length × response on the cells with 0 < p < H.
+
+    Sums: solution, residual squared.
+    """
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    total = Cells(ZERO)
+    squared = Cells(ZERO)
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        d = direction_in[row, k]
+        y = response_in[row, k]
+        v = solution_out[row, k]
+        r = residual_out[row, k]
+        rr = Cells(ZERO)
+        for j in range(LANES):
+            v[j] += length * d[j]
+            r[j] = wp.where(p[j] > ZERO and p[j] < cap, r[j] - length * y[j], ZERO)
+            rr[j] = r[j] * r[j]
+        solution_out[row, k] = v
+        residual_out[row, k] = r
+        total += v
+        squared += rr
+    sums_out[0, slot] = sum_of(total)
+    sums_out[1, slot] = sum_of(squared)

@@ -16,12 +16,14 @@ from warpwear.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
-from warpwear.half_space_iterate import NO_CAP, Iterate, Products, State
+from warpwear.half_space_iterate import Iterate, Products, State
 from warpwear.influence import Influence
 
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = 1.0e-6
 MAX_ITERATIONS = 1000
+#: Of dp̄/ds, by the displacement left over.
+SLOPE_TOLERANCE = 1.0e-8
 #: With a smaller share of the cells in contact below the cap, |q| is no guide: steps along the plain gradient.
 ELASTIC_SHARE = 0.3
 #: The whole step is taken, bounds and all, from this share of the best length on; else the best length.
@@ -40,7 +42,8 @@ class HalfSpaceContact:
     mean_pressure: float  # [MPa]
     violation: float  # largest violation of complementarity, over the rms height
     load_residual: float  # mean pressure over the one asked for, − 1; 0 under approach control
-    area_fraction: float  # cells with p > 0, of all
+    cells_in_contact: int  # with p > 0
+    cells_between: int  # with 0 < p < H
     iterations: int
     transforms: int  # pairs of Fourier transforms
     pressure_field: Field
@@ -51,6 +54,11 @@ class HalfSpaceContact:
     def pressure(self) -> FloatArray:
         """[MPa], shape (nx, ny)."""
         return self.executor.to_numpy(self.pressure_field)
+
+    @property
+    def area_fraction(self) -> float:
+        """Contact area over nominal area."""
+        return self.cells_in_contact / self.executor.grid.cells
 
     @property
     def separation(self) -> FloatArray:
@@ -133,7 +141,8 @@ class HalfSpace:
                     mean_pressure=state.total / cells,
                     violation=violation / scale if violation > 0.0 else 0.0,
                     load_residual=off,
-                    area_fraction=state.touching / cells,
+                    cells_in_contact=round(state.touching),
+                    cells_between=round(state.between),
                     iterations=iteration,
                     transforms=self._influence.transforms - done,
                     pressure_field=self._iterate.pressure,
@@ -149,6 +158,25 @@ class HalfSpace:
             f"the half-space contact did not converge in {iteration} iterations: complementarity is violated "
             f"by {violation:.3g} mm, {violation / scale:.3g} of the rms height (allowed {self._tolerance:g})."
         )
+
+    def slope(self, contact: HalfSpaceContact) -> float:
+        """Slope dp̄/ds of the last solved contact, mean pressure over approach [MPa/mm].
+
+        Cells at their bounds stay there. Infinite where every cell of a periodic surface follows. Raises ConvergenceError.
+        """
+        cells = self._executor.grid.cells
+        if contact.cells_between == 0:
+            return 0.0
+        if contact.cells_between == cells and self._influence.rigid_mean:
+            return math.inf
+        total = self._iterate.tangent(tolerance=SLOPE_TOLERANCE, max_iterations=self._max_iterations)
+        return total / cells
+
+    def displacement(self) -> FloatArray:
+        """Elastic displacement of both surfaces in the last solve [mm], shape (nx, ny), without wear."""
+        field = self._executor.zeros()
+        self._influence.respond_elastically(self._iterate.pressure, field)
+        return self._executor.to_numpy(field)
 
     def _asked(self, mean_pressure: float | None, approach: float | None) -> float | None:
         """Sum of the pressures of all cells [MPa]; None under approach control."""

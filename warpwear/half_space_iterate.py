@@ -143,7 +143,9 @@ class Iterate:
 
         found = newton_in_bracket(carried, asked, 0.0, -math.inf, math.inf, 1.0)
         if not found.converged(asked):
-            raise ConvergenceError(f"the load balance of the half-space missed {found.force - asked:.3g} MPa.")
+            raise ConvergenceError(
+                f"the load balance of the half-space missed {found.force - asked:.3g} MPa."
+            )
         return found.offset * unit
 
     def step(self, approach: float, shift: float) -> tuple[float, float, float]:
@@ -155,8 +157,40 @@ class Iterate:
         inputs = [approach, shift, self._cap, self._trial, self.pressure, self.gradient]
         slope, used, _unused = self._pass(passes.step, inputs, [self._step], sums=1, maxima=2)
         self._influence.respond(self._step, self._response)
-        (curvature,) = self._pass(passes.curvature, [self._step, self._response], [], sums=1)
+        curvature = self._product(self._step, self._response)
         return slope, curvature, used
+
+    def tangent(self, *, tolerance: float, max_iterations: int) -> float:
+        """Sum of dp/dλ [MPa/mm] with the cells between the bounds free, by preconditioned conjugate gradients.
+
+        tolerance: of the displacement, over the dλ that they all follow. Raises ConvergenceError. The step of
+        the iterate is lost.
+        """
+        residual, descent = self._executor.zeros(), self._executor.zeros()
+        direction, solution = self._step, self._trial
+        solution.zero_()
+        self._pass(passes.between, [self._cap, self.pressure], [residual])
+        allowed = tolerance**2 * self._product(residual, residual)
+        total, memory, reduced = 0.0, 0.0, 1.0
+        for _ in range(max_iterations):
+            self._influence.invert(residual, descent)
+            before, reduced = reduced, self._product(residual, descent)
+            memory = reduced / before if memory else 0.0
+            self._pass(passes.conjugate, [memory, self._cap, self.pressure, descent], [direction])
+            self._influence.respond(direction, self._response)
+            curvature = self._product(direction, self._response)
+            if not curvature > 0.0:
+                break
+            inputs = [reduced / curvature, self._cap, self.pressure, direction, self._response]
+            total, left = self._pass(passes.relax, inputs, [solution, residual], sums=2)
+            if left <= allowed:
+                return total
+            memory = 1.0
+        raise ConvergenceError("the slope of the half-space contact did not converge.")
+
+    def _product(self, first: Field, second: Field) -> float:
+        (total,) = self._pass(passes.product, [first, second], [], sums=1)
+        return total
 
     def _pass(
         self, kernel: Any, inputs: list[Any], outputs: list[Field], *, sums: int = 0, maxima: int = 0

@@ -133,7 +133,9 @@ class Influence:
         if not (math.isfinite(modulus) and modulus > 0.0):
             raise InputError(f"E* = {modulus:g} MPa is not possible; it must be positive and finite.")
         if boundary not in ("periodic", "free"):
-            raise InputError(f'contact.boundary = {boundary!r} is unknown; allowed are "periodic" and "free".')
+            raise InputError(
+                f'contact.boundary = {boundary!r} is unknown; allowed are "periodic" and "free".'
+            )
         self._executor = executor
         self._boundary = boundary
         make: Callable[..., Transforms] = ScipyTransforms if executor.device.is_cpu else CupyTransforms
@@ -157,6 +159,11 @@ class Influence:
         """Pairs of transforms done so far, of the response and of its inverse."""
         both = {id(t): t.transforms for t in (self._transforms, self._inverse_transforms)}
         return sum(both.values())
+
+    @property
+    def rigid_mean(self) -> bool:
+        """Whether a uniform pressure displaces nothing."""
+        return self._boundary == "periodic" and self._compliance == (0.0, 0.0)
 
     def set_compliance(self, own: float, streak: float) -> None:
         """What adds to the elastic response [mm/MPa]: own pressure of the cell, mean of its line along x."""
