@@ -1,7 +1,7 @@
 """One contact by a peer, in a process of its own: PEER CELLS CAP HEIGHTS.npy PRESSURE.npy TOLERANCE.
 
-Prints a line of JSON: seconds, iterations, growth of memory above what is held after the imports. Needs the peer
-only; runs under any interpreter that has it.
+Prints a line of JSON: seconds, iterations, growth of memory above what is held after the imports. Needs
+the peer only; runs under any interpreter that has it.
 """
 
 import json
@@ -36,7 +36,7 @@ def tamaas(heights: Any, mean_pressure: float, cap: float, tolerance: float) -> 
 def contact_mechanics(
     heights: Any, mean_pressure: float, cap: float, tolerance: float
 ) -> tuple[Any, float, int]:
-    """ContactMechanics: make_system or make_plastic_system; tolerance: largest penetration over rms height."""
+    """ContactMechanics' make_system or make_plastic_system; tolerance: penetration over rms height."""
     from ContactMechanics import PeriodicFFTElasticHalfSpace
     from ContactMechanics.Factory import make_plastic_system, make_system
     from SurfaceTopography import PlasticTopography, Topography

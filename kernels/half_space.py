@@ -213,7 +213,7 @@ def products(
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
-    """Over the free cells, with z = descent − descent_level, r = t − λ, and s, y the last step and its response.
+    """Over the free cells, with z = descent − descent_level, r = t − λ, s, y the last step and its response.
 
     Sums: cells, z, r, y, z y, z r, s r. Maxima: |z|, |r|.
     """
@@ -360,7 +360,7 @@ def step(
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
-    """Feasible step to the trial. Sum: step × (t − λ). Maximum: what of the room to a bound a step uses up."""
+    """Feasible step to the trial. Sum: step × (t − λ). Maximum: share of the room to a bound that is used."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     slope = Cells(ZERO)

@@ -1,6 +1,7 @@
 """The half-space solver against a dense bound-constrained least-squares solve, and what it refuses."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -183,10 +184,13 @@ def test_full_contact_is_rigid_in_the_mean() -> None:
         ({"boundary": "mirror"}, {"mean_pressure": 0.1}, "contact.boundary = 'mirror'"),
     ],
 )
-def test_bad_input(options: dict[str, object], arguments: dict[str, float], words: str) -> None:
-    with Executor(GRID) as executor, pytest.raises(InputError) as refused:
-        solver = HalfSpace(executor, **{"modulus": 1.0, "hardness": 1.0, **options})  # type: ignore[arg-type]
+def test_bad_input(options: dict[str, Any], arguments: dict[str, float], words: str) -> None:
+    def attempt(executor: Executor) -> None:
+        solver = HalfSpace(executor, **{"modulus": 1.0, "hardness": 1.0, **options})
         solver.solve(executor.field(rough(GRID)), **arguments)
+
+    with Executor(GRID) as executor, pytest.raises(InputError) as refused:
+        attempt(executor)
     assert words in str(refused.value)
 
 

@@ -14,6 +14,8 @@ from warpwear.kernels import half_space as passes
 
 #: Stands for no cap: kernels compare with it.
 NO_CAP = 1.0e300
+#: A trial may miss the load by so much, relatively: the next step makes up for it.
+ROUGH_BALANCE = 1.0e-3
 
 
 class State(NamedTuple):
@@ -97,8 +99,8 @@ class Iterate:
     def _advance(self, *, whole: bool, length: float, shift: float) -> State:
         inputs = [whole, length, shift, self._cap, self._trial, self._step, self._response]
         outputs = [self.pressure, self.gradient]
-        *sums, highest, negative = self._pass(passes.advance, inputs, outputs, sums=4, maxima=2)
-        return State(*sums, highest=highest, lowest=-negative)
+        *values, negative = self._pass(passes.advance, inputs, outputs, sums=4, maxima=2)
+        return State(*values, -negative)
 
     def descent(self, approach: float, *, plain: bool) -> tuple[Field, float]:
         """Where to go from the gradient, as a field and a level to take off it; may lie in the trial."""
@@ -129,20 +131,21 @@ class Iterate:
         total, between = self._pass(passes.carried, [shift, self._cap, self._trial], [], sums=2)
         return total, between
 
-    def balance(self, asked: float, total: float, between: float) -> float:
-        """Shift of the trial pressure with which it carries what is asked [MPa], to `balance.TOLERANCE`.
+    def balance(self, asked: float, total: float, between: float, *, unit: float) -> float:
+        """Shift of the trial pressure with which it carries what is asked [MPa].
 
-        total, between: what is carried without a shift. Raises ConvergenceError.
+        total, between: what is carried without a shift. unit: a shift that may be needed [MPa]. Met to `balance.TOLERANCE`
+        where the digits of the trial allow it, which they do near the solution. Raises ConvergenceError.
         """
         at_zero = total, between
-        unit = total / between if total > 0.0 and between > 0.0 else asked / self._executor.grid.cells
+        unit = max(unit, total / between if between > 0.0 else 0.0, asked / self._executor.grid.cells)
 
         def carried(shift: float) -> tuple[float, float]:
             total, slope = at_zero if shift == 0.0 else self.carried(shift * unit)
             return total, slope * unit
 
         found = newton_in_bracket(carried, asked, 0.0, -math.inf, math.inf, 1.0)
-        if not found.converged(asked):
+        if not abs(found.force - asked) <= ROUGH_BALANCE * asked:
             raise ConvergenceError(
                 f"the load balance of the half-space missed {found.force - asked:.3g} MPa."
             )
@@ -161,7 +164,7 @@ class Iterate:
         return slope, curvature, used
 
     def tangent(self, *, tolerance: float, max_iterations: int) -> float:
-        """Sum of dp/dλ [MPa/mm] with the cells between the bounds free, by preconditioned conjugate gradients.
+        """Sum of dp/dλ [MPa/mm] of the cells between the bounds, by preconditioned conjugate gradients.
 
         tolerance: of the displacement, over the dλ that they all follow. Raises ConvergenceError. The step of
         the iterate is lost.

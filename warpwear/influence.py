@@ -1,7 +1,7 @@
 """What a pressure does to an elastic half-space, and the inverse that preconditions the solver.
 
-Displacement and pressure are tied by a convolution, done in Fourier space. The transforms come from a library,
-`scipy.fft` on a CPU and CuPy on a GPU, behind `Transforms`; fields stay Warp's, no copies between the two.
+Displacement and pressure are tied by a convolution, done in Fourier space. The transforms come from a
+library, `scipy.fft` on a CPU and CuPy on a GPU, behind `Transforms`; it works on Warp's own arrays.
 """
 
 import math

@@ -87,7 +87,7 @@ def test_westergaard(share: float, cells: int) -> None:
 
 @pytest.mark.parametrize(("hardness", "allowed"), [(1.0, 38), (0.1, 4), (0.01, 0)])
 def test_soft_surfaces_are_cut_at_a_height(hardness: float, allowed: int) -> None:
-    """With H → 0 the contact is the bearing area, but for as many cells as tamaas 2.9.0 leaves on this surface.
+    """With H → 0 the contact is the bearing area, but for the cells that tamaas 2.9.0 leaves on this surface.
 
     Its `KatoSaturated` (E = 1, ν = 0, tolerance 1e-6) has 38, 4 and 0 cells that differ.
     """
