@@ -134,8 +134,9 @@ class Iterate:
     def balance(self, asked: float, total: float, between: float, *, unit: float) -> float:
         """Shift of the trial pressure with which it carries what is asked [MPa].
 
-        total, between: what is carried without a shift. unit: a shift that may be needed [MPa]. Met to `balance.TOLERANCE`
-        where the digits of the trial allow it, which they do near the solution. Raises ConvergenceError.
+        total, between: what is carried without a shift. unit: a shift that may be needed [MPa]. Met to
+        `balance.TOLERANCE` where the digits of the trial allow it, which they do near the solution. Raises
+        ConvergenceError.
         """
         at_zero = total, between
         unit = max(unit, total / between if between > 0.0 else 0.0, asked / self._executor.grid.cells)

@@ -17,8 +17,12 @@ from warpwear.errors import InputError
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray, Grid
 
-#: Fewer modes than this are multiplied on one thread.
-MODES_PER_THREAD = 100_000
+#: Fewer modes a thread are not worth a pool.
+MODES_PER_THREAD = 30_000
+#: Blocks that a thread takes at a time: so many of the rows, so wide of the columns.
+ROW_BLOCKS, COLUMNS = 16, 64
+#: Below any response [mm/MPa].
+SMALLEST = 1.0e-300
 
 
 class Transforms(ABC):
@@ -30,57 +34,72 @@ class Transforms(ABC):
     def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
         self._executor = executor
         self._shape = shape
-        self._padded = shape != executor.grid.shape
         self.transforms = 0
 
     @abstractmethod
     def table(self, values: FloatArray) -> Any:
-        """An array that `filter` multiplies with, where the transforms are done."""
+        """A table for `filter` where the transforms are done, from one of shape (n, m//2 + 1)."""
 
     @abstractmethod
-    def filter(self, field_in: Field, table: Any, field_out: Field) -> None:
-        """field_out = inverse(forward(field_in) × table), on the cells of the grid; may be the same field."""
+    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+        """field_out = inverse(forward(field_in) × table), on the cells of the grid; may be the same field.
+
+        divide: ÷ instead of ×; modes where the table is 0 are left out.
+        """
 
 
 class ScipyTransforms(Transforms):
-    """On the CPU, with as many workers as the executor has threads.
+    """On the CPU. Blocks of rows, then of columns, are shared among as many threads as the executor has.
 
-    Only rows that hold cells are transformed along axis 1: padding costs nothing there.
+    The blocks do not depend on the threads, so neither do the results. A block of columns is transformed,
+    multiplied and transformed back while it is in the cache; rows and columns of padding are never stored.
     """
 
     def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
         super().__init__(executor, shape)
         self._fft: Any = import_module("scipy.fft")  # takes 0.1 s: not for a run without
-        modes = shape[0] * (shape[1] // 2 + 1)
-        self._chunks = max(1, min(executor.threads, modes // MODES_PER_THREAD))
-        self._pool = ThreadPoolExecutor(self._chunks) if self._chunks > 1 else None
+        nx, modes = executor.grid.nx, shape[1] // 2 + 1
+        self._spectrum = np.empty((nx, modes), dtype=np.complex128)
+        self._rows = _blocks(nx, -(-nx // ROW_BLOCKS))
+        self._columns = _blocks(modes, COLUMNS)
+        threads = executor.threads if nx * modes >= MODES_PER_THREAD * 2 else 1
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
 
     def table(self, values: FloatArray) -> FloatArray:
         return values
 
-    def filter(self, field_in: Field, table: Any, field_out: Field) -> None:
-        nx, ny = self._executor.grid.shape
-        workers = self._executor.threads
+    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         self.transforms += 1
-        values = self._executor.to_numpy(field_in)
-        spectrum = self._fft.rfft(values, n=self._shape[1], axis=1, workers=workers)
-        spectrum = self._fft.fft(spectrum, n=self._shape[0], axis=0, workers=workers, overwrite_x=True)
-        self._multiply(spectrum, table)
-        spectrum = self._fft.ifft(spectrum, axis=0, workers=workers, overwrite_x=True)[:nx]
-        result = self._fft.irfft(spectrum, n=self._shape[1], axis=1, workers=workers, overwrite_x=True)
-        self._executor.to_numpy(field_out)[:] = result[:, :ny]
+        fft, spectrum = self._fft, self._spectrum
+        nx, ny = self._executor.grid.shape
+        values, result = self._executor.to_numpy(field_in), self._executor.to_numpy(field_out)
 
-    def _multiply(self, spectrum: Any, table: Any) -> None:
-        edges = [len(table) * i // self._chunks for i in range(self._chunks + 1)]
+        def forward(rows: slice) -> None:
+            spectrum[rows] = fft.rfft(values[rows], n=self._shape[1], axis=1)
 
-        def chunk(number: int) -> None:
-            rows = slice(edges[number], edges[number + 1])
-            np.multiply(spectrum[rows], table[rows], out=spectrum[rows])
+        def across(columns: slice) -> None:
+            lines = fft.fft(spectrum[:, columns], n=self._shape[0], axis=0, overwrite_x=True)
+            factor = table[:, columns]
+            if divide:
+                np.divide(lines, factor, out=lines, where=factor > 0.0)
+                lines[factor == 0.0] = 0.0
+            else:
+                lines *= factor
+            spectrum[:, columns] = fft.ifft(lines, axis=0, overwrite_x=True)[:nx]
 
+        def back(rows: slice) -> None:
+            result[rows] = fft.irfft(spectrum[rows], n=self._shape[1], axis=1, overwrite_x=True)[:, :ny]
+
+        self._each(forward, self._rows)
+        self._each(across, self._columns)
+        self._each(back, self._rows)
+
+    def _each(self, work: Callable[[slice], None], blocks: list[slice]) -> None:
         if self._pool is None:
-            chunk(0)
+            for block in blocks:
+                work(block)
         else:
-            list(self._pool.map(chunk, range(self._chunks)))
+            list(self._pool.map(work, blocks))
 
 
 class CupyTransforms(Transforms):
@@ -103,20 +122,27 @@ class CupyTransforms(Transforms):
         with self._device, self._stream:
             return self._cupy.asarray(values)
 
-    def filter(self, field_in: Field, table: Any, field_out: Field) -> None:
-        fft = self._cupy.fft
-        nx, ny = self._executor.grid.shape
+    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         self.transforms += 1
+        cupy, fft = self._cupy, self._cupy.fft
+        nx, ny = self._executor.grid.shape
         with self._device, self._stream:
             spectrum = fft.rfft(self._cells(field_in), n=self._shape[1], axis=1)
             spectrum = fft.fft(spectrum, n=self._shape[0], axis=0)
-            spectrum *= table
+            if divide:
+                spectrum *= cupy.where(table > 0.0, 1.0 / cupy.maximum(table, SMALLEST), 0.0)
+            else:
+                spectrum *= table
             spectrum = fft.ifft(spectrum, axis=0)[:nx]
             self._cells(field_out)[:] = fft.irfft(spectrum, n=self._shape[1], axis=1)[:, :ny]
 
     def _cells(self, field: Field) -> Any:
         """A view of a field's cells, shape (nx, ny)."""
         return self._cupy.asarray(field).reshape(field.shape[0], -1)[:, : self._executor.grid.ny]
+
+
+def _blocks(size: int, length: int) -> list[slice]:
+    return [slice(start, min(start + length, size)) for start in range(0, size, length)]
 
 
 class Influence:
@@ -136,29 +162,28 @@ class Influence:
             raise InputError(
                 f'contact.boundary = {boundary!r} is unknown; allowed are "periodic" and "free".'
             )
-        self._executor = executor
         self._boundary = boundary
+        self._streak_cells = grid.nx
         make: Callable[..., Transforms] = ScipyTransforms if executor.device.is_cpu else CupyTransforms
-        self._inverse_transforms = make(executor, grid.shape)
+        self._near = make(executor, grid.shape)
+        elastic = periodic_spectrum(grid, modulus)
         if boundary == "periodic":
-            self._transforms = self._inverse_transforms
-            self._elastic = periodic_spectrum(grid, modulus)
-            self._near = self._elastic
+            self._far = self._near
+            self._elastic = self._near_elastic = elastic
         else:
             padded = padded_shape(grid)
-            self._transforms = make(executor, padded)
+            self._far = make(executor, padded)
             self._elastic = _spectrum(free_coefficients(grid, modulus, padded))
-            self._near = periodic_spectrum(grid, modulus)
-            # The mean that a periodic surface leaves out: that of a uniform pressure, by order of magnitude.
-            self._near[0, 0] = 2.0 * self._near.max()
+            # The mean that a periodic surface leaves out: that of a uniform pressure, about.
+            elastic[0, 0] = 3.0 * elastic.max()
+            self._near_elastic = elastic
         self._compliance: tuple[float, float] | None = None
         self.set_compliance(0.0, 0.0)
 
     @property
     def transforms(self) -> int:
         """Pairs of transforms done so far, of the response and of its inverse."""
-        both = {id(t): t.transforms for t in (self._transforms, self._inverse_transforms)}
-        return sum(both.values())
+        return self._far.transforms + (self._near.transforms if self._near is not self._far else 0)
 
     @property
     def rigid_mean(self) -> bool:
@@ -169,39 +194,32 @@ class Influence:
         """What adds to the elastic response [mm/MPa]: own pressure of the cell, mean of its line along x."""
         if self._compliance == (own, streak):
             return
-        response = self._elastic + own
-        near = self._near + own
-        if streak > 0.0:
-            response += streak * self._streak(response.shape)
-            near[0] += streak
-        inverse = np.divide(1.0, near, out=np.zeros_like(near), where=near > 0.0)
-        self._response_table = self._transforms.table(response)
-        self._inverse_table = self._inverse_transforms.table(inverse)
         self._compliance = own, streak
+        self._response = self._far.table(self._with(self._elastic, own, streak))
+        self._nearby = self._response
+        if self._near is not self._far:
+            self._nearby = self._near.table(self._with(self._near_elastic, own, streak))
+
+    def _with(self, elastic: FloatArray, own: float, streak: float) -> FloatArray:
+        if own == 0.0 and streak == 0.0:
+            return elastic
+        # The mean over the cells of a line, as the spectrum of its coefficients.
+        rows, nx = elastic.shape[0], self._streak_cells
+        distance = np.minimum(np.arange(rows), rows - np.arange(rows))
+        line = np.fft.fft(np.where(distance < nx, 1.0 / nx, 0.0)).real
+        return elastic + (own + streak * line[:, np.newaxis])
 
     def respond(self, pressure: Field, displacement: Field) -> None:
         """Displacement [mm] under a pressure [MPa], compliances included."""
-        self._transforms.filter(pressure, self._response_table, displacement)
+        self._far.filter(pressure, self._response, displacement)
 
     def respond_elastically(self, pressure: Field, displacement: Field) -> None:
         """Displacement of the half-space alone [mm]."""
-        table = self._transforms.table(self._elastic)
-        self._transforms.filter(pressure, table, displacement)
+        self._far.filter(pressure, self._far.table(self._elastic), displacement)
 
     def invert(self, displacement: Field, pressure: Field) -> None:
         """About the pressure [MPa] of a displacement [mm]: |q| E*/2 without compliances. May be in place."""
-        self._inverse_transforms.filter(displacement, self._inverse_table, pressure)
-
-    def _streak(self, shape: tuple[int, ...]) -> FloatArray:
-        """Spectrum of the mean over the cells of a line along x."""
-        if self._boundary == "periodic":
-            spectrum = np.zeros(shape)
-            spectrum[0] = 1.0
-            return spectrum
-        padded, nx = shape[0], self._executor.grid.nx
-        distance = np.minimum(np.arange(padded), padded - np.arange(padded))
-        line = np.where(distance < nx, 1.0 / nx, 0.0)
-        return np.repeat(np.fft.fft(line).real[:, np.newaxis], shape[1], axis=1)
+        self._near.filter(displacement, self._nearby, pressure, divide=True)
 
 
 def periodic_spectrum(grid: Grid, modulus: float) -> FloatArray:
