@@ -202,6 +202,6 @@ class Iterate:
         """Launch, and reduce the first rows of the tables that the kernel fills."""
         tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
         self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables])
-        totals = np.sum(self._sums.numpy()[:sums], axis=1) if sums else np.empty(0)
-        largest = np.max(self._maxima.numpy()[:maxima], axis=1) if maxima else np.empty(0)
+        totals = np.sum(self._sums[:sums].numpy(), axis=1) if sums else np.empty(0)
+        largest = np.max(self._maxima[:maxima].numpy(), axis=1) if maxima else np.empty(0)
         return [float(value) for value in (*totals, *largest)]
