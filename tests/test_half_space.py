@@ -17,6 +17,14 @@ MODULUS = 3.0
 GRID = Grid(10, 7, 0.5)  # a width that is no multiple of the lanes of a vector
 
 
+@pytest.fixture
+def device(device: str) -> str:
+    """On a GPU the transforms need their library."""
+    if device != "cpu":
+        pytest.importorskip("cupy")
+    return device
+
+
 def rough(grid: Grid, *, seed: int = 1, rms: float = 1.0, shortest: int = 4) -> FloatArray:
     """A periodic gap of random long waves [mm]."""
     generator = np.random.default_rng(seed)

@@ -100,7 +100,7 @@ class Iterate:
         inputs = [whole, length, shift, self._cap, self._trial, self._step, self._response]
         outputs = [self.pressure, self.gradient]
         *values, negative = self._pass(passes.advance, inputs, outputs, sums=4, maxima=2)
-        return State(*values, -negative)
+        return State._make([*values, -negative])
 
     def descent(self, approach: float, *, plain: bool) -> tuple[Field, float]:
         """Where to go from the gradient, as a field and a level to take off it; may lie in the trial."""

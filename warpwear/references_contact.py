@@ -57,7 +57,8 @@ def greenwood_williamson_area(
     """Real over nominal area by spherical summits that do not know of each other; above 1 it means nothing.
 
     mean_pressure, modulus: p̄ and E* [MPa]. NaN for pressures beyond the theory's range. Sources: Greenwood
-    and Williamson 1966, Proc. R. Soc. A 295, 300; summits from the spectrum by McCool 1987, J. Tribol. 109, 264.
+    and Williamson 1966, Proc. R. Soc. A 295, 300; McCool 1987, J. Tribol. 109, 264 for the summits of a
+    spectrum.
     """
     from scipy.optimize import brentq
     from scipy.special import pbdv
