@@ -152,22 +152,24 @@ def advance(
         touch = Cells(ZERO)
         inside = Cells(ZERO)
         inside_level = Cells(ZERO)
+        up = Cells(ZERO)
+        down = Cells(ZERO)
         for j in range(LANES):
-            full = clipped(x[j] + shift, cap)
-            part = clipped(p[j] + length * s[j], cap)
-            p[j] = wp.where(whole, full, part)
+            p[j] = clipped(wp.where(whole, x[j] + shift, p[j] + length * s[j]), cap)
             t[j] += length * y[j]
             touch[j] = wp.where(p[j] > ZERO, ONE, ZERO)
-            inside[j] = wp.where(p[j] > ZERO and p[j] < cap, ONE, ZERO)
-            inside_level[j] = wp.where(p[j] > ZERO and p[j] < cap, t[j], ZERO)
-            highest[j] = wp.max(highest[j], wp.where(p[j] > ZERO, t[j], -NONE))
-            lowest[j] = wp.max(lowest[j], wp.where(p[j] < cap, -t[j], -NONE))
+            inside[j] = wp.where(p[j] < cap, touch[j], ZERO)
+            inside_level[j] = wp.where(inside[j] > ZERO, t[j], ZERO)
+            up[j] = wp.where(p[j] > ZERO, t[j], -NONE)
+            down[j] = wp.where(p[j] < cap, -t[j], -NONE)
         pressure_out[row, k] = p
         gradient_out[row, k] = t
         total += p
         touching += touch
         between += inside
         level += inside_level
+        highest = wp.max(highest, up)
+        lowest = wp.max(lowest, down)
     sums_out[0, slot] = sum_of(total)
     sums_out[1, slot] = sum_of(touching)
     sums_out[2, slot] = sum_of(between)
@@ -241,6 +243,8 @@ def products(
         fzy = Cells(ZERO)
         fzr = Cells(ZERO)
         fsr = Cells(ZERO)
+        size_z = Cells(ZERO)
+        size_r = Cells(ZERO)
         for j in range(LANES):
             is_free = free(p[j], t[j], approach, cap)
             f[j] = is_free
@@ -250,8 +254,8 @@ def products(
             fzy[j] = fz[j] * fy[j]
             fzr[j] = fz[j] * fr[j]
             fsr[j] = s[j] * fr[j]
-            largest_z[j] = wp.max(largest_z[j], wp.abs(fz[j]))
-            largest_r[j] = wp.max(largest_r[j], wp.abs(fr[j]))
+            size_z[j] = wp.abs(fz[j])
+            size_r[j] = wp.abs(fr[j])
         count += f
         descent += fz
         gradient += fr
@@ -259,6 +263,8 @@ def products(
         zy += fzy
         zr += fzr
         sr += fsr
+        largest_z = wp.max(largest_z, size_z)
+        largest_r = wp.max(largest_r, size_r)
     sums_out[0, slot] = sum_of(count)
     sums_out[1, slot] = sum_of(descent)
     sums_out[2, slot] = sum_of(gradient)
@@ -371,13 +377,15 @@ def step(
         t = gradient_in[row, k]
         s = Cells(ZERO)
         sr = Cells(ZERO)
+        share = Cells(ZERO)
         for j in range(LANES):
             s[j] = clipped(x[j] + shift, cap) - p[j]
             sr[j] = wp.where(s[j] == ZERO, ZERO, s[j] * (t[j] - approach))
             room = wp.where(s[j] < ZERO, p[j], cap - p[j])
-            used[j] = wp.max(used[j], wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room))
+            share[j] = wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room)
         step_out[row, k] = s
         slope += sr
+        used = wp.max(used, share)
     sums_out[0, slot] = sum_of(slope)
     maxima_out[0, slot] = largest_of(used)
 

@@ -44,7 +44,8 @@ class Transforms(ABC):
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         """field_out = inverse(forward(field_in) × table), on the cells of the grid; may be the same field.
 
-        divide: ÷ instead of ×; modes where the table is 0 are left out.
+        divide: ÷ instead of ×; modes where the table is 0 are left out. For a preconditioner, so single
+        precision will do.
         """
 
 
@@ -71,15 +72,18 @@ class ScipyTransforms(Transforms):
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         self.transforms += 1
         fft, spectrum = self._fft, self._spectrum
+        real = np.float64
+        if divide:
+            real, spectrum = np.float32, spectrum.view(np.complex64)[:, : spectrum.shape[1]]
         nx, ny = self._executor.grid.shape
         values, result = self._executor.to_numpy(field_in), self._executor.to_numpy(field_out)
 
         def forward(rows: slice) -> None:
-            spectrum[rows] = fft.rfft(values[rows], n=self._shape[1], axis=1)
+            spectrum[rows] = fft.rfft(values[rows].astype(real, copy=False), n=self._shape[1], axis=1)
 
         def across(columns: slice) -> None:
             lines = fft.fft(spectrum[:, columns], n=self._shape[0], axis=0, overwrite_x=True)
-            factor = table[:, columns]
+            factor = table[:, columns].astype(real, copy=False)
             if divide:
                 np.divide(lines, factor, out=lines, where=factor > 0.0)
                 lines[factor == 0.0] = 0.0
