@@ -71,8 +71,9 @@ class ScipyTransforms(Transforms):
 
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         self.transforms += 1
-        fft, spectrum = self._fft, self._spectrum
-        real = np.float64
+        fft = self._fft
+        spectrum: Any = self._spectrum
+        real: Any = np.float64
         if divide:
             real, spectrum = np.float32, spectrum.view(np.complex64)[:, : spectrum.shape[1]]
         nx, ny = self._executor.grid.shape
