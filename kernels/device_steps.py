@@ -3,7 +3,7 @@
 Here a thread visits single cells, its neighbours the neighbouring ones, and every block reduces what its
 threads found to one column of a table of partial results. Fields are those of the other kernels, seen as
 numbers. What a search knows lies in `search`, in the order of `SEARCH`; the rule is that of
-`balance._newton_in_bracket`.
+`balance.newton_in_bracket`.
 """
 
 import warp as wp
