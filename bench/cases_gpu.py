@@ -75,11 +75,11 @@ def late(cells: int, setting: Setting) -> list[Row]:
     timed = trace[-setting.repeats * IN_A_BLOCK :]
     evaluations = sum(found.evaluations for found in timed) / len(timed)
     bandwidth = unit.bytes / statistics.median(units)
-    # The gap once an evaluation; gap and both wears read and written by the wear.
-    moved = (evaluations + 6.0) * 8 * cells**2 / statistics.median(seconds)
+    # The gap once an evaluation; by the wear the gap read and written, the gap without wear read.
+    moved = (evaluations + 3.0) * 8 * cells**2 / statistics.median(seconds)
     note = (
-        f"{evaluations:g} evaluations; at a field read each and six for the wear {moved / 1e9:.0f} GB/s, "
-        f"{100 * moved / bandwidth:.0f} % of the copy's"
+        f"{evaluations:g} evaluations; at a field read each and three moved by the wear "
+        f"{moved / 1e9:.0f} GB/s, {100 * moved / bandwidth:.0f} % of the copy's"
     )
     extra = {"evaluations": evaluations, "bytes_per_second": moved, "share_of_copy": moved / bandwidth}
     step = Row("gpu-late", cells, f"warpwear on {setting.device}", seconds, units, note, extra)

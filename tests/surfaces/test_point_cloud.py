@@ -1,6 +1,5 @@
 """Lists of points and matrices in text: every way they are written, and what is refused."""
 
-
 import numpy as np
 import pytest
 
