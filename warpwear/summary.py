@@ -47,8 +47,8 @@ def summarise(result: "Result") -> dict[str, Any]:
             "std": float(history["pressure_mean"].std()),
         },
         "cof": {
-            name: _finite(friction.mean_over(history, history["cof"], when, study.lap))
-            for name, when in zip(("first", "end"), friction.WHEN, strict=True)
+            "first": _finite(friction.mean_over(history, history["cof"], "initial", study.lap)),
+            "end": _finite(friction.mean_over(history, history["cof"], "end", study.lap)),
         },
         "cof_area": study.friction.area,
         "cof_shape": _shape(history["distance"], history["cof"]),
