@@ -37,11 +37,11 @@ from warpwear.study import Study
 
 FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
-FORMAT = 1
+FORMAT = 2
 MAGIC = "warpwear checkpoint"
 HEADER = 512
 #: Sections and keys that no step depends on: a run may go on with others.
-FREE = ("study.name", "study.description", "friction", "junctions", "run", "assumed")
+FREE = ("study.name", "study.description", "friction", "junctions", "run", "checks", "assumed")
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Checkpoint:
     numbers: dict[str, Any]  # of the model, by name, as JSON keeps them
     rows: list[dict[str, float]]  # of the history
     warnings: list[str]
-    edge_told: bool  # whether the contact has reached the domain's edge
+    told: list[str]  # names of the invariants whose violation is among the warnings
     elapsed: float  # [s]
 
 
@@ -92,7 +92,7 @@ class Checkpoints:
                 file.create_dataset("rows", data=table).attrs["columns"] = columns
                 snapshots.copy_snapshots_to(file)
                 about = self._about | {
-                    name: getattr(now, name) for name in ("numbers", "warnings", "edge_told", "elapsed")
+                    name: getattr(now, name) for name in ("numbers", "warnings", "told", "elapsed")
                 }
                 file["about"] = json.dumps(about)
             with self._new.open("r+b") as whole:
@@ -165,7 +165,7 @@ class Found:
         return Checkpoint(
             {name: dataset[()] for name, dataset in self.file["model"].items()},
             rows=[dict(zip(self._columns, row, strict=True)) for row in self._table],
-            **{name: self._about[name] for name in ("numbers", "warnings", "edge_told", "elapsed")},
+            **{name: self._about[name] for name in ("numbers", "warnings", "told", "elapsed")},
         )
 
 

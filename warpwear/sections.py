@@ -189,7 +189,7 @@ class Disc(Body):
 
 
 def _foundation(value: Any) -> Any:
-    return value if value in MATCHES else Quantity("N/mm^3").read(value)
+    return value if isinstance(value, str) and value in MATCHES else Quantity("N/mm^3").read(value)
 
 
 class Contact(Section):
