@@ -12,7 +12,6 @@ It is written under another name, flushed to the disk and moved into place: a go
 """
 
 import errno
-import hashlib
 import json
 import os
 import shutil
@@ -22,7 +21,6 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from io import BufferedIOBase
 from pathlib import Path
 from typing import Any
 
@@ -32,14 +30,13 @@ import numpy as np
 from warpwear import __version__
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.results import SPACE_FOR_THE_REST, ResultWriter
+from warpwear.results import HEADER, SPACE_FOR_THE_REST, ResultWriter, digest_of
 from warpwear.study import Study
 
 FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
 FORMAT = 2
 MAGIC = "warpwear checkpoint"
-HEADER = 512
 #: Sections and keys that no step depends on: a run may go on with others.
 FREE = ("study.name", "study.description", "friction", "junctions", "run", "checks", "assumed")
 
@@ -96,7 +93,7 @@ class Checkpoints:
                 }
                 file["about"] = json.dumps(about)
             with self._new.open("r+b") as whole:
-                digest = _digest(whole)
+                digest = digest_of(whole)
                 whole.seek(0)
                 whole.write(f"{MAGIC} {FORMAT} {digest}\n".encode())
                 whole.flush()
@@ -185,7 +182,7 @@ def opened(path: Path) -> Iterator[Found | None]:
                 f"{path} was written by another version of warpwear (format {words[2]}, this one reads "
                 f"{FORMAT}); resume it with that version, or --overwrite it."
             )
-        if words[3] != _digest(whole):
+        if words[3] != digest_of(whole):
             raise InputError(damaged)
     with h5py.File(path, "r") as file:
         yield Found(path, file)
@@ -217,12 +214,6 @@ def _flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:
     for name, value in nested.items():
         flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
     return flat
-
-
-def _digest(file: BufferedIOBase) -> str:
-    """Of everything behind the header."""
-    file.seek(HEADER)
-    return hashlib.file_digest(file, "blake2b").hexdigest()
 
 
 def _flush_folder(folder: Path) -> None:

@@ -19,14 +19,14 @@ from warpwear.checkpoint import Checkpoint, Checkpoints, Found, opened
 from warpwear.consistency import too_small
 from warpwear.errors import ConvergenceError, InputError, InvariantError
 from warpwear.evolution import COLUMNS as EVOLUTION
-from warpwear.execution import Executor
+from warpwear.execution import Executor, find_device, memory_told
 from warpwear.grid import FloatArray
 from warpwear.history import COLUMNS, Column
 from warpwear.interrupts import Interrupts
 from warpwear.invariants import Invariants, Violation
 from warpwear.models import executor_of, model_of, plan_of
 from warpwear.progress import Progress
-from warpwear.results import FILE_NAME, Result, ResultWriter
+from warpwear.results import FILE_NAME, HEADER, Result, ResultWriter
 from warpwear.study import Study
 from warpwear.surface_of import surface_in
 
@@ -70,25 +70,30 @@ def run(
         run_folder.check(folder, overwrite=overwrite, resume=resume)
         if resume and run_folder.is_finished(folder, study):
             return Result.open(folder)
-    executor = executor_of(study, device=device, threads=threads)
-    with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
-        with _log_to(work), _result_file(work) as file:
-            LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
-            writer = ResultWriter(
-                file, study, study.cells, device=str(executor.device), threads=executor.threads
-            )
-            loop = _Loop(study, executor, writer, Progress(study, quiet=not progress))
-            if folder and work:
-                loop.checkpoint_in(folder, work, resume=resume)
-            loop.run()
-            result = Result(file, None)
-            if work:
-                _write_tables(work, study, result)
-        if work and folder:
-            result.close()
-            run_folder.move_into_place(work, folder)
-            loop.end_checkpoints()
-            result = Result.open(folder)
+        if resume:
+            with opened(folder / CHECKPOINT) as found:  # before anything is made that takes long
+                if found is not None:
+                    found.refuse_changes(study, device=str(find_device(device)))
+    with memory_told(study.cells):
+        executor = executor_of(study, device=device, threads=threads)
+        with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
+            with _log_to(work), _result_file(work) as file:
+                LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
+                writer = ResultWriter(
+                    file, study, study.cells, device=str(executor.device), threads=executor.threads
+                )
+                loop = _Loop(study, executor, writer, Progress(study, quiet=not progress))
+                if folder and work:
+                    loop.checkpoint_in(folder, work, resume=resume)
+                loop.run()
+                result = Result(file, None)
+                if work:
+                    _write_tables(work, study, result)
+            if work and folder:
+                result.close()
+                run_folder.move_into_place(work, folder)
+                loop.end_checkpoints()
+                result = Result.open(folder)
     if loop.failed is not None:
         raise loop.failed
     if loop.interrupted:
@@ -289,7 +294,7 @@ class _Loop:
 
 @contextmanager
 def _log_to(work: Path | None) -> Iterator[None]:
-    handler = logging.FileHandler(work / "log.txt", encoding="utf-8") if work else logging.NullHandler()
+    handler = logging.FileHandler(work / run_folder.LOG, encoding="utf-8") if work else logging.NullHandler()
     handler.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
     LOG.addHandler(handler)
     LOG.setLevel(logging.INFO)
@@ -306,7 +311,7 @@ def _result_file(work: Path | None) -> Iterator[h5py.File]:
     if work is None:
         file = h5py.File(f"memory-{uuid4()}", "w", driver="core", backing_store=False)
     else:
-        file = h5py.File(work / FILE_NAME, "w")
+        file = h5py.File(work / FILE_NAME, "w", userblock_size=HEADER)
     try:
         yield file
     except BaseException:
