@@ -29,6 +29,7 @@ from warpwear.progress import Progress
 from warpwear.results import FILE_NAME, HEADER, Result, ResultWriter
 from warpwear.study import Study
 from warpwear.surface_of import surface_in
+from warpwear.versions import versions
 
 LOG = logging.getLogger("warpwear")
 #: A coefficient of friction beyond this is a mistake, not a result.
@@ -128,7 +129,7 @@ class _Loop:
             self._warn(warning)
         made = model_of(study, surface, executor)
         self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
-        self._device = str(executor.device)
+        self._processor, self._device = executor.device, str(executor.device)
         self._rows: list[dict[str, float]] = []
 
     def checkpoint_in(self, folder: Path, work: Path, *, resume: bool) -> None:
@@ -183,7 +184,12 @@ class _Loop:
         self._check_results(history)
         how = "finished:" if self.finished else "stopped after"
         LOG.info("%s %d steps in %.1f s", how, len(self._rows), self._elapsed)
-        record = {"surface": self._surface_record, "warnings": self.warnings, "elapsed_s": self._elapsed}
+        record = {
+            "surface": self._surface_record,
+            "warnings": self.warnings,
+            "elapsed_s": self._elapsed,
+            "made_with": versions(self._processor),
+        }
         self._writer.finish(history, record, finished=self.finished)
 
     def _make_steps(self, plan: Sequence[tuple[float, float, bool]]) -> None:
