@@ -435,7 +435,11 @@ class Run(Section):
 class Checks(Section):
     """[checks]"""
 
-    strict: bool = key(True, "stop when the contact reaches the domain's edge; false records a warning")
+    strict: bool = key(
+        True,
+        "stop when a step breaks what must hold: finite numbers, balance, volumes, a contact off the edge; "
+        "false records a warning",
+    )
 
 
 class Output(Section):
