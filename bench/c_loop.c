@@ -51,56 +51,55 @@ void bounds(long n, const double *restrict gap, double *restrict sums)
 }
 
 /* One increment of wear in place, rows of `columns` cells: overlaps up to `deepest` times `sphere` and
- * `disc × factor[column]` come off the bodies. Sums: cells in contact, wear of the sphere, of the disc. */
+ * `disc × factor[column]` come off the bodies and open the gap. Sums: cells in contact, wear of the sphere, of
+ * the disc; what is worn is gap − unworn, of which `share[column]` is the sphere's. */
 void wear_overlap(long n, long columns, double base, double offset, double deepest, double sphere,
-                  double disc, const double *restrict factor, double *restrict gap,
-                  double *restrict wear_sphere, double *restrict wear_disc, double *restrict sums)
+                  double disc, const double *restrict factor, const double *restrict share,
+                  double *restrict gap, const double *restrict unworn, double *restrict sums)
 {
     sums[0] = sums[1] = sums[2] = 0.0;
     for (long row = 0; row < n; row += columns) {
-        double contact = 0.0, worn_sphere = 0.0, worn_disc = 0.0;
-        double *restrict g = gap + row, *restrict a = wear_sphere + row, *restrict b = wear_disc + row;
-#pragma omp simd reduction(+ : contact, worn_sphere, worn_disc)
+        double contact = 0.0, worn_sphere = 0.0, worn = 0.0;
+        double *restrict g = gap + row;
+        const double *restrict u = unworn + row;
+#pragma omp simd reduction(+ : contact, worn_sphere, worn)
         for (long i = 0; i < columns; i++) {
             double q = (base - g[i]) + offset;
             double p = q > 0.0 ? q : 0.0;
             p = p < deepest ? p : deepest;
-            double da = sphere * p, db = disc * factor[i] * p;
-            g[i] += da + db;
-            a[i] += da;
-            b[i] += db;
+            g[i] += (sphere + disc * factor[i]) * p;
+            double w = g[i] - u[i];
             contact += q > 0.0 ? 1.0 : 0.0;
-            worn_sphere += a[i];
-            worn_disc += b[i];
+            worn_sphere += share[i] * w;
+            worn += w;
         }
         sums[0] += contact;
         sums[1] += worn_sphere;
-        sums[2] += worn_disc;
+        sums[2] += worn - worn_sphere;
     }
 }
 
 /* The same where every cell not higher than the approach carries one pressure. */
 void wear_bearing(long n, long columns, double approach, double sphere, double disc,
-                  const double *restrict factor, double *restrict gap, double *restrict wear_sphere,
-                  double *restrict wear_disc, double *restrict sums)
+                  const double *restrict factor, const double *restrict share, double *restrict gap,
+                  const double *restrict unworn, double *restrict sums)
 {
     sums[0] = sums[1] = sums[2] = 0.0;
     for (long row = 0; row < n; row += columns) {
-        double contact = 0.0, worn_sphere = 0.0, worn_disc = 0.0;
-        double *restrict g = gap + row, *restrict a = wear_sphere + row, *restrict b = wear_disc + row;
-#pragma omp simd reduction(+ : contact, worn_sphere, worn_disc)
+        double contact = 0.0, worn_sphere = 0.0, worn = 0.0;
+        double *restrict g = gap + row;
+        const double *restrict u = unworn + row;
+#pragma omp simd reduction(+ : contact, worn_sphere, worn)
         for (long i = 0; i < columns; i++) {
             double here = g[i] <= approach ? 1.0 : 0.0;
-            double da = sphere * here, db = disc * factor[i] * here;
-            g[i] += da + db;
-            a[i] += da;
-            b[i] += db;
+            g[i] += (sphere + disc * factor[i]) * here;
+            double w = g[i] - u[i];
             contact += here;
-            worn_sphere += a[i];
-            worn_disc += b[i];
+            worn_sphere += share[i] * w;
+            worn += w;
         }
         sums[0] += contact;
         sums[1] += worn_sphere;
-        sums[2] += worn_disc;
+        sums[2] += worn - worn_sphere;
     }
 }

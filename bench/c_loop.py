@@ -56,7 +56,10 @@ def compiler_version() -> str | None:
 
 
 class CLoop(NumpyLoop):
-    """The same algorithm, each pass a loop in C over chunks of rows, one chunk a thread."""
+    """The same algorithm, each pass a loop in C over chunks of rows, one chunk a thread.
+
+    As in the package one gap is worn, and what is worn is told from the gap without wear.
+    """
 
     def __init__(self, problem: Problem, gap: FloatArray, *, threads: int = 1) -> None:
         """Raises NoCompilerError."""
@@ -67,6 +70,8 @@ class CLoop(NumpyLoop):
         self._pool = ThreadPoolExecutor(chunks - 1) if chunks > 1 else None
         self._base = 0.0
         self._factor = np.ascontiguousarray(problem.factor)
+        self._share = problem.wear_sphere / (problem.wear_sphere + problem.wear_disc * self._factor)
+        self._unworn = gap.copy()
         super().__init__(problem, gap)
 
     def allocate(self) -> None:
@@ -97,8 +102,9 @@ class CLoop(NumpyLoop):
         return self._worn("wear_bearing", (approach, sphere, disc))
 
     def _worn(self, name: str, numbers: tuple[float, ...]) -> tuple[float, float, float]:
-        arguments = LONG(self.gap.shape[1]), *map(DOUBLE, numbers), _address(self._factor)
-        fields = self.gap, self.wear_sphere, self.wear_disc
+        rows = _address(self._factor), _address(self._share)
+        arguments = LONG(self.gap.shape[1]), *map(DOUBLE, numbers), *rows
+        fields = self.gap, self._unworn
         contact, sphere, disc = self._each(name, arguments, fields, 3).sum(axis=0)
         return float(contact), float(sphere), float(disc)
 

@@ -17,6 +17,7 @@ from contenders import (
     Trace,
     check,
     gap_of,
+    in_a_row,
     named,
     package,
     steps,
@@ -90,7 +91,7 @@ def finer(_: int, setting: Setting) -> list[Row]:
         trace: Trace = []
         with package(study, setting, threads) as fresh:
             model = fresh()
-            trace.extend(model.advance(d) for d in EARLY)
+            trace.extend(in_a_row(model, EARLY))
             seconds, units = measure(
                 lambda model=model, trace=trace: trace.append(model.advance(EARLY_STEP)),  # type: ignore[misc]
                 Unit(cells),
@@ -113,7 +114,7 @@ def second_thread(cells: int, setting: Setting) -> list[Row]:
     with package(study, setting, 1) as fresh_one, package(study, setting, 2) as fresh_two:
         models = {named(1): fresh_one(), named(2): fresh_two()}
         for name, model in models.items():
-            traces[name] = [model.advance(d) for d in LATE]
+            traces[name] = list(in_a_row(model, LATE))
         times: dict[str, tuple[list[float], list[float]]] = {name: ([], []) for name in models}
         for i in range(1 + setting.repeats):
             for name, model in models.items():
@@ -140,7 +141,7 @@ def phases(cells: int, setting: Setting) -> list[Row]:
     for when, before, increment in (("early", EARLY, EARLY_STEP), ("late", LATE, LATE_STEP)):
         with package(study, setting, 1) as fresh:
             model = fresh()
-            trace = [model.advance(d) for d in before]
+            trace = list(in_a_row(model, [*before, increment]))
             spent: list[dict[str, float]] = []
 
             def run(model: Loop, increment: float, trace: Trace, spent: list[dict[str, float]]) -> None:
@@ -152,7 +153,7 @@ def phases(cells: int, setting: Setting) -> list[Row]:
             seconds, units = measure(run_now, unit, setting.repeats)
             del model, run_now
         in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
-        check("phases", {named(1): trace, "NumPy": [in_numpy.advance(d) for d in before]})
+        check("phases", {named(1): trace, "NumPy": [in_numpy.advance(d) for d in [*before, increment]]})
         del in_numpy
         spent = spent[-setting.repeats :]
         for i, of_kernels in enumerate(spent):

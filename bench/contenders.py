@@ -61,8 +61,9 @@ class Package:
     def __init__(self, study: Study, heights: FloatArray, executor: Executor) -> None:
         self._model = OneScaleModel(study, heights, executor)
 
-    def advance(self, increment: float) -> Solved:
-        return self._solved(self._model.advance(increment))
+    def advance(self, increment: float, then: float | None = None) -> Solved:
+        """then: the increment after this one, which a run knows; by default the same."""
+        return self._solved(self._model.advance(increment, then=increment if then is None else then))
 
     def advance_all(self, increments: Iterable[float]) -> list[Solved]:
         """Steps in a row, on a GPU in blocks."""
@@ -78,6 +79,12 @@ class Package:
             row["area_contact"],
             step.balance.evaluations,
         )
+
+
+def in_a_row(loop: Loop, increments: Sequence[float]) -> Iterator[Solved]:
+    """Steps one after another. The package is told the next increment, as a run tells it."""
+    for increment, then in zip(increments, [*increments[1:], *increments[-1:]], strict=True):
+        yield loop.advance(increment, then) if isinstance(loop, Package) else loop.advance(increment)
 
 
 def study_on(cells: int, *, preset: str = "v3-fine", extent: float = EXTENT, **changes: object) -> Study:
@@ -156,7 +163,7 @@ def steps(
     traces: dict[str, Trace] = {}
 
     def timed(name: str, loop: Loop, note: str = "") -> None:
-        trace = traces[name] = [loop.advance(d) for d in before]
+        trace = traces[name] = list(in_a_row(loop, [*before, increment]))
         seconds, units = measure(lambda: trace.append(loop.advance(increment)), unit, setting.repeats)
         evaluations = [found.evaluations for found in trace[-setting.repeats :]]
         note = f"{note}{_span(evaluations)} evaluations"

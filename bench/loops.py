@@ -1,5 +1,6 @@
 """Whole runs, or steps spread over one from which the whole is extrapolated."""
 
+import itertools
 import time
 from collections.abc import Callable, Sequence
 from copy import copy
@@ -7,7 +8,7 @@ from copy import copy
 import numpy as np
 from baselines import FloatArray, NumpyLoop, Problem, sag_of
 from candidates import CandidateLoop
-from contenders import Loop, Setting, Trace, c_loops, check, gap_of, heights_of, named, package
+from contenders import Loop, Setting, Trace, c_loops, check, gap_of, heights_of, in_a_row, named, package
 from published import PublishedLoop
 from timing import Row, Unit, measure
 
@@ -32,7 +33,7 @@ def places_in(plan: Sequence[float], count: int) -> list[int]:
 def whole(loop: Loop, plan: Sequence[float], trace: Trace) -> float:
     """Seconds of all steps."""
     start = time.perf_counter()
-    trace.extend(loop.advance(d) for d in plan)
+    trace.extend(in_a_row(loop, plan))
     return time.perf_counter() - start
 
 
@@ -52,12 +53,12 @@ def sampled(
     done = 0  # steps of the plan
     where, costs = [], []
     for place in places:
-        if place > done:
-            trace.append(loop.advance(sum(plan[done:place])))
-        trace.append(loop.advance(plan[place]))
+        untimed = [sum(plan[done:place])] * (place > done) + [plan[place]]
         done = place + 1
+        solved = in_a_row(loop, [*untimed, *plan[done : done + IN_A_ROW]])
+        trace.extend(itertools.islice(solved, len(untimed)))
         start = time.perf_counter()
-        trace.extend(loop.advance(d) for d in plan[done : done + IN_A_ROW])
+        trace.extend(solved)
         costs.append((time.perf_counter() - start) / IN_A_ROW)
         where.append(done)
         done += IN_A_ROW

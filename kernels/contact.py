@@ -7,7 +7,7 @@ contact by more than 1e-12 of it; `base − gap` is exact near contact, so the o
 import warp as wp
 
 from warpwear.kernels.reductions import sum_of
-from warpwear.kernels.types import LANES, ONE, WIDTH, ZERO, Cells
+from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 
@@ -44,12 +44,17 @@ def carried(
     gap_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
-    """Sum of the pressures, and of the stiffnesses of the cells that are neither open nor capped."""
+    """Sum of the pressures, and of the stiffnesses of the cells that are neither open nor capped.
+
+    Third: the change of pressure that the cell nearest to it needs to open, close or reach the cap. As far as
+    that the sum of the pressures is a straight line.
+    """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
     pressure = Cells(ZERO)
     slope = Cells(ZERO)
+    nearest = Cells(ABSENT)
     for n in range(slot % slots_per_row, count_in[row], slots_per_row):
         t = tiles_in[row, n]
         for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_in.shape[1])):
@@ -57,14 +62,18 @@ def carried(
             g = gap_in[row, k]
             p = Cells(ZERO)
             between = Cells(ZERO)
+            near = Cells(ZERO)
             for j in range(LANES):
                 q = ((base - g[j]) + offset) * s[j]
                 p[j] = wp.min(wp.max(q, ZERO), cap)
                 between[j] = wp.where(q > ZERO and q < cap, s[j], ZERO)
+                near[j] = wp.min(wp.abs(q), wp.abs(q - cap))
             pressure += p
             slope += between
+            nearest = wp.min(nearest, near)
     sums_out[0, slot] = sum_of(pressure)
     sums_out[1, slot] = sum_of(slope)
+    sums_out[2, slot] = wp.min(nearest)
 
 
 @wp.kernel

@@ -180,16 +180,20 @@ def remove(
     implicit: wp.float64,
     cap: wp.float64,
     blocks: wp.int32,
+    share_changes: wp.int32,
     removal_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_in: wp.array(dtype=wp.float64),
     factor_in: wp.array(dtype=wp.float64),
+    unworn_in: wp.array(dtype=wp.float64),
     gap_out: wp.array(dtype=wp.float64),
-    wear_sphere_out: wp.array(dtype=wp.float64),
-    wear_disc_out: wp.array(dtype=wp.float64),
+    share_out: wp.array(dtype=wp.float64),
     partial_out: wp.array2d(dtype=wp.float64),
 ):
-    """One increment of wear, as `removal.remove`: sums in the order of `types.SUMS`, then `types.MAXIMA`."""
+    """One increment of wear, as `removal.remove`: sums in the order of `types.SUMS`, then `types.MAXIMA`.
+
+    share_out: of the sphere in what is worn; used only where the two bodies do not wear in one proportion.
+    """
     block = wp.tid() // wp.block_dim()
     removal_sphere = removal_in[step_in[0], 0]
     removal_disc = removal_in[step_in[0], 1]
@@ -213,32 +217,40 @@ def remove(
     last_column = NOWHERE
     f = ONE
     s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
+    opening = removal_sphere + removal_disc
+    share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
     for row in range(block, gap_out.shape[0] // columns, blocks):
         touched_before = touched
         for column in range(wp.tid() % wp.block_dim(), columns, wp.block_dim()):
             i = row * columns + column
             if rows > 0:
                 f = factor_at(i, column, rows, factor_in)
-                s = ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
+                opening = removal_sphere + f * removal_disc
+                s = ONE / (compliance + implicit * opening)
+                share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
             g = gap_out[i]
-            a = wear_sphere_out[i]
-            b = wear_disc_out[i]
+            u = unworn_in[i]
             p = wp.min(wp.max(((base - g) + offset) * s, ZERO), cap)
             if p > ZERO:
-                da = removal_sphere * p
-                db = removal_disc * f * p
-                a += da
-                b += db
-                gap_out[i] = g + (da + db)
-                wear_sphere_out[i] = a
-                wear_disc_out[i] = b
+                before = g - u
+                g += opening * p
+                gap_out[i] = g
+                if share_changes > 0:
+                    after = before + opening * p
+                    of_sphere = share_out[i] * before + removal_sphere * p
+                    share_out[i] = wp.where(after > ZERO, of_sphere / after, ZERO)
                 pressure += p
                 factored += f * p
                 deviation += (p - mean) * (p - mean)
                 contact += ONE
                 capped += wp.where(p >= cap, ONE, ZERO)
                 highest = wp.max(highest, p)
-            if p + a + b > ZERO:
+            w = g - u
+            if p + w > ZERO:
+                if share_changes > 0:
+                    share = share_out[i]
+                a = share * w
+                b = w - a
                 touched += ONE
                 worn_sphere += a
                 worn_disc += b

@@ -25,25 +25,23 @@ def gap(
     y_first: wp.float64,
     curvature: wp.float64,
     roughness_in: wp.array2d(dtype=Cells),
-    wear_sphere_in: wp.array2d(dtype=Cells),
-    wear_disc_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
+    unworn_out: wp.array2d(dtype=Cells),
 ):
-    """Gap from the mean planes: sag + wear of both bodies − roughness of the disc."""
+    """Gap of the unworn bodies from the mean planes, twice: sag − roughness of the disc."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     x = x_first + wp.float64(row) * cell
     for k in range(slot % slots_per_row, gap_out.shape[1], slots_per_row):
         z = roughness_in[row, k]
-        worn_sphere = wear_sphere_in[row, k]
-        worn_disc = wear_disc_in[row, k]
         g = Cells(ABSENT)
         for j in range(LANES):
             column = k * LANES + j
             y = y_first + wp.float64(column) * cell
             if column < columns:
-                g[j] = sag(x, y, curvature) + worn_sphere[j] + worn_disc[j] - z[j]
+                g[j] = sag(x, y, curvature) - z[j]
         gap_out[row, k] = g
+        unworn_out[row, k] = g
 
 
 @wp.kernel

@@ -65,20 +65,27 @@ def recede(
     scale: wp.float64,
     wear_disc_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
+    unworn_out: wp.array2d(dtype=Cells),
     beyond_out: wp.array2d(dtype=Cells),
 ):
-    """Opens the gap, already opened by the mean worn depth, by what the surface stands deeper than that."""
+    """Opens the gap, already opened by the mean worn depth, by what the surface stands deeper than that.
+
+    No volume goes with it, so that the gap of the bodies as they were opens as well.
+    """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     for k in range(slot % slots_per_row, gap_out.shape[1], slots_per_row):
         v = wear_disc_in[row, k]
         g = gap_out[row, k]
+        u = unworn_out[row, k]
         b = beyond_out[row, k]
         for j in range(LANES):
             now = depth_beyond(v[j], middle, scale)
             g[j] = g[j] + (now - b[j])
+            u[j] = u[j] + (now - b[j])
             b[j] = now
         gap_out[row, k] = g
+        unworn_out[row, k] = u
         beyond_out[row, k] = b
 
 

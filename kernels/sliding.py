@@ -15,6 +15,9 @@ from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 
+#: No depth is larger: of a disc that springs back.
+INFINITE = wp.constant(wp.float64(1.0e300))
+
 
 @wp.func
 def beneath(row: wp.int32, shift: wp.int32, rows: wp.int32):
@@ -109,6 +112,7 @@ def remove(
     shift: wp.int32,
     first_known: wp.int32,
     last_known: wp.int32,
+    full_depth: wp.float64,
     stiffness_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
     sphere_out: wp.array2d(dtype=Cells),
@@ -120,10 +124,16 @@ def remove(
     touched_out: wp.array2d(dtype=wp.float64),
     worn_sphere_out: wp.array2d(dtype=wp.float64),
     worn_disc_out: wp.array2d(dtype=wp.float64),
+    plastic_disc_out: wp.array2d(dtype=Cells),
+    pressed_disc_out: wp.array2d(dtype=wp.float64),
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
     """One increment of wear in place: each body loses K p ΔL (`removal_*` = K ΔL).
+
+    full_depth: overlap c H at which a cell is at the hardness [mm]. What goes beyond it is displaced from the
+    disc for good, into `plastic_disc_out` (its sums over tiles into `pressed_disc_out`), not worn. INFINITE:
+    the disc springs back, and those two are not looked at.
 
     Of the tiles listed, the bounds and what `totals` sums are made anew from their cells: cells of the
     sphere ever touched, wear of the sphere, wear of the disc. Sums of the step in the order of `types.STEP`,
@@ -160,6 +170,20 @@ def remove(
         t = tiles_in[row, n]
         first = t * WIDTH
         end = wp.min(first + WIDTH, vectors)
+        if full_depth < INFINITE:
+            pressed = Cells(ZERO)
+            for k in range(first, end):
+                g = gap_out[row, k]
+                d = disc_out[under, k]
+                x = plastic_disc_out[under, k]
+                for j in range(LANES):
+                    beyond = wp.max(((base - g[j]) + offset) - full_depth, ZERO)
+                    d[j] = d[j] - beyond
+                    x[j] = x[j] + beyond
+                disc_out[under, k] = d
+                plastic_disc_out[under, k] = x
+                pressed += x
+            pressed_disc_out[under, t] = sum_of(pressed)
         for k in range(first, end):
             stiffness = stiffness_in[stiffness_row, k]
             g = gap_out[row, k]
@@ -250,13 +274,16 @@ def totals(
     touched_in: wp.array2d(dtype=Cells),
     worn_sphere_in: wp.array2d(dtype=Cells),
     worn_disc_in: wp.array2d(dtype=Cells),
+    pressed_disc_in: wp.array2d(dtype=Cells),
     touched_out: wp.array(dtype=wp.float64),
     worn_sphere_out: wp.array(dtype=wp.float64),
     worn_disc_out: wp.array(dtype=wp.float64),
+    pressed_disc_out: wp.array(dtype=wp.float64),
 ):
     """Sums over the rows with listed tiles, of the sphere and of the disc beneath it.
 
-    Sums over the fields as they are: increments added up would drift.
+    Sums over the fields as they are: increments added up would drift. pressed_disc_in: of a disc that springs
+    back one row, which is not looked at.
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
@@ -266,6 +293,11 @@ def totals(
     touched = Cells(ZERO)
     worn_sphere = Cells(ZERO)
     worn_disc = Cells(ZERO)
+    if pressed_disc_in.shape[0] == worn_disc_in.shape[0]:
+        pressed = Cells(ZERO)
+        for m in range(touched_in.shape[1]):
+            pressed += pressed_disc_in[under, m]
+        pressed_disc_out[under] = sum_of(pressed)
     for m in range(touched_in.shape[1]):
         touched += touched_in[row, m]
         worn_sphere += worn_sphere_in[row, m]

@@ -35,20 +35,22 @@ def lowest(
 def kept_of(
     row: wp.int32,
     t: wp.int32,
-    wear_sphere: wp.array2d(dtype=Cells),
-    wear_disc: wp.array2d(dtype=Cells),
+    gap: wp.array2d(dtype=Cells),
+    unworn: wp.array2d(dtype=Cells),
+    share: wp.array2d(dtype=Cells),
 ):
     """Number of worn cells of a tile, and the sums of the wear of both bodies."""
     touched = ZERO
     sphere = Cells(ZERO)
     disc = Cells(ZERO)
-    for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, wear_sphere.shape[1])):
-        a = wear_sphere[row, k]
-        b = wear_disc[row, k]
+    share_row = wp.min(row, share.shape[0] - 1)
+    for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap.shape[1])):
+        worn = gap[row, k] - unworn[row, k]
+        a = wp.cw_mul(share[share_row, k], worn)
         sphere += a
-        disc += b
+        disc += worn - a
         for j in range(LANES):
-            touched += wp.where(a[j] + b[j] > ZERO, ONE, ZERO)
+            touched += wp.where(worn[j] > ZERO, ONE, ZERO)
     return Kept(touched, sum_of(sphere), sum_of(disc))
 
 
@@ -58,8 +60,8 @@ def select(
     slots_per_row: wp.int32,
     limit: wp.float64,
     gap_in: wp.array2d(dtype=Cells),
-    wear_sphere_in: wp.array2d(dtype=Cells),
-    wear_disc_in: wp.array2d(dtype=Cells),
+    unworn_in: wp.array2d(dtype=Cells),
+    share_in: wp.array2d(dtype=Cells),
     lowest_out: wp.array2d(dtype=wp.float64),
     kept_out: wp.array2d(dtype=Kept),
     rest_out: wp.array(dtype=Kept),
@@ -83,7 +85,7 @@ def select(
         lowest = wp.min(low)
         lowest_out[row, t] = lowest
         if lowest > limit:
-            kept_out[row, t] = kept_of(row, t, wear_sphere_in, wear_disc_in)
+            kept_out[row, t] = kept_of(row, t, gap_in, unworn_in, share_in)
     count = wp.int32(0)
     rest = Kept()
     for t in range(lowest_out.shape[1]):

@@ -77,8 +77,8 @@ class Solver:
 
     def tiles(self, load: float, hardness: float) -> Tiles:
         """A list as short as it may be: the balance asks for more."""
-        unworn = self._executor.zeros(), self._executor.zeros()
-        self._tiles = Tiles(self._executor, self._gap, *unworn, least=load / (hardness * CELL**2))
+        share = self._executor.zeros(1)
+        self._tiles = Tiles(self._executor, self._gap, self._gap, share, least=load / (hardness * CELL**2))
         return self._tiles
 
     def foundation(self, compliance: float | FloatArray, load: float, hardness: float) -> Balance:
@@ -255,8 +255,8 @@ def test_worn_run_equals_reference(
     )
     with Executor(grid, device=device, threads=threads) as executor:
         model = OneScaleModel(this, heights.copy(), executor)
-        steps = [model.advance(d, with_pressure=True) for d in increments.tolist()]
-        fields = {n: executor.to_numpy(getattr(model.state, n)).copy() for n in ("wear_sphere", "wear_disc")}
+        steps = list(model.steps((d, True) for d in increments.tolist()))
+        fields = dict(zip(("wear_sphere", "wear_disc"), model.worn(), strict=True))
         gap = executor.to_numpy(model.state.gap).copy()
     history = {name: np.array([step.row[name] for step in steps]) for name in expected.history}
     for name, values in expected.history.items():
@@ -284,8 +284,8 @@ def test_threads_do_not_change_a_bit(kind: str, device: str, threads: int) -> No
     for count in (1, threads):
         with Executor(Grid(61, 75, CELL), device=device, threads=count) as executor:
             model = OneScaleModel(this, rough((61, 75), 4), executor)
-            rows = [list(model.advance(0.1).row.values()) for _ in range(30)]
-            fields = [executor.to_numpy(f).copy() for f in vars(model.state).values()]
+            rows = [list(step.row.values()) for step in model.steps([(0.1, True)] * 30)]
+            fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]
             outcomes.append((rows, fields))
     assert_array_equal(outcomes[0][0], outcomes[1][0])
     for one, two in zip(outcomes[0][1], outcomes[1][1], strict=True):

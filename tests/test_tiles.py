@@ -54,8 +54,8 @@ def run(law: str, heights: FloatArray, increments: list[float], threads: int) ->
     study = Study.load("v3-fine").replace({"stepping.increment": "1 mm", "stepping.force": True} | LAWS[law])
     with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
         model = OneScaleModel(study, heights.copy(), executor)
-        steps = [model.advance(increment, with_pressure=True) for increment in increments]
-        fields = [executor.to_numpy(f).copy() for f in vars(model.state).values()]
+        steps = list(model.steps((increment, True) for increment in increments))
+        fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]
     return steps, fields
 
 

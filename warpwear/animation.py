@@ -16,7 +16,9 @@ from warpwear import figure_style as fs
 from warpwear.errors import InputError
 from warpwear.figure_axes import draw_map
 from warpwear.figure_data import FigureData, View
+from warpwear.grid import FloatArray
 from warpwear.results import Result
+from warpwear.track_data import blocks
 
 #: Blocks along a side of a map, pixels an inch: even numbers of pixels, which H.264 asks for.
 BLOCKS, DPI, SIZE = 250, 160, (9.0, 2.9)
@@ -86,14 +88,17 @@ class _Film:
         self.figure = Figure(figsize=SIZE, layout="constrained")
         FigureCanvasAgg(self.figure)
         self._disc_axes, self._pressure_axes, friction = self.figure.subplots(1, 3)
-        first, last = self._read(0), self._read(len(self._rows) - 1)
+        first = self._read(0)
         window = self._data.window_of(BLOCKS)
-        disc = [1e3 * view.disc for view in (first, last)]
+        disc = [self._disc_at(index) for index in (0, len(self._rows) - 1)]
         low, high = min(np.nanmin(d) for d in disc), max(np.nanmax(d) for d in disc)
         label = "height of the disc, µm"
         self._disc = draw_map(
             self._disc_axes, disc[0], window, fs.HEIGHTS, label, low=float(low), high=float(high)
         )
+        if result.study.is_swept:  # the whole track, as wide as the panel
+            self._disc.set_extent(blocks(result, 0, BLOCKS).extent)
+            self._disc_axes.set_aspect("auto")
         norm = self._norm()
         ends: dict[str, Any] = {"norm": norm} if norm else {"low": 0.0, "high": self._largest}
         self._pressure = draw_map(
@@ -104,7 +109,7 @@ class _Film:
     def show(self, index: int) -> None:
         """Draw snapshot number `index`."""
         view = self._read(index)
-        self._disc.set_data(1e3 * view.disc.T)
+        self._disc.set_data(self._disc_at(index).T)
         self._pressure.set_data(_shown(view).T)
         self._disc_axes.set_title(f"disc {fs.after(view.distance)}")
         history = self._data.history
@@ -113,6 +118,13 @@ class _Film:
         so_far = slice(0, view.row + 1)
         self._line.set_data(history["distance"][so_far], self._values[so_far])
         self._point.set_data([history["distance"][view.row]], [self._values[view.row]])
+
+    def _disc_at(self, index: int) -> FloatArray:
+        """Heights of the disc [µm]: under the sphere, or of the whole track that it slides over."""
+        result = self._data.result
+        if result.study.is_swept:
+            return 1e3 * blocks(result, index, BLOCKS).heights
+        return np.asarray(1e3 * self._read(index).disc)
 
     def _read(self, index: int) -> View:
         return self._data.read(index, blocks=BLOCKS)

@@ -29,11 +29,32 @@ HOPELESS = 1.0e6
 #: From a cold start lists of tiles reach so many times deeper each, and at least so deep [mm].
 DEEPER, LEAST_DEPTH = 4.0, 1.0e-6
 #: A new list of tiles reaches so many steps ahead.
-STEPS_AHEAD = 8.0
+STEPS_AHEAD = 16.0
 #: Searches, each from a base nearer the solution.
 MAX_ROUNDS = 3
 #: First step of a search that starts where the solution is [mm]; steps grow until they bracket it.
 FIRST_REACH = 1.0e-18
+#: Share of the way to the next change of state that Newton's step may take and be sure of it.
+SURELY = 0.999
+#: Load of the offset's length over the load, up to which the offset has digits enough for `TOLERANCE`.
+DIGITS = 1.0e3
+
+
+class Carried(NamedTuple):
+    """What a trial approach carries."""
+
+    force: float  # [N]
+    slope: float  # [N/mm]
+    straight: float  # change of the pressures as far as which the force is a straight line [MPa]
+
+
+@dataclass(frozen=True)
+class Ahead:
+    """What was evaluated before its step begins, in the pass that ended the last one."""
+
+    made_for: tuple[float, float, float]  # what the stiffness of the step is made for
+    offset: float  # from the approach of the last step [mm]
+    carried: Carried
 
 
 @dataclass(frozen=True)
@@ -64,7 +85,9 @@ class Balancer:
 
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
-        self._sums = executor.partials(2)
+        self._sums = executor.partials(3)
+        #: Where a pass that wears leaves what `evaluated` reads, as `contact.carried` does.
+        self.ahead = executor.partials(3)
         self._cell_area = executor.grid.cell_area
 
     def bounds(self, gap_field: Field, tiles: TileList) -> tuple[float, float]:
@@ -84,11 +107,13 @@ class Balancer:
         start: float | None = None,
         step: float = 0.0,
         scatter: float = 0.0,
+        stiffest: float = math.inf,
+        known: Carried | None = None,
     ) -> Balance:
         """Balance of a contact with compliance, to `TOLERANCE`.
 
-        stiffness: 1/c [N/mm³], one row for all or one a row of cells. tiles: of the gap; more of them are
-        listed as they are needed. start: approach near the solution [mm], from the step before; step: how far
+        stiffness: 1/c [N/mm³], one row for all or one a row of cells; stiffest: no cell's is larger. tiles:
+        of the gap; more of them are listed as they are needed. known: what start + step carries. start: approach near the solution [mm], from the step before; step: how far
         beyond it the solution is expected [mm]; scatter: how far from there it may be, where that is known.
         Without a start the search begins at the lowest cell.
 
@@ -98,8 +123,8 @@ class Balancer:
         far = start is None or scatter > 0.0  # a list too short may lead far beyond the solution
         if start is None:
             start, low = tiles.smallest, 0.0
-            known = stiffness.numpy()
-            softest = float(known[known > 0.0].min())
+            values = stiffness.numpy()
+            softest = float(values[values > 0.0].min())
             step = 0.5 * min(hardness, load / self._cell_area) / softest
             tiles.begin()
         else:
@@ -107,7 +132,10 @@ class Balancer:
         base = start
         evaluations = 0
         while True:
-            found, base = self._search(gap_field, stiffness, tiles, base, step, low, scatter, load, hardness)
+            found, base = self._search(
+                gap_field, stiffness, tiles, base, step, low, scatter, load, hardness, stiffest, known
+            )
+            known = None
             evaluations += found.evaluations
             approach = base + found.offset
             if not found.converged(load):
@@ -139,14 +167,17 @@ class Balancer:
         scatter: float,
         load: float,
         hardness: float,
+        stiffest: float,
+        known: Carried | None,
     ) -> "tuple[_Found, float]":
         """How far the balance came on the tiles listed, and the base that its offset counts from."""
         for _ in range(MAX_ROUNDS):
 
-            def carried(offset: float, base: float = base) -> tuple[float, float]:
+            def carried(offset: float, base: float = base) -> Carried:
                 return self._carried(gap_field, stiffness, tiles, base, offset, hardness)
 
-            found = _newton_in_bracket(carried, load, step, low, math.inf, scatter)
+            found = _newton_in_bracket(carried, load, step, low, math.inf, scatter, stiffest, known)
+            known = None
             if found.converged(load) or not abs(found.offset) < HOPELESS:
                 break
             # Down to neighbouring numbers: from a base at the solution the offset has digits again.
@@ -271,8 +302,8 @@ class Balancer:
 
     def _carried(
         self, gap_field: Field, stiffness: Field, tiles: TileList, base: float, offset: float, cap: float
-    ) -> tuple[float, float]:
-        """Force [N] and its slope [N/mm] at an approach."""
+    ) -> Carried:
+        """Force and its slope at an approach."""
         self._executor.launch(
             contact.carried,
             inputs=[base, offset, cap, stiffness, gap_field],
@@ -280,8 +311,13 @@ class Balancer:
             over=tiles,
             often=True,
         )
-        force, slope = self._sums.numpy().sum(axis=1) * self._cell_area
-        return float(force), float(slope)
+        return self.evaluated(self._sums)
+
+    def evaluated(self, partials: Field) -> Carried:
+        """What a table of partial results adds up to."""
+        table = partials.numpy()
+        force, slope = table[:2].sum(axis=1) * self._cell_area
+        return Carried(float(force), float(slope), float(table[2].min()))
 
     def _count(self, gap_field: Field, tiles: TileList, approach: float) -> float:
         """Cells in contact at an approach, of the tiles listed."""
@@ -303,25 +339,31 @@ class _Found(NamedTuple):
 
 
 def _newton_in_bracket(
-    carried: Callable[[float], tuple[float, float]],
+    carried: Callable[[float], Carried],
     load: float,
     guess: float,
     low: float,
     high: float,
     scatter: float,
+    stiffest: float,
+    known: Carried | None,
 ) -> _Found:
     """Looks for the offset with |force − load| ≤ TOLERANCE load until the bracket is down to one number.
 
     Newton's step is taken while it stays inside the bracket and the bracket halves at least every second
     evaluation: alone it crawls where c H is a few nanometres. Sides of the bracket that are not known yet are
-    looked for in growing steps, the first as long as the guess is or may be wrong by.
+    looked for in growing steps, the first as long as the guess is or may be wrong by. Where no cell changes
+    its state on the way Newton's step is the solution and is not looked at again.
+
+    known: what the guess carries; not counted as an evaluation.
     """
     offset = guess
     reach = max(abs(guess), scatter) or FIRST_REACH
     width_before = math.inf
     found = _Found(offset, math.nan, 0)
-    for evaluation in range(1, MAX_EVALUATIONS):
-        force, slope = carried(offset)
+    for trial in range(1, MAX_EVALUATIONS):
+        force, slope, straight = known if known is not None and trial == 1 else carried(offset)
+        evaluation = trial - (known is not None)
         found = _Found(offset, force, evaluation)
         if found.converged(load):
             break
@@ -333,14 +375,16 @@ def _newton_in_bracket(
         else:
             high = offset
         newton = offset - residual / slope if slope > 0.0 else math.nan
+        if abs(newton - offset) * stiffest < SURELY * straight and slope * abs(newton) < DIGITS * load:
+            return _Found(newton, load, evaluation)
         if math.isinf(low) or math.isinf(high):
             limit = offset + math.copysign(reach, -residual)
             inside = newton if abs(newton - offset) <= reach else limit
             offset = limit if math.isnan(newton) else inside
             reach *= 4.0
             continue
-        stalled = evaluation % 2 == 0 and high - low > 0.5 * width_before
-        if evaluation % 2 == 0:
+        stalled = trial % 2 == 0 and high - low > 0.5 * width_before
+        if trial % 2 == 0:
             width_before = high - low
         offset = newton if low < newton < high and not stalled else 0.5 * (low + high)
         if not low < offset < high:  # the bracket is down to neighbouring numbers

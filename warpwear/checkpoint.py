@@ -18,7 +18,7 @@ import shutil
 import time
 import tomllib
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,12 +30,13 @@ import numpy as np
 from warpwear import __version__
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.history import Rows
 from warpwear.results import HEADER, SPACE_FOR_THE_REST, ResultWriter, digest_of
 from warpwear.study import Study
 
 FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
-FORMAT = 2
+FORMAT = 3
 MAGIC = "warpwear checkpoint"
 #: Sections and keys that no step depends on: a run may go on with others.
 FREE = ("study.name", "study.description", "friction", "junctions", "run", "checks", "assumed")
@@ -47,7 +48,7 @@ class Checkpoint:
 
     arrays: dict[str, Any]  # of the model, by name
     numbers: dict[str, Any]  # of the model, by name, as JSON keeps them
-    rows: list[dict[str, float]]  # of the history
+    rows: Sequence[dict[str, float]] | Rows  # of the history
     warnings: list[str]
     told: list[str]  # names of the invariants whose violation is among the warnings
     elapsed: float  # [s]

@@ -3,7 +3,9 @@
 import math
 from typing import TYPE_CHECKING
 
+from warpwear import track_checks
 from warpwear.hertz import MATCHES
+from warpwear.track import Track
 
 if TYPE_CHECKING:
     from warpwear.study import Study
@@ -15,6 +17,7 @@ MOST_STEPS = 1_000_000
 def check(study: "Study") -> None:
     """Raises ValueError, in one sentence, for a study that cannot be computed as it stands."""
     _model(study)
+    track_checks.check(study)
     _hardness(study)
     _capacity(study)
     _tolerance(study)
@@ -132,6 +135,8 @@ def _unstable(study: "Study") -> str | None:
     """That explicit steps are too large, as the start of a sentence."""
     if study.stepping.scheme == "implicit":
         return None
+    if study.is_swept:
+        return track_checks.unstable(study)
     limit = study.law().stable_increment(sum(law.fastest for law in study.wear_laws))
     if min(study.stepping.plan[2], study.sliding.total) < limit:
         return None
@@ -145,14 +150,12 @@ def _unstable(study: "Study") -> str | None:
 def too_small(study: "Study") -> str | None:
     """That the domain will not hold the worn patch, as a sentence.
 
-    What both bodies lose is the overlap of a sphere with a plane, π a⁴/4R of a paraboloid, whatever the
-    pressure; roughness only makes the patch wider. Patches wider than the radius are left to the run.
+    Roughness only makes the patch wider. Patches wider than the radius are left to the run.
     """
     curvature = study.sphere.curvature
     if curvature == 0.0:
         return None
-    volume = study.contact.load * sum(law.removal(0.0, study.sliding.total) for law in study.wear_laws)
-    patch = 2.0 * (4.0 * volume / (math.pi * curvature)) ** 0.25
+    patch = track_checks.worn_patch(study)
     if not study.grid.extent < patch < 1.0 / curvature:
         return None
     return (
@@ -162,6 +165,15 @@ def too_small(study: "Study") -> str | None:
 
 
 def _steps(study: "Study") -> None:
+    if study.is_swept:
+        steps = Track.of(study).steps(study.sliding.total)
+        if steps > MOST_STEPS:
+            raise ValueError(
+                f"sliding.distance = {study.sliding.total:g} mm takes {steps:.3g} steps by sliding.shift = "
+                f"{study.sliding.shift} cells; allowed are {MOST_STEPS:,}, so a larger shift or larger cells "
+                "are needed"
+            )
+        return
     first, growth, largest = study.stepping.plan
     final = first if growth == 1.0 else largest
     growing = math.log(largest / first) / math.log(growth) if growth > 1.0 else 0.0

@@ -34,7 +34,8 @@ class DeviceStep:
 class DeviceLoop:
     """Steps of one contact on a foundation.
 
-    gap, wear_sphere, wear_disc: fields, worn in place. factor: of the disc's sliding distance, a field of one
+    gap, unworn, share: fields as of `one_scale.State`; gap and share change in place, the share only where the
+    wear of the two is not in one proportion (`share_changes`). factor: of the disc's sliding distance, a field of one
     row or of all. compliance: 1/k [mm³/N]; implicit: whether the wear of a step adds to it.
     """
 
@@ -42,20 +43,22 @@ class DeviceLoop:
         self,
         executor: Executor,
         gap: Field,
-        wear_sphere: Field,
-        wear_disc: Field,
+        unworn: Field,
+        share: Field,
         factor: Field,
         *,
         load: float,
         hardness: float,
         compliance: float,
         implicit: bool,
+        share_changes: bool,
     ) -> None:
         self._executor = executor
         self._device = executor.device
         self._load, self._cap = load, hardness
         columns = executor.vectors * LANES
-        self._fields = [self._numbers(field) for field in (gap, wear_sphere, wear_disc)]
+        self._gap, self._unworn, self._share = (self._numbers(field) for field in (gap, unworn, share))
+        self._share_changes = int(share_changes)
         self._factor = self._numbers(factor)
         on_cpu = self._device.is_cpu  # there a block is one thread: for tests
         self._block = 1 if on_cpu else BLOCK
@@ -107,8 +110,13 @@ class DeviceLoop:
         else:
             while self._searching.numpy()[0]:
                 self._try()
-        known = [*self._cells, self._removals, self._step, self._search, self._factor]
-        self._launch(device_steps.remove, self._block * self._blocks, known, [*self._fields, self._partial])
+        steps = [self._removals, self._step, self._search, self._factor]
+        self._launch(
+            device_steps.remove,
+            self._block * self._blocks,
+            [*self._cells, self._share_changes, *steps, self._unworn],
+            [self._gap, self._share, self._partial],
+        )
         quantities = len(SUMS) + len(MAXIMA)
         self._launch(
             device_steps.record,
@@ -119,7 +127,7 @@ class DeviceLoop:
         self._launch(device_steps.finish, 1, [self._load], [self._search, self._step, self._rows], block=1)
 
     def _try(self) -> None:
-        known = [*self._cells, self._removals, self._step, self._search, self._factor, self._fields[0]]
+        known = [*self._cells, self._removals, self._step, self._search, self._factor, self._gap]
         self._launch(device_steps.carried, self._block * self._blocks, known, [self._partial])
         balance = [self._load, TOLERANCE, self._executor.grid.cell_area, self._partial]
         self._launch(device_steps.decide, self._block, balance, [self._search, self._searching])

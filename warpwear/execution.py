@@ -18,7 +18,7 @@ import warp as wp
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, device_steps, gap, removal, running_in, sliding, tiles
+from warpwear.kernels import contact, device_sliding, device_steps, gap, removal, running_in, sliding, tiles
 from warpwear.kernels.types import LANES, WIDTH, Cells
 
 if TYPE_CHECKING:
@@ -69,7 +69,8 @@ class Executor:
         for module in (gap, contact, removal, running_in, sliding, tiles):
             wp.load_module(module, device=self.device)
         if not on_cpu:
-            wp.load_module(device_steps, device=self.device)
+            for module in (device_steps, device_sliding):
+                wp.load_module(module, device=self.device)
 
     def __enter__(self) -> Self:
         return self
@@ -213,6 +214,21 @@ def find_device(name: str) -> Any:
         raise InputError(f"device = {name!r} is not there; this machine has {there}.") from error
 
 
+def free_memory(device: str) -> dict[str, int]:
+    """Memory that is free on the host and on a device [B], by what a sentence calls them.
+
+    Raises InputError for a device that is not there.
+    """
+    return _free_memory(find_device(device))
+
+
+def _free_memory(device: Any) -> dict[str, int]:
+    free = {"the host": psutil.virtual_memory().available}
+    if device.is_cuda:
+        free[str(device)] = device.free_memory
+    return free
+
+
 @contextmanager
 def _native_messages_hidden() -> Iterator[None]:
     """Warp's native part warns of a missing GPU or driver; where that matters, our own words follow."""
@@ -231,9 +247,7 @@ def _native_messages_hidden() -> Iterator[None]:
 
 
 def _check_memory(grid: Grid, device: Any, fields_needed: float) -> None:
-    free = {"the host": psutil.virtual_memory().available}
-    if device.is_cuda:
-        free[str(device)] = device.free_memory
+    free = _free_memory(device)
     needed = fields_needed * 8 * grid.cells
     for place, there in free.items():
         if needed > there:

@@ -136,7 +136,7 @@ class FigureData:
             sphere=window.means(worn_heights(result, snapshot, "sphere")),
             disc=window.means(worn_heights(result, snapshot, "disc")),
             wear_sphere=window.means(snapshot.wear_sphere),
-            wear_disc=window.means(snapshot.wear_disc),
+            wear_disc=window.means(snapshot.lost_beneath),
             along=self._profile(snapshot, 0),
             across=self._profile(snapshot, 1),
         )
@@ -168,7 +168,7 @@ class FigureData:
         result = self.result
         snapshot = result.snapshot(0)
         window = self._centred(np.inf, SURFACE_BLOCKS)
-        return window.means(worn_heights(result, snapshot, "disc") + snapshot.wear_disc), window
+        return window.means(worn_heights(result, snapshot, "disc") + snapshot.lost_beneath), window
 
     @cached_property
     def strip(self) -> float:
@@ -204,7 +204,7 @@ class FigureData:
 
     @staticmethod
     def _touched(snapshot: Snapshot) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
-        return (snapshot.wear_sphere > 0.0) | (snapshot.wear_disc > 0.0) | (snapshot.pressure > 0.0)
+        return (snapshot.wear_sphere > 0.0) | (snapshot.wear_beneath > 0.0) | (snapshot.pressure > 0.0)
 
     def _state(self, snapshot: Snapshot, row: int) -> FloatArray:
         history, hardness = self.history, self.study.hardness
@@ -240,7 +240,7 @@ class FigureData:
             disc=sphere - line(snapshot.gap),
             gap=line(snapshot.gap),
             wear_sphere=line(snapshot.wear_sphere),
-            wear_disc=line(snapshot.wear_disc),
+            wear_disc=line(snapshot.lost_beneath),
             bins=places[shown][whole].reshape(bins, cells).mean(axis=1),
             pressure=pressure[whole].reshape(bins, cells).mean(axis=1),
         )

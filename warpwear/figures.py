@@ -18,6 +18,7 @@ from warpwear import (
     figures_macro,
     figures_setup,
     figures_shape,
+    figures_track,
 )
 from warpwear.errors import InputError
 from warpwear.figure_data import FigureData
@@ -160,6 +161,8 @@ def _no_hertz(data: FigureData) -> str | None:
 
 
 def _no_factor(data: FigureData) -> str | None:
+    if data.study.is_swept:
+        return "a sphere that slides over its track has no factor of the distance"
     if data.study.wear.distance_factor == "none":
         return "wear.distance_factor is none: all cells slide as far"
     return None
@@ -168,6 +171,18 @@ def _no_factor(data: FigureData) -> str | None:
 def _no_junctions(data: FigureData) -> str | None:
     if data.study.critical_junction is None:
         return "the critical size of junctions needs junctions.surface_energy and the softer body's constants"
+    return None
+
+
+def _still(data: FigureData) -> str | None:
+    if not data.study.is_swept:
+        return "the disc lies still: sliding.kinematics = 'swept' makes a track"
+    return None
+
+
+def _sliding(data: FigureData) -> str | None:
+    if data.study.is_swept:
+        return "the disc's wear covers a track: see groove, track_map and track_roughness"
     return None
 
 
@@ -181,7 +196,8 @@ def _no_wear_of(*bodies: str) -> Reason:
 
 
 _SPHERE = (_no_snapshot, _no_wear_of("sphere"))
-_DISC = (_no_snapshot, _no_wear_of("disc"))
+_DISC = (_sliding, _no_snapshot, _no_wear_of("disc"))
+_GROOVE = (_still, _no_snapshot, _no_wear_of("disc"))
 _BOTH = _no_wear_of("sphere", "disc")
 
 FIGURES: dict[str, Entry] = {
@@ -196,7 +212,7 @@ FIGURES: dict[str, Entry] = {
     "pressure_3d": Entry(figures_fields.pressure_3d, (_no_snapshot,)),
     "pressure_profiles": Entry(figures_fields.pressure_profiles, (_no_snapshot,)),
     "contact_map": Entry(figures_fields.contact_map, (_no_snapshot,)),
-    "wear_map": Entry(figures_shape.wear_map, (_no_snapshot, _BOTH)),
+    "wear_map": Entry(figures_shape.wear_map, (_sliding, _no_snapshot, _BOTH)),
     "sphere_map": Entry(figures_shape.sphere_map, _SPHERE),
     "sphere_3d": Entry(figures_shape.sphere_3d, _SPHERE),
     "sphere_profiles": Entry(figures_shape.sphere_profiles, _SPHERE),
@@ -204,10 +220,17 @@ FIGURES: dict[str, Entry] = {
     "disc_3d": Entry(figures_shape.disc_3d, _DISC),
     "disc_profiles": Entry(figures_shape.disc_profiles, _DISC),
     "profiles": Entry(figures_shape.profiles, (_no_snapshot,)),
-    "roughness": Entry(figures_evolution.roughness, (_smooth_disc, _one_snapshot, _no_wear_of("disc"))),
+    "roughness": Entry(
+        figures_evolution.roughness, (_sliding, _smooth_disc, _one_snapshot, _no_wear_of("disc"))
+    ),
     "islands": Entry(figures_evolution.islands, (_smooth_disc, _one_snapshot)),
     "junctions": Entry(figures_junctions.junctions, (_smooth_disc, _no_junctions, _no_snapshot)),
     "hertz": Entry(figures_macro.hertz, (_no_hertz, _no_snapshot)),
     "distance_factor": Entry(figures_macro.factor, (_no_factor, _no_snapshot)),
+    "groove": Entry(figures_track.groove_figure, _GROOVE),
+    "track_map": Entry(figures_track.track_map, _GROOVE),
+    "wear_per_pass": Entry(figures_track.wear_per_pass, (_still, _no_course, _BOTH)),
+    "cof_stroke": Entry(figures_track.cof_stroke, (_still, _no_course, _no_cof)),
+    "track_roughness": Entry(figures_track.track_roughness, (*_GROOVE, _smooth_disc)),
 }
 Plotter.NAMES = tuple(FIGURES)

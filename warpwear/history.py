@@ -3,7 +3,18 @@
 A row holds the state solved in the step and the wear of its increment; `distance` is at its end.
 """
 
+import math
+from array import array
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+
+if TYPE_CHECKING:
+    from warpwear.study import Study
 
 
 @dataclass(frozen=True)
@@ -42,3 +53,49 @@ COLUMNS = (
     Column("archard_volume_disc", "mm^3", "the same of the disc, with its distance factor"),
     Column("evaluations", "1", "passes over the gap that the balance took"),
 )
+
+#: Of a swept run.
+SWEPT = (
+    Column("position", "mm", "place of the sphere's apex along the track, 0 in the middle of the stroke"),
+    Column("plastic_volume_disc", "mm^3", "volume displaced of the disc for good, not worn"),
+)
+
+
+def columns_of(study: "Study") -> tuple[Column, ...]:
+    """The columns that a run of the study has."""
+    return COLUMNS + SWEPT if study.is_swept else COLUMNS
+
+
+class Rows:
+    """The rows of a run so far: as dictionaries for those who add and read them, as numbers in memory.
+
+    A whole track makes hundreds of thousands. All have the columns of the first.
+    """
+
+    def __init__(self, rows: Iterable[dict[str, float]] = ()) -> None:
+        self._names: list[str] = []
+        self._values = array("d")
+        for row in rows:
+            self.append(row)
+
+    def append(self, row: dict[str, float]) -> None:
+        if not self._names:
+            self._names = [*row]
+        self._values.extend([row[name] for name in self._names])
+
+    def __len__(self) -> int:
+        return len(self._values) // max(len(self._names), 1)
+
+    def __getitem__(self, index: int) -> dict[str, float]:
+        start = range(len(self))[index] * len(self._names)
+        return dict(zip(self._names, self._values[start : start + len(self._names)], strict=True))
+
+    def __iter__(self) -> Iterator[dict[str, float]]:
+        return (self[index] for index in range(len(self)))
+
+    def column(self, name: str) -> FloatArray:
+        """Shape (rows,); NaN for a column that the rows do not have."""
+        if name not in self._names:
+            return np.full(len(self), math.nan)
+        table = np.frombuffer(self._values).reshape(len(self), len(self._names))
+        return table[:, self._names.index(name)].copy()

@@ -5,7 +5,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
 from warpwear.checkpoint import checksum
-from warpwear.execution import FIELDS_NEEDED, Executor
+from warpwear.errors import InputError
+from warpwear.execution import FIELDS_NEEDED, Executor, free_memory
 from warpwear.grid import FloatArray, Grid
 from warpwear.ledger import Step
 from warpwear.one_scale import OneScaleModel
@@ -15,6 +16,8 @@ from warpwear.study import Study
 from warpwear.surface_of import bearing_curve_of
 from warpwear.surfaces.base import Surface
 from warpwear.surfaces.parameters import roughness
+from warpwear.swept import DISC_FIELDS, SweptModel
+from warpwear.track import Track
 
 
 class Model(Protocol):
@@ -43,18 +46,31 @@ class Made:
     model: Model
     surface_sum: int  # `checksum` of the heights
     record: dict[str, Any]  # of the surface, for the result
+    heights: FloatArray | None = None  # of the unworn track [mm], shape (rows, ny), where there is one
 
 
 def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     """What the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
-    # A radial factor is a field of its own, and so is the stiffness that it makes differ from cell to cell.
-    fields = FIELDS_NEEDED + 2.0 * (study.wear.distance_factor == "radial")
+    if study.is_swept:
+        rows = Track.of(study).rows
+        fields = FIELDS_NEEDED + (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
+        _check_memory(study, rows, fields, device)
+        return Executor(study.cells, device=device, threads=threads)
+    # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
+    fields = FIELDS_NEEDED + 5.0 * (study.wear.distance_factor == "radial")
     return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
 
 
 def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
     """The model that the study asks for, on a surface. Raises InputError for one that it cannot use."""
     grid = executor.grid
+    if study.is_swept:
+        track = Track.of(study)
+        heights = surface.heights(track.x, grid.y)
+        record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
+        found = checksum(heights)
+        swept = SweptModel(study, track, heights, executor)
+        return Made(swept, found, record, heights)
     heights = surface.heights(grid.x, grid.y)
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
     curve = None
@@ -68,10 +84,35 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
 def plan_of(study: Study) -> list[tuple[float, float, bool]]:
     """Of every step the increment, the distance at its end [mm], and whether its fields are kept."""
     stops, total = set(study.output.snapshots), study.sliding.total
+    if study.is_swept:
+        return _swept_plan(study, sorted(stop for stop in stops if stop < total))
     return [
         (increment, distance, distance in stops or distance == total)
         for increment, distance in increments(study.stepping.plan, total, stops)
     ]
+
+
+def _swept_plan(study: Study, stops: list[float]) -> list[tuple[float, float, bool]]:
+    """Steps are as long as the track has them: fields are kept at the first end at or after each stop."""
+    plan, total = [], study.sliding.total
+    for increment, distance in Track.of(study).increments(total):
+        reached = bool(stops) and stops[0] > 0.0 and distance >= stops[0] - 1.0e-6 * increment
+        while stops and distance >= stops[0] - 1.0e-6 * increment:
+            del stops[0]
+        plan.append((increment, distance, reached or distance == total))
+    return plan
+
+
+def _check_memory(study: Study, rows: int, fields: float, device: str) -> None:
+    """Raises InputError for a track that the host or the device does not hold."""
+    needed = 8.0 * fields * study.cells.cells
+    for place, free in free_memory(device).items():
+        if needed > free:
+            raise InputError(
+                f"sliding.track = {study.sliding.track!r} makes a disc of {rows} × {study.cells.ny} cells, "
+                f"which takes {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB free, "
+                "so a representative track, such as sliding.track = '3.2 mm', or larger cells are needed."
+            )
 
 
 def _roughness_on(grid: Grid, heights: FloatArray) -> dict[str, float]:

@@ -3,17 +3,20 @@
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from warpwear.balance import RIGID, Balance, Balancer
+from warpwear.balance import RIGID, STEPS_AHEAD, TOLERANCE, Ahead, Balance, Balancer, Carried
 from warpwear.device_loop import DeviceLoop
+from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
+from warpwear.foresight import Foresight
 from warpwear.grid import FloatArray
-from warpwear.kernels import contact, gap, removal
-from warpwear.kernels.types import MAXIMA, SUMS
+from warpwear.kernels import contact, gap
+from warpwear.kernels import removal as removal_kernels
+from warpwear.kernels.types import LANES, MAXIMA, SUMS
 from warpwear.kinematics import distance_factor
 from warpwear.ledger import Ledger, Step
 from warpwear.results import Snapshot
@@ -29,11 +32,24 @@ SPARE = 2.0
 
 @dataclass
 class State:
-    """Fields of nx × ny cells [mm], on the executor's device."""
+    """Fields of nx × ny cells, on the executor's device.
 
-    gap: Field  # from the mean planes, as worn
-    wear_sphere: Field
-    wear_disc: Field
+    What is worn is gap − unworn: a step near a late contact then moves three fields, not six. Its rounding is
+    that of the gap, 1e-17 mm a step.
+    """
+
+    gap: Field  # from the mean planes, as worn [mm]
+    unworn: Field  # the gap without wear [mm]
+    share: Field  # of the sphere in what is worn; one row where it is the same all along
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """1/c of the cells in a step [N/mm³]."""
+
+    made_for: tuple[float, float, float]  # compliance, removal of sphere and of disc
+    field: Field
+    stiffest: float
 
 
 class OneScaleModel:
@@ -49,19 +65,35 @@ class OneScaleModel:
         self.study = study
         self._executor = executor
         self._wear = study.wear_laws
+        self._rigid = study.uses_bearing_area
+        #: 1/k of the foundation [mm³/N], None where it follows the contact.
+        updated = study.study.model == "macro" and study.contact.foundation_update == "updated"
+        self._compliance = None if updated else study.law().compliance
         self._balancer = Balancer(executor)
         self._sums = executor.partials(len(SUMS))
         self._maxima = executor.partials(len(MAXIMA))
         curvature = study.sphere.curvature
         self._factor = distance_factor(executor.grid, study.wear.distance_factor, curvature=curvature)
         self._factor_field = executor.field(self._factor)
-        self._stiffness: tuple[tuple[float, float, float], Field] | None = None  # with what it was made for
+        self._stiffness: list[Stiffness] = []  # of this step and the one before
         self._recession = (
             None if bearing_curve is None else Recession(bearing_curve, executor, self._factor_field)
         )
         self._last: Balance | None = None
+        self._foresight = Foresight()
+        self._ahead: Ahead | None = None
         self._ledger = Ledger(study, executor.grid)
-        self.state = State(executor.zeros(), executor.zeros(), executor.zeros())
+        sphere, disc = self._wear
+        #: Whether the share of the sphere changes from step to step.
+        self._share_changes = not sphere.in_proportion_to(disc)
+        #: 1 where every cell has the same 1/c and share.
+        self._alike = int(
+            study.wear.distance_factor == "none" and not self._share_changes and self._recession is None
+        )
+        worn = sphere.fastest + disc.fastest * self._factor
+        share = np.divide(sphere.fastest, worn, out=np.zeros_like(worn), where=worn > 0.0)
+        shape = (executor.grid.nx if self._share_changes else share.shape[0], executor.grid.ny)
+        self.state = State(executor.zeros(), executor.zeros(), executor.field(np.broadcast_to(share, shape)))
         grid = executor.grid
         executor.launch(
             gap.gap,
@@ -72,23 +104,16 @@ class OneScaleModel:
                 float(grid.y[0]),
                 curvature,
                 executor.field(heights),
-                self.state.wear_sphere,
-                self.state.wear_disc,
             ],
-            outputs=[self.state.gap],
+            outputs=[self.state.gap, self.state.unworn],
         )
         fully = study.contact.load / (study.hardness * grid.cell_area)
-        self.tiles = Tiles(
-            executor, self.state.gap, self.state.wear_sphere, self.state.wear_disc, least=SPARE * fully
-        )
+        self.tiles = Tiles(executor, self.state.gap, self.state.unworn, self.state.share, least=SPARE * fully)
         self._highest = self._balancer.bounds(self.state.gap, self.tiles)[1]
+        #: Whether 1/c of a step is known before it.
+        self._foreseen = not self._rigid and self._recession is None and self._compliance is not None
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
-        self.in_blocks = (
-            executor.device.is_cuda
-            and not study.uses_bearing_area
-            and self._recession is None
-            and (study.study.model == "micro" or study.contact.foundation_update == "initial")
-        )
+        self.in_blocks = executor.device.is_cuda and self._foreseen
         self._loop: DeviceLoop | None = None
         #: Steps that the state is ahead of the last one given, in a block.
         self.ahead = 0
@@ -104,6 +129,8 @@ class OneScaleModel:
         return arrays | of_tiles, {
             "tiles": numbers,
             "last": last,
+            "foresight": self._foresight.saved_state(),
+            "ahead": None if self._ahead is None else asdict(self._ahead),
             "most": self._ledger.most,
             "row": self._ledger.row,
         }
@@ -114,24 +141,33 @@ class OneScaleModel:
             self._executor.fill(field, arrays[name])
         self.tiles.restore(arrays, numbers["tiles"])
         self._last = None if numbers["last"] is None else Balance(**numbers["last"])
+        self._foresight.restore(numbers["foresight"])
+        ahead = numbers["ahead"]
+        self._ahead = ahead and Ahead(tuple(ahead["made_for"]), ahead["offset"], Carried(*ahead["carried"]))
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
-        state, to_numpy = self.state, self._executor.to_numpy
-        return Snapshot(
-            distance,
-            pressure=step.pressure,
-            wear_sphere=to_numpy(state.wear_sphere),
-            wear_disc=to_numpy(state.wear_disc),
-            gap=to_numpy(state.gap),
-        )
+        sphere, disc = self.worn()
+        gap = self._executor.to_numpy(self.state.gap)
+        return Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
 
     def _changing(self) -> dict[str, Field]:
         """The fields that steps change."""
-        fields = dict(vars(self.state))
-        return fields if self._recession is None else fields | {"beyond": self._recession.beyond}
+        fields = {"gap": self.state.gap}
+        if self._share_changes:
+            fields["share"] = self.state.share
+        if self._recession is not None:
+            fields |= {"unworn": self.state.unworn, "beyond": self._recession.beyond}
+        return fields
+
+    def worn(self) -> tuple[FloatArray, FloatArray]:
+        """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""
+        gap, unworn, share = (self._executor.to_numpy(field) for field in vars(self.state).values())
+        both = gap - unworn
+        sphere = share * both
+        return sphere, np.subtract(both, sphere, out=both)
 
     def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
         """One step for each increment [mm] of the plan, with its pressure where that is asked for.
@@ -139,7 +175,9 @@ class OneScaleModel:
         On a GPU steps whose pressure nobody asks for are made in blocks, before the first of them is seen.
         """
         block: list[float] = []
-        for increment, with_pressure in plan:
+        ends: Iterable[tuple[tuple[float, bool], tuple[float, bool] | tuple[None, bool]]]
+        ends = itertools.pairwise(itertools.chain(plan, [(None, False)]))
+        for (increment, with_pressure), (then, _) in ends:
             if self.in_blocks and self._last is not None and not with_pressure:
                 block.append(increment)
                 if len(block) < LONGEST_BLOCK:
@@ -147,7 +185,9 @@ class OneScaleModel:
             yield from self._block(block)
             block = []
             if not self.in_blocks or with_pressure or self._last is None:
-                yield self.advance(increment, with_pressure=with_pressure)
+                yield self.advance(
+                    increment, with_pressure=with_pressure, then=None if self.in_blocks else then
+                )
         yield from self._block(block)
 
     def _block(self, increments: list[float]) -> Iterator[Step]:
@@ -158,13 +198,14 @@ class OneScaleModel:
             self._loop = DeviceLoop(
                 self._executor,
                 self.state.gap,
-                self.state.wear_sphere,
-                self.state.wear_disc,
+                self.state.unworn,
+                self.state.share,
                 self._factor_field,
                 load=self.study.contact.load,
                 hardness=self.study.hardness,
-                compliance=self.study.law().compliance,
+                compliance=self._compliance,
                 implicit=self.study.stepping.scheme == "implicit",
+                share_changes=self._share_changes,
             )
         assert self._last is not None
         ends = itertools.accumulate(increments, initial=self._ledger.row["distance"])
@@ -178,72 +219,118 @@ class OneScaleModel:
         self.ahead = len(made)
         for increment, removed, step in zip(increments, removals, made, strict=True):
             self.ahead -= 1
-            self._last = step.balance
+            self._last, self._ahead = step.balance, None
+            self._foresight.note(step.balance.approach, sum(removed))
             reference = self._ledger.row["pressure_mean"]
             yield self._ledger.enter(step.balance, increment, removed, reference, step.totals, step.most)
 
-    def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
+    def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
+
+        then: the next increment, where it is known [mm]; the pass that wears evaluates for it as well.
 
         Raises ConvergenceError when the load cannot be balanced.
         """
-        removal_sphere, removal_disc = (
-            law.removal(self._ledger.row["distance"], increment) for law in self._wear
-        )
-        stiffness = self._stiffness_of(removal_sphere, removal_disc)
-        balance = self._balance(stiffness, removal_sphere + removal_disc)
+        removal = self._removal(0.0, increment)
+        stiffness = self._stiffness_of(*removal)
+        balance = self._balance(stiffness, sum(removal))
+        self._foresight.note(balance.approach, sum(removal))
         law = [*balance.law]
         pressure = None
         if with_pressure:
             field = self._executor.zeros()
             self._executor.launch(
                 contact.pressures,
-                inputs=[*law, stiffness, self.state.gap],
+                inputs=[*law, stiffness.field, self.state.gap],
                 outputs=[field],
                 over=self.tiles,
             )
             pressure = self._executor.to_numpy(field)
         bearing = None
         if self._recession is not None:
-            bearing = self._recession.cells_bearing(balance, self.state.gap, self.state.wear_disc)
+            bearing = self._recession.cells_bearing(balance, self.state.gap, self._wear_of_disc())
         # The scatter is summed about a value near the mean: of a bearing area the mean itself.
-        rigid = self.study.uses_bearing_area
-        near_mean = balance.cap if rigid else self._ledger.row["pressure_mean"] or balance.cap
+        near_mean = balance.cap if self._rigid else self._ledger.row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
+        step_next, stiffness_next = 0.0, stiffness
+        if then is not None and self._foreseen:
+            removal_next = self._removal(increment, then)
+            stiffness_next = self._stiffness_of(*removal_next)
+            step_next = self._foresight.expected(sum(removal_next)) or 0.0
+            furthest = balance.approach + max(step_next, 0.0)
+            self.tiles.reach(furthest, ahead=STEPS_AHEAD * abs(step_next))
+        most = self._ledger.most
+        known = (self._executor.grid.ny, -1)  # first and last column that were touched
+        if math.isfinite(most["first_column"]):
+            known = int(-most["first_column"]), int(most["last_column"])
+        listed = [self._factor_field, self.state.share, self.state.unworn, self.tiles.rest]
+        if self._share_changes:
+            self._executor.launch(
+                removal_kernels.divide,
+                inputs=[
+                    *law,
+                    *removal,
+                    stiffness.field,
+                    self._factor_field,
+                    self.state.unworn,
+                    self.state.gap,
+                ],
+                outputs=[self.state.share],
+                over=self.tiles,
+                often=True,
+            )
         self._executor.launch(
-            removal.remove,
+            removal_kernels.remove,
             inputs=[
                 *law,
-                removal_sphere,
-                removal_disc,
+                *removal,
                 reference,
-                stiffness,
-                self._factor_field,
-                self.tiles.rest,
+                balance.approach,
+                step_next,
+                self._alike,
+                *known,
+                stiffness.field,
+                stiffness_next.field,
+                *listed,
             ],
-            outputs=[
-                self.state.gap,
-                self.state.wear_sphere,
-                self.state.wear_disc,
-                self._sums,
-                self._maxima,
-            ],
+            outputs=[self.state.gap, self._sums, self._maxima, self._balancer.ahead],
             over=self.tiles,
             often=True,
         )
+        self._ahead = None
+        if step_next:
+            carried = self._balancer.evaluated(self._balancer.ahead)
+            self._ahead = Ahead(stiffness_next.made_for, step_next, carried)
         if self._recession is not None:
-            self._recession.recede(self.state.wear_disc, self.state.gap)
-        self._last = balance
+            self._recession.recede(self._wear_of_disc(), self.state.gap, self.state.unworn)
         total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
-        removal_of = removal_sphere, removal_disc
+        if not self._rigid:
+            balance = self._carried(balance, total["pressure"])
+        self._last = balance
         return self._ledger.enter(
-            balance, increment, removal_of, reference, total, most, pressure=pressure, bearing=bearing
+            balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
         )
 
-    def _balance(self, stiffness: Field, removal: float) -> Balance:
+    def _carried(self, balance: Balance, pressure: float) -> Balance:
+        """With the residual of the pressures that wore. ConvergenceError where they do not carry the load."""
         load = self.study.contact.load
-        if self.study.uses_bearing_area:
+        residual = pressure * self._executor.grid.cell_area - load
+        if not abs(residual) <= 2.0 * TOLERANCE * load:
+            raise ConvergenceError(
+                f"{residual:.3g} N of {load:.6g} N are left at an approach of {balance.approach:.9g} mm."
+            )
+        return replace(balance, load_residual=residual)
+
+    def _removal(self, later: float, increment: float) -> tuple[float, float]:
+        """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
+        start = self._ledger.row["distance"] + later
+        sphere, disc = (law.removal(start, increment) for law in self._wear)
+        return sphere, disc
+
+    def _balance(self, stiffness: Stiffness, removal: float) -> Balance:
+        load = self.study.contact.load
+        if self._rigid:
             return self._balancer.bearing(
                 self.state.gap,
                 self.tiles,
@@ -254,31 +341,51 @@ class OneScaleModel:
                 step=removal * self.study.hardness,
             )
         # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
+        step, known = removal * self._ledger.row["pressure_mean"], None
+        if self._ahead is not None and self._ahead.made_for == stiffness.made_for:
+            step, known = self._ahead.offset, self._ahead.carried
         return self._balancer.foundation(
             self.state.gap,
-            stiffness,
+            stiffness.field,
             self.tiles,
             load=load,
             hardness=self.study.hardness,
             start=self._last.approach if self._last else None,
-            step=removal * self._ledger.row["pressure_mean"],
+            step=step,
+            stiffest=stiffness.stiffest,
+            known=known,
         )
 
-    def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> Field:
-        """1/c of the cells of a step that removes so much [mm³/N]; one row where all are alike."""
-        area = self._ledger.row["area_contact"]
-        law = self.study.law(radius=math.sqrt(area / math.pi) if area else None)
+    def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> Stiffness:
+        """Of a step that removes so much [mm³/N]; one row where all are alike."""
+        compliance = self._compliance
+        if compliance is None:
+            area = self._ledger.row["area_contact"]
+            compliance = self.study.law(radius=math.sqrt(area / math.pi) if area else None).compliance
         if self._recession is not None:
-            compliance = law.compliance + removal_sphere
-            return self._recession.stiffness(compliance, removal_disc, self.state.wear_disc)
+            compliance += removal_sphere
+            field = self._recession.stiffness(compliance, removal_disc, self._wear_of_disc())
+            return Stiffness((compliance, removal_sphere, removal_disc), field, math.inf)
         implicit = self.study.stepping.scheme == "implicit"
-        made_for = (law.compliance, removal_sphere * implicit, removal_disc * implicit)
-        if self._stiffness is None or self._stiffness[0] != made_for:
-            values = self._factor * made_for[2]
-            values += law.compliance + made_for[1]
-            with np.errstate(divide="ignore"):
-                np.reciprocal(values, out=values)
-            np.minimum(values, RIGID, out=values)
-            shape = (values.shape[0], self._executor.grid.ny)
-            self._stiffness = made_for, self._executor.field(np.broadcast_to(values, shape))
-        return self._stiffness[1]
+        made_for = (compliance, removal_sphere * implicit, removal_disc * implicit)
+        for made in self._stiffness:
+            if made.made_for == made_for:
+                return made
+        del self._stiffness[:-1]
+        values = self._factor * made_for[2]
+        values += compliance + made_for[1]
+        with np.errstate(divide="ignore"):
+            np.reciprocal(values, out=values)
+        np.minimum(values, RIGID, out=values)
+        ny, padded = self._executor.grid.ny, self._executor.vectors * LANES
+        values = np.broadcast_to(values, (values.shape[0], ny))
+        if ny < padded:  # a stiffness of 0 there would look like cells at the point of touching
+            values = np.pad(values, ((0, 0), (0, padded - ny)), mode="edge")
+        field = self._executor.field(values)
+        made = Stiffness(made_for, field, float(values.max()))
+        self._stiffness.append(made)
+        return made
+
+    def _wear_of_disc(self) -> Field:
+        """A field of its own [mm]: for laws that are evaluated cell by cell on few cells."""
+        return self._executor.field(self.worn()[1])

@@ -20,14 +20,20 @@ import numpy as np
 from warpwear import __version__
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.history import COLUMNS
+from warpwear.history import columns_of
 from warpwear.study import Study
 
 if TYPE_CHECKING:
     from warpwear.evolution import SurfaceEvolution
     from warpwear.figures import Plotter
 
-FIELDS = {"pressure": "MPa", "wear_sphere": "mm", "wear_disc": "mm", "gap": "mm"}
+FIELDS = {
+    "pressure": "MPa",
+    "wear_sphere": "mm",
+    "wear_disc": "mm",
+    "gap": "mm",
+    "plastic_disc": "mm",  # of a swept disc that keeps its dents
+}
 FILE_NAME = "result.h5"
 #: The file opens with a user block of so many bytes, a line "warpwear result DIGEST" of all behind it.
 MAGIC = "warpwear result"
@@ -40,13 +46,36 @@ CHUNK = 256
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Fields at one sliding distance, each of shape (nx, ny), axis 0 along the sliding direction."""
+    """Fields at one sliding distance, each of shape (nx, ny), axis 0 along the sliding direction.
+
+    Of a swept run the fields of the disc cover the track, shape (rows, ny), whose row number `row` lies under
+    the first row of the others.
+    """
 
     distance: float  # [mm]
     pressure: FloatArray  # [MPa], solved in the step that ends here
     wear_sphere: FloatArray  # [mm]
     wear_disc: FloatArray  # [mm]
     gap: FloatArray  # [mm], after the step's wear
+    plastic_disc: FloatArray | None = None  # [mm], displaced for good, of a swept disc that keeps its dents
+    row: int | None = None  # of the track, under the sphere's first row
+
+    @property
+    def wear_beneath(self) -> FloatArray:
+        """Wear of the disc under the sphere's domain [mm], shape (nx, ny)."""
+        return self.wear_disc if self.row is None else self._under(self.wear_disc)
+
+    @property
+    def lost_beneath(self) -> FloatArray:
+        """What is gone of the disc under the sphere's domain [mm]: worn, or displaced for good."""
+        if self.plastic_disc is None:
+            return self.wear_beneath
+        return self.wear_beneath + self._under(self.plastic_disc)
+
+    def _under(self, field: FloatArray) -> FloatArray:
+        assert self.row is not None
+        rows = np.arange(self.row, self.row + self.pressure.shape[0]) % field.shape[0]
+        return np.asarray(field[rows])
 
 
 class ResultWriter:
@@ -56,7 +85,7 @@ class ResultWriter:
     """
 
     def __init__(self, file: h5py.File, study: Study, grid: Grid, *, device: str, threads: int) -> None:
-        self._file = file
+        self._file, self._study = file, study
         self._check_space(0)
         file.attrs.update(
             version=__version__,
@@ -72,22 +101,31 @@ class ResultWriter:
 
     def add_snapshot(self, snapshot: Snapshot) -> None:
         """Keep the fields of one distance."""
-        self._check_space(sum(getattr(snapshot, name).nbytes for name in FIELDS))
+        fields = {name: values for name in FIELDS if (values := getattr(snapshot, name)) is not None}
+        self._check_space(sum(values.nbytes for values in fields.values()))
         snapshots = self._file["snapshots"]
         group = snapshots.create_group(f"{len(snapshots):04d}")
         group.attrs["distance"] = snapshot.distance
-        for name, units in FIELDS.items():
-            values = getattr(snapshot, name)
-            chunks = tuple(min(CHUNK, n) for n in values.shape)
-            dataset = group.create_dataset(
-                name,
-                data=values,
-                chunks=chunks,
-                compression="gzip",
-                compression_opts=1,
-                shuffle=True,
-            )
-            dataset.attrs["units"] = units
+        if snapshot.row is not None:
+            group.attrs["row"] = snapshot.row
+        for name, values in fields.items():
+            self._add_field(group, name, values, FIELDS[name])
+
+    def add_track(self, x: FloatArray, heights: FloatArray) -> None:
+        """Keep the disc of a swept run: places of its rows [mm], heights before any wear [mm]."""
+        self._check_space(heights.nbytes)
+        group = self._file.create_group("track")
+        for name, centres in (("x", x), ("y", self._file["grid/y"][()])):
+            group.create_dataset(name, data=centres).attrs["units"] = "mm"
+        self._add_field(group, "heights", heights, "mm")
+
+    @staticmethod
+    def _add_field(group: h5py.Group, name: str, values: FloatArray, units: str) -> None:
+        chunks = tuple(min(CHUNK, n) for n in values.shape)
+        dataset = group.create_dataset(
+            name, data=values, chunks=chunks, compression="gzip", compression_opts=1, shuffle=True
+        )
+        dataset.attrs["units"] = units
 
     @property
     def snapshot_bytes(self) -> int:
@@ -109,7 +147,7 @@ class ResultWriter:
         """Keep the history and what else the run recorded, and mark it as finished or interrupted."""
         self._check_space(sum(values.nbytes for values in history.values()))
         group = self._file.create_group("history")
-        for column in COLUMNS:
+        for column in columns_of(self._study):
             dataset = group.create_dataset(
                 column.name,
                 data=history[column.name],
@@ -252,7 +290,26 @@ class Result:
         with _damage_told(self._file):
             names = list(self._file["snapshots"])
             group = self._file["snapshots"][names[index]]
-            return Snapshot(float(group.attrs["distance"]), **{name: group[name][()] for name in FIELDS})
+            row = int(group.attrs["row"]) if "row" in group.attrs else None
+            fields = {name: group[name][()] for name in FIELDS if name in group}
+            return Snapshot(float(group.attrs["distance"]), row=row, **fields)
+
+    @cached_property
+    def track_x(self) -> FloatArray:
+        """Centres of the track's rows along the sliding direction [mm], shape (rows,). KeyError without."""
+        values: FloatArray = self._file["track/x"][()]
+        return values
+
+    def track_heights(self, rows: slice = slice(None)) -> FloatArray:
+        """Heights of the track before any wear [mm], shape (rows, ny). KeyError without a track."""
+        values: FloatArray = self._file["track/heights"][rows]
+        return values
+
+    def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:
+        """Depths worn off the track and displaced of it for good at snapshot number `index` [mm]."""
+        group = self._file["snapshots"][list(self._file["snapshots"])[index]]
+        worn: FloatArray = group["wear_disc"][rows]
+        return worn, group["plastic_disc"][rows] if "plastic_disc" in group else np.zeros_like(worn)
 
     @cached_property
     def summary(self) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from warpwear.errors import ConvergenceError, InputError, InvariantError
 from warpwear.evolution import COLUMNS as EVOLUTION
 from warpwear.execution import Executor, find_device, memory_told
 from warpwear.grid import FloatArray
-from warpwear.history import COLUMNS, Column
+from warpwear.history import Column, Rows, columns_of
 from warpwear.interrupts import Interrupts
 from warpwear.invariants import Invariants, Violation
 from warpwear.models import executor_of, model_of, plan_of
@@ -29,6 +29,7 @@ from warpwear.progress import Progress
 from warpwear.results import FILE_NAME, HEADER, Result, ResultWriter
 from warpwear.study import Study
 from warpwear.surface_of import surface_in
+from warpwear.track import Track
 from warpwear.versions import versions
 
 LOG = logging.getLogger("warpwear")
@@ -124,13 +125,16 @@ class _Loop:
         if problem is not None and study.checks.strict:
             raise InputError(f"{problem}.")
         surface = surface_in(study)
-        self.warnings = [*study.notices(), *surface.notices(grid.x, grid.y)]
+        along = Track.of(study).x if study.is_swept else grid.x
+        self.warnings = [*study.notices(), *surface.notices(along, grid.y)]
         for warning in self.warnings:
             self._warn(warning)
         made = model_of(study, surface, executor)
+        if made.heights is not None:
+            writer.add_track(Track.of(study).x, made.heights)
         self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
         self._processor, self._device = executor.device, str(executor.device)
-        self._rows: list[dict[str, float]] = []
+        self._rows = Rows()
 
     def checkpoint_in(self, folder: Path, work: Path, *, resume: bool) -> None:
         """Keep checkpoints in a run folder, and make them in a work folder. Go on from the one there, or not.
@@ -158,7 +162,7 @@ class _Loop:
         then = found.read()
         self._model.restore(then.arrays, then.numbers)
         self._writer.take_snapshots_from(found.file)
-        self._rows = then.rows
+        self._rows = Rows(then.rows)
         self.warnings, self._told = then.warnings, then.told
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
@@ -239,10 +243,7 @@ class _Loop:
         return self._elapsed_before + time.perf_counter() - self._started
 
     def _history(self, *, finished: bool) -> dict[str, FloatArray]:
-        history = {
-            column.name: np.array([row.get(column.name, math.nan) for row in self._rows])
-            for column in COLUMNS
-        }
+        history = {column.name: self._rows.column(column.name) for column in columns_of(self.study)}
         study = self.study
         history["cof"] = friction.coefficient(
             study.friction, history, load=study.contact.load, finished=finished
@@ -343,7 +344,7 @@ def _without_nan(values: Any) -> Any:
 
 def _write_tables(folder: Path, study: Study, result: Result) -> None:
     (folder / "study.toml").write_text(study.to_toml(), encoding="utf-8")
-    _write_table(folder / "history.csv", COLUMNS, result.history)
+    _write_table(folder / "history.csv", columns_of(study), result.history)
     _write_table(folder / "surface.csv", EVOLUTION, result.surface_evolution.table)
     summary = _without_nan(result.summary)
     (folder / "summary.json").write_text(

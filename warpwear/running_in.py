@@ -81,10 +81,10 @@ class Recession:
         )
         return float(self._share.numpy().sum())
 
-    def recede(self, wear_disc: Field, gap: Field) -> None:
-        """Open the gap after the mean depth of a step was worn off the disc."""
+    def recede(self, wear_disc: Field, gap: Field, unworn: Field) -> None:
+        """Open the gap, and the one without wear, after the mean depth of a step was worn off the disc."""
         self._executor.launch(
             running_in.recede,
             inputs=[self._curve.middle, self._curve.scale, wear_disc],
-            outputs=[gap, self.beyond],
+            outputs=[gap, unworn, self.beyond],
         )

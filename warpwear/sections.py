@@ -5,6 +5,7 @@ Numbers are kept in mm, N, MPa and s. A key whose default is a choice of ours an
 with a notice (see `Study.notices`), so that changing one key can change a kind.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
@@ -303,6 +304,10 @@ class GridSection(Section):
         return self
 
 
+def _track(value: Any) -> Any:
+    return value if value == "full" else Quantity("mm").read(value)
+
+
 class Sliding(Section):
     """[sliding]"""
 
@@ -311,9 +316,34 @@ class Sliding(Section):
     cycles: Strokes | None = key(None, "instead of distance: number of pairs of strokes")
     duration: Time | None = key(None, "instead of distance, with frequency: time of the test")
     frequency: Frequency | None = key(None, "cycles in a second")
+    revolutions: Annotated[float, Number()] | None = key(
+        None, "instead of distance: revolutions of a rotating disc"
+    )
     stroke: Length | None = key(None, "length of one pass")
+    track_radius: Length | None = key(
+        None, "instead of stroke: radius of the track on a rotating disc, which slides one way only"
+    )
     speed: Speed | None = key(None, "sliding speed, for the time axis only")
-    kinematics: Literal["stationary"] = key("stationary", "the same disc cells stay under the sphere")
+    kinematics: Literal["stationary", "swept"] = key(
+        "stationary",
+        "stationary: the same disc cells stay under the sphere; swept: it slides along a track on the disc",
+    )
+    track: Annotated[
+        float | Literal["full"],
+        BeforeValidator(_track),
+        PlainSerializer(lambda v: v if v == "full" else text(v, "mm")),
+    ] = key(
+        "full",
+        "swept: the whole stroke, or the length of a periodic disc on which one lap stands for one pass",
+    )
+    shift: Annotated[int, Field(ge=1, le=100_000, strict=True)] = key(
+        8, "swept: cells that the sphere moves on in a step", assumed="well within the contact's length"
+    )
+    plastic: Literal["forget", "keep"] = key(
+        "forget",
+        "swept: a disc cell at the hardness springs back, or keeps the depth it was pressed to",
+        assumed="Archard's wear alone; 'keep' is the other end",
+    )
 
     @model_validator(mode="after")
     def _one_distance(self) -> Self:
@@ -323,6 +353,7 @@ class Sliding(Section):
             "sliding.cycles": self.cycles is not None,
             "sliding.duration with sliding.frequency": self.duration is not None
             or self.frequency is not None,
+            "sliding.revolutions": self.revolutions is not None,
         }
         given = [way for way, is_given in ways.items() if is_given]
         if len(given) != 1:
@@ -330,15 +361,28 @@ class Sliding(Section):
             raise ValueError(f"the sliding distance needs one of {', '.join(ways)}; given: {found}")
         if (self.duration is None) != (self.frequency is None):
             raise ValueError("sliding.duration and sliding.frequency need each other")
-        if self.distance is None and self.stroke is None:
+        if self.stroke is not None and self.track_radius is not None:
+            raise ValueError("sliding.stroke and sliding.track_radius exclude each other")
+        if self.revolutions is not None:
+            if self.track_radius is None:
+                raise ValueError("sliding.revolutions needs sliding.track_radius, a length such as '5 mm'")
+        elif self.distance is None and self.stroke is None:
             raise ValueError(f"{given[0]} needs sliding.stroke, a length such as '30 mm'")
         return self
+
+    @property
+    def lap(self) -> float | None:
+        """What is slid in one pass: the stroke, or the way of one revolution [mm]."""
+        return self.stroke if self.track_radius is None else 2.0 * math.pi * self.track_radius
 
     @property
     def total(self) -> float:
         """Sliding distance of the whole test [mm]."""
         if self.distance is not None:
             return self.distance
+        if self.revolutions is not None:
+            assert self.lap is not None
+            return self.revolutions * self.lap
         assert self.stroke is not None  # one of the other ways was given, and they need it
         if self.duration is not None and self.frequency is not None:
             return 2.0 * self.stroke * self.frequency * self.duration

@@ -1,16 +1,20 @@
 """One grid in motion: a disc displaced by whole cells under a wearing sphere, step by step."""
 
+import itertools
 import math
 from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import warp as wp
 
 from warpwear.balance import RIGID, Balance, Balancer
+from warpwear.device_sliding import DeviceSliding
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
-from warpwear.kernels import gap, sliding
+from warpwear.kernels import contact, gap, sliding
 from warpwear.kernels.types import LANES, PADDING, STEP, STEP_MAXIMA
 from warpwear.ledger import Ledger, Step
 from warpwear.sliding_tiles import PerTile, SlidingTiles
@@ -20,6 +24,8 @@ from warpwear.study import Study
 SPARE = 1.25
 #: Changes of the approach from which the next is expected, and how many times the largest it may be.
 CHANGES, TIMES = 8, 2.0
+#: Kept of every tile and of every row.
+KEPT = ("touched", "worn_sphere", "worn_disc", "pressed_disc")
 #: Of a step before which nothing was touched.
 NO_ROWS = {"first_row": -math.inf, "last_row": -math.inf}
 #: What the approach may change by when nothing is known of it, and at least [mm].
@@ -34,6 +40,7 @@ class State:
     disc: Field  # height over the mean plane, as worn
     wear_sphere: Field
     wear_disc: Field
+    plastic_disc: Field  # displaced for good where a cell was at the hardness; one row where none is kept
 
 
 class SlidingContact:
@@ -45,7 +52,8 @@ class SlidingContact:
 
     disc: heights over the mean plane [mm], shape (rows ≥ nx, ny); row i of the sphere lies on row i + shift.
     periodic: after the disc's last row comes its first. sphere: heights over the unworn apex [mm], shape
-    (nx, ny), instead of those of the study's sphere.
+    (nx, ny), instead of those of the study's sphere. share: what this disc slides of the increment of the
+    test: its volumes count 1/share times, as those of the whole stroke that it stands for.
 
     Raises ValueError for a disc that is shorter than the grid or of another width.
     """
@@ -58,6 +66,7 @@ class SlidingContact:
         *,
         periodic: bool = False,
         sphere: FloatArray | None = None,
+        share: float = 1.0,
     ) -> None:
         grid = executor.grid
         if disc.shape[0] < grid.nx or disc.shape[1] != grid.ny:
@@ -66,18 +75,24 @@ class SlidingContact:
         self.periodic = periodic
         self._executor = executor
         self._rows = disc.shape[0]
+        self._share = share
+        self._wear, self._elastic = study.wear_laws, study.law().compliance
+        self._implicit = study.stepping.scheme == "implicit"
+        self.keeps_dents = study.sliding.plastic == "keep" and math.isfinite(study.hardness)
         self._balancer = Balancer(executor)
         self.state = State(
             _padded(executor, sphere, PADDING) if sphere is not None else self._sphere(),
             _padded(executor, disc, -PADDING),
             executor.zeros(),
             executor.zeros(self._rows),
+            executor.zeros(self._rows if self.keeps_dents else 1),
         )
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
         columns, device = executor.tiles_per_row, executor.device
-        # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc.
-        rows = (grid.nx, grid.nx, self._rows)
+        # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc,
+        # what is displaced of the disc.
+        rows = (grid.nx, grid.nx, self._rows, self.state.plastic_disc.shape[0])
         self._kept = [PerTile(n, columns, device) for n in rows]
         self._totals = [wp.zeros(n, dtype=wp.float64, device=device) for n in rows]
         self._sums = executor.partials(len(STEP))
@@ -86,9 +101,14 @@ class SlidingContact:
         self._approach: float | None = None
         self._changes: deque[float] = deque(maxlen=CHANGES)
         self._ledger = Ledger(study, executor.grid)
+        self._loop: DeviceSliding | None = None
+        #: Whether the device can make steps by itself: those of a contact with compliance.
+        self.blocks_allowed = executor.device.is_cuda and not study.uses_bearing_area
 
-    def step(self, shift: int, increment: float) -> Step:
+    def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
+
+        The row of the step has one column more, `plastic_volume_disc`.
 
         Raises ConvergenceError when the load cannot be balanced, ValueError when a disc that is not periodic
         would leave a part of the sphere without one.
@@ -99,20 +119,29 @@ class SlidingContact:
             raise ValueError(f"a shift of {shift} rows leaves the disc of {self._rows} rows")
         self.tiles.displace(shift)
         distance = self._ledger.row["distance"]
-        removal_sphere, removal_disc = (law.removal(distance, increment) for law in self.study.wear_laws)
+        of_sphere, of_disc = (law.removal(distance, increment) for law in self._wear)
+        removal_sphere, removal_disc = of_sphere, self._share * of_disc
         compliance = self._compliance(removal_sphere + removal_disc)
         stiffness = self._stiffness_of(compliance)
         balance = self._balance(stiffness, rigid=compliance == 0.0)
         near_mean = balance.cap if compliance == 0.0 else self._ledger.row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
+        pressure = self._pressures(balance, stiffness) if with_pressure else None
         state, tiles = self.state, self.tiles
-        most = self._ledger.most
-        known = (self._executor.grid.ny, -1)  # first and last column that were touched
-        if math.isfinite(most["first_column"]):
-            known = int(-most["first_column"]), int(most["last_column"])
+        columns = self._touched_columns()
+        known = (columns.start, columns.stop - 1) if columns.stop else (self._executor.grid.ny, -1)
         self._executor.launch(
             sliding.remove,
-            inputs=[*balance.law, removal_sphere, removal_disc, reference, shift, *known, stiffness],
+            inputs=[
+                *balance.law,
+                removal_sphere,
+                removal_disc,
+                reference,
+                shift,
+                *known,
+                compliance * self.study.hardness if self.keeps_dents else math.inf,
+                stiffness,
+            ],
             outputs=[
                 tiles.gap,
                 state.sphere,
@@ -121,7 +150,9 @@ class SlidingContact:
                 state.wear_disc,
                 tiles.lowest.numbers,
                 tiles.highest.numbers,
-                *(kept.numbers for kept in self._kept),
+                *(kept.numbers for kept in self._kept[:3]),
+                state.plastic_disc,
+                self._kept[3].numbers,
                 self._sums,
                 self._maxima,
             ],
@@ -138,12 +169,102 @@ class SlidingContact:
         if self._approach is not None:
             self._changes.append(abs(balance.approach - self._approach))
         self._approach = balance.approach
-        return self._entered(balance, increment, (removal_sphere, removal_disc), reference)
+        return self._entered(balance, increment, (of_sphere, of_disc), reference, pressure)
+
+    @property
+    def in_blocks(self) -> bool:
+        """Whether `steps` can be made on the device in one go from here on."""
+        return self.blocks_allowed and self._approach is not None
+
+    def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[Step]:
+        """Steps as `step` makes them, on the device in one go before the first of them is seen."""
+        if self._loop is None:
+            self._loop = DeviceSliding(
+                self._executor,
+                [*vars(self.state).values()],
+                [self.tiles.lowest.numbers, self.tiles.highest.numbers],
+                [kept.numbers for kept in self._kept],
+                self._totals,
+                load=self.study.contact.load,
+                hardness=self.study.hardness,
+                compliance=self._elastic,
+                implicit=self._implicit,
+                keeps=self.keeps_dents,
+            )
+        assert self._approach is not None
+        ends = itertools.accumulate(increments, initial=self._ledger.row["distance"])
+        removals = [
+            (sphere, disc)
+            for start, increment in zip(ends, increments, strict=False)
+            for sphere, disc in [[law.removal(start, increment) for law in self._wear]]
+        ]
+        made = self._loop.run(
+            [shift % self._rows for shift in shifts],
+            [(sphere, self._share * disc) for sphere, disc in removals],
+            approach=self._approach,
+            wander=max(self._changes, default=FIRST_SCATTER),
+            mean_pressure=self._ledger.row["pressure_mean"],
+        )
+        for increment, removal, step in zip(increments, removals, made, strict=True):
+            self._changes.append(abs(step.balance.approach - self._approach))
+            self._approach = step.balance.approach
+            reference = self._ledger.row["pressure_mean"]
+            yield self._booked(step.balance, increment, removal, reference, step.totals, step.most)
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that the steps so far have changed: all that `restore` needs.
+
+        Of fields only the columns that were ever touched: beyond them they are as they were made.
+        """
+        band = self._touched_columns()
+        arrays = {name: self._executor.to_numpy(field)[:, band] for name, field in vars(self.state).items()}
+        arrays |= {name: array.numpy() for name, array in self._of_tiles().items()}
+        return arrays, {
+            "columns": [band.start, band.stop],
+            "approach": self._approach,
+            "changes": [*self._changes],
+            "most": self._ledger.most,
+            "row": self._ledger.row,
+        }
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on from the state that another contact of the same study, disc and device saved."""
+        band = slice(*numbers["columns"])
+        for name, field in vars(self.state).items():
+            values = self._executor.to_numpy(field)
+            values[:, band] = arrays[name]
+            self._executor.fill(field, values)
+        for name, array in self._of_tiles().items():
+            array.assign(arrays[name])
+        self._approach = numbers["approach"]
+        self._changes.extend(numbers["changes"])
+        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
+
+    def _of_tiles(self) -> dict[str, Field]:
+        """What is kept of tiles and rows, by name."""
+        kept = {"sphere_lowest": self.tiles.lowest.numbers, "disc_highest": self.tiles.highest.numbers}
+        kept |= {f"{name}_in_tiles": kept.numbers for name, kept in zip(KEPT, self._kept, strict=True)}
+        return kept | {f"{name}_in_rows": totals for name, totals in zip(KEPT, self._totals, strict=True)}
+
+    def _touched_columns(self) -> slice:
+        first, last = (self._ledger.most[name] for name in ("first_column", "last_column"))
+        return slice(int(-first), int(last) + 1) if math.isfinite(first) else slice(0, 0)
+
+    def _pressures(self, balance: Balance, stiffness: Field) -> FloatArray:
+        """The pressure field of a solved contact [MPa]."""
+        field = self._executor.zeros()
+        self._executor.launch(
+            contact.pressures,
+            inputs=[*balance.law, stiffness, self.tiles.gap],
+            outputs=[field],
+            over=self.tiles,
+        )
+        return self._executor.to_numpy(field)
 
     def _sphere(self) -> Field:
         """Heights of the study's sphere, by the kernel that makes the gap of a smooth disc."""
         grid = self._executor.grid
-        nothing, heights = self._executor.zeros(), self._executor.zeros()
+        heights = self._executor.zeros()
         self._executor.launch(
             gap.gap,
             inputs=[
@@ -152,19 +273,15 @@ class SlidingContact:
                 float(grid.x[0]),
                 float(grid.y[0]),
                 self.study.sphere.curvature,
-                nothing,
-                nothing,
-                nothing,
+                self._executor.zeros(),
             ],
-            outputs=[heights],
+            outputs=[heights, heights],
         )
         return heights
 
     def _compliance(self, removal: float) -> float:
         """c of a step that removes so much [mm³/N]."""
-        area = self._ledger.row["area_contact"]
-        law = self.study.law(radius=math.sqrt(area / math.pi) if area else None)
-        return law.compliance + (removal if self.study.stepping.scheme == "implicit" else 0.0)
+        return self._elastic + (removal if self._implicit else 0.0)
 
     def _stiffness_of(self, compliance: float) -> Field:
         if self._stiffness is None or self._stiffness[0] != compliance:
@@ -200,20 +317,44 @@ class SlidingContact:
         )
 
     def _entered(
-        self, balance: Balance, increment: float, removal: tuple[float, float], reference: float
+        self,
+        balance: Balance,
+        increment: float,
+        removal: tuple[float, float],
+        reference: float,
+        pressure: FloatArray | None,
     ) -> Step:
         total = dict(zip(STEP, self._sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(STEP_MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
-        touched, worn_sphere, worn_disc = (totals.numpy() for totals in self._totals)
+        touched, worn_sphere, worn_disc, pressed = (totals.numpy() for totals in self._totals)
         total |= {
             "pressure_times_factor": total["pressure"],
             "touched": float(touched.sum()),
             "wear_sphere": float(worn_sphere.sum()),
             "wear_disc": float(worn_disc.sum()),
+            "pressed_disc": float(pressed.sum()),
         }
         rows = np.flatnonzero(touched)
         most |= {"first_row": -float(rows[0]), "last_row": float(rows[-1])} if rows.size else NO_ROWS
-        return self._ledger.enter(balance, increment, removal, reference, total, most)
+        return self._booked(balance, increment, removal, reference, total, most, pressure=pressure)
+
+    def _booked(
+        self,
+        balance: Balance,
+        increment: float,
+        removal: tuple[float, float],
+        reference: float,
+        total: dict[str, float],
+        most: dict[str, float],
+        *,
+        pressure: FloatArray | None = None,
+    ) -> Step:
+        """What the disc lost counts for the whole stroke."""
+        total = total | {"wear_disc": total["wear_disc"] / self._share}
+        step = self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
+        pressed = total["pressed_disc"] / self._share
+        step.row["plastic_volume_disc"] = pressed * self._executor.grid.cell_area
+        return step
 
 
 def _padded(executor: Executor, heights: FloatArray, padding: float) -> Field:

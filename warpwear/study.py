@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from pydantic import Field, ValidationError, model_validator
 
-from warpwear import consistency, render
+from warpwear import consistency, render, track_checks
 from warpwear.contact import CappedFoundation
 from warpwear.defaults import CONSTANTS, fill
 from warpwear.description import is_described, with_changes
@@ -50,7 +50,9 @@ ALTERNATIVES: tuple[tuple[frozenset[str], ...], ...] = (
         frozenset({"sliding.passes"}),
         frozenset({"sliding.cycles"}),
         frozenset({"sliding.duration", "sliding.frequency"}),
+        frozenset({"sliding.revolutions"}),
     ),
+    (frozenset({"sliding.stroke"}), frozenset({"sliding.track_radius"})),
     (
         frozenset({"stepping.increment"}),
         frozenset({"stepping.first", "stepping.growth", "stepping.largest"}),
@@ -127,6 +129,11 @@ class Study(Section):
     def _consistent(self) -> Self:
         consistency.check(self)
         return self
+
+    @property
+    def is_swept(self) -> bool:
+        """Whether the sphere slides over a track, or stays on the same cells of the disc."""
+        return self.sliding.kinematics == "swept"
 
     @property
     def uses_bearing_area(self) -> bool:
@@ -246,7 +253,8 @@ class Study(Section):
                 found[f"wear.{name}"] = f"does not apply to wear.law = '{self.wear.law}'"
         if not self.uses_bearing_area:
             found["stepping.load_tolerance"] = "does not apply: with compliance the balance holds to 1e-12"
-        if self.stepping.increment is not None:
+        found |= track_checks.inapplicable(self)
+        if self.stepping.increment is not None and not self.is_swept:
             growing = ("stepping.first", "stepping.growth", "stepping.largest")
             found |= dict.fromkeys(growing, "does not apply to a fixed stepping.increment")
         if self.friction.shear_strength is not None:
@@ -266,6 +274,7 @@ class Study(Section):
             for why, keys in reasons.items()
         ]
         total = self.sliding.total
+        found += track_checks.doubts(self)
         late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > total or s == 0.0 < total)
         if late:
             found.append(f"output.snapshots that no step ends at: {late} mm.")

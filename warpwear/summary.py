@@ -69,9 +69,45 @@ def summarise(result: "Result") -> dict[str, Any]:
             for body in ("sphere", "disc")
         },
         "disc_volume_over_KFL": _ratio(end["wear_volume_disc"], disc * load * end["distance"]),
+        **({"track": _track(result)} if study.is_swept else {}),
         **result.record,
         "assumptions": render.assumptions(study),
     }
+
+
+def _track(result: "Result") -> dict[str, Any]:
+    """Groove, passes and what was displaced, of a swept run."""
+    from warpwear.track import Track
+    from warpwear.track_data import by_pass, groove, roughness_in_track
+
+    study, history, track = result.study, result.history, Track.of(result.study)
+    passes = by_pass(result)
+    found: dict[str, Any] = {
+        "length_mm": track.cells * track.cell,
+        "pass_mm": track.stroke,
+        "passes": float(history["distance"][-1]) / track.stroke,
+        "shift_cells": track.shift,
+        "plastic": study.sliding.plastic,
+        "plastic_volume_mm3": float(history["plastic_volume_disc"][-1]),
+        "area_contact_mm2_of_passes": {
+            "first": float(passes["area_contact"][0]),
+            "last": float(passes["area_contact"][-1]),
+        },
+    }
+    if result.snapshot_distances.size:
+        last = groove(result, result.snapshot_distances.size - 1)
+        found["groove"] = {
+            "mean_depth_um": 1.0e3 * last.mean_depth,
+            "deepest_um": 1.0e3 * float(last.depth.max()),
+            "width_mm": last.width,
+            "section_um2": 1.0e6 * last.section,
+        }
+        roughness = roughness_in_track(result)
+        found["roughness_um"] = {
+            when: {name: float(values[at]) for name, values in roughness.items() if name != "passes"}
+            for when, at in (("unworn", 0), ("end", -1))
+        }
+    return found
 
 
 def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float]:

@@ -66,11 +66,9 @@ class Tiles(TileList):
     tile is always listed: a pass over the memory costs less there than to decide about it.
     """
 
-    def __init__(
-        self, executor: Executor, gap: Field, wear_sphere: Field, wear_disc: Field, *, least: float
-    ) -> None:
+    def __init__(self, executor: Executor, gap: Field, unworn: Field, share: Field, *, least: float) -> None:
         super().__init__(executor, least=least)
-        self._fields = [gap, wear_sphere, wear_disc]
+        self._fields = [gap, unworn, share]
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._lowest = wp.zeros((nx, columns), dtype=wp.float64, device=device)
         self._kept = wp.zeros((nx, columns), dtype=Kept, device=device)

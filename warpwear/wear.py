@@ -22,6 +22,16 @@ class WearLaw:
         """Largest K at any distance [mm²/N]."""
         return max(self.steady, self.initial or 0.0)
 
+    def in_proportion_to(self, other: "WearLaw") -> bool:
+        """Whether the two K are in one proportion at every distance."""
+        if self.fastest == 0.0 or other.fastest == 0.0:
+            return True
+        if self.decay != other.decay or self.running_in != other.running_in:
+            return False
+        if self.running_in is None or self.initial is None or other.initial is None:
+            return self.initial == other.initial
+        return self.initial * other.steady == other.initial * self.steady
+
     def removal(self, start: float, increment: float) -> float:
         """∫ K dL from a distance over an increment [mm]: depth worn by a unit of pressure [mm³/N]."""
         if self.decay is not None:

@@ -1,7 +1,5 @@
 """Lists of points and matrices in text: every way they are written, and what is refused."""
 
-import time
-
 import numpy as np
 import pytest
 
@@ -236,13 +234,12 @@ def test_npz(tmp_path):
         read(path, **GIVEN)
 
 
-def test_a_million_points_take_seconds(tmp_path):
+def test_many_points_in_any_order_make_their_grid(tmp_path):
     path = tmp_path / "big.xyz"
-    count = 500
+    count = 300
     x, y = np.meshgrid(np.arange(count) * 0.438, np.arange(count) * 0.438, indexing="ij")
     z = RNG.normal(size=x.size)
     row = np.array([f"{a:.3f};{b:.3f};{c:.4f}" for a, b, c in zip(x.ravel(), y.ravel(), z, strict=True)])
     path.write_text("\n".join(RNG.permutation(row)).replace(".", ","))
-    start = time.perf_counter()
-    assert gridded(read_table(path).values).heights.shape == (count, count)
-    assert time.perf_counter() - start < 5.0  # a quarter of a million; 0.3 s where it was written
+    heights = gridded(read_table(path).values).heights
+    np.testing.assert_allclose(heights.ravel(), z, atol=6e-5)

@@ -1,0 +1,122 @@
+"""What a step evaluates ahead of the next one, and what is told of the wear of two bodies from one gap."""
+
+import json
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from warpwear import Study
+from warpwear.execution import Executor
+from warpwear.foresight import Foresight
+from warpwear.grid import Grid
+from warpwear.one_scale import OneScaleModel
+from warpwear.wear import WearLaw
+
+SHAPE, CELL = (150, 203), 0.005  # a width that needs padding
+LAWS = {
+    "implicit": {},
+    "elastic, across": {"contact.stiffness": "1.9e6 N/mm^3", "wear.distance_factor": "across"},
+    "no cap": {"contact.hardness": "inf MPa"},
+    "radial": {"wear.distance_factor": "radial"},
+    "running in": {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1e-2 mm^3/N/m"},
+    "smooth": {"study.model": "macro", "contact.foundation": "pressure", "contact.hardness": "inf MPa"},
+}
+PLAN = (0.003 * 1.1 ** np.arange(60)).tolist()
+
+
+def heights() -> np.ndarray:
+    return np.random.default_rng(5).normal(0.0, 1e-3, SHAPE).cumsum(axis=1) * 0.1
+
+
+def study(kind: str) -> Study:
+    return Study.load("v3-fine").replace({"wear.sphere": "9.4e-4 mm^3/N/m"} | LAWS[kind])
+
+
+@pytest.mark.parametrize("kind", LAWS)
+def test_steps_evaluated_ahead_are_the_steps(kind: str, threads: int) -> None:
+    """The same cells and approaches as with a search of each step's own, which takes several evaluations."""
+    outcomes = []
+    for ahead in (False, True):
+        with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
+            model = OneScaleModel(study(kind), heights(), executor)
+            if ahead:
+                steps = list(model.steps((d, True) for d in PLAN))
+            else:
+                steps = [model.advance(d, with_pressure=True) for d in PLAN]
+            outcomes.append((steps, [executor.to_numpy(model.state.gap).copy(), *model.worn()]))
+    (plain, fields), (foreseen, fields_foreseen) = outcomes
+    for one, other in zip(plain, foreseen, strict=True):
+        assert_array_equal(one.pressure > 0.0, other.pressure > 0.0)  # type: ignore[operator]
+        assert other.row["approach"] == pytest.approx(one.row["approach"], rel=1e-12)
+        assert abs(other.row["load_residual"]) <= 1e-12 * 8.0
+    for one_field, other_field in zip(fields, fields_foreseen, strict=True):
+        assert_allclose(other_field, one_field, rtol=1e-10, atol=1e-15)
+    evaluations = [sum(step.balance.evaluations for step in steps[3:]) for steps in (plain, foreseen)]
+    assert evaluations[1] < 0.6 * evaluations[0]
+
+
+def test_another_increment_than_announced_is_solved_for_itself() -> None:
+    steps = {}
+    for then in (None, 1.0):
+        with Executor(Grid(*SHAPE, CELL)) as executor:
+            model = OneScaleModel(study("implicit"), heights(), executor)
+            steps[then] = [model.advance(d, with_pressure=True, then=then) for d in (0.01, 0.02, 0.3, 0.01)]
+    for one, other in zip(steps[None], steps[1.0], strict=True):
+        assert one.row["approach"] == pytest.approx(other.row["approach"], rel=1e-12)
+        assert_array_equal(one.pressure > 0.0, other.pressure > 0.0)  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("kind", LAWS)
+def test_wear_of_both_bodies_is_what_the_pressures_took(kind: str) -> None:
+    """Σ K p ΔL of each cell and body, added up from the pressures of all steps."""
+    this = study(kind)
+    grid = Grid(*SHAPE, CELL)
+    factor = np.ones(SHAPE)
+    if this.wear.distance_factor != "none":
+        d2 = np.broadcast_to(grid.y[None, :] ** 2, SHAPE)
+        d2 = d2 + grid.x[:, None] ** 2 * (this.wear.distance_factor == "radial")
+        factor = np.sqrt(1.0 - d2 / 9.0)
+    expected = np.zeros((2, *SHAPE))
+    with Executor(grid) as executor:
+        model = OneScaleModel(this, heights(), executor)
+        distance = 0.0
+        for step, increment in zip(model.steps((d, True) for d in PLAN), PLAN, strict=True):
+            for worn, law, slid in zip(expected, this.wear_laws, (1.0, factor), strict=True):
+                worn += law.removal(distance, increment) * slid * step.pressure
+            distance += increment
+        for worn, found in zip(expected, model.worn(), strict=True):
+            assert_allclose(found, worn, rtol=1e-10, atol=1e-12 * worn.max())
+    for name, worn in zip(("sphere", "disc"), expected, strict=True):
+        assert step.row[f"wear_volume_{name}"] == pytest.approx(worn.sum() * CELL**2, rel=1e-11)
+        assert step.row[f"wear_depth_{name}"] == pytest.approx(worn.max(), rel=1e-11)
+
+
+def test_wear_in_proportion() -> None:
+    fast, slow = WearLaw(3e-6), WearLaw(1e-6)
+    assert fast.in_proportion_to(slow)
+    assert WearLaw(3e-6, decay=0.1).in_proportion_to(WearLaw(1e-6, decay=0.1))
+    assert not WearLaw(3e-6, decay=0.1).in_proportion_to(slow)
+    running_in = WearLaw(3e-6, initial=6e-6, running_in=2.0)
+    assert running_in.in_proportion_to(WearLaw(1e-6, initial=2e-6, running_in=2.0))
+    assert not running_in.in_proportion_to(WearLaw(1e-6, initial=1e-6, running_in=2.0))
+    assert running_in.in_proportion_to(WearLaw(0.0))
+
+
+def test_foresight_continues_a_line_of_rates() -> None:
+    """The rate at the middle of a step is 7 − 2 s there: exact from the second rate on, across a save."""
+    foresight = Foresight()
+    assert foresight.expected(0.1) is None
+    slid, approach = 0.0, 0.3
+    foresight.note(approach, 0.2)
+    slid += 0.2
+    for removal in (0.1, 0.3, 0.2, 0.5):
+        change = removal * (7.0 - 2.0 * (slid + 0.5 * removal))
+        if slid > 0.4:
+            assert foresight.expected(removal) == pytest.approx(change, rel=1e-12)
+        again = Foresight()
+        again.restore(json.loads(json.dumps(foresight.saved_state())))
+        assert again.expected(removal) == foresight.expected(removal)
+        approach += change
+        foresight.note(approach, removal)
+        slid += removal

@@ -1,0 +1,49 @@
+"""Where the approach of the next step will be, from those of the last ones."""
+
+from collections import deque
+
+#: Steps remembered: a line through their rates is continued, as a parabola amplifies the noise of the area.
+REMEMBERED = 2
+
+
+class Foresight:
+    """Continues the rate at which the approach grows with what a unit of pressure removes.
+
+    That rate is the mean pressure where wear alone moves the contact, so it changes as slowly as the area.
+    """
+
+    def __init__(self) -> None:
+        self._slid = 0.0  # Σ K ΔL of both bodies [mm³/N]
+        self._approach: float | None = None
+        self._rates: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)  # where [mm³/N], rate [MPa]
+
+    def saved_state(self) -> list[object]:
+        """What `restore` takes back, as JSON keeps it."""
+        return [self._slid, self._approach, [list(rate) for rate in self._rates]]
+
+    def restore(self, state: list[object]) -> None:
+        """Go on from another one's state."""
+        self._slid, self._approach, rates = state  # type: ignore[assignment]
+        self._rates.clear()
+        self._rates.extend((where, rate) for where, rate in rates)  # type: ignore[attr-defined]
+
+    def note(self, approach: float, removal: float) -> None:
+        """A step ended at an approach [mm], its pressures removed so much each [mm³/N]."""
+        if self._approach is not None and removal > 0.0:
+            rate = (approach - self._approach) / removal
+            self._rates.append((self._slid + 0.5 * removal, rate))
+        self._approach = approach
+        self._slid += removal
+
+    def expected(self, removal: float) -> float | None:
+        """How far a step goes on that removes so much [mm]; None before it can be told."""
+        if not self._rates:
+            return None
+        where = self._slid + 0.5 * removal
+        rate = 0.0  # Lagrange's polynomial through what is remembered
+        for i, (place, value) in enumerate(self._rates):
+            for j, (other, _) in enumerate(self._rates):
+                if i != j:
+                    value *= (where - other) / (place - other)
+            rate += value
+        return removal * rate
