@@ -85,6 +85,33 @@ def test_a_disk_that_fills(count: int, tmp_path: Path) -> None:
         assert run["resumed"] == "the same", run
 
 
+def test_a_limit_to_the_size_of_files(tmp_path: Path) -> None:
+    """As a quota: the disk has room, and a write fails all the same."""
+    resource = pytest.importorskip("resource")
+    code = (
+        "import resource, sys; from warpwear import cli\n"
+        "limit = int(float(sys.argv[1]) * 2**20)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))\n"
+        "cli.main(['run', sys.argv[2], '--out', sys.argv[3], '--no-plots'])"
+    )
+    assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] == resource.RLIM_INFINITY
+    (tmp_path / "mine.toml").write_text(small(grid__cell="5 um").to_toml())
+    for mebibytes, holds in ((1.0, "no run"), (4.5, "")):
+        out = tmp_path / "out"
+        done = subprocess.run(
+            [sys.executable, "-c", code, str(mebibytes), str(tmp_path / "mine.toml"), str(out)],
+            env=ENVIRONMENT,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 2, done.stderr
+        last = done.stderr.splitlines()[-1]
+        assert last.startswith(f"warpwear: out = {out} could not be written and holds {holds}")
+        assert last.endswith("MiB are needed: File too large.")
+        assert "Traceback" not in done.stderr
+
+
 def test_a_folder_that_must_not_be_written(tmp_path: Path) -> None:
     if not small_disks():
         pytest.skip("no file system of our own can be mounted here")

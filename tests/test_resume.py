@@ -7,7 +7,6 @@ import runpy
 import signal
 import subprocess
 import sys
-from collections import namedtuple
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -319,11 +318,10 @@ def test_a_file_of_that_name_that_is_none_is_left_alone(tmp_path: Path) -> None:
 def test_a_full_disk_costs_the_checkpoint_and_not_the_run(
     alone: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    usage = namedtuple("usage", "total used free")
-    monkeypatch.setattr(
-        "warpwear.checkpoint.shutil",
-        type("shutil", (), {"disk_usage": staticmethod(lambda _: usage(2**30, 2**30, 0))}),
-    )
+    def full(size: int, folder: Path) -> None:
+        raise OSError(28, f"{size / 2**20:.0f} MiB are needed, 0 MiB are free")
+
+    monkeypatch.setattr("warpwear.checkpoint.make_sure_of", full)
     with warpwear.run(short(), out=tmp_path / "out", plots=False) as result:
         told = [w for w in result.record["warnings"] if "checkpoint" in w]
         assert len(told) == 1

@@ -11,10 +11,8 @@ everything behind it is checked before the HDF5 library sees any of it. Then:
 It is written under another name, flushed to the disk and moved into place: a good one is always there.
 """
 
-import errno
 import json
 import os
-import shutil
 import time
 import tomllib
 import zlib
@@ -28,6 +26,7 @@ import h5py
 import numpy as np
 
 from warpwear import __version__
+from warpwear.disk_space import make_sure_of
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history import Rows
@@ -110,12 +109,9 @@ class Checkpoints:
         self.path.unlink(missing_ok=True)
 
     def _check_space(self, now: Checkpoint, snapshots: ResultWriter) -> None:
-        """The HDF5 library does not survive a full disk."""
         size = sum(values.nbytes for values in now.arrays.values()) + snapshots.snapshot_bytes
         size += 8 * len(now.rows) * len(now.rows[0]) + SPACE_FOR_THE_REST
-        free = shutil.disk_usage(self._new.parent).free
-        if free < size:
-            raise OSError(errno.ENOSPC, f"{size / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free")
+        make_sure_of(size, self._new.parent)
 
 
 class Found:

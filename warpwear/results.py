@@ -1,9 +1,7 @@
 """Results: one HDF5 file a run, written step by step, read by `Result`."""
 
-import errno
 import hashlib
 import json
-import shutil
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -18,6 +16,7 @@ import h5py
 import numpy as np
 
 from warpwear import __version__
+from warpwear.disk_space import make_sure_of
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history import columns_of
@@ -165,12 +164,8 @@ class ResultWriter:
         """For so many bytes before compression [B]."""
         if self._file.driver == "core":
             return
-        free = shutil.disk_usage(Path(self._file.filename).parent).free
-        needed = size + SPACE_FOR_THE_REST
-        if free < needed:
-            raise OSError(
-                errno.ENOSPC, f"{needed / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free"
-            )
+        path = Path(self._file.filename)
+        make_sure_of(size + SPACE_FOR_THE_REST, path.parent, offset=path.stat().st_size)
 
 
 def seal(path: Path) -> None:
