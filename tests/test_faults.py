@@ -161,6 +161,24 @@ def test_a_folder_that_is_removed_while_it_runs(
     check_sentence(error.value)
 
 
+def test_a_second_process_in_the_same_folder(
+    tmp_path: Path, history: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    refused = []
+
+    def second() -> None:
+        command = [sys.executable, "-m", "warpwear", "run", "v3", "--out", str(out), "--resume"]
+        refused.append(subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, check=False))
+
+    during(monkeypatch, OneScaleModel, "advance", second, 6)
+    warpwear.run(small(), out=out, plots=False).close()
+    assert refused[0].returncode == 2
+    assert f"is in use by another run (process {os.getpid()})" in refused[0].stderr
+    assert refused[0].stderr.count("\n") == 1
+    check_same(out, history)
+
+
 PHASES: dict[str, tuple[Any, str, int]] = {
     "compile": (wp, "load_module", 0),
     "surface": (runner, "surface_in", 0),

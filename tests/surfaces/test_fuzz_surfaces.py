@@ -13,6 +13,7 @@ What a read may be wrong about depends on the format:
 
 import io
 import random
+import zipfile
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -164,3 +165,31 @@ def test_broken_files_of_instruments(name: str, tmp_path: Path) -> None:
     found = try_broken(name, 100, tmp_path)
     print(name, dict(found))
     assert found["cut: refused"] > 0
+
+
+class Harm:
+    """What a pickle would execute."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Path.touch, (self.path,)
+
+
+def test_nothing_in_a_file_is_executed_or_unpacked(tmp_path: Path) -> None:
+    harm, inside = tmp_path / "harm", tmp_path / "inside"
+    inside.mkdir()
+    np.save(inside / "x.npy", np.array([[Harm(harm), 1.0], [2.0, 3.0]], dtype=object), allow_pickle=True)
+    np.savez(inside / "x.npz", z=np.array([[Harm(harm), 1.0], [2.0, 3.0]], dtype=object))
+    with zipfile.ZipFile(inside / "out.npz", "w") as archive:
+        archive.writestr("../../harm.npy", saved(lambda f: np.save(f, heights_of())))
+    (inside / "code.txt").write_text(f"__import__('os').mkdir('{harm}') 1 2\n" * 5)
+    for name in ("x.npy", "x.npz", "code.txt"):
+        with pytest.raises(InputError) as error:
+            read(inside / name, **GIVEN)
+        check_sentence(error.value)
+    assert read(inside / "out.npz", **GIVEN).heights.shape == (NX, NY)
+    assert sorted(path.name for path in tmp_path.rglob("*")) == sorted(
+        ["inside", "x.npy", "x.npz", "out.npz", "code.txt"]
+    )
