@@ -165,11 +165,12 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Resu
     assert {path.stem for path in written} == STATIC
     with pytest.raises(InputError, match="there is no figure 'cof': the run has one step"):
         plot.cof()
-    of_smooth = {"hertz", "distance_factor"}
+    of_track = {"groove", "track_map", "track_roughness", "cof_stroke", "wear_per_pass"}
+    of_smooth = {"hertz", "distance_factor"} | of_track
     assert set(results["rough"].plot.left_out) == of_smooth
     assert set(results["flat"].plot.left_out) == {"contact_radius"} | of_smooth
     assert results["flat"].plot.left_out["contact_radius"] == "a rigid flat has no radius of contact"
-    assert set(results["smooth"].plot.left_out) == {"roughness", "islands", "junctions"}
+    assert set(results["smooth"].plot.left_out) == {"roughness", "islands", "junctions"} | of_track
     no_speed = warpwear.run(
         Study.load("v3").replace({"grid.cell": "20 um", "sliding.speed": None, "sliding.distance": "3 mm"})
     )

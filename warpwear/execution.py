@@ -208,7 +208,8 @@ def find_device(name: str) -> Any:
     except (RuntimeError, OSError) as error:  # its library cannot be loaded, for want of memory, say
         raise InputError(f"device = {name!r} cannot be used, as Warp does not start: {error}.") from error
     try:
-        return wp.get_device(name)
+        with _native_messages_hidden():
+            return wp.get_device(name)
     except (ValueError, RuntimeError) as error:
         there = ", ".join(str(d.alias) for d in wp.get_devices())
         raise InputError(f"device = {name!r} is not there; this machine has {there}.") from error
