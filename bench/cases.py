@@ -10,6 +10,8 @@ from functools import partial
 from pathlib import Path
 
 from baselines import NumpyLoop, Problem
+from cases_track import finer as sliding_finer
+from cases_track import run_full_pass, run_track
 from cold import cold
 from contenders import (
     Loop,
@@ -215,6 +217,9 @@ CASES: dict[str, Case] = {
     "threads": Case(second_thread, fields=12.0, threads=2),
     "phases": Case(phases),
     "sliding": Case(sliding, fields=14.0),
+    "sliding-finer": Case(sliding_finer, sizes=(4096,), fields=12.0),
+    "track": Case(run_track, sizes=(750,), fields=40.0),
+    "track-pass": Case(run_full_pass, sizes=(1500,), fields=120.0),
     "memory": Case(memory),
 }
 #: What --quick takes where no size is asked for.

@@ -18,6 +18,7 @@ import numpy as np
 from artifact import COLOURS, Table, show
 from machine import machine
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 import warpwear
 from warpwear.track import Track
@@ -104,36 +105,42 @@ def variant(
 
 
 def draw(table: Table, curves: list[Curve]) -> Figure:
-    """Area over distance, one panel a surface and stiffness; seeds are thin lines of one colour."""
+    """Area over distance, one panel a surface and stiffness: colours are steps, thick lines finer cells."""
     figure = Figure(figsize=(11.0, 8.0), layout="constrained")
-    axes = figure.subplots(2, 2, sharex=True)
-    kinds = sorted({(row["cell_um"], row["shift"], row["plastic"]) for row in table}, reverse=True)
+    axes = figure.subplots(2, 2, sharex=True, sharey=True)
+    coarsest = max(row["cell_um"] for row in table)
+    steps = sorted({row["cell_um"] * row["shift"] for row in table})
     for panel, (surface, stiffness) in zip(
         axes.ravel(), itertools.product(SURFACES, STIFFNESSES), strict=True
     ):
-        labelled: set[Any] = set()
         for row, (slid, areas) in zip(table, curves, strict=True):
-            if (row["surface"], row["k_N_per_mm3"]) != (surface, stiffness):
-                continue
-            kind = (row["cell_um"], row["shift"], row["plastic"])
-            label = f"{kind[0]:g} µm, {kind[1]} cells, {kind[2]}"
-            panel.loglog(
-                slid,
-                areas,
-                color=COLOURS[kinds.index(kind) // 2 % len(COLOURS)],
-                ls="-" if kind[2] == "forget" else "--",
-                lw=1.0,
-                label=None if kind in labelled else label,
-            )
-            labelled.add(kind)
+            if (row["surface"], row["k_N_per_mm3"]) == (surface, stiffness):
+                panel.loglog(
+                    slid,
+                    areas,
+                    color=COLOURS[steps.index(row["cell_um"] * row["shift"]) % len(COLOURS)],
+                    ls="-" if row["plastic"] == "forget" else "--",
+                    lw=0.8 if row["cell_um"] == coarsest else 1.8,
+                )
         panel.axhline(8.0 / 590.0, color="#999999", lw=0.6)
-        panel.annotate("F/H", (slid[0], 8.0 / 590.0), va="bottom", fontsize=7, color="#777777")
+        panel.annotate("F/H", (2400.0, 8.0 / 590.0), ha="right", va="bottom", fontsize=7, color="#777777")
         unit = "" if stiffness == "∞" else " N/mm³"
-        panel.set(title=f"{surface}, k = {stiffness}{unit}", ylabel="area in contact, mm² (mean of a pass)")
-        panel.legend(fontsize=7, frameon=False)
+        panel.set_title(f"{surface}, k = {stiffness}{unit}")
         panel.spines[["top", "right"]].set_visible(False)
     for panel in axes[1]:
         panel.set_xlabel("sliding distance, mm")
+    for panel in axes[:, 0]:
+        panel.set_ylabel("area in contact, mm² (mean of a pass)")
+    handles = [
+        Line2D([], [], color=COLOURS[number % len(COLOURS)], label=f"steps of {step:g} µm")
+        for number, step in enumerate(steps)
+    ]
+    for plastic, style in (("forget", "-"), ("keep", "--")):
+        handles.append(Line2D([], [], color="#444444", ls=style, label=f"plastic = '{plastic}'"))
+    for cell in sorted({row["cell_um"] for row in table}):
+        width = 0.8 if cell == coarsest else 1.8
+        handles.append(Line2D([], [], color="#444444", lw=width, label=f"cells of {cell:g} µm"))
+    axes[0, 0].legend(handles=handles, fontsize=8, frameon=False)
     return figure
 
 

@@ -3,7 +3,7 @@
 Here a thread visits single cells, its neighbours the neighbouring ones, and every block reduces what its
 threads found to one column of a table of partial results. Fields are those of the other kernels, seen as
 numbers. What a search knows lies in `search`, in the order of `SEARCH`; the rule is that of
-`balance._newton_in_bracket`.
+`balance.newton_in_bracket`.
 """
 
 import warp as wp
@@ -206,8 +206,8 @@ def remove(
     contact = ZERO
     capped = ZERO
     touched = ZERO
+    worn = ZERO
     worn_sphere = ZERO
-    worn_disc = ZERO
     highest = ZERO
     deepest_sphere = ZERO
     deepest_disc = ZERO
@@ -218,46 +218,50 @@ def remove(
     f = ONE
     s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
     opening = removal_sphere + removal_disc
+    width = wp.block_dim()
     share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
     for row in range(block, gap_out.shape[0] // columns, blocks):
         touched_before = touched
-        for column in range(wp.tid() % wp.block_dim(), columns, wp.block_dim()):
-            i = row * columns + column
-            if rows > 0:
-                f = factor_at(i, column, rows, factor_in)
-                opening = removal_sphere + f * removal_disc
-                s = ONE / (compliance + implicit * opening)
-                share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
-            g = gap_out[i]
-            u = unworn_in[i]
-            p = wp.min(wp.max(((base - g) + offset) * s, ZERO), cap)
-            if p > ZERO:
-                before = g - u
-                g += opening * p
-                gap_out[i] = g
-                if share_changes > 0:
-                    after = before + opening * p
-                    of_sphere = share_out[i] * before + removal_sphere * p
-                    share_out[i] = wp.where(after > ZERO, of_sphere / after, ZERO)
-                pressure += p
-                factored += f * p
-                deviation += (p - mean) * (p - mean)
-                contact += ONE
-                capped += wp.where(p >= cap, ONE, ZERO)
-                highest = wp.max(highest, p)
-            w = g - u
-            if p + w > ZERO:
-                if share_changes > 0:
-                    share = share_out[i]
-                a = share * w
-                b = w - a
-                touched += ONE
-                worn_sphere += a
-                worn_disc += b
-                deepest_sphere = wp.max(deepest_sphere, a)
-                deepest_disc = wp.max(deepest_disc, b)
-                first_column = wp.max(first_column, -wp.float64(column))
-                last_column = wp.max(last_column, wp.float64(column))
+        for first in range(wp.tid() % width, columns, FOUR * width):
+            gaps = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
+            unworn = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
+            for j in range(FOUR):  # loaded together, as in `carried`
+                if first + j * width < columns:
+                    gaps[j] = gap_out[row * columns + first + j * width]
+                    unworn[j] = unworn_in[row * columns + first + j * width]
+            for j in range(FOUR):
+                column = wp.min(first + j * width, columns - 1)
+                i = row * columns + column
+                if rows > 0:
+                    f = factor_at(i, column, rows, factor_in)
+                    opening = removal_sphere + f * removal_disc
+                    s = ONE / (compliance + implicit * opening)
+                    share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
+                p = wp.min(wp.max(((base - gaps[j]) + offset) * s, ZERO), cap)
+                w = (gaps[j] + opening * p) - unworn[j]
+                if p > ZERO:
+                    gap_out[i] = gaps[j] + opening * p
+                    pressure += p
+                    factored += f * p
+                    deviation += (p - mean) * (p - mean)
+                    contact += ONE
+                    capped += wp.where(p >= cap, ONE, ZERO)
+                    highest = wp.max(highest, p)
+                if p + w > ZERO:
+                    if share_changes > 0:
+                        share = share_out[i]
+                        if p > ZERO:
+                            of_sphere = share * (gaps[j] - unworn[j]) + removal_sphere * p
+                            share = wp.where(w > ZERO, of_sphere / w, ZERO)
+                            share_out[i] = share
+                    a = share * w
+                    touched += ONE
+                    worn += w
+                    worn_sphere += a
+                    deepest_sphere = wp.max(deepest_sphere, a)
+                    deepest_disc = wp.max(deepest_disc, w - a)
+                    first_column = wp.max(first_column, -wp.float64(column))
+                    last_column = wp.max(last_column, wp.float64(column))
         if touched > touched_before:
             first_row = wp.max(first_row, -wp.float64(row))
             last_row = wp.max(last_row, wp.float64(row))
@@ -268,7 +272,7 @@ def remove(
     wp.tile_store(partial_out[4], wp.tile_sum(wp.tile(capped)), offset=block)
     wp.tile_store(partial_out[5], wp.tile_sum(wp.tile(touched)), offset=block)
     wp.tile_store(partial_out[6], wp.tile_sum(wp.tile(worn_sphere)), offset=block)
-    wp.tile_store(partial_out[7], wp.tile_sum(wp.tile(worn_disc)), offset=block)
+    wp.tile_store(partial_out[7], wp.tile_sum(wp.tile(worn - worn_sphere)), offset=block)
     wp.tile_store(partial_out[8], wp.tile_max(wp.tile(highest)), offset=block)
     wp.tile_store(partial_out[9], wp.tile_max(wp.tile(deepest_sphere)), offset=block)
     wp.tile_store(partial_out[10], wp.tile_max(wp.tile(deepest_disc)), offset=block)

@@ -45,7 +45,7 @@ class Carried(NamedTuple):
 
     force: float  # [N]
     slope: float  # [N/mm]
-    straight: float  # change of the pressures as far as which the force is a straight line [MPa]
+    straight: float = 0.0  # change of the pressures as far as which the force is a straight line [MPa]
 
 
 @dataclass(frozen=True)
@@ -113,9 +113,10 @@ class Balancer:
         """Balance of a contact with compliance, to `TOLERANCE`.
 
         stiffness: 1/c [N/mm³], one row for all or one a row of cells; stiffest: no cell's is larger. tiles:
-        of the gap; more of them are listed as they are needed. known: what start + step carries. start: approach near the solution [mm], from the step before; step: how far
-        beyond it the solution is expected [mm]; scatter: how far from there it may be, where that is known.
-        Without a start the search begins at the lowest cell.
+        of the gap; more of them are listed as they are needed. start: approach near the solution [mm], from
+        the step before; step: how far beyond it the solution is expected [mm]; scatter: how far from there it
+        may be, where that is known; known: what start + step carries. Without a start the search begins at
+        the lowest cell.
 
         Raises ConvergenceError, never returns an unbalanced contact.
         """
@@ -169,14 +170,14 @@ class Balancer:
         hardness: float,
         stiffest: float,
         known: Carried | None,
-    ) -> "tuple[_Found, float]":
+    ) -> "tuple[Found, float]":
         """How far the balance came on the tiles listed, and the base that its offset counts from."""
         for _ in range(MAX_ROUNDS):
 
             def carried(offset: float, base: float = base) -> Carried:
                 return self._carried(gap_field, stiffness, tiles, base, offset, hardness)
 
-            found = _newton_in_bracket(carried, load, step, low, math.inf, scatter, stiffest, known)
+            found = newton_in_bracket(carried, load, step, low, math.inf, scatter, stiffest, known)
             known = None
             if found.converged(load) or not abs(found.offset) < HOPELESS:
                 break
@@ -327,7 +328,7 @@ class Balancer:
         return float(self._sums.numpy()[0].sum())
 
 
-class _Found(NamedTuple):
+class Found(NamedTuple):
     """Where a search ended."""
 
     offset: float  # [mm]
@@ -338,16 +339,16 @@ class _Found(NamedTuple):
         return abs(self.force - load) <= TOLERANCE * load
 
 
-def _newton_in_bracket(
+def newton_in_bracket(
     carried: Callable[[float], Carried],
     load: float,
     guess: float,
     low: float,
     high: float,
     scatter: float,
-    stiffest: float,
-    known: Carried | None,
-) -> _Found:
+    stiffest: float = math.inf,
+    known: Carried | None = None,
+) -> Found:
     """Looks for the offset with |force − load| ≤ TOLERANCE load until the bracket is down to one number.
 
     Newton's step is taken while it stays inside the bracket and the bracket halves at least every second
@@ -360,11 +361,11 @@ def _newton_in_bracket(
     offset = guess
     reach = max(abs(guess), scatter) or FIRST_REACH
     width_before = math.inf
-    found = _Found(offset, math.nan, 0)
+    found = Found(offset, math.nan, 0)
     for trial in range(1, MAX_EVALUATIONS):
         force, slope, straight = known if known is not None and trial == 1 else carried(offset)
         evaluation = trial - (known is not None)
-        found = _Found(offset, force, evaluation)
+        found = Found(offset, force, evaluation)
         if found.converged(load):
             break
         residual = force - load
@@ -376,7 +377,7 @@ def _newton_in_bracket(
             high = offset
         newton = offset - residual / slope if slope > 0.0 else math.nan
         if abs(newton - offset) * stiffest < SURELY * straight and slope * abs(newton) < DIGITS * load:
-            return _Found(newton, load, evaluation)
+            return Found(newton, load, evaluation)
         if math.isinf(low) or math.isinf(high):
             limit = offset + math.copysign(reach, -residual)
             inside = newton if abs(newton - offset) <= reach else limit

@@ -10,18 +10,18 @@ import numpy as np
 import warp as wp
 
 from warpwear.balance import TOLERANCE, Balance
-from warpwear.device_loop import AHEAD, DeviceStep
+from warpwear.device_loop import AHEAD, BLOCK, DeviceStep
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
-from warpwear.grid import FloatArray
 from warpwear.kernels import device_sliding, device_steps
 from warpwear.kernels.types import MAXIMA, SUMS
 
 #: Steps made before their history is read.
 LONGEST_BLOCK = 2000
-#: Threads of a block over tiles, over the tiles of a row, over partial results; blocks over tiles at most.
-BLOCK, OF_ROW, OF_PARTIALS, BLOCKS = 128, 64, 256, 2112
-#: Where each column of a row comes from: by block or by row, which line, how it is reduced.
+#: Blocks over tiles at most.
+BLOCKS = 2112
+#: Where each column of a row comes from: by block or by row, which line, how it is reduced. First those of
+#: `types.SUMS`, then those of `types.MAXIMA`, which begin at column MOST of a row.
 STEP, ROWS = device_sliding.OF_STEP.index, device_sliding.OF_ROWS.index
 ADDS, LARGEST, GROWS = range(3)
 COLUMNS: dict[str, tuple[int, int, int]] = {
@@ -42,6 +42,7 @@ COLUMNS: dict[str, tuple[int, int, int]] = {
     "last_column": (0, STEP("last_column"), LARGEST),
     "pressed_disc": (1, ROWS("pressed_disc"), GROWS),
 }
+MOST = AHEAD + len(SUMS)
 GROWING = [i for i, (_, _, how) in enumerate(COLUMNS.values()) if how == GROWS]
 
 
@@ -74,7 +75,7 @@ class DeviceSliding:
         self._in_tiles, self._in_rows = [*in_tiles], [*in_rows]
         self._keeps = int(keeps)
         on_cpu = self._device.is_cpu  # there a block is one thread: for tests
-        self._threads = [1, 1, 1] if on_cpu else [BLOCK, OF_ROW, OF_PARTIALS]
+        self._block = 1 if on_cpu else BLOCK
         tiles = executor.grid.nx * executor.tiles_per_row
         self._blocks = 3 if on_cpu else min(-(-tiles // BLOCK), BLOCKS)
         self._known = [
@@ -122,22 +123,23 @@ class DeviceSliding:
         total[GROWING, 0] = [float(sums.numpy().sum()) for sums in self._in_rows]
         self._total.assign(total)
         self._step.zero_()
+        left = steps
         if self._device.is_cuda:
             if self._graph is None:
+                self._one_step()  # compiles what it needs, which a capture could not
                 with wp.ScopedCapture(device=self._device) as capture:
-                    self._one_step()
-                self._graph = capture.graph
-            for _ in range(steps):
+                    self._one_step(captured=True)
+                self._graph, left = capture.graph, steps - 1
+            for _ in range(left):
                 wp.capture_launch(self._graph)
         else:
-            for _ in range(steps):
+            for _ in range(left):
                 self._one_step()
-        return [self._read(row) for row in self._rows.numpy()[:steps]]
+        return [self._read(row) for row in self._rows.numpy()[:steps].tolist()]
 
-    def _one_step(self) -> None:
-        over_tiles, of_row, of_partials = self._threads
-        self._launch(device_sliding.begin, 1, [], [self._search, self._searching], 1)
-        if self._device.is_cuda:
+    def _one_step(self, *, captured: bool = False) -> None:
+        self._launch(device_sliding.begin, 1, [], [self._search, self._searching])
+        if captured:
             wp.capture_while(self._searching, self._try)
         else:
             while self._searching.numpy()[0]:
@@ -145,37 +147,33 @@ class DeviceSliding:
         tables = [self._removals, self._shifts, self._step, self._search]
         self._launch(
             device_sliding.remove,
-            over_tiles * self._blocks,
+            self._block * self._blocks,
             [*self._known, self._keeps, *tables],
             [*self._bounds, *self._fields, *self._in_tiles, self._partial],
-            over_tiles,
         )
         self._launch(
             device_sliding.rows,
-            of_row * self._executor.grid.nx,
+            self._block * self._executor.grid.nx,
             [self._executor.tiles_per_row, self._keeps, self._shifts, self._step, *self._in_tiles],
             [*self._in_rows, self._change],
-            of_row,
         )
         self._launch(
             device_sliding.record,
-            of_partials * len(COLUMNS),
+            self._block * len(COLUMNS),
             [self._how, self._partial, self._change],
             [self._step, self._total, self._rows],
-            of_partials,
         )
-        self._launch(device_steps.finish, 1, [self._load], [self._search, self._step, self._rows], 1)
+        self._launch(device_steps.finish, 1, [self._load], [self._search, self._step, self._rows])
 
     def _try(self) -> None:
-        over_tiles, _, of_partials = self._threads
         tables = [self._removals, self._shifts, self._step, self._search]
         known = [*self._known, *tables, *self._bounds, *self._fields[:2]]
-        self._launch(device_sliding.carried, over_tiles * self._blocks, known, [self._partial], over_tiles)
+        self._launch(device_sliding.carried, self._block * self._blocks, known, [self._partial])
         balance = [self._load, TOLERANCE, self._executor.grid.cell_area, self._partial]
-        self._launch(device_steps.decide, of_partials, balance, [self._search, self._searching], of_partials)
+        self._launch(device_steps.decide, self._block, balance, [self._search, self._searching])
 
     def _launch(
-        self, kernel: object, threads: int, inputs: Sequence[object], outputs: Sequence[object], block: int
+        self, kernel: object, threads: int, inputs: Sequence[object], outputs: Sequence[object]
     ) -> None:
         wp.launch(
             kernel,
@@ -183,7 +181,7 @@ class DeviceSliding:
             inputs=[*inputs],
             outputs=[*outputs],
             device=self._device,
-            block_dim=block,
+            block_dim=self._block,
         )
 
     def _table(self, lines: int, columns: int) -> Field:
@@ -196,17 +194,17 @@ class DeviceSliding:
         host[: len(values)] = values
         array.assign(host)
 
-    def _read(self, row: FloatArray) -> DeviceStep:
-        base, offset, residual, evaluations = row[:AHEAD].tolist()
+    def _read(self, row: list[float]) -> DeviceStep:
+        base, offset, residual, evaluations = row[:AHEAD]
         if not abs(residual) <= TOLERANCE * self._load:
             raise ConvergenceError(
                 f"the load balance did not converge: {residual:.3g} N of {self._load:.6g} N are left "
                 f"(allowed {TOLERANCE * self._load:.1g} N) near an approach of {base + offset:.9g} mm."
             )
-        values = dict(zip(COLUMNS, row[AHEAD:].tolist(), strict=True))
-        most = [values[name] for name in [*COLUMNS][len(SUMS) : len(SUMS) + len(MAXIMA)]]
+        totals = dict(zip(SUMS, row[AHEAD:MOST], strict=True))
+        totals["pressed_disc"] = row[-1]
         return DeviceStep(
             Balance(base, offset, self._cap, residual, evaluations=int(evaluations)),
-            {name: values[name] for name in (*SUMS, "pressed_disc")},
-            dict(zip(MAXIMA, most, strict=True)),
+            totals,
+            dict(zip(MAXIMA, row[MOST:-1], strict=True)),
         )

@@ -29,7 +29,7 @@ CELLS_PER_THREAD = 100_000
 #: On a GPU neighbouring threads read neighbouring vectors of a row; so many slots keep it busy.
 SLOTS_CUDA = 65536
 
-#: Fields alive at the peak of a run: gap, wear of both bodies, heights or pressure, and room to work.
+#: Fields alive at the peak of a run: gap as worn and unworn, pressure, wear of both bodies, and room to work.
 FIELDS_NEEDED = 6.0
 
 Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
@@ -136,8 +136,12 @@ class Executor:
         for index, value in enumerate(arguments):
             before = last[index + 1]
             # Arrays are compared by identity, numbers by value; a NaN is set each time.
-            if value is not before and (not isinstance(value, int | float) or value != before):
+            if value is before:
+                continue
+            if not isinstance(value, int | float):
                 command.set_param_at_index(index, value)
+            elif value != before:
+                command.set_param_at_index_from_ctype(index, value)
         last[:] = [size, *arguments]
         return command
 

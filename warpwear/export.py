@@ -21,7 +21,8 @@ def worn_heights(result: Result, snapshot: Snapshot, body: str) -> FloatArray:
     """Heights of a worn body [mm], positive out of its material, shape (nx, ny).
 
     The disc's are over its mean plane, the sphere's over the apex it had, so that its cap lies below 0.
-    Beyond the sphere's edge the sphere is NaN and the disc as it was before; NaN too if its file is gone.
+    Beyond the sphere's edge the sphere is NaN and the disc as it was before; NaN too if its file is gone, and
+    of a swept run, whose disc is what lies under the sphere.
     """
     curvature = result.study.sphere.curvature
     radius = 1.0 / curvature if curvature else np.inf
@@ -30,7 +31,7 @@ def worn_heights(result: Result, snapshot: Snapshot, body: str) -> FloatArray:
         heights = -sphere if body == "sphere" else sphere - snapshot.gap
     beyond = ~np.isfinite(sphere) | (snapshot.gap > NO_SURFACE)
     heights = np.where(beyond, np.nan, heights)
-    if body == "disc" and beyond.any():
+    if body == "disc" and beyond.any() and snapshot.row is None:
         with suppress(InputError):
             heights[beyond] = surface_in(result.study).heights(result.x, result.y)[beyond]
     return heights

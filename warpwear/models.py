@@ -4,6 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from warpwear.checkpoint import checksum
 from warpwear.errors import InputError
 from warpwear.execution import FIELDS_NEEDED, Executor, free_memory
@@ -17,7 +19,10 @@ from warpwear.surface_of import bearing_curve_of
 from warpwear.surfaces.base import Surface
 from warpwear.surfaces.parameters import roughness
 from warpwear.swept import DISC_FIELDS, SweptModel
-from warpwear.track import Track
+from warpwear.track import WHOLE, Track
+
+#: Rows of a track whose roughness is recorded.
+MOST_ROWS = 4000
 
 
 class Model(Protocol):
@@ -66,8 +71,8 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
     grid = executor.grid
     if study.is_swept:
         track = Track.of(study)
-        heights = surface.heights(track.x, grid.y)
-        record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
+        heights = _heights_of(study, surface, track)
+        record = surface.record() | {"on_the_grid": _roughness_on(grid, heights[:MOST_ROWS])}
         found = checksum(heights)
         swept = SweptModel(study, track, heights, executor)
         return Made(swept, found, record, heights)
@@ -90,6 +95,19 @@ def plan_of(study: Study) -> list[tuple[float, float, bool]]:
         (increment, distance, distance in stops or distance == total)
         for increment, distance in increments(study.stepping.plan, total, stops)
     ]
+
+
+def _heights_of(study: Study, surface: Surface, track: Track) -> FloatArray:
+    """Of the track over its mean plane [mm], shape (track.rows, ny).
+
+    A random surface that repeats after whole cells is made once: the sums behind it take most of the time.
+    """
+    x, y, disc = track.x, study.cells.y, study.disc.synthetic
+    if disc is not None and disc.kind == "self-affine":
+        period = disc.period / track.cell
+        if abs(period - round(period)) <= WHOLE * period and round(period) < track.rows:
+            return surface.heights(x[: round(period)], y)[np.arange(track.rows) % round(period)]
+    return surface.heights(x, y)
 
 
 def _swept_plan(study: Study, stops: list[float]) -> list[tuple[float, float, bool]]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.balance import RIGID, STEPS_AHEAD, TOLERANCE, Ahead, Balance, Balancer, Carried
+from warpwear.balance import STEPS_AHEAD, TOLERANCE, Ahead, Balance, Balancer, Carried
 from warpwear.device_loop import DeviceLoop
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
@@ -16,11 +16,12 @@ from warpwear.foresight import Foresight
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact, gap
 from warpwear.kernels import removal as removal_kernels
-from warpwear.kernels.types import LANES, MAXIMA, SUMS
+from warpwear.kernels.types import MAXIMA, SUMS
 from warpwear.kinematics import distance_factor
 from warpwear.ledger import Ledger, Step
 from warpwear.results import Snapshot
 from warpwear.running_in import Logistic, Recession
+from warpwear.stiffness import Stiffness, Stiffnesses
 from warpwear.study import Study
 from warpwear.tiles import Tiles
 
@@ -41,15 +42,6 @@ class State:
     gap: Field  # from the mean planes, as worn [mm]
     unworn: Field  # the gap without wear [mm]
     share: Field  # of the sphere in what is worn; one row where it is the same all along
-
-
-@dataclass(frozen=True)
-class Stiffness:
-    """1/c of the cells in a step [N/mm³]."""
-
-    made_for: tuple[float, float, float]  # compliance, removal of sphere and of disc
-    field: Field
-    stiffest: float
 
 
 class OneScaleModel:
@@ -75,7 +67,8 @@ class OneScaleModel:
         curvature = study.sphere.curvature
         self._factor = distance_factor(executor.grid, study.wear.distance_factor, curvature=curvature)
         self._factor_field = executor.field(self._factor)
-        self._stiffness: list[Stiffness] = []  # of this step and the one before
+        implicit = study.stepping.scheme == "implicit"
+        self._stiffness = Stiffnesses(executor, self._factor, implicit=implicit)
         self._recession = (
             None if bearing_curve is None else Recession(bearing_curve, executor, self._factor_field)
         )
@@ -175,9 +168,10 @@ class OneScaleModel:
         On a GPU steps whose pressure nobody asks for are made in blocks, before the first of them is seen.
         """
         block: list[float] = []
-        ends: Iterable[tuple[tuple[float, bool], tuple[float, bool] | tuple[None, bool]]]
-        ends = itertools.pairwise(itertools.chain(plan, [(None, False)]))
-        for (increment, with_pressure), (then, _) in ends:
+        end: list[None] = [None]
+        for this, following in itertools.pairwise(itertools.chain(plan, end)):
+            assert this is not None
+            (increment, with_pressure), then = this, following and following[0]
             if self.in_blocks and self._last is not None and not with_pressure:
                 block.append(increment)
                 if len(block) < LONGEST_BLOCK:
@@ -194,6 +188,8 @@ class OneScaleModel:
         """Steps made on the device in one go."""
         if not increments:
             return
+        assert self._last is not None
+        assert self._compliance is not None
         if self._loop is None:
             self._loop = DeviceLoop(
                 self._executor,
@@ -207,7 +203,6 @@ class OneScaleModel:
                 implicit=self.study.stepping.scheme == "implicit",
                 share_changes=self._share_changes,
             )
-        assert self._last is not None
         ends = itertools.accumulate(increments, initial=self._ledger.row["distance"])
         removals = [
             (sphere, disc)
@@ -366,25 +361,7 @@ class OneScaleModel:
             compliance += removal_sphere
             field = self._recession.stiffness(compliance, removal_disc, self._wear_of_disc())
             return Stiffness((compliance, removal_sphere, removal_disc), field, math.inf)
-        implicit = self.study.stepping.scheme == "implicit"
-        made_for = (compliance, removal_sphere * implicit, removal_disc * implicit)
-        for made in self._stiffness:
-            if made.made_for == made_for:
-                return made
-        del self._stiffness[:-1]
-        values = self._factor * made_for[2]
-        values += compliance + made_for[1]
-        with np.errstate(divide="ignore"):
-            np.reciprocal(values, out=values)
-        np.minimum(values, RIGID, out=values)
-        ny, padded = self._executor.grid.ny, self._executor.vectors * LANES
-        values = np.broadcast_to(values, (values.shape[0], ny))
-        if ny < padded:  # a stiffness of 0 there would look like cells at the point of touching
-            values = np.pad(values, ((0, 0), (0, padded - ny)), mode="edge")
-        field = self._executor.field(values)
-        made = Stiffness(made_for, field, float(values.max()))
-        self._stiffness.append(made)
-        return made
+        return self._stiffness.of(compliance, removal_sphere, removal_disc)
 
     def _wear_of_disc(self) -> Field:
         """A field of its own [mm]: for laws that are evaluated cell by cell on few cells."""

@@ -90,7 +90,3 @@ class SweptModel:
         """Go on from the state that another model of the same study, surface and device saved."""
         self.contact.restore(arrays, numbers)
         self._done = numbers["steps"]
-
-    def heights(self) -> FloatArray:
-        """Of the track as it is now [mm], shape (track.rows, ny); on a CPU a view."""
-        return self._executor.to_numpy(self.contact.state.disc)

@@ -109,7 +109,7 @@ def blocks(result: Result, index: int, most: int) -> Blocks:
     for first in range(0, nx, per_part):
         last = min(first + per_part, nx)
         part = slice(first * along, last * along)
-        gone = sum(result.track_loss(index, part))
+        gone = np.add(*result.track_loss(index, part))
         shape = (last - first, along, ny, across)
         for field, values in ((heights, result.track_heights(part) - gone), (loss, gone)):
             field[first:last] = values[:, : ny * across].reshape(shape).mean(axis=(1, 3))
@@ -134,7 +134,7 @@ def roughness_in_track(result: Result) -> dict[str, FloatArray]:
     for index in range(-1, result.snapshot_distances.size):
         heights = unworn
         if index >= 0:
-            heights = unworn - sum(result.track_loss(index, part))[:, columns]
+            heights = unworn - np.add(*result.track_loss(index, part))[:, columns]
         table["passes"].append(float(result.snapshot_distances[index]) / stroke if index >= 0 else 0.0)
         for name, value in _parameters(heights).items():
             table[name].append(value)

@@ -1,0 +1,77 @@
+"""The sphere that slides over a track: a finer step, and runs on a representative and on the whole track."""
+
+import time
+
+import numpy as np
+from contenders import DisagreementError, Setting, heights_of, named, study_on
+from displaced import BEFORE, EXTENT, SHIFT, Package
+from timing import Row, Unit, measure, ratio_note
+
+import warpwear
+from warpwear import Study
+from warpwear.execution import Executor
+
+#: Of Archard's volumes, relative.
+EXACT = 1.0e-9
+#: Distance of a quick run [mm].
+QUICK = 60.0
+
+
+def finer(_: int, setting: Setting) -> list[Row]:
+    """A displaced step near F/H at 1 and at 0.5 µm on the same 2.048 mm: what halving the cell costs."""
+    rows: list[Row] = []
+    threads = max(setting.threads)
+    for cells in (2048, 4096):
+        study = study_on(cells, extent=EXTENT)
+        track = np.pad(heights_of(study), ((0, SHIFT * 32), (0, 0)), mode="reflect")
+        with Executor(study.cells, device=setting.device, threads=threads) as executor:
+            model = Package(study, track, executor)
+            for _ in range(BEFORE):
+                model.advance()
+            seconds, units = measure(model.together, Unit(cells), setting.repeats)
+        name = f"{named(threads)}, {1e3 * study.grid.cell:g} µm"
+        note = ratio_note("0.5 µm over 1 µm", Row("", 0, "", seconds, units), rows[0]) if rows else ""
+        rows.append(Row("sliding-finer", cells, name, seconds, units, note))
+    return rows
+
+
+def run_track(_: int, setting: Setting) -> list[Row]:
+    """The whole of track: 16,000 steps of 750² cells on a representative track of 3.2 mm."""
+    return [_whole("track", Study.load("track"), setting)]
+
+
+def run_full_pass(_: int, setting: Setting) -> list[Row]:
+    """One pass of the whole 30 mm track at 1 µm: 3750 steps of 1500² cells, a disc of 47 million."""
+    study = Study.load("track").replace({"grid.cell": "1 um", "sliding.track": "full"})
+    return [_whole("track-pass", study.replace({"sliding.distance": "30 mm"}), setting)]
+
+
+def run_full(_: int, setting: Setting) -> list[Row]:
+    """The whole reference test on the whole 30 mm track at 1 µm: 300,000 steps of 1500² cells."""
+    study = Study.load("track").replace({"grid.cell": "1 um", "sliding.track": "full"})
+    return [_whole("gpu-track", study, setting)]
+
+
+def _whole(case: str, study: Study, setting: Setting) -> Row:
+    """One run, once: steps alone, and all of it in the note. Raises DisagreementError for other volumes."""
+    study = study.replace({"output.snapshots": []})
+    if setting.quick:
+        study = study.replace({"sliding.distance": f"{min(QUICK, study.sliding.total)} mm"})
+    short = study.replace({"sliding.distance": "0.2 mm", "sliding.track": "3.2 mm"})
+    warpwear.run(short, device=setting.device)  # compiled
+    unit = Unit(study.cells.nx)
+    one_pass = unit.seconds()
+    start = time.perf_counter()
+    with warpwear.run(study, device=setting.device, threads=max(setting.threads)) as result:
+        took = time.perf_counter() - start
+        steps, elapsed = result.history["distance"].size, float(result.record["elapsed_s"])
+        off = max(abs(value) for value in result.summary["conservation_relative"].values())
+        area = float(result.history["area_contact"][-1])
+    if not off <= EXACT:
+        raise DisagreementError(f"{case}: the volumes are off Archard's by {off:.2g}")
+    note = (
+        f"{steps} steps, {1e6 * elapsed / steps:.0f} µs each, {took:.1f} s with surface and result; "
+        f"area {area:.4g} mm², volumes to {off:.1g}"
+    )
+    name = named(max(setting.threads)) if setting.device == "cpu" else f"warpwear on {setting.device}"
+    return Row(case, study.cells.nx, name, [elapsed], [one_pass], note, {"whole_s": took, "steps": steps})

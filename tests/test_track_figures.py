@@ -1,0 +1,84 @@
+"""What a sphere leaves on its track: groove, passes and roughness in numbers, figures and film."""
+
+from pathlib import Path
+
+import pytest
+from numpy.testing import assert_allclose
+from PIL import Image
+from test_swept import small
+
+import warpwear
+from warpwear import InputError, Result
+from warpwear.animation import animate
+from warpwear.track_data import blocks, by_pass, depth_along, groove, roughness_in_track
+
+OF_TRACKS = {"groove", "track_map", "wear_per_pass", "cof_stroke", "track_roughness"}
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """Three passes and a bit on a representative track that keeps its dents."""
+    study = small(
+        "representative",
+        sliding__plastic="keep",
+        output__snapshots=["3 mm", "6 mm"],
+        grid__cell="10 um",
+        sliding__shift=8,
+    )
+    return warpwear.run(study, out=tmp_path_factory.mktemp("run") / "track", plots=False)
+
+
+def test_the_groove_holds_what_the_disc_lost(result: Result) -> None:
+    """Section × stroke is the volume, worn and displaced; over any number of bins along the track."""
+    last = groove(result, 2)
+    end = {name: float(values[-1]) for name, values in result.history.items()}
+    cell = result.study.grid.cell
+    assert 3.0 * last.worn.sum() * cell == pytest.approx(end["wear_volume_disc"], rel=1e-12)
+    assert 3.0 * last.displaced.sum() * cell == pytest.approx(end["plastic_volume_disc"], rel=1e-12)
+    assert last.mean_depth * last.width == pytest.approx(last.section, rel=1e-12)
+    places, depths = depth_along(result, 2, 8)
+    assert places.size == 8
+    assert depths.mean() == pytest.approx(last.mean_depth, rel=1e-12)
+    whole = blocks(result, 2, 40)
+    worn, displaced = result.track_loss(2)
+    assert whole.loss.sum() == pytest.approx((worn + displaced)[:, :62].sum() / 4.0, rel=1e-12)
+    assert_allclose((whole.extent[0], whole.extent[1]), (-0.4, 0.4), atol=1e-12)
+
+
+def test_passes_add_up(result: Result) -> None:
+    passes = by_pass(result)
+    assert passes["distance"] == pytest.approx([3.0, 3.0, 1.37])
+    assert passes["wear_volume_sphere"][:2] == pytest.approx([9.4e-7 * 24.0] * 2, rel=1e-10)
+    assert passes["plastic_volume_disc"].sum() == pytest.approx(result.history["plastic_volume_disc"][-1])
+    assert passes["plastic_volume_disc"][0] > 2.0 * passes["plastic_volume_disc"][1]  # dents are made once
+
+
+def test_the_track_gets_smoother(result: Result) -> None:
+    table = roughness_in_track(result)
+    assert table["passes"] == pytest.approx([0.0, 1.0, 2.0, 7.37 / 3.0])
+    assert (table["spk"][1:] < 0.3 * table["spk"][0]).all()
+    summary = result.summary["track"]
+    assert summary["passes"] == pytest.approx(7.37 / 3.0)
+    assert summary["groove"]["mean_depth_um"] == pytest.approx(1e3 * groove(result, 2).mean_depth)
+    assert summary["roughness_um"]["end"]["spk"] == pytest.approx(table["spk"][-1])
+
+
+def test_figures_of_a_track(result: Result, tmp_path: Path) -> None:
+    for name in OF_TRACKS:
+        assert result.plot.reason(name) is None
+        figure = getattr(result.plot, name)()
+        figure.canvas.draw()
+        for axes in figure.axes:
+            assert axes.get_xlabel() or axes.get_ylabel() or not axes.axison, name
+    left_out = result.plot.left_out
+    assert {"disc_map", "disc_3d", "disc_profiles", "wear_map", "roughness", "distance_factor"} <= set(
+        left_out
+    )
+    assert "track_map" in left_out["disc_map"]
+    still = warpwear.run(small("full", sliding__kinematics="stationary", sliding__distance="0.1 mm"))
+    assert set(still.plot.left_out) >= OF_TRACKS
+    with pytest.raises(InputError, match="the disc lies still"):
+        still.plot.groove()
+    film = animate(result, tmp_path / "film.gif")
+    with Image.open(film) as frames:
+        assert frames.n_frames == 3  # type: ignore[attr-defined]
