@@ -190,7 +190,7 @@ class Disc(Body):
 
 
 def _foundation(value: Any) -> Any:
-    return value if value in MATCHES else Quantity("N/mm^3").read(value)
+    return value if isinstance(value, str) and value in MATCHES else Quantity("N/mm^3").read(value)
 
 
 class Contact(Section):
@@ -479,7 +479,11 @@ class Run(Section):
 class Checks(Section):
     """[checks]"""
 
-    strict: bool = key(True, "stop when the contact reaches the domain's edge; false records a warning")
+    strict: bool = key(
+        True,
+        "stop when a step breaks what must hold: finite numbers, balance, volumes, a contact off the edge; "
+        "false records a warning",
+    )
 
 
 class Output(Section):
