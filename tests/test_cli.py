@@ -109,7 +109,14 @@ def test_a_smooth_run_stands_beside_hertz(tmp_path: Path) -> None:
 
 def test_listing_and_showing(tmp_path: Path) -> None:
     listed = warpwear("studies", cwd=tmp_path)
-    assert [line.split()[0] for line in listed.stdout.splitlines()] == ["track", "v1", "v2", "v3", "v3-fine"]
+    assert [line.split()[0] for line in listed.stdout.splitlines()] == [
+        "track",
+        "two-scale",
+        "v1",
+        "v2",
+        "v3",
+        "v3-fine",
+    ]
     shown = warpwear("show", "v3", "--set", "disc.synthetic.kind=flat", cwd=tmp_path)
     assert shown.returncode == 0
     assert "ASSUMED" in shown.stdout

@@ -26,14 +26,14 @@ from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.one_scale import OneScaleModel
 from warpwear.tiles import Tiles
+from warpwear.two_scale import TwoScaleModel
 
 ROOT = Path(__file__).parents[1]
 KILLS = ROOT / "bench" / "kills.py"
 _kills = runpy.run_path(str(KILLS))
 CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["study_of"]
 
-advance = OneScaleModel.advance
-
+ADVANCE: dict[Any, Callable[..., Any]] = {model: model.advance for model in (OneScaleModel, TwoScaleModel)}
 
 SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
 
@@ -48,13 +48,17 @@ def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], None]) -
     """Let something happen in the step after so many, counted from here."""
     calls: list[int] = []
 
-    def stopped(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
-        calls.append(1)
-        if len(calls) == after + 1:
-            how()
-        return advance(self, *args, **kwargs)
+    def stopping(advance: Callable[..., Any]) -> Callable[..., Any]:
+        def stopped(*args: Any, **kwargs: Any) -> Any:
+            calls.append(1)
+            if len(calls) == after + 1:
+                how()
+            return advance(*args, **kwargs)
 
-    monkeypatch.setattr(OneScaleModel, "advance", stopped)
+        return stopped
+
+    for model, advance in ADVANCE.items():
+        monkeypatch.setattr(model, "advance", stopping(advance))
 
 
 def killed() -> None:
@@ -124,7 +128,7 @@ def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch)
 def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path) -> None:
     """Stopped twice, before and after its first snapshot, on one thread and on two."""
     study = study_of(case, 0.0)
-    distance = "0.2 mm" if case.startswith("micro") else "3 mm"
+    distance = "0.2 mm" if case.startswith(("micro", "two-scale")) else "3 mm"
     study = study.replace({"sliding.distance": distance, "output.snapshots": ["0.06 mm"]})
     one, other = tmp_path / "alone", tmp_path / "stopped"
     cores = len(psutil.Process().cpu_affinity()) if hasattr(psutil.Process, "cpu_affinity") else 1

@@ -80,14 +80,15 @@ class Executor:
             self._pool.shutdown()
 
     def share(self, cells: Any) -> list[tuple[int, int]]:
-        """Ranges of slots for the threads, with about as many cells each. cells: of the rows, shape (nx,)."""
+        """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""
+        rows = len(cells)
         if not self.device.is_cpu:
-            return [(0, self.slots)]
+            return [(0, rows * self.slots_per_row)]
         chunks = max(1, min(self.threads, int(np.sum(cells)) // CELLS_PER_THREAD))
         if chunks == 1:
-            return [(0, self.grid.nx)]
+            return [(0, rows)]
         done = np.concatenate([[0], np.cumsum(cells)])
-        edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), self.grid.nx]
+        edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), rows]
         return [(int(first), int(last)) for first, last in pairwise(edges)]
 
     def launch(

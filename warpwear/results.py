@@ -25,6 +25,7 @@ from warpwear.study import Study
 if TYPE_CHECKING:
     from warpwear.evolution import SurfaceEvolution
     from warpwear.figures import Plotter
+    from warpwear.patch_book import PatchBook
 
 FIELDS = {
     "pressure": "MPa",
@@ -157,6 +158,21 @@ class ResultWriter:
         self._file.attrs["finished"] = finished
         self._file.flush()
 
+    def add_patches(self, book: "PatchBook") -> None:
+        """Keep what each patch did, after the history is finished, and where the macro cells lie."""
+        from warpwear.patch_book import COLUMNS as OF_PATCHES
+
+        for column in OF_PATCHES:
+            table = book.table(column.name)
+            self._check_space(table.nbytes)
+            dataset = self._file.create_dataset(
+                f"history/{column.name}", data=table, compression="gzip", shuffle=True, chunks=True
+            )
+            dataset.attrs["units"], dataset.attrs["meaning"] = column.units, column.meaning
+        for name, centres in zip(("x", "y"), book.patches.centres, strict=True):
+            self._file.create_dataset(f"macro/{name}", data=centres).attrs["units"] = "mm"
+        self._file.flush()
+
     def _check_space(self, size: int) -> None:
         """For so many bytes before compression [B]."""
         if self._file.driver == "core":
@@ -236,7 +252,39 @@ class Result:
     def history(self) -> dict[str, FloatArray]:
         """Column name -> one value a step, shape (steps,). Units and meanings: `warpwear.history.COLUMNS`."""
         with _damage_told(self._file):
-            return {name: dataset[()] for name, dataset in self._file["history"].items()}
+            return {name: dataset[()] for name, dataset in self._file["history"].items() if dataset.ndim == 1}
+
+    @cached_property
+    def load_share(self) -> FloatArray:
+        """Load of each patch [N], shape (steps, patches); a patch is a macro cell, number x · across + y.
+
+        Raises InputError for a run without patches.
+        """
+        return self._of_patches("history/load_share")
+
+    @cached_property
+    def area_patch(self) -> FloatArray:
+        """Real area of contact of each patch [mm²], shape (steps, patches), as `load_share`."""
+        return self._of_patches("history/area_patch")
+
+    @cached_property
+    def macro_x(self) -> FloatArray:
+        """Centres of the macro cells along the sliding direction [mm], shape (across,), as `load_share`."""
+        return self._of_patches("macro/x")
+
+    @cached_property
+    def macro_y(self) -> FloatArray:
+        """Centres of the macro cells across the sliding direction [mm], shape (across,), as `load_share`."""
+        return self._of_patches("macro/y")
+
+    def _of_patches(self, name: str) -> FloatArray:
+        if name not in self._file:
+            raise InputError(
+                f"the run has no patches: study.model is '{self.study.study.model}', not 'two-scale'."
+            )
+        with _damage_told(self._file):
+            values: FloatArray = self._file[name][()]
+        return values
 
     @cached_property
     def study(self) -> Study:

@@ -134,6 +134,7 @@ class _Loop:
             writer.add_track(Track.of(study).x, made.heights)
         self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
         self._processor, self._device = executor.device, str(executor.device)
+        self._book = made.book
         self._rows = Rows()
 
     def checkpoint_in(self, folder: Path, work: Path, *, resume: bool) -> None:
@@ -195,6 +196,8 @@ class _Loop:
             "made_with": versions(self._processor),
         }
         self._writer.finish(history, record, finished=self.finished)
+        if self._book is not None:
+            self._writer.add_patches(self._book)
 
     def _make_steps(self, plan: Sequence[tuple[float, float, bool]]) -> None:
         """Steps of (increment, distance at its end, whether to keep a snapshot) [mm]."""
