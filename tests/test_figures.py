@@ -39,6 +39,8 @@ RUNS: dict[str, dict[str, Any]] = {
         "output.snapshots": ["1 mm", "10 mm"],
     },
 }
+OF_TRACKS = {"groove", "track_map", "wear_per_pass", "cof_stroke", "track_roughness"}
+OF_PATCHES = {"load_share", "patch_zoom"}
 STATIC = {"setup", "pressure_map", "pressure_3d", "pressure_profiles", "contact_map", "profiles", "junctions"}
 
 
@@ -170,12 +172,12 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Resu
     assert {path.stem for path in written} == STATIC
     with pytest.raises(InputError, match="there is no figure 'cof': the run has one step"):
         plot.cof()
-    of_patches = {"load_share", "patch_zoom"}
-    of_others = {"hertz", "distance_factor"} | of_patches
+    of_others = {"hertz", "distance_factor", *OF_TRACKS, *OF_PATCHES}
     assert set(results["rough"].plot.left_out) == of_others
     assert set(results["flat"].plot.left_out) == {"contact_radius"} | of_others
     assert results["flat"].plot.left_out["contact_radius"] == "a rigid flat has no radius of contact"
-    assert set(results["smooth"].plot.left_out) == {"roughness", "islands", "junctions"} | of_patches
+    of_rough = {"roughness", "islands", "junctions"}
+    assert set(results["smooth"].plot.left_out) == of_rough | {*OF_TRACKS, *OF_PATCHES}
     no_speed = warpwear.run(
         Study.load("v3").replace({"grid.cell": "20 um", "sliding.speed": None, "sliding.distance": "3 mm"})
     )

@@ -45,7 +45,7 @@ class Carried(NamedTuple):
 
     force: float  # [N]
     slope: float  # [N/mm]
-    straight: float  # change of the pressures as far as which the force is a straight line [MPa]
+    straight: float = 0.0  # change of the pressures as far as which the force is a straight line [MPa]
 
 
 @dataclass(frozen=True)
@@ -346,8 +346,8 @@ def newton_in_bracket(
     low: float,
     high: float,
     scatter: float,
-    stiffest: float,
-    known: Carried | None,
+    stiffest: float = math.inf,
+    known: Carried | None = None,
 ) -> Found:
     """Looks for the offset with |force − load| ≤ TOLERANCE load until the bracket is down to one number.
 

@@ -263,6 +263,15 @@ def _report(summary: dict[str, Any]) -> str:
         f"  deepest wear      sphere {s['depth_um']['sphere']:.4g}, disc {s['depth_um']['disc']:.4g} µm",
         f"  worn volume       sphere {s['volume_mm3']['sphere']:.5g}, disc {s['volume_mm3']['disc']:.5g} mm³",
     ]
+    if "track" in s:
+        t = s["track"]
+        areas = t["area_contact_mm2_of_passes"]
+        depth = f"{t['groove']['mean_depth_um']:.3g} µm deep, " if "groove" in t else ""
+        lines.append(
+            f"  track             {t['passes']:.4g} passes; groove {depth}displaced "
+            f"{t['plastic_volume_mm3']:.4g} mm³; area {areas['first']:.4g} mm² in the first pass, "
+            f"{areas['last']:.4g} in the last"
+        )
     if s["patches"]:
         lines.append(_patches(s["patches"]))
     if s["model"] == "macro" or (s["patches"] and s["patches"]["bulk"] == "foundation"):

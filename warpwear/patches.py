@@ -57,6 +57,11 @@ class Patches:
         return self.side == self.pitch
 
     @property
+    def uncovered(self) -> int:
+        """Cells of the domain that belong to no patch."""
+        return self.domain.cells - self.count * self.side**2
+
+    @property
     def weight(self) -> float:
         """Area that a patch stands for over its own."""
         return (self.pitch / self.side) ** 2

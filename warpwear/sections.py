@@ -192,7 +192,7 @@ class Disc(Body):
 
 
 def _foundation(value: Any) -> Any:
-    return value if value in MATCHES else Quantity("N/mm^3").read(value)
+    return value if isinstance(value, str) and value in MATCHES else Quantity("N/mm^3").read(value)
 
 
 class Contact(Section):
@@ -512,12 +512,18 @@ class Run(Section):
 class Checks(Section):
     """[checks]"""
 
-    strict: bool = key(True, "stop when the contact reaches the domain's edge; false records a warning")
+    strict: bool = key(
+        True,
+        "stop when a step breaks what must hold: finite numbers, balance, volumes, a contact off the edge; "
+        "false records a warning",
+    )
 
 
 class Output(Section):
     """[output]"""
 
     snapshots: tuple[LengthOrZero, ...] = key(
-        (), "sliding distances at which fields are kept; the end always is"
+        (),
+        "sliding distances at which fields are kept; the end always is; swept: at the end of the step that "
+        "reaches each",
     )

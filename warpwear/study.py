@@ -138,6 +138,11 @@ class Study(Section):
         return self.sliding.kinematics == "swept"
 
     @property
+    def lap(self) -> float | None:
+        """What is slid in a pass over the track [mm]; None where the disc lies still."""
+        return self.sliding.lap if self.is_swept else None
+
+    @property
     def uses_bearing_area(self) -> bool:
         """Whether contacts have no compliance: neither a foundation nor implicit wear."""
         worn = self.sliding.total > 0.0 and sum(law.fastest for law in self.wear_laws) > 0.0

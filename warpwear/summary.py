@@ -46,13 +46,16 @@ def summarise(result: "Result") -> dict[str, Any]:
             "largest": float(history["pressure_mean"].max()),
             "std": float(history["pressure_mean"].std()),
         },
-        "cof": {"first": _finite(history["cof"][0]), "end": _finite(end["cof"])},
+        "cof": {
+            "first": _finite(friction.mean_over(history, history["cof"], "initial", study.lap)),
+            "end": _finite(friction.mean_over(history, history["cof"], "end", study.lap)),
+        },
         "cof_area": study.friction.area,
         "cof_shape": _shape(history["distance"], history["cof"]),
         "area_shape": _shape(history["distance"], history[f"area_{study.friction.area}"]),
         "cof_reference": study.friction.coefficient,
         "shear_strength_MPa_for_reference": friction.calibrations(
-            study.friction, history, load=load, hardness=study.hardness
+            study.friction, history, load=load, hardness=study.hardness, lap=study.lap
         ),
         "hertz": _elastic(study),
         "foundation_N_per_mm3": _finite(

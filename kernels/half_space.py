@@ -1,0 +1,493 @@
+"""The passes over all cells of the half-space solver, each with the sums that the next one needs.
+
+Symbols: p pressure, t = Gp + g its gradient (gap after deformation, from the mean planes), λ the rigid
+approach, H the cap. At the solution t = λ on cells with 0 < p < H, t ≥ λ where p = 0, t ≤ λ where p = H.
+A cell is free if it may move: p > 0 or t < λ, and p < H or t > λ.
+"""
+
+import warp as wp
+
+from warpwear.kernels.reductions import sum_of
+from warpwear.kernels.types import ABSENT, LANES, ONE, ZERO, Cells
+
+wp.set_module_options({"enable_backward": False})
+
+#: Stands for "no cell" in partial maxima, and for a step without limit.
+NONE = wp.constant(wp.float64(1.0e300))
+
+
+@wp.func
+def clipped(x: wp.float64, cap: wp.float64):
+    """x between 0 and the cap."""
+    return wp.min(wp.max(x, ZERO), cap)
+
+
+@wp.func
+def free(p: wp.float64, t: wp.float64, approach: wp.float64, cap: wp.float64):
+    """1 where the pressure of a cell may change, else 0."""
+    return wp.where((p > ZERO or t < approach) and (p < cap or t > approach), ONE, ZERO)
+
+
+@wp.func
+def largest_of(v: Cells):
+    """Largest of the lanes."""
+    return wp.max(
+        wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])),
+        wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])),
+    )
+
+
+@wp.kernel
+def moments(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    columns: wp.int32,
+    level: wp.float64,
+    gap_in: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """Where there is a surface, sums of cells, g − level and its square. Maximum: −g."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    count = Cells(ZERO)
+    first = Cells(ZERO)
+    second = Cells(ZERO)
+    lowest = Cells(-NONE)
+    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
+        g = gap_in[row, k]
+        there = Cells(ZERO)
+        above = Cells(ZERO)
+        squared = Cells(ZERO)
+        for j in range(LANES):
+            there[j] = wp.where(k * LANES + j < columns and g[j] < ABSENT, ONE, ZERO)
+            above[j] = wp.where(there[j] > ZERO, g[j] - level, ZERO)
+            squared[j] = above[j] * above[j]
+            lowest[j] = wp.max(lowest[j], wp.where(there[j] > ZERO, -g[j], -NONE))
+        count += there
+        first += above
+        second += squared
+    sums_out[0, slot] = sum_of(count)
+    sums_out[1, slot] = sum_of(first)
+    sums_out[2, slot] = sum_of(second)
+    maxima_out[0, slot] = largest_of(lowest)
+
+
+@wp.kernel
+def spring(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    columns: wp.int32,
+    stiffness: wp.float64,
+    level: wp.float64,
+    gap_in: wp.array2d(dtype=Cells),
+    trial_out: wp.array2d(dtype=Cells),
+):
+    """Trial pressure of a foundation, (level − g) × stiffness; far below zero in the padding."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
+        g = gap_in[row, k]
+        x = Cells(ZERO)
+        for j in range(LANES):
+            x[j] = wp.where(k * LANES + j < columns, (level - g[j]) * stiffness, -NONE)
+        trial_out[row, k] = x
+
+
+@wp.kernel
+def gradient(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    columns: wp.int32,
+    gap_in: wp.array2d(dtype=Cells),
+    response_in: wp.array2d(dtype=Cells),
+    gradient_out: wp.array2d(dtype=Cells),
+):
+    """t = Gp + g; without end in the padding, which therefore stays open."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
+        g = gap_in[row, k]
+        u = response_in[row, k]
+        t = Cells(ZERO)
+        for j in range(LANES):
+            t[j] = wp.where(k * LANES + j < columns, g[j] + u[j], NONE)
+        gradient_out[row, k] = t
+
+
+@wp.kernel
+def advance(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    whole: wp.bool,
+    length: wp.float64,
+    shift: wp.float64,
+    cap: wp.float64,
+    trial_in: wp.array2d(dtype=Cells),
+    step_in: wp.array2d(dtype=Cells),
+    response_in: wp.array2d(dtype=Cells),
+    pressure_out: wp.array2d(dtype=Cells),
+    gradient_out: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """p += length × step, t += length × response. A whole step takes the trial itself, exact at the bounds.
+
+    Sums: p, cells in contact, cells between the bounds and their t. Maxima: t where p > 0, −t where p < H.
+    """
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    total = Cells(ZERO)
+    touching = Cells(ZERO)
+    between = Cells(ZERO)
+    level = Cells(ZERO)
+    highest = Cells(-NONE)
+    lowest = Cells(-NONE)
+    for k in range(slot % slots_per_row, pressure_out.shape[1], slots_per_row):
+        x = trial_in[row, k]
+        s = step_in[row, k]
+        y = response_in[row, k]
+        p = pressure_out[row, k]
+        t = gradient_out[row, k]
+        touch = Cells(ZERO)
+        inside = Cells(ZERO)
+        inside_level = Cells(ZERO)
+        up = Cells(ZERO)
+        down = Cells(ZERO)
+        for j in range(LANES):
+            p[j] = clipped(wp.where(whole, x[j] + shift, p[j] + length * s[j]), cap)
+            t[j] += length * y[j]
+            touch[j] = wp.where(p[j] > ZERO, ONE, ZERO)
+            inside[j] = wp.where(p[j] < cap, touch[j], ZERO)
+            inside_level[j] = wp.where(inside[j] > ZERO, t[j], ZERO)
+            up[j] = wp.where(p[j] > ZERO, t[j], -NONE)
+            down[j] = wp.where(p[j] < cap, -t[j], -NONE)
+        pressure_out[row, k] = p
+        gradient_out[row, k] = t
+        total += p
+        touching += touch
+        between += inside
+        level += inside_level
+        highest = wp.max(highest, up)
+        lowest = wp.max(lowest, down)
+    sums_out[0, slot] = sum_of(total)
+    sums_out[1, slot] = sum_of(touching)
+    sums_out[2, slot] = sum_of(between)
+    sums_out[3, slot] = sum_of(level)
+    maxima_out[0, slot] = largest_of(highest)
+    maxima_out[1, slot] = largest_of(lowest)
+
+
+@wp.kernel
+def residual(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    approach: wp.float64,
+    cap: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    gradient_in: wp.array2d(dtype=Cells),
+    residual_out: wp.array2d(dtype=Cells),
+):
+    """t − λ on the free cells, 0 elsewhere."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        t = gradient_in[row, k]
+        r = Cells(ZERO)
+        for j in range(LANES):
+            r[j] = wp.where(free(p[j], t[j], approach, cap) > ZERO, t[j] - approach, ZERO)
+        residual_out[row, k] = r
+
+
+@wp.kernel
+def products(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    approach: wp.float64,
+    cap: wp.float64,
+    descent_level: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    gradient_in: wp.array2d(dtype=Cells),
+    descent_in: wp.array2d(dtype=Cells),
+    step_in: wp.array2d(dtype=Cells),
+    response_in: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """Over the free cells, with z = descent − descent_level, r = t − λ, s, y the last step and its response.
+
+    Sums: cells, z, r, y, z y, z r, s r. Maxima: |z|, |r|.
+    """
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    count = Cells(ZERO)
+    descent = Cells(ZERO)
+    gradient = Cells(ZERO)
+    response = Cells(ZERO)
+    zy = Cells(ZERO)
+    zr = Cells(ZERO)
+    sr = Cells(ZERO)
+    largest_z = Cells(ZERO)
+    largest_r = Cells(ZERO)
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        t = gradient_in[row, k]
+        z = descent_in[row, k]
+        s = step_in[row, k]
+        y = response_in[row, k]
+        f = Cells(ZERO)
+        fz = Cells(ZERO)
+        fr = Cells(ZERO)
+        fy = Cells(ZERO)
+        fzy = Cells(ZERO)
+        fzr = Cells(ZERO)
+        fsr = Cells(ZERO)
+        size_z = Cells(ZERO)
+        size_r = Cells(ZERO)
+        for j in range(LANES):
+            is_free = free(p[j], t[j], approach, cap)
+            f[j] = is_free
+            fz[j] = wp.where(is_free > ZERO, z[j] - descent_level, ZERO)
+            fr[j] = wp.where(is_free > ZERO, t[j] - approach, ZERO)
+            fy[j] = wp.where(is_free > ZERO, y[j], ZERO)
+            fzy[j] = fz[j] * fy[j]
+            fzr[j] = fz[j] * fr[j]
+            fsr[j] = s[j] * fr[j]
+            size_z[j] = wp.abs(fz[j])
+            size_r[j] = wp.abs(fr[j])
+        count += f
+        descent += fz
+        gradient += fr
+        response += fy
+        zy += fzy
+        zr += fzr
+        sr += fsr
+        largest_z = wp.max(largest_z, size_z)
+        largest_r = wp.max(largest_r, size_r)
+    sums_out[0, slot] = sum_of(count)
+    sums_out[1, slot] = sum_of(descent)
+    sums_out[2, slot] = sum_of(gradient)
+    sums_out[3, slot] = sum_of(response)
+    sums_out[4, slot] = sum_of(zy)
+    sums_out[5, slot] = sum_of(zr)
+    sums_out[6, slot] = sum_of(sr)
+    maxima_out[0, slot] = largest_of(largest_z)
+    maxima_out[1, slot] = largest_of(largest_r)
+
+
+@wp.kernel
+def direction(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    approach: wp.float64,
+    cap: wp.float64,
+    descent_level: wp.float64,
+    memory: wp.float64,
+    length: wp.float64,
+    outward: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    gradient_in: wp.array2d(dtype=Cells),
+    descent_in: wp.array2d(dtype=Cells),
+    step_in: wp.array2d(dtype=Cells),
+    trial_out: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Trial pressure p + length × d, with d = −z + memory × last step on the free cells (z as in `products`).
+
+    Elsewhere d = −outward × (t − λ), which points out of the bounds: such a cell moves only if the shift that
+    restores the load is larger. Sums: the clipped trial, and cells between the bounds.
+    """
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    total = Cells(ZERO)
+    between = Cells(ZERO)
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        t = gradient_in[row, k]
+        z = descent_in[row, k]
+        s = step_in[row, k]
+        x = Cells(ZERO)
+        q = Cells(ZERO)
+        inside = Cells(ZERO)
+        for j in range(LANES):
+            is_free = free(p[j], t[j], approach, cap)
+            r = t[j] - approach
+            d = wp.where(is_free > ZERO, memory * s[j] - (z[j] - descent_level), -outward * r)
+            x[j] = p[j] + length * d
+            q[j] = clipped(x[j], cap)
+            inside[j] = wp.where(x[j] > ZERO and x[j] < cap, ONE, ZERO)
+        trial_out[row, k] = x
+        total += q
+        between += inside
+    sums_out[0, slot] = sum_of(total)
+    sums_out[1, slot] = sum_of(between)
+
+
+@wp.kernel
+def carried(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    shift: wp.float64,
+    cap: wp.float64,
+    trial_in: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Sums of the trial pressures, shifted and clipped, and of the cells between the bounds."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    total = Cells(ZERO)
+    between = Cells(ZERO)
+    for k in range(slot % slots_per_row, trial_in.shape[1], slots_per_row):
+        x = trial_in[row, k]
+        q = Cells(ZERO)
+        inside = Cells(ZERO)
+        for j in range(LANES):
+            shifted = x[j] + shift
+            q[j] = clipped(shifted, cap)
+            inside[j] = wp.where(shifted > ZERO and shifted < cap, ONE, ZERO)
+        total += q
+        between += inside
+    sums_out[0, slot] = sum_of(total)
+    sums_out[1, slot] = sum_of(between)
+
+
+@wp.kernel
+def step(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    approach: wp.float64,
+    shift: wp.float64,
+    cap: wp.float64,
+    trial_in: wp.array2d(dtype=Cells),
+    pressure_in: wp.array2d(dtype=Cells),
+    gradient_in: wp.array2d(dtype=Cells),
+    step_out: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """Feasible step to the trial. Sum: step × (t − λ). Maximum: share of the room to a bound that is used."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    slope = Cells(ZERO)
+    used = Cells(ZERO)
+    for k in range(slot % slots_per_row, trial_in.shape[1], slots_per_row):
+        x = trial_in[row, k]
+        p = pressure_in[row, k]
+        t = gradient_in[row, k]
+        s = Cells(ZERO)
+        sr = Cells(ZERO)
+        share = Cells(ZERO)
+        for j in range(LANES):
+            s[j] = clipped(x[j] + shift, cap) - p[j]
+            sr[j] = wp.where(s[j] == ZERO, ZERO, s[j] * (t[j] - approach))
+            room = wp.where(s[j] < ZERO, p[j], cap - p[j])
+            share[j] = wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room)
+        step_out[row, k] = s
+        slope += sr
+        used = wp.max(used, share)
+    sums_out[0, slot] = sum_of(slope)
+    maxima_out[0, slot] = largest_of(used)
+
+
+@wp.kernel
+def product(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    first_in: wp.array2d(dtype=Cells),
+    second_in: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Sum of the products of two fields."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    total = Cells(ZERO)
+    for k in range(slot % slots_per_row, first_in.shape[1], slots_per_row):
+        a = first_in[row, k]
+        b = second_in[row, k]
+        ab = Cells(ZERO)
+        for j in range(LANES):
+            ab[j] = a[j] * b[j]
+        total += ab
+    sums_out[0, slot] = sum_of(total)
+
+
+@wp.kernel
+def between(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    cap: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    indicator_out: wp.array2d(dtype=Cells),
+):
+    """1 on the cells with 0 < p < H, 0 elsewhere."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        f = Cells(ZERO)
+        for j in range(LANES):
+            f[j] = wp.where(p[j] > ZERO and p[j] < cap, ONE, ZERO)
+        indicator_out[row, k] = f
+
+
+@wp.kernel
+def conjugate(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    memory: wp.float64,
+    cap: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    descent_in: wp.array2d(dtype=Cells),
+    direction_out: wp.array2d(dtype=Cells),
+):
+    """direction = descent + memory × direction on the cells with 0 < p < H, 0 elsewhere."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        z = descent_in[row, k]
+        d = direction_out[row, k]
+        for j in range(LANES):
+            d[j] = wp.where(p[j] > ZERO and p[j] < cap, z[j] + memory * d[j], ZERO)
+        direction_out[row, k] = d
+
+
+@wp.kernel
+def relax(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    length: wp.float64,
+    cap: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    direction_in: wp.array2d(dtype=Cells),
+    response_in: wp.array2d(dtype=Cells),
+    solution_out: wp.array2d(dtype=Cells),
+    residual_out: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """solution += length × direction, residual −= length × response on the cells with 0 < p < H.
+
+    Sums: solution, residual squared.
+    """
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    total = Cells(ZERO)
+    squared = Cells(ZERO)
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        d = direction_in[row, k]
+        y = response_in[row, k]
+        v = solution_out[row, k]
+        r = residual_out[row, k]
+        rr = Cells(ZERO)
+        for j in range(LANES):
+            v[j] += length * d[j]
+            r[j] = wp.where(p[j] > ZERO and p[j] < cap, r[j] - length * y[j], ZERO)
+            rr[j] = r[j] * r[j]
+        solution_out[row, k] = v
+        residual_out[row, k] = r
+        total += v
+        squared += rr
+    sums_out[0, slot] = sum_of(total)
+    sums_out[1, slot] = sum_of(squared)

@@ -1,0 +1,209 @@
+"""The half-space solver against a dense bound-constrained least-squares solve, and what it refuses."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+from warpwear import execution
+from warpwear.errors import ConvergenceError, InputError
+from warpwear.execution import Executor
+from warpwear.grid import FloatArray, Grid
+from warpwear.half_space import HalfSpace
+
+MODULUS = 3.0
+GRID = Grid(10, 7, 0.5)  # a width that is no multiple of the lanes of a vector
+
+
+@pytest.fixture
+def device(device: str) -> str:
+    """On a GPU the transforms need their library."""
+    if device != "cpu":
+        pytest.importorskip("cupy")
+    return device
+
+
+def rough(grid: Grid, *, seed: int = 1, rms: float = 1.0, shortest: int = 4) -> FloatArray:
+    """A periodic gap of random long waves [mm]."""
+    generator = np.random.default_rng(seed)
+    i = np.fft.fftfreq(grid.nx, 1.0 / grid.nx)[:, np.newaxis]
+    j = np.fft.rfftfreq(grid.ny, 1.0 / grid.ny)
+    waves = np.hypot(i, j)
+    amplitude = np.where((waves > 0.0) & (waves <= shortest), np.maximum(waves, 1.0) ** -1.8, 0.0)
+    phase = generator.standard_normal(waves.shape) + 1j * generator.standard_normal(waves.shape)
+    gap = np.fft.irfft2(amplitude * phase, s=grid.shape)
+    return np.asarray(gap * rms / gap.std())
+
+
+def dense_free(grid: Grid) -> FloatArray:
+    """Influence of every cell on every other, by the logarithms of Johnson's eq. 3.25."""
+    x, y = (c.ravel() for c in np.meshgrid(grid.x, grid.y, indexing="ij"))
+    dx, dy = np.subtract.outer(x, x), np.subtract.outer(y, y)
+    h = 0.5 * grid.cell
+
+    def part(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+        """a ln((b + …)/(c + …)) of the square's side at distance a."""
+        return np.asarray(a * np.log((b + np.hypot(a, b)) / (c + np.hypot(a, c))))
+
+    total = part(dx + h, dy + h, dy - h) + part(dy + h, dx + h, dx - h)
+    total += part(dx - h, dy - h, dy + h) + part(dy - h, dx - h, dx + h)
+    return np.asarray(total / (math.pi * MODULUS))
+
+
+def dense_periodic(grid: Grid) -> FloatArray:
+    """The same by a sum over waves; the mean of the displacement is left out."""
+    x, y = (c.ravel() for c in np.meshgrid(grid.x, grid.y, indexing="ij"))
+    total = np.zeros((grid.cells, grid.cells))
+    for i in range(-(grid.nx // 2), (grid.nx + 1) // 2):
+        for j in range(-(grid.ny // 2), (grid.ny + 1) // 2):
+            if (i, j) != (0, 0):
+                p, q = 2 * math.pi * i / (grid.nx * grid.cell), 2 * math.pi * j / (grid.ny * grid.cell)
+                wave = np.cos(p * np.subtract.outer(x, x) + q * np.subtract.outer(y, y))
+                total += wave * 2.0 / (MODULUS * math.hypot(p, q) * grid.cells)
+    return total
+
+
+def bounded(matrix: FloatArray, gap: FloatArray, approach: float, hardness: float) -> FloatArray:
+    """argmin ½ p·Gp + p·(g − δ), 0 ≤ p ≤ H, by active sets."""
+    root = np.linalg.cholesky(matrix).T
+    right = np.linalg.solve(root.T, approach - gap.ravel())
+    found = lsq_linear(root, right, bounds=(0.0, hardness), method="bvls", tol=1e-15, max_iter=5000)
+    return np.asarray(found.x.reshape(gap.shape))
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("hardness", [math.inf, 1.5, 0.2])
+@pytest.mark.parametrize(("compliance", "streak"), [(0.0, 0.0), (0.3, 0.0), (0.1, 0.4)])
+def test_against_active_sets_on_the_dense_matrix(
+    boundary: str, hardness: float, compliance: float, streak: float, device: str
+) -> None:
+    gap = rough(GRID)
+    matrix = dense_free(GRID) if boundary == "free" else dense_periodic(GRID)
+    column = np.arange(GRID.cells) % GRID.ny
+    matrix = matrix + compliance * np.eye(GRID.cells)
+    matrix += streak / GRID.nx * np.equal.outer(column, column)
+    # A uniform term makes the periodic matrix definite; it only adds to the approach.
+    uniform = 1.0 / GRID.cells
+    expected = bounded(matrix + uniform, gap, 0.5, hardness)
+    approach = 0.5 - uniform * expected.sum()
+    assert 0.1 < (expected > 0.0).mean() < 0.9
+    with Executor(GRID, device=device) as executor:
+        solver = HalfSpace(executor, modulus=MODULUS, boundary=boundary, hardness=hardness, tolerance=1e-11)
+        compliances = {"compliance": compliance, "streak_compliance": streak}
+        loaded = solver.solve(executor.field(gap), mean_pressure=expected.mean(), **compliances)
+        np.testing.assert_allclose(loaded.pressure, expected, atol=1e-8 * expected.max())
+        assert loaded.mean_pressure == pytest.approx(expected.mean(), rel=1e-12)
+        if loaded.cells_between:
+            assert loaded.approach == pytest.approx(approach, abs=1e-9)
+        separation = (matrix @ expected.ravel()).reshape(gap.shape) + gap - approach
+        if loaded.cells_between:
+            np.testing.assert_allclose(loaded.separation, separation, atol=1e-8)
+        solver.forget()
+        moved = solver.solve(executor.field(gap), approach=approach, **compliances)
+        np.testing.assert_allclose(moved.pressure, expected, atol=1e-8 * expected.max())
+        assert moved.mean_pressure == pytest.approx(expected.mean(), rel=1e-8)
+        elastic = matrix - compliance * np.eye(GRID.cells)
+        elastic -= streak / GRID.nx * np.equal.outer(column, column)
+        displacement = (elastic @ expected.ravel()).reshape(gap.shape)
+        np.testing.assert_allclose(solver.displacement(), displacement, atol=1e-8)
+        between = ((expected > 1e-9) & (expected < hardness * (1 - 1e-9))).ravel()
+        slope = np.linalg.solve(matrix[np.ix_(between, between)], np.ones(between.sum())).sum()
+        assert solver.slope(moved) == pytest.approx(slope / GRID.cells, rel=1e-6)
+
+
+def test_threads_change_nothing(threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    grid = Grid(64, 60, 1.0 / 64)
+    gap = rough(grid, rms=0.01, shortest=16)
+    pressures = []
+    for count in (1, threads):
+        with Executor(grid, threads=count) as executor:
+            solver = HalfSpace(executor, modulus=1.0, hardness=0.1)
+            pressures.append(solver.solve(executor.field(gap), mean_pressure=0.01).pressure.copy())
+    assert execution.CELLS_PER_THREAD == 1
+    np.testing.assert_array_equal(*pressures)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.5, 0.95])
+@pytest.mark.parametrize("hardness", [0.0005, 0.005, 0.05, 0.2, 1.0, math.inf])
+def test_every_ratio_of_hardness_to_modulus_converges(hardness: float, share: float) -> None:
+    grid = Grid(128, 128, 1.0 / 128)
+    gap = rough(grid, rms=0.004, shortest=64)  # rms slope about 0.15
+    asked = share * min(hardness, 0.1)
+    with Executor(grid) as executor:
+        solver = HalfSpace(executor, modulus=1.0, hardness=hardness)
+        contact = solver.solve(executor.field(gap), mean_pressure=asked)
+        assert contact.pressure.mean() == pytest.approx(asked, rel=1e-12)
+        assert contact.pressure.max() <= hardness
+        violation = _violation(contact.pressure, contact.separation, hardness)
+        assert violation <= 1e-6 * gap.std() * (1 + 1e-6)
+        assert contact.transforms < 250
+
+
+def _violation(pressure: FloatArray, separation: FloatArray, hardness: float) -> float:
+    held = np.where(pressure >= hardness, np.maximum(separation, 0.0), np.abs(separation))
+    return float(np.where(pressure <= 0.0, np.maximum(-separation, 0.0), held).max())
+
+
+def test_large_compliance_leaves_the_capped_foundation() -> None:
+    grid = Grid(64, 64, 0.01)
+    gap = rough(grid, rms=1e-3, shortest=16)
+    compliance = 1e3 * grid.cell
+    with Executor(grid) as executor:
+        solver = HalfSpace(executor, modulus=1e3, hardness=1.2e-4)
+        contact = solver.solve(executor.field(gap), mean_pressure=5e-5, compliance=compliance)
+        foundation = np.clip((contact.approach - gap) / compliance, 0.0, 1.2e-4)
+        np.testing.assert_allclose(contact.pressure, foundation, atol=1e-3 * 1.2e-4)
+
+
+def test_a_solve_starts_from_the_last_pressure(device: str) -> None:
+    grid = Grid(64, 64, 1.0 / 64)
+    gap = rough(grid, rms=0.004, shortest=16)
+    with Executor(grid, device=device) as executor:
+        solver = HalfSpace(executor, modulus=1.0)
+        cold = solver.solve(executor.field(gap), mean_pressure=0.01)
+        again = solver.solve(executor.field(gap), mean_pressure=0.01)
+        assert again.iterations == 0
+        more = solver.solve(executor.field(gap), mean_pressure=0.0101)
+        assert 0 < more.iterations < cold.iterations
+        assert more.mean_pressure == pytest.approx(0.0101, rel=1e-12)
+
+
+def test_full_contact_is_rigid_in_the_mean() -> None:
+    grid = Grid(32, 32, 1.0 / 32)
+    gap = rough(grid, rms=1e-3)
+    with Executor(grid) as executor:
+        solver = HalfSpace(executor, modulus=1.0)
+        contact = solver.solve(executor.field(gap), mean_pressure=0.5)
+        assert contact.area_fraction == 1.0
+        assert contact.approach == pytest.approx(gap.mean(), abs=1e-9)
+        assert solver.slope(contact) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("options", "arguments", "words"),
+    [
+        ({}, {"mean_pressure": 2.0}, "mean pressure of 2 MPa"),
+        ({}, {"mean_pressure": 0.0}, "mean pressure of 0 MPa"),
+        ({}, {}, "either a mean pressure or an approach"),
+        ({"hardness": -1.0}, {"mean_pressure": 0.1}, "contact.hardness = -1 MPa"),
+        ({"modulus": 0.0}, {"mean_pressure": 0.1}, "E* = 0 MPa"),
+        ({"boundary": "mirror"}, {"mean_pressure": 0.1}, "contact.boundary = 'mirror'"),
+    ],
+)
+def test_bad_input(options: dict[str, Any], arguments: dict[str, float], words: str) -> None:
+    def attempt(executor: Executor) -> None:
+        solver = HalfSpace(executor, **{"modulus": 1.0, "hardness": 1.0, **options})
+        solver.solve(executor.field(rough(GRID)), **arguments)
+
+    with Executor(GRID) as executor, pytest.raises(InputError) as refused:
+        attempt(executor)
+    assert words in str(refused.value)
+
+
+def test_no_convergence_is_an_error_with_its_residual() -> None:
+    with Executor(GRID) as executor:
+        solver = HalfSpace(executor, modulus=1.0, max_iterations=2)
+        with pytest.raises(ConvergenceError, match=r"in 2 iterations.*of the rms height"):
+            solver.solve(executor.field(rough(GRID)), mean_pressure=0.1)

@@ -1,0 +1,266 @@
+"""What a pressure does to an elastic half-space, and the inverse that preconditions the solver.
+
+Displacement and pressure are tied by a convolution, done in Fourier space. The transforms come from a
+library, `scipy.fft` on a CPU and CuPy on a GPU, behind `Transforms`; it works on Warp's own arrays.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.execution import Executor, Field
+from warpwear.grid import FloatArray, Grid
+
+#: Fewer modes a thread are not worth a pool.
+MODES_PER_THREAD = 30_000
+#: Blocks that a thread takes at a time: so many of the rows, so wide of the columns.
+ROW_BLOCKS, COLUMNS = 16, 64
+#: Below any response [mm/MPa].
+SMALLEST = 1.0e-300
+
+
+class Transforms(ABC):
+    """Real transforms of the fields of one executor, zero-padded to a given shape.
+
+    transforms: pairs (one forward and one inverse) done so far.
+    """
+
+    def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
+        self._executor = executor
+        self._shape = shape
+        self.transforms = 0
+
+    @abstractmethod
+    def table(self, values: FloatArray) -> Any:
+        """A table for `filter` where the transforms are done, from one of shape (n, m//2 + 1)."""
+
+    @abstractmethod
+    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+        """field_out = inverse(forward(field_in) × table), on the cells of the grid; may be the same field.
+
+        divide: ÷ instead of ×; modes where the table is 0 are left out. For a preconditioner, so single
+        precision will do.
+        """
+
+
+class ScipyTransforms(Transforms):
+    """On the CPU. Blocks of rows, then of columns, are shared among as many threads as the executor has.
+
+    The blocks do not depend on the threads, so neither do the results. A block of columns is transformed,
+    multiplied and transformed back while it is in the cache; rows and columns of padding are never stored.
+    """
+
+    def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
+        super().__init__(executor, shape)
+        self._fft: Any = import_module("scipy.fft")  # takes 0.1 s: not for a run without
+        nx, modes = executor.grid.nx, shape[1] // 2 + 1
+        self._spectrum = np.empty((nx, modes), dtype=np.complex128)
+        self._rows = _blocks(nx, -(-nx // ROW_BLOCKS))
+        self._columns = _blocks(modes, COLUMNS)
+        threads = executor.threads if nx * modes >= MODES_PER_THREAD * 2 else 1
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+
+    def table(self, values: FloatArray) -> FloatArray:
+        return values
+
+    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+        self.transforms += 1
+        fft = self._fft
+        spectrum: Any = self._spectrum
+        real: Any = np.float64
+        if divide:
+            real, spectrum = np.float32, spectrum.view(np.complex64)[:, : spectrum.shape[1]]
+        nx, ny = self._executor.grid.shape
+        values, result = self._executor.to_numpy(field_in), self._executor.to_numpy(field_out)
+
+        def forward(rows: slice) -> None:
+            spectrum[rows] = fft.rfft(values[rows].astype(real, copy=False), n=self._shape[1], axis=1)
+
+        def across(columns: slice) -> None:
+            lines = fft.fft(spectrum[:, columns], n=self._shape[0], axis=0, overwrite_x=True)
+            factor = table[:, columns].astype(real, copy=False)
+            if divide:
+                np.divide(lines, factor, out=lines, where=factor > 0.0)
+                lines[factor == 0.0] = 0.0
+            else:
+                lines *= factor
+            spectrum[:, columns] = fft.ifft(lines, axis=0, overwrite_x=True)[:nx]
+
+        def back(rows: slice) -> None:
+            result[rows] = fft.irfft(spectrum[rows], n=self._shape[1], axis=1, overwrite_x=True)[:, :ny]
+
+        self._each(forward, self._rows)
+        self._each(across, self._columns)
+        self._each(back, self._rows)
+
+    def _each(self, work: Callable[[slice], None], blocks: list[slice]) -> None:
+        if self._pool is None:
+            for block in blocks:
+                work(block)
+        else:
+            list(self._pool.map(work, blocks))
+
+
+class CupyTransforms(Transforms):
+    """On a GPU, in the stream of Warp's device; arrays are shared through `__cuda_array_interface__`."""
+
+    def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
+        super().__init__(executor, shape)
+        try:
+            self._cupy: Any = import_module("cupy")
+        except ImportError as error:
+            raise InputError(
+                f'contact.law = "half-space" on device = {str(executor.device)!r} needs CuPy for its Fourier '
+                "transforms: pip install warpwear[gpu], or use the device cpu."
+            ) from error
+        device = executor.device
+        self._device = self._cupy.cuda.Device(device.ordinal)
+        self._stream = self._cupy.cuda.ExternalStream(device.stream.cuda_stream, device.ordinal)
+
+    def table(self, values: FloatArray) -> Any:
+        with self._device, self._stream:
+            return self._cupy.asarray(values)
+
+    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+        self.transforms += 1
+        cupy, fft = self._cupy, self._cupy.fft
+        nx, ny = self._executor.grid.shape
+        with self._device, self._stream:
+            spectrum = fft.rfft(self._cells(field_in), n=self._shape[1], axis=1)
+            spectrum = fft.fft(spectrum, n=self._shape[0], axis=0)
+            if divide:
+                spectrum *= cupy.where(table > 0.0, 1.0 / cupy.maximum(table, SMALLEST), 0.0)
+            else:
+                spectrum *= table
+            spectrum = fft.ifft(spectrum, axis=0)[:nx]
+            self._cells(field_out)[:] = fft.irfft(spectrum, n=self._shape[1], axis=1)[:, :ny]
+
+    def _cells(self, field: Field) -> Any:
+        """A view of a field's cells, shape (nx, ny)."""
+        return self._cupy.asarray(field).reshape(field.shape[0], -1)[:, : self._executor.grid.ny]
+
+
+def _blocks(size: int, length: int) -> list[slice]:
+    return [slice(start, min(start + length, size)) for start in range(0, size, length)]
+
+
+class Influence:
+    """The operator G + c + streak of one grid and boundary, and an approximate inverse.
+
+    modulus: E* of both bodies together [MPa]. boundary: "periodic" (the mean displacement is left out, since
+    it has no limit: gaps count from the mean planes) or "free" (nothing outside the grid; the displacement is
+    that of uniform pressures on square cells, exact; Love 1929, Phil. Trans. R. Soc. A 228, 377; Johnson,
+    Contact Mechanics, 1985, section 3.3). Call `set_compliance` before use.
+    """
+
+    def __init__(self, executor: Executor, *, modulus: float, boundary: str) -> None:
+        grid = executor.grid
+        if not (math.isfinite(modulus) and modulus > 0.0):
+            raise InputError(f"E* = {modulus:g} MPa is not possible; it must be positive and finite.")
+        if boundary not in ("periodic", "free"):
+            raise InputError(
+                f'contact.boundary = {boundary!r} is unknown; allowed are "periodic" and "free".'
+            )
+        self._boundary = boundary
+        self._streak_cells = grid.nx
+        make: Callable[..., Transforms] = ScipyTransforms if executor.device.is_cpu else CupyTransforms
+        self._near = make(executor, grid.shape)
+        elastic = periodic_spectrum(grid, modulus)
+        if boundary == "periodic":
+            self._far = self._near
+            self._elastic = self._near_elastic = elastic
+        else:
+            padded = padded_shape(grid)
+            self._far = make(executor, padded)
+            self._elastic = _spectrum(free_coefficients(grid, modulus, padded))
+            # The mean that a periodic surface leaves out: that of a uniform pressure, about.
+            elastic[0, 0] = 3.0 * elastic.max()
+            self._near_elastic = elastic
+        self._compliance: tuple[float, float] | None = None
+        self.set_compliance(0.0, 0.0)
+
+    @property
+    def transforms(self) -> int:
+        """Pairs of transforms done so far, of the response and of its inverse."""
+        return self._far.transforms + (self._near.transforms if self._near is not self._far else 0)
+
+    @property
+    def rigid_mean(self) -> bool:
+        """Whether a uniform pressure displaces nothing."""
+        return self._boundary == "periodic" and self._compliance == (0.0, 0.0)
+
+    def set_compliance(self, own: float, streak: float) -> None:
+        """What adds to the elastic response [mm/MPa]: own pressure of the cell, mean of its line along x."""
+        if self._compliance == (own, streak):
+            return
+        self._compliance = own, streak
+        self._response = self._far.table(self._with(self._elastic, own, streak))
+        self._nearby = self._response
+        if self._near is not self._far:
+            self._nearby = self._near.table(self._with(self._near_elastic, own, streak))
+
+    def _with(self, elastic: FloatArray, own: float, streak: float) -> FloatArray:
+        if own == 0.0 and streak == 0.0:
+            return elastic
+        # The mean over the cells of a line, as the spectrum of its coefficients.
+        rows, nx = elastic.shape[0], self._streak_cells
+        distance = np.minimum(np.arange(rows), rows - np.arange(rows))
+        line = np.fft.fft(np.where(distance < nx, 1.0 / nx, 0.0)).real
+        return elastic + (own + streak * line[:, np.newaxis])
+
+    def respond(self, pressure: Field, displacement: Field) -> None:
+        """Displacement [mm] under a pressure [MPa], compliances included."""
+        self._far.filter(pressure, self._response, displacement)
+
+    def respond_elastically(self, pressure: Field, displacement: Field) -> None:
+        """Displacement of the half-space alone [mm]."""
+        self._far.filter(pressure, self._far.table(self._elastic), displacement)
+
+    def invert(self, displacement: Field, pressure: Field) -> None:
+        """About the pressure [MPa] of a displacement [mm]: |q| E*/2 without compliances. May be in place."""
+        self._near.filter(displacement, self._nearby, pressure, divide=True)
+
+
+def periodic_spectrum(grid: Grid, modulus: float) -> FloatArray:
+    """2/(E*|q|) of the modes of a real transform [mm/MPa], shape (nx, ny//2 + 1), 0 for the mean."""
+    q_x = 2.0 * math.pi * np.fft.fftfreq(grid.nx, grid.cell)
+    q_y = 2.0 * math.pi * np.fft.rfftfreq(grid.ny, grid.cell)
+    q = np.hypot(q_x[:, np.newaxis], q_y)
+    spectrum: FloatArray = np.divide(2.0 / modulus, q, out=np.zeros_like(q), where=q > 0.0)
+    return spectrum
+
+
+def padded_shape(grid: Grid) -> tuple[int, int]:
+    """A shape on which the convolution of the grid does not wrap, quick to transform."""
+    next_fast_len = import_module("scipy.fft").next_fast_len
+    return next_fast_len(2 * grid.nx - 1), next_fast_len(2 * grid.ny - 1, real=True)
+
+
+def free_coefficients(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
+    """Displacement at a cell's centre under a unit pressure on another [mm/MPa], by wrapped distance.
+
+    Four corner terms, x ln(y + r) + y ln(x + r), over π E* (Johnson eq 3.25).
+    """
+    x, y = (np.minimum(np.arange(n), n - np.arange(n)) * grid.cell for n in shape)
+    half = 0.5 * grid.cell
+    right, left = x[:, np.newaxis] + half, x[:, np.newaxis] - half
+    above, below = y + half, y - half
+
+    def corner(a: FloatArray, b: FloatArray) -> FloatArray:
+        # by inverse hyperbolic sines: the logarithms differ by what cancels between the corners
+        return np.asarray(a * np.arcsinh(b / np.abs(a)) + b * np.arcsinh(a / np.abs(b)))
+
+    total = corner(right, above) - corner(right, below) - corner(left, above) + corner(left, below)
+    return total / (math.pi * modulus)
+
+
+def _spectrum(coefficients: FloatArray) -> FloatArray:
+    """Real transform of symmetric coefficients, which is real."""
+    spectrum: FloatArray = np.ascontiguousarray(import_module("scipy.fft").rfft2(coefficients).real)
+    return spectrum
