@@ -141,7 +141,8 @@ def remove(
 ):
     """One increment of wear of the tiles in reach, as `sliding.remove`: partial results by `OF_STEP`.
 
-    keeps: 1 for a disc that keeps its dents. reached_out: as there. Bounds and sums of those tiles are made anew.
+    keeps: 1 for a disc that keeps its dents. reached_out: as there. Bounds and sums of those tiles are made
+    anew.
     """
     block = wp.tid() // wp.block_dim()
     step = step_in[0]
