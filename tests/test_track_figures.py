@@ -103,6 +103,17 @@ def test_a_groove_that_was_only_pressed() -> None:
     dented.plot.groove().canvas.draw()
 
 
+def test_the_shape_of_a_course_is_that_of_its_passes() -> None:
+    """At the ends of a short stroke the area is smaller than in its middle, which says nothing of wear."""
+    changes = {"disc__synthetic__kind": "flat", "sliding__distance": "72 mm", "sliding__shift": 3}
+    result = warpwear.run(small("full", **changes))
+    areas = result.history["area_contact"].reshape(80, 15)  # a row a pass of 45 cells
+    assert areas[-1, -1] < 0.8 * areas[-1].mean()
+    late, passes = areas[40:].mean(axis=1), np.arange(40, 80) + 0.5
+    exponent = np.polyfit(np.log(passes), np.log(late), 1)[0]
+    assert result.summary["area_shape"]["exponent_m"] == pytest.approx(exponent, rel=1e-2, abs=1e-3)
+
+
 def test_friction_is_calibrated_on_a_whole_pass(result: Result) -> None:
     """Not on the step at the end, where a stroke's area is another than in its middle."""
     study = result.study.replace(friction={"coefficient": 0.6, "calibrate": "end"})

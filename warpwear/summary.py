@@ -51,8 +51,8 @@ def summarise(result: "Result") -> dict[str, Any]:
             "end": _finite(friction.mean_over(history, history["cof"], "end", study.lap)),
         },
         "cof_area": study.friction.area,
-        "cof_shape": _shape(history["distance"], history["cof"]),
-        "area_shape": _shape(history["distance"], history[f"area_{study.friction.area}"]),
+        "cof_shape": _shape(*_course(result, "cof")),
+        "area_shape": _shape(*_course(result, f"area_{study.friction.area}")),
         "cof_reference": study.friction.coefficient,
         "shear_strength_MPa_for_reference": friction.calibrations(
             study.friction, history, load=load, hardness=study.hardness, lap=study.lap
@@ -133,6 +133,21 @@ def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float
 
     early = secant(1.0 / 80.0, 0.1)
     return {"exponent_m": exponent, "levelling_lambda": secant(0.5, 1.0) / early if early else math.nan}
+
+
+def _course(result: "Result", name: str) -> tuple[FloatArray, FloatArray]:
+    """Distance [mm] and values of a column: of a swept run the means of its passes, whose ends differ from
+    their middles, at the middles."""
+    history, stroke = result.history, result.study.lap
+    if stroke is None:
+        return history["distance"], history[name]
+    from warpwear.track_data import pass_numbers
+
+    number, increment = pass_numbers(result), history["increment"]
+    slid = np.bincount(number, increment)
+    if not slid.all():  # a static contact
+        return history["distance"], history[name]
+    return np.cumsum(slid) - 0.5 * slid, np.bincount(number, increment * history[name]) / slid
 
 
 def _shape(distance: FloatArray, values: FloatArray) -> dict[str, float] | None:

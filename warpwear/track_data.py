@@ -153,15 +153,19 @@ def _parameters(heights: FloatArray) -> dict[str, float]:
     return {name: 1.0e3 * lengths[name] for name in PARAMETERS}
 
 
+def pass_numbers(result: Result) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":
+    """Of every step, from 0."""
+    passes = result.history["distance"] / Track.of(result.study).stroke
+    return np.maximum(np.ceil(passes - 1.0e-9).astype(int), 1) - 1
+
+
 def by_pass(result: Result) -> dict[str, FloatArray]:
     """One value a pass, of which the last may be short.
 
     `number` (from 1), `distance` slid in it [mm], volumes lost in it [mm³], means of the area in contact
     [mm²] and of the width of the patch [mm].
     """
-    history, stroke = result.history, Track.of(result.study).stroke
-    number = np.ceil(history["distance"] / stroke - 1.0e-9).astype(int)
-    number = np.maximum(number, 1) - 1
+    history, number = result.history, pass_numbers(result)
     last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)
     distance = np.bincount(number, history["increment"])
     steps = np.bincount(number)
