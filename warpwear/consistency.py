@@ -17,6 +17,7 @@ MOST_STEPS = 1_000_000
 def check(study: "Study") -> None:
     """Raises ValueError, in one sentence, for a study that cannot be computed as it stands."""
     _model(study)
+    _half_space(study)
     track_checks.check(study)
     _hardness(study)
     _capacity(study)
@@ -63,6 +64,32 @@ def _model(study: "Study") -> None:
         )
     if not named and not math.isfinite(float(match)):
         raise ValueError("contact.foundation = inf N/mm^3: the macro model needs a finite stiffness")
+
+
+def _half_space(study: "Study") -> None:
+    if study.contact.law != "half-space":
+        return
+    named = "contact.law = 'half-space'"
+    if study.study.model != "micro":
+        raise ValueError(f"{named} is for study.model = 'micro', not '{study.study.model}'")
+    if study.is_swept:
+        raise ValueError(f"{named} needs sliding.kinematics = 'stationary'")
+    if study.effective_modulus is None:
+        raise ValueError(
+            f"{named} needs Young's modulus and Poisson's ratio of both bodies: sphere.material or "
+            "sphere.young and sphere.poisson, and the same of the disc"
+        )
+    if study.stepping.scheme == "explicit":
+        raise ValueError(f"{named} needs stepping.scheme = 'implicit'")
+    if study.wear.distance_factor != "none":
+        raise ValueError(
+            f"wear.distance_factor = '{study.wear.distance_factor}' does not go with {named}: allowed is none"
+        )
+    if study.boundary == "periodic" and study.sphere.curvature != 0.0:
+        raise ValueError(
+            "contact.boundary = 'periodic' would repeat the sphere beside itself: allowed is 'free', or a "
+            "flat, sphere.radius = 'inf mm'"
+        )
 
 
 def _hardness(study: "Study") -> None:

@@ -88,6 +88,16 @@ class HalfSpace:
         """Start the next solve from nothing."""
         self._started = False
 
+    @property
+    def pressure(self) -> FloatArray:
+        """Where the next solve starts [MPa], shape (nx, ny)."""
+        return self._executor.to_numpy(self._iterate.pressure)
+
+    def go_on_from(self, pressure: FloatArray) -> None:
+        """Start the next solve from a pressure between 0 and H [MPa], shape (nx, ny)."""
+        self._executor.fill(self._iterate.pressure, pressure)
+        self._started = True
+
     def solve(
         self,
         gap: Field,

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from warpwear.checkpoint import checksum
+from warpwear.elastic_scale import HalfSpaceModel
 from warpwear.errors import InputError
 from warpwear.execution import FIELDS_NEEDED, Executor, free_memory
 from warpwear.grid import FloatArray, Grid
@@ -78,6 +79,8 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
         return Made(swept, found, record, heights)
     heights = surface.heights(grid.x, grid.y)
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
+    if study.contact.law == "half-space":
+        return Made(HalfSpaceModel(study, heights, executor), checksum(heights), record)
     curve = None
     if study.wear.law == "bearing-curve":
         curve = bearing_curve_of(study)

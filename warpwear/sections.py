@@ -200,7 +200,16 @@ class Contact(Section):
     hardness: PressureOrInfinite | None = key(
         None, "largest pressure of a cell; by default the softer body's in the micro model, none in the macro"
     )
-    law: Literal["foundation"] = key("foundation", "independent springs with a largest pressure")
+    law: Literal["foundation", "half-space"] = key(
+        "foundation",
+        "foundation: independent springs with a largest pressure; half-space: elastic bodies, whose asperities "
+        "feel each other, with a largest pressure",
+    )
+    boundary: Literal["free", "periodic"] | None = key(
+        None,
+        "half-space: nothing beyond the domain, or the domain repeated; if not given free under a sphere, "
+        "periodic under a flat",
+    )
     stiffness: Stiffness = key(
         "inf N/mm^3",
         "micro model: local foundation stiffness k",
