@@ -1,4 +1,4 @@
-"""Archard removal from both bodies by a pressure that is stored, and the figures of the step that wore them."""
+"""Archard removal from both bodies by a stored pressure, and the figures of the step that wore them."""
 
 import warp as wp
 

@@ -23,7 +23,7 @@ class HalfSpaceModel:
     """Contact and wear of one study with contact.law = "half-space" on one executor.
 
     A step finds the pressure with which it ends: the wear of the step, (K_s + K_d) ΔL p, adds to what the
-    half-space yields (physics: implicit Archard), so a step may be of any length. Every step starts from the
+    half-space yields (implicit Archard), so a step may be of any length. Every step starts from the
     last one's pressure.
 
     heights: of the disc over its mean plane [mm], shape (nx, ny). The caller may let go of the array.
@@ -66,8 +66,15 @@ class HalfSpaceModel:
         cap = min(self.study.hardness, NO_CAP)
         executor.launch(
             wear_by_pressure.remove,
-            inputs=[cap, sphere, disc, reference, int(self._share_changes)]
-            + [contact.pressure_field, state.unworn],
+            inputs=[
+                cap,
+                sphere,
+                disc,
+                reference,
+                int(self._share_changes),
+                contact.pressure_field,
+                state.unworn,
+            ],
             outputs=[state.share, state.gap, self._sums, self._maxima],
         )
         total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))

@@ -202,8 +202,8 @@ class Contact(Section):
     )
     law: Literal["foundation", "half-space"] = key(
         "foundation",
-        "foundation: independent springs with a largest pressure; half-space: elastic bodies, whose asperities "
-        "feel each other, with a largest pressure",
+        "under a largest pressure; foundation: every cell by itself; half-space: elastic bodies, whose "
+        "asperities feel each other",
     )
     boundary: Literal["free", "periodic"] | None = key(
         None,
