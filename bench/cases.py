@@ -27,6 +27,7 @@ from contenders import (
 )
 from displaced import sliding
 from loops import sampled_run, whole_run
+from patches import patches
 from phases import kernel_times
 from timing import Row, Unit, measure, ratio_note
 
@@ -217,6 +218,7 @@ CASES: dict[str, Case] = {
     "threads": Case(second_thread, fields=12.0, threads=2),
     "phases": Case(phases),
     "sliding": Case(sliding, fields=14.0),
+    "patches": Case(patches, sizes=(1500,), fields=20.0),
     "sliding-finer": Case(sliding_finer, sizes=(4096,), fields=12.0),
     "track": Case(run_track, sizes=(750,), fields=40.0),
     "track-pass": Case(run_full_pass, sizes=(1500,), fields=120.0),

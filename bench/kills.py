@@ -49,6 +49,11 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "sliding.distance": "5 mm",
         },
     ),
+    "two-scale": ("two-scale", SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm"}),
+    "two-scale, load": (
+        "two-scale",
+        SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm", "macro.coupling": "load"},
+    ),
     "macro, bearing curve": (
         "v2",
         SMALL

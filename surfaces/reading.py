@@ -1,7 +1,7 @@
 """Measured files as they are: heights, pixel and units out of instrument formats, text, .npy and .npz."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +33,7 @@ UNITS = "m, mm, um, µm, nm"  # that a study may give; a file may state any of M
 HDF5 = (".h5", ".hdf5")
 FARTHEST = 1.0e4  # mm: no height is beyond it
 TEXT = (".xyz", ".txt", ".csv", ".asc", ".dat", ".tsv", ".hfm")
+CUT = "the file's last line has no end: it may have been cut short, and its last value with it"
 HEIGHT_NAMES = ("heights", "height", "z", "surface", "topography")  # of the array in a .npz that has several
 
 
@@ -148,7 +149,10 @@ def _refusal(path: Path, what: str) -> InputError:
 
 def _read_npy(path: Path) -> _Raw:
     try:
-        array = np.load(path, allow_pickle=False)
+        with path.open("rb") as file:
+            array = np.load(file, allow_pickle=False)
+            if file.read(1):
+                raise ValueError("there is more in it than its array")
     except Exception as error:  # the reader is foreign: whatever it raises is a bad file
         raise _refusal(path, f"cannot be read as .npy ({_first_line(error)})") from error
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu":
@@ -192,6 +196,7 @@ def _read_text(path: Path, given: tuple[float, float] | None) -> _Raw:
         raise _refusal(path, f"cannot be read as text ({error})") from error
     columns = table.values.shape[1]
     lateral, height = units_in(table.header)
+    told = () if table.ended else (CUT,)
     if columns < 3:
         return _Raw(heights=table.values[:, 0], format="text")
     if columns == 3 or 3 < columns <= 7 < table.values.shape[0]:
@@ -208,13 +213,14 @@ def _read_text(path: Path, given: tuple[float, float] | None) -> _Raw:
                 pixel=cloud.pixel,
                 lateral_unit=lateral,
                 height_unit=height,
-                notes=cloud.notes + extra,
+                notes=cloud.notes + extra + told,
             )
     return _read_matrix(path, table, given)
 
 
 def _read_matrix(path: Path, table: Table, given: tuple[float, float] | None) -> _Raw:
     """A matrix in text; where it has a header, sizes and units as SurfaceTopography understands them."""
+    told = () if table.ended else (CUT,)
     if table.header:
         try:
             found = _read_instrument(path, given)
@@ -222,9 +228,9 @@ def _read_matrix(path: Path, table: Table, given: tuple[float, float] | None) ->
             pass  # a header it does not know, or the package is not here: the numbers are read all the same
         else:
             if found.heights.shape == table.values.T.shape:
-                return found
+                return replace(found, notes=found.notes + told)
     lateral, height = units_in(table.header)
-    return _Raw(heights=table.values.T, format="text", lateral_unit=lateral, height_unit=height)
+    return _Raw(heights=table.values.T, format="text", lateral_unit=lateral, height_unit=height, notes=told)
 
 
 def _refuse_results(path: Path) -> None:

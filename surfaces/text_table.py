@@ -12,6 +12,9 @@ from warpwear.surfaces.base import FloatArray
 COMMENTS = ("#", "%", "//", "*", "!")
 MISSING = re.compile(rb"(?i)\b(?:bad|null|nil|none|na|n/a)\b|\*{2,}|-{2,}")
 SAMPLE_LINES = 400
+#: Bytes that no text has, and the share of them, zeros aside, in one that is only damaged.
+BINARY = bytes([*range(1, 9), *range(14, 32)])
+LARGEST_BINARY = 0.05
 NUMBER = re.compile(
     r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][+-]?\d+)?|[+-]?(?:nan|inf|bad|null)|-{2,}|\*{2,}", re.I
 )
@@ -23,6 +26,7 @@ class Table:
 
     values: FloatArray
     header: tuple[str, ...]
+    ended: bool = True  # whether the last line is: of a file cut short it is not
 
 
 def read_table(path: Path) -> Table:
@@ -36,8 +40,8 @@ def read_table(path: Path) -> Table:
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raw = raw.decode("utf-16").encode()
     raw = raw.removeprefix(b"\xef\xbb\xbf")
-    if b"\x00" in raw[:100000]:
-        raise ValueError("no text")
+    if b"\x00" in raw:
+        _refuse_zeros(raw)
     raw = raw.replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\xc2\xa0", b" ")
     header, body, first = _split(raw)
     if not body.strip():
@@ -45,7 +49,38 @@ def read_table(path: Path) -> Table:
     values = _numbers(_unified(body), first=first)
     if values.shape[0] > 1 and header == () and values.shape[1] == 1:
         raise ValueError("a single column of numbers")
-    return Table(values=values, header=header)
+    _refuse_lost_rows(header, body, first=first, width=values.shape[1])
+    return Table(values=values, header=header, ended=raw.endswith(b"\n"))
+
+
+def _refuse_zeros(raw: bytes) -> None:
+    """ValueError: "no text" for an instrument's own format, the line of the damage for a text with a few."""
+    rest = raw[:100000].translate(None, b"\x00")
+    if len(rest.translate(None, BINARY)) <= (1.0 - LARGEST_BINARY) * len(rest):
+        raise ValueError("no text")
+    line = raw.count(b"\n", 0, raw.index(b"\x00")) + 1
+    raise ValueError(f"line {line} holds a byte of value 0, which no text has")
+
+
+def _refuse_lost_rows(header: tuple[str, ...], body: bytes, *, first: int, width: int) -> None:
+    """ValueError for a broken row that passed for the header, and for one behind a comment's sign.
+
+    Of two or three columns a header may well be made of a word and numbers.
+    """
+    if width > 3 and header and not header[-1].startswith(COMMENTS[:3]):
+        for separators in (r"[\s;]+", r"[\s;,]+"):
+            fields = re.split(separators, header[-1].strip(" \t;,"))
+            words = [field for field in fields if not NUMBER.fullmatch(field)]
+            if abs(len(fields) - width) <= width // 8 and 0 < len(words) < 0.5 * width:
+                raise ValueError(f"line {first - 1} holds {words[0][:20]!r}, which is no number")
+    if not any(sign.encode() in body for sign in COMMENTS[:3]):
+        return
+    for number, line in enumerate(body.decode("utf-8", errors="replace").split("\n"), start=first):
+        sign = next((sign for sign in COMMENTS[:3] if line.strip().startswith(sign)), None)
+        if sign is not None:
+            fields = re.split(r"[\s;]+", line.strip()[len(sign) :].strip(" \t;,"))
+            if len(fields) == width > 2 and all(NUMBER.fullmatch(field) for field in fields):
+                raise ValueError(f"line {number} is a row of numbers behind a {sign!r}")
 
 
 def _split(raw: bytes) -> tuple[tuple[str, ...], bytes, int]:

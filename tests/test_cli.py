@@ -29,7 +29,7 @@ def warpwear(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_a_run_from_the_command_line(tmp_path: Path) -> None:
-    done = warpwear("run", "v3-fine", *QUICK, "--threads", "1", cwd=tmp_path)
+    done = warpwear("run", "v3-fine", *QUICK, "--set", "output.snapshots=[]", "--threads", "1", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     drawn = {p.stem for p in (tmp_path / "v3-fine" / "figures").iterdir()}
     assert {"cof", "areas", "pressure", "pressure_map", "profiles"} <= drawn
@@ -109,7 +109,14 @@ def test_a_smooth_run_stands_beside_hertz(tmp_path: Path) -> None:
 
 def test_listing_and_showing(tmp_path: Path) -> None:
     listed = warpwear("studies", cwd=tmp_path)
-    assert [line.split()[0] for line in listed.stdout.splitlines()] == ["v1", "v2", "v3", "v3-fine"]
+    assert [line.split()[0] for line in listed.stdout.splitlines()] == [
+        "track",
+        "two-scale",
+        "v1",
+        "v2",
+        "v3",
+        "v3-fine",
+    ]
     shown = warpwear("show", "v3", "--set", "disc.synthetic.kind=flat", cwd=tmp_path)
     assert shown.returncode == 0
     assert "ASSUMED" in shown.stdout

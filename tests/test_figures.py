@@ -39,6 +39,8 @@ RUNS: dict[str, dict[str, Any]] = {
         "output.snapshots": ["1 mm", "10 mm"],
     },
 }
+OF_TRACKS = {"groove", "track_map", "wear_per_pass", "cof_stroke", "track_roughness"}
+OF_PATCHES = {"load_share", "patch_zoom"}
 STATIC = {"setup", "pressure_map", "pressure_3d", "pressure_profiles", "contact_map", "profiles", "junctions"}
 
 
@@ -121,6 +123,35 @@ def test_every_figure_is_fit_to_print(results: dict[str, Result], run: str) -> N
     check_figures(results[run], run, names)
 
 
+def faults_of(where: str, figure: Figure, renderer: Any) -> list[str]:
+    """What is not fit to print."""
+    faults: list[str] = []
+    if figure.get_figwidth() not in (3.5, 7.0):
+        faults.append(f"{where}: {figure.get_figwidth()} inch is no column's width")
+    for axes in axes_of(figure):
+        if axes in figure.axes and not hasattr(axes, "_colorbar") and is_empty(axes):
+            faults.append(f"{where}: an empty panel")
+        for axis in axes_lines(axes):
+            label = axis.label.get_text()
+            if shown_ticks(axis) and not re.search(r", (–|mm|mm²|µm|MPa|s|min|h|10⁻³ mm³)$", label):
+                faults.append(f"{where}: an axis without a unit: '{label}'")
+    texts = [(text.get_text(), outline(text, renderer)) for text in texts_of(figure)]
+    for (a, outline_a), (b, outline_b) in itertools.combinations(texts, 2):
+        if outline_a.get_path().intersects_path(outline_b.get_path()):
+            faults.append(f"{where}: '{a}' and '{b}' overlap")
+    for text, shape in texts:
+        low, high = shape.get_xy().min(axis=0), shape.get_xy().max(axis=0)
+        if (low < -1.0).any() or (high > np.array([figure.bbox.x1, figure.bbox.y1]) + 1.0).any():
+            faults.append(f"{where}: '{text}' leaves the page")
+    for axes, other in itertools.permutations(figure.axes, 2):
+        if axes.title.get_text() and axes.title.get_window_extent(renderer).overlaps(other.bbox):
+            faults.append(f"{where}: '{axes.title.get_text()}' runs into another panel")
+    small = [t.get_text() for t in texts_of(figure) if float(t.get_fontsize()) < 7.0]
+    if small:
+        faults.append(f"{where}: {small} too small to read")
+    return faults
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("run", RUNS)
 def test_every_figure_of_every_run_is_fit_to_print(results: dict[str, Result], run: str) -> None:
@@ -130,31 +161,7 @@ def test_every_figure_of_every_run_is_fit_to_print(results: dict[str, Result], r
 def check_figures(result: Result, run: str, names: set[str]) -> None:
     faults: list[str] = []
     for name in sorted(names):
-        figure, renderer = drawn(result, name)
-        where = f"{run}, {name}"
-        if figure.get_figwidth() not in (3.5, 7.0):
-            faults.append(f"{where}: {figure.get_figwidth()} inch is no column's width")
-        for axes in axes_of(figure):
-            if axes in figure.axes and not hasattr(axes, "_colorbar") and is_empty(axes):
-                faults.append(f"{where}: an empty panel")
-            for axis in axes_lines(axes):
-                label = axis.label.get_text()
-                if shown_ticks(axis) and not re.search(r", (–|mm|mm²|µm|MPa|s|min|h|10⁻³ mm³)$", label):
-                    faults.append(f"{where}: an axis without a unit: '{label}'")
-        texts = [(text.get_text(), outline(text, renderer)) for text in texts_of(figure)]
-        for (a, outline_a), (b, outline_b) in itertools.combinations(texts, 2):
-            if outline_a.get_path().intersects_path(outline_b.get_path()):
-                faults.append(f"{where}: '{a}' and '{b}' overlap")
-        for text, shape in texts:
-            low, high = shape.get_xy().min(axis=0), shape.get_xy().max(axis=0)
-            if (low < -1.0).any() or (high > np.array([figure.bbox.x1, figure.bbox.y1]) + 1.0).any():
-                faults.append(f"{where}: '{text}' leaves the page")
-        for axes, other in itertools.permutations(figure.axes, 2):
-            if axes.title.get_text() and axes.title.get_window_extent(renderer).overlaps(other.bbox):
-                faults.append(f"{where}: '{axes.title.get_text()}' runs into another panel")
-        small = [t.get_text() for t in texts_of(figure) if float(t.get_fontsize()) < 7.0]
-        if small:
-            faults.append(f"{where}: {small} too small to read")
+        faults += faults_of(f"{run}, {name}", *drawn(result, name))
     assert not faults, "\n".join(faults)
 
 
@@ -165,11 +172,12 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Resu
     assert {path.stem for path in written} == STATIC
     with pytest.raises(InputError, match="there is no figure 'cof': the run has one step"):
         plot.cof()
-    of_smooth = {"hertz", "distance_factor"}
-    assert set(results["rough"].plot.left_out) == of_smooth
-    assert set(results["flat"].plot.left_out) == {"contact_radius"} | of_smooth
+    of_others = {"hertz", "distance_factor", *OF_TRACKS, *OF_PATCHES}
+    assert set(results["rough"].plot.left_out) == of_others
+    assert set(results["flat"].plot.left_out) == {"contact_radius"} | of_others
     assert results["flat"].plot.left_out["contact_radius"] == "a rigid flat has no radius of contact"
-    assert set(results["smooth"].plot.left_out) == {"roughness", "islands", "junctions"}
+    of_rough = {"roughness", "islands", "junctions"}
+    assert set(results["smooth"].plot.left_out) == of_rough | {*OF_TRACKS, *OF_PATCHES}
     no_speed = warpwear.run(
         Study.load("v3").replace({"grid.cell": "20 um", "sliding.speed": None, "sliding.distance": "3 mm"})
     )

@@ -28,10 +28,17 @@ def needs(path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("name", ["al3d-1.al3d", "sur-2.sur"])
-def test_a_measured_disc_runs_and_draws_its_figures(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "drawn"),
+    [
+        ("al3d-1.al3d", False),
+        ("sur-2.sur", False),
+        pytest.param("al3d-1.al3d", True, marks=pytest.mark.slow),
+        pytest.param("sur-2.sur", True, marks=pytest.mark.slow),
+    ],
+)
+def test_a_measured_disc_runs_and_draws_its_figures(tmp_path: Path, name: str, drawn: bool) -> None:
     extend = {"disc__extend": "mirror"} if name.endswith(".al3d") else {}
-    drawn = name.endswith(".sur")  # of one: it takes seconds
     result = warpwear.run(study_of(needs(SHARED / name), **extend), out=tmp_path / "out", plots=drawn)
     assert result.finished
     assert not drawn or len(list((tmp_path / "out" / "figures").glob("*.png"))) == len(

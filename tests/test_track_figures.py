@@ -2,17 +2,17 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
+from test_figures import OF_TRACKS
 from test_swept import small
 
 import warpwear
 from warpwear import InputError, Result
 from warpwear.animation import animate
 from warpwear.track_data import blocks, by_pass, depth_along, groove, roughness_in_track
-
-OF_TRACKS = {"groove", "track_map", "wear_per_pass", "cof_stroke", "track_roughness"}
 
 
 @pytest.fixture(scope="module")
@@ -82,3 +82,16 @@ def test_figures_of_a_track(result: Result, tmp_path: Path) -> None:
     film = animate(result, tmp_path / "film.gif")
     with Image.open(film) as frames:
         assert frames.n_frames == 3  # type: ignore[attr-defined]
+
+
+def test_friction_is_calibrated_on_a_whole_pass(result: Result) -> None:
+    """Not on the step at the end, where a stroke's area is another than in its middle."""
+    study = result.study.replace(friction={"coefficient": 0.6, "calibrate": "end"})
+    history = warpwear.run(study).history
+    last = history["distance"] > 7.37 - 3.0 + 0.15
+    assert np.average(history["cof"][last], weights=history["increment"][last]) == pytest.approx(
+        0.6, rel=1e-2
+    )
+    initial = warpwear.run(study.replace({"friction.calibrate": "initial"})).history
+    first = initial["distance"] < 3.0 + 1e-6
+    assert np.average(initial["cof"][first], weights=initial["increment"][first]) == pytest.approx(0.6)

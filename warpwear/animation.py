@@ -54,6 +54,10 @@ def animate(
 
 
 def _check(result: Result, out: str | Path | None, *, frames_per_second: float, overwrite: bool) -> Path:
+    if result.study.samples_area:
+        raise InputError(
+            "a film needs whole fields, and the patches of this run cover a part of the area only"
+        )
     kept = result.snapshot_distances.size
     if kept < 2:
         raise InputError(

@@ -108,9 +108,16 @@ def _of_run(folder: Path, cof: float, ploughing: float, area: str | None) -> tup
             history,
             load=load,
             hardness=result.study.hardness,
+            lap=result.study.lap,
         )
         slid = float(history["distance"][-1])
-        sizes = {name: [float(history[f"area_{name}"][row]) for row in (0, -1)] for name in AREAS}
+        sizes = {
+            name: [
+                friction.mean_over(history, history[f"area_{name}"], when, result.study.lap)
+                for when in friction.WHEN
+            ]
+            for name in AREAS
+        }
     names = AREAS if area is None else (area,)
     record = {
         "result": str(folder),

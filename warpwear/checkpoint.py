@@ -11,18 +11,14 @@ everything behind it is checked before the HDF5 library sees any of it. Then:
 It is written under another name, flushed to the disk and moved into place: a good one is always there.
 """
 
-import errno
-import hashlib
 import json
 import os
-import shutil
 import time
 import tomllib
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from io import BufferedIOBase
 from pathlib import Path
 from typing import Any
 
@@ -30,19 +26,19 @@ import h5py
 import numpy as np
 
 from warpwear import __version__
+from warpwear.disk_space import make_sure_of
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history import Rows
-from warpwear.results import SPACE_FOR_THE_REST, ResultWriter
+from warpwear.results import HEADER, SPACE_FOR_THE_REST, ResultWriter, digest_of
 from warpwear.study import Study
 
 FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
-FORMAT = 2
+FORMAT = 3
 MAGIC = "warpwear checkpoint"
-HEADER = 512
 #: Sections and keys that no step depends on: a run may go on with others.
-FREE = ("study.name", "study.description", "friction", "junctions", "run", "assumed")
+FREE = ("study.name", "study.description", "friction", "junctions", "run", "checks", "assumed")
 
 
 @dataclass(frozen=True)
@@ -53,7 +49,7 @@ class Checkpoint:
     numbers: dict[str, Any]  # of the model, by name, as JSON keeps them
     rows: Sequence[dict[str, float]] | Rows  # of the history
     warnings: list[str]
-    edge_told: bool  # whether the contact has reached the domain's edge
+    told: list[str]  # names of the invariants whose violation is among the warnings
     elapsed: float  # [s]
 
 
@@ -93,11 +89,11 @@ class Checkpoints:
                 file.create_dataset("rows", data=table).attrs["columns"] = columns
                 snapshots.copy_snapshots_to(file)
                 about = self._about | {
-                    name: getattr(now, name) for name in ("numbers", "warnings", "edge_told", "elapsed")
+                    name: getattr(now, name) for name in ("numbers", "warnings", "told", "elapsed")
                 }
                 file["about"] = json.dumps(about)
             with self._new.open("r+b") as whole:
-                digest = _digest(whole)
+                digest = digest_of(whole)
                 whole.seek(0)
                 whole.write(f"{MAGIC} {FORMAT} {digest}\n".encode())
                 whole.flush()
@@ -113,12 +109,9 @@ class Checkpoints:
         self.path.unlink(missing_ok=True)
 
     def _check_space(self, now: Checkpoint, snapshots: ResultWriter) -> None:
-        """The HDF5 library does not survive a full disk."""
         size = sum(values.nbytes for values in now.arrays.values()) + snapshots.snapshot_bytes
         size += 8 * len(now.rows) * len(now.rows[0]) + SPACE_FOR_THE_REST
-        free = shutil.disk_usage(self._new.parent).free
-        if free < size:
-            raise OSError(errno.ENOSPC, f"{size / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free")
+        make_sure_of(size, self._new.parent)
 
 
 class Found:
@@ -166,7 +159,7 @@ class Found:
         return Checkpoint(
             {name: dataset[()] for name, dataset in self.file["model"].items()},
             rows=[dict(zip(self._columns, row, strict=True)) for row in self._table],
-            **{name: self._about[name] for name in ("numbers", "warnings", "edge_told", "elapsed")},
+            **{name: self._about[name] for name in ("numbers", "warnings", "told", "elapsed")},
         )
 
 
@@ -186,7 +179,7 @@ def opened(path: Path) -> Iterator[Found | None]:
                 f"{path} was written by another version of warpwear (format {words[2]}, this one reads "
                 f"{FORMAT}); resume it with that version, or --overwrite it."
             )
-        if words[3] != _digest(whole):
+        if words[3] != digest_of(whole):
             raise InputError(damaged)
     with h5py.File(path, "r") as file:
         yield Found(path, file)
@@ -218,12 +211,6 @@ def _flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:
     for name, value in nested.items():
         flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
     return flat
-
-
-def _digest(file: BufferedIOBase) -> str:
-    """Of everything behind the header."""
-    file.seek(HEADER)
-    return hashlib.file_digest(file, "blake2b").hexdigest()
 
 
 def _flush_folder(folder: Path) -> None:

@@ -263,7 +263,18 @@ def _report(summary: dict[str, Any]) -> str:
         f"  deepest wear      sphere {s['depth_um']['sphere']:.4g}, disc {s['depth_um']['disc']:.4g} µm",
         f"  worn volume       sphere {s['volume_mm3']['sphere']:.5g}, disc {s['volume_mm3']['disc']:.5g} mm³",
     ]
-    if s["model"] == "macro":
+    if "track" in s:
+        t = s["track"]
+        areas = t["area_contact_mm2_of_passes"]
+        depth = f"{t['groove']['mean_depth_um']:.3g} µm deep, " if "groove" in t else ""
+        lines.append(
+            f"  track             {t['passes']:.4g} passes; groove {depth}displaced "
+            f"{t['plastic_volume_mm3']:.4g} mm³; area {areas['first']:.4g} mm² in the first pass, "
+            f"{areas['last']:.4g} in the last"
+        )
+    if s["patches"]:
+        lines.append(_patches(s["patches"]))
+    if s["model"] == "macro" or (s["patches"] and s["patches"]["bulk"] == "foundation"):
         stiffness = s["foundation_N_per_mm3"]
         lines.append(f"  foundation        {stiffness:.4g} N/mm³ to begin with{_beside_hertz(s)}")
     if cof["end"] is not None:
@@ -285,6 +296,16 @@ def _report(summary: dict[str, Any]) -> str:
     if s["assumptions"]:
         lines.append(f"  {len(s['assumptions'])} assumptions: see summary.json or 'warpwear show'")
     return "\n".join(lines)
+
+
+def _patches(p: dict[str, Any]) -> str:
+    covered = "all" if p["cover"] == 1.0 else f"{100.0 * p['cover']:.3g} %"
+    spring = "a bulk spring each" if p["bulk"] == "foundation" else "no bulk spring"
+    shared = f"one approach, {spring}" if p["coupling"] == "approach" else "loads as a smooth contact says"
+    return (
+        f"  patches           {p['number']} of {p['width_um']:g} µm in macro cells of {p['macro_cell_um']:g} "
+        f"µm ({covered} of the area), {shared}; {p['evaluations']['median']:g} iterations in the median"
+    )
 
 
 def _beside_hertz(summary: dict[str, Any]) -> str:

@@ -104,7 +104,11 @@ def gather(
     notes += [
         f"{r.name} has no coefficient of friction: its end calibrates it." for r in named if r.cof is None
     ]
-    notes += [f"{r.name} has no snapshot, so no profile." for r in named if not r.wear]
+    notes += [
+        f"{r.name} has no {'whole field' if r.study.samples_area else 'snapshot'}, so no profile."
+        for r in named
+        if not r.wear
+    ]
     for e in measured:
         notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, named), *_gaps(e, named))]
     return Comparison(tuple(named), tuple(measured), tuple(notes))
@@ -164,7 +168,7 @@ def _read_run(folder: Path) -> RunData:
     with Result.open(folder) as result:
         history, study, summary = result.history, result.study, result.summary
         wear: dict[str, FloatArray] = {}
-        if result.snapshot_distances.size:
+        if result.snapshot_distances.size and not study.samples_area:
             last = result.snapshot(-1)
             along = 0.5 * STRIP * summary["scar_mm"]["along"] / study.grid.cell
             for body in BODIES:

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
+#: Lengths that differ by less, relatively, are equal.
+SAME = 1.0e-6
 
 
 def check(study: "Study") -> None:
@@ -27,23 +29,82 @@ def check(study: "Study") -> None:
 
 
 def _model(study: "Study") -> None:
-    if study.study.model == "micro":
-        if study.wear.law == "bearing-curve":
+    rough = study.disc.surface is not None or study.disc.synthetic is not None
+    bearing_curve = study.wear.law == "bearing-curve"
+    if study.study.model != "macro":
+        if bearing_curve:
             raise ValueError(
-                "wear.law = 'bearing-curve' is for the macro model: the micro model resolves the roughness"
+                "wear.law = 'bearing-curve' is for the macro model: the "
+                f"{study.study.model} model resolves the roughness"
             )
-        if study.disc.surface is None and study.disc.synthetic is None:
+        if not rough:
             raise ValueError(
-                "disc.surface (a file) or [disc.synthetic] must be given: the micro model is rough"
+                f"disc.surface (a file) or [disc.synthetic] must be given: the {study.study.model} model is "
+                "rough"
             )
-        return
-    if study.wear.law == "bearing-curve":
-        if study.disc.surface is None and study.disc.synthetic is None:
+    elif bearing_curve:
+        if not rough:
             raise ValueError(
                 "wear.law = 'bearing-curve' needs disc.surface or [disc.synthetic]: a rough disc"
             )
         if study.stepping.scheme == "explicit":
             raise ValueError("wear.law = 'bearing-curve' needs stepping.scheme = 'implicit'")
+    if study.study.model == "two-scale":
+        _patches(study)
+    if study.uses_foundation:
+        _foundation(study)
+
+
+def _patches(study: "Study") -> None:
+    macro, cell = study.macro, study.grid.cell
+    for name, length in (("cell", macro.cell), ("patch", macro.patch_width)):
+        if not _whole(length / cell):
+            near = max(round(length / cell), 1) * cell
+            raise ValueError(
+                f"macro.{name} = {1e3 * length:g} µm is not a whole number of cells of {1e3 * cell:g} µm; "
+                f"the nearest that is, is {1e3 * near:.6g} µm"
+            )
+    if macro.patch_width > macro.cell * (1.0 + SAME):
+        raise ValueError(
+            f"macro.patch = {1e3 * macro.patch_width:g} µm is larger than macro.cell = "
+            f"{1e3 * macro.cell:g} µm: patches would overlap; allowed is the macro cell or less"
+        )
+    if macro.cell > 0.5 * study.grid.extent * (1.0 + SAME):
+        raise ValueError(
+            f"macro.cell = {1e3 * macro.cell:g} µm is larger than the contact's domain allows: grid.extent = "
+            f"{study.grid.extent:g} mm must hold two macro cells or more"
+        )
+    cells = study.grid.extent / macro.cell
+    if not _whole(cells):
+        raise ValueError(
+            f"grid.extent = {study.grid.extent:g} mm is not a whole number of macro cells of "
+            f"{1e3 * macro.cell:g} µm; the nearest that is, is {round(cells) * macro.cell:.9g} mm"
+        )
+    if study.uses_bearing_area:
+        raise ValueError(
+            "study.model = 'two-scale' needs patches that yield: a finite contact.stiffness, or wear with "
+            "stepping.scheme = 'implicit'"
+        )
+    if study.wear.law == "running-in":
+        raise ValueError(
+            "wear.law = 'running-in' changes what sphere and disc wear beside each other, which the "
+            "two-scale model keeps in one proportion; allowed are archard and exponential"
+        )
+    if study.wear.distance_factor != "none":
+        raise ValueError(
+            f"wear.distance_factor = '{study.wear.distance_factor}' changes what sphere and disc wear beside "
+            "each other from cell to cell, which the two-scale model keeps in one proportion; allowed is none"
+        )
+    if macro.coupling == "load" and study.stepping.scheme == "explicit":
+        raise ValueError("macro.coupling = 'load' needs stepping.scheme = 'implicit'")
+    if macro.coupling == "load" and not math.isfinite(study.hardness):
+        raise ValueError(
+            "macro.coupling = 'load' needs a finite contact.hardness: without it the smooth contact asks of "
+            "patches what asperities cannot carry"
+        )
+
+
+def _foundation(study: "Study") -> None:
     match = study.contact.foundation
     named = isinstance(match, str)
     if named and study.sphere.curvature == 0.0:
@@ -63,7 +124,13 @@ def _model(study: "Study") -> None:
             f"{', '.join(MATCHES)}, not a stiffness"
         )
     if not named and not math.isfinite(float(match)):
-        raise ValueError("contact.foundation = inf N/mm^3: the macro model needs a finite stiffness")
+        raise ValueError(
+            f"contact.foundation = inf N/mm^3: the {study.study.model} model needs a finite stiffness"
+        )
+
+
+def _whole(number: float) -> bool:
+    return abs(number - round(number)) <= SAME * number and round(number) >= 1
 
 
 def _half_space(study: "Study") -> None:
@@ -93,7 +160,7 @@ def _half_space(study: "Study") -> None:
 
 
 def _hardness(study: "Study") -> None:
-    if study.study.model == "micro" and study.contact.hardness is None and study.softer_hardness is None:
+    if study.study.model != "macro" and study.contact.hardness is None and study.softer_hardness is None:
         raise ValueError(
             "contact.hardness, or the hardness or material of the sphere or the disc, must be given "
             "('inf MPa' is none)"

@@ -5,7 +5,13 @@ class InputError(ValueError):
     """Bad input: one sentence that names the field, the value and what is allowed. Exit status 2."""
 
     def __init__(self, sentence: str) -> None:
-        super().__init__(sentence if sentence.endswith((".", "?")) else f"{sentence}.")
+        # What a file or a user gave may hold line ends, or signs that do things to a terminal.
+        printable = "".join(c if c.isprintable() else repr(c)[1:-1] for c in sentence)
+        super().__init__(printable if printable.endswith((".", "?")) else f"{printable}.")
+
+
+class InvariantError(InputError):
+    """A step that breaks what must hold of every step. The run stops, and keeps what came before."""
 
 
 class ConvergenceError(RuntimeError):

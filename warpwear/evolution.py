@@ -51,15 +51,13 @@ def surface_evolution(result: Result) -> SurfaceEvolution:
     for index in range(result.snapshot_distances.size):
         snapshot = result.snapshot(index)
         islands = island_areas(result, snapshot)
-        one_cell = 1.5 * result.study.cells.cell_area
+        # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
+        one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area
         rows.append(
             {
                 "distance": snapshot.distance,
                 **_roughness_in_scar(result, snapshot),
-                "islands": float(islands.size),
-                "islands_of_one_cell": float((islands < one_cell).sum()),
-                "island_area_median": float(np.median(islands)) if islands.size else np.nan,
-                "island_area_largest": float(islands.max(initial=0.0)),
+                **_of_islands(islands, one_cell),
             }
         )
         areas.append(islands)
@@ -71,6 +69,17 @@ def island_areas(result: Result, snapshot: Snapshot) -> FloatArray:
     """Areas [mm²] of the connected regions in contact, shape (islands,)."""
     labels, _ = ndimage.label(snapshot.pressure > 0.0)
     return np.asarray(np.bincount(labels.ravel())[1:] * result.study.cells.cell_area, dtype=np.float64)
+
+
+def _of_islands(areas: FloatArray, one_cell: float) -> dict[str, float]:
+    """Numbers of a row. one_cell: areas below are of a single cell [mm²]; NaN where islands are cut."""
+    found = {
+        "islands": float(areas.size),
+        "islands_of_one_cell": float((areas < one_cell).sum()),
+        "island_area_median": float(np.median(areas)) if areas.size else np.nan,
+        "island_area_largest": float(areas.max(initial=0.0)),
+    }
+    return dict.fromkeys(found, np.nan) if np.isnan(one_cell) else found
 
 
 def _roughness_in_scar(result: Result, snapshot: Snapshot) -> dict[str, float]:

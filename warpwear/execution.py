@@ -80,14 +80,15 @@ class Executor:
             self._pool.shutdown()
 
     def share(self, cells: Any) -> list[tuple[int, int]]:
-        """Ranges of slots for the threads, with about as many cells each. cells: of the rows, shape (nx,)."""
+        """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""
+        rows = len(cells)
         if not self.device.is_cpu:
-            return [(0, self.slots)]
+            return [(0, rows * self.slots_per_row)]
         chunks = max(1, min(self.threads, int(np.sum(cells)) // CELLS_PER_THREAD))
         if chunks == 1:
-            return [(0, self.grid.nx)]
+            return [(0, rows)]
         done = np.concatenate([[0], np.cumsum(cells)])
-        edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), self.grid.nx]
+        edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), rows]
         return [(int(first), int(last)) for first, last in pairwise(edges)]
 
     def launch(
@@ -185,6 +186,23 @@ class Executor:
         return wp.zeros((quantities, self.slots), dtype=wp.float64, device=self.device)
 
 
+@contextmanager
+def memory_told(grid: Grid) -> Iterator[None]:
+    """InputError, naming the grid, where the memory of the host or of a GPU runs out all the same."""
+    try:
+        yield
+    except (MemoryError, RuntimeError) as error:
+        # Warp says it in a RuntimeError, and so does Python where there is no room for another thread.
+        if isinstance(error, RuntimeError) and not any(
+            words in str(error) for words in ("Failed to allocate", "can't start new thread")
+        ):
+            raise
+        raise InputError(
+            f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, for which the memory ran "
+            "out; larger cells or a smaller grid.extent are needed."
+        ) from error
+
+
 def find_device(name: str) -> Any:
     """Warp's device of this name. Raises InputError, naming those that are there."""
     if wp.config.log_level == wp.LOG_INFO:  # no greeting on a user's terminal, unless one was asked for
@@ -192,6 +210,10 @@ def find_device(name: str) -> Any:
     try:
         with _native_messages_hidden():
             wp.init()
+    except (RuntimeError, OSError) as error:  # its library cannot be loaded, for want of memory, say
+        raise InputError(f"device = {name!r} cannot be used, as Warp does not start: {error}.") from error
+    try:
+        with _native_messages_hidden():
             return wp.get_device(name)
     except (ValueError, RuntimeError) as error:
         there = ", ".join(str(d.alias) for d in wp.get_devices())

@@ -22,15 +22,17 @@ def worn_heights(result: Result, snapshot: Snapshot, body: str) -> FloatArray:
 
     The disc's are over its mean plane, the sphere's over the apex it had, so that its cap lies below 0.
     Beyond the sphere's edge the sphere is NaN and the disc as it was before; NaN too if its file is gone, and
-    of a swept run, whose disc is what lies under the sphere.
+    of a swept run, whose disc is what lies under the sphere. Where the patches of a two-scale
+    run cover nothing both are NaN.
     """
     curvature = result.study.sphere.curvature
     radius = 1.0 / curvature if curvature else np.inf
     sphere = sag(result.x, result.y, radius=radius) + snapshot.wear_sphere
     with np.errstate(invalid="ignore"):  # beyond the sphere's edge
         heights = -sphere if body == "sphere" else sphere - snapshot.gap
-    beyond = ~np.isfinite(sphere) | (snapshot.gap > NO_SURFACE)
-    heights = np.where(beyond, np.nan, heights)
+    not_covered = np.isnan(snapshot.gap)  # by the patches of a two-scale run
+    beyond = (~np.isfinite(sphere) | (snapshot.gap > NO_SURFACE)) & ~not_covered
+    heights = np.where(beyond | not_covered, np.nan, heights)
     if body == "disc" and beyond.any() and snapshot.row is None:
         with suppress(InputError):
             heights[beyond] = surface_in(result.study).heights(result.x, result.y)[beyond]

@@ -16,6 +16,7 @@ from warpwear import (
     figures_history,
     figures_junctions,
     figures_macro,
+    figures_patches,
     figures_setup,
     figures_shape,
     figures_track,
@@ -152,6 +153,18 @@ def _smooth_disc(data: FigureData) -> str | None:
     return None
 
 
+def _only_samples(data: FigureData) -> str | None:
+    if data.study.samples_area:
+        return "the patches cover a part of the area only: see load_share and patch_zoom"
+    return None
+
+
+def _no_patches(data: FigureData) -> str | None:
+    if data.study.study.model != "two-scale":
+        return "the run has one scale: no patches share the load"
+    return None
+
+
 def _no_hertz(data: FigureData) -> str | None:
     if data.study.study.model != "macro":
         return "a rough contact has no profile that Hertz's could stand beside"
@@ -195,36 +208,39 @@ def _no_wear_of(*bodies: str) -> Reason:
     return reason
 
 
-_SPHERE = (_no_snapshot, _no_wear_of("sphere"))
-_DISC = (_sliding, _no_snapshot, _no_wear_of("disc"))
+_FIELD = (_no_snapshot, _only_samples)
+_SPHERE = (*_FIELD, _no_wear_of("sphere"))
+_DISC = (_sliding, *_FIELD, _no_wear_of("disc"))
 _GROOVE = (_still, _no_snapshot, _no_wear_of("disc"))
 _BOTH = _no_wear_of("sphere", "disc")
 
 FIGURES: dict[str, Entry] = {
-    "setup": Entry(figures_setup.setup, (_no_snapshot,)),
+    "setup": Entry(figures_setup.setup, _FIELD),
     "cof": Entry(figures_history.cof, (_no_course, _no_cof)),
     "cof_time": Entry(figures_history.cof_time, (_no_course, _no_cof, _no_time)),
     "areas": Entry(figures_history.areas, (_no_course,)),
     "pressure": Entry(figures_history.pressure, (_no_course,)),
     "contact_radius": Entry(figures_history.contact_radius, (_no_course, _no_curvature)),
     "volumes": Entry(figures_history.volumes, (_no_course, _BOTH)),
-    "pressure_map": Entry(figures_fields.pressure_map, (_no_snapshot,)),
-    "pressure_3d": Entry(figures_fields.pressure_3d, (_no_snapshot,)),
-    "pressure_profiles": Entry(figures_fields.pressure_profiles, (_no_snapshot,)),
-    "contact_map": Entry(figures_fields.contact_map, (_no_snapshot,)),
-    "wear_map": Entry(figures_shape.wear_map, (_sliding, _no_snapshot, _BOTH)),
+    "pressure_map": Entry(figures_fields.pressure_map, _FIELD),
+    "pressure_3d": Entry(figures_fields.pressure_3d, _FIELD),
+    "pressure_profiles": Entry(figures_fields.pressure_profiles, _FIELD),
+    "contact_map": Entry(figures_fields.contact_map, _FIELD),
+    "wear_map": Entry(figures_shape.wear_map, (_sliding, *_FIELD, _BOTH)),
     "sphere_map": Entry(figures_shape.sphere_map, _SPHERE),
     "sphere_3d": Entry(figures_shape.sphere_3d, _SPHERE),
     "sphere_profiles": Entry(figures_shape.sphere_profiles, _SPHERE),
     "disc_map": Entry(figures_shape.disc_map, _DISC),
     "disc_3d": Entry(figures_shape.disc_3d, _DISC),
     "disc_profiles": Entry(figures_shape.disc_profiles, _DISC),
-    "profiles": Entry(figures_shape.profiles, (_no_snapshot,)),
+    "profiles": Entry(figures_shape.profiles, _FIELD),
     "roughness": Entry(
         figures_evolution.roughness, (_sliding, _smooth_disc, _one_snapshot, _no_wear_of("disc"))
     ),
-    "islands": Entry(figures_evolution.islands, (_smooth_disc, _one_snapshot)),
-    "junctions": Entry(figures_junctions.junctions, (_smooth_disc, _no_junctions, _no_snapshot)),
+    "islands": Entry(figures_evolution.islands, (_smooth_disc, _one_snapshot, _only_samples)),
+    "junctions": Entry(figures_junctions.junctions, (_smooth_disc, _no_junctions, *_FIELD)),
+    "load_share": Entry(figures_patches.load_share, (_no_patches, _no_snapshot)),
+    "patch_zoom": Entry(figures_patches.patch_zoom, (_no_patches, _no_snapshot)),
     "hertz": Entry(figures_macro.hertz, (_no_hertz, _no_snapshot)),
     "distance_factor": Entry(figures_macro.factor, (_no_factor, _no_snapshot)),
     "groove": Entry(figures_track.groove_figure, _GROOVE),

@@ -59,7 +59,7 @@ def area_load(comparison: Comparison) -> Figure:
         axes.xaxis.set_major_formatter(fs.PlainNumbers())
         axes.xaxis.set_minor_formatter(fs.PlainNumbers(minor_thresholds=(1.2, 0.5)))
         axes.set_xlabel("normal load, N")
-        axes.set_ylabel("area in contact after the first step, 10⁻³ mm²")
+        axes.set_ylabel("area in contact at first, 10⁻³ mm²")
         fs.legend_above(axes, columns=1)
 
     return fs.new_figure(draw, height=3.4)

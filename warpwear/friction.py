@@ -7,35 +7,62 @@ measured coefficient fixes τ, are choices of the study. τ is constant, or runs
 
 import math
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.sections import Friction
 
+WHEN: tuple[Literal["initial"], Literal["end"]] = ("initial", "end")
+
 
 def shear_strength(
-    friction: Friction, history: Mapping[str, FloatArray], *, load: float, finished: bool
+    friction: Friction,
+    history: Mapping[str, FloatArray],
+    *,
+    load: float,
+    finished: bool,
+    lap: float | None = None,
 ) -> FloatArray:
     """τ [MPa] of every step: as given, or from (μ0 − μ_p) F / A0 at the end or the start (eq 4.19).
 
-    NaN while a τ that is calibrated at the end waits for it.
+    lap: what is slid in a pass over a track [mm]: A0 is then the mean over the last or the first one, as the
+    area changes with the place. NaN while a τ that is calibrated at the end waits for it.
     """
     areas, run_in = history[f"area_{friction.area}"], _running_in(friction, history["distance"])
     if friction.shear_strength is not None:
         return friction.shear_strength * run_in
     if friction.calibrate == "end" and not finished:
         return np.full_like(areas, math.nan)
-    row = -1 if friction.calibrate == "end" else 0
-    measured = (friction.coefficient - friction.ploughing) * load / areas[row]
-    return np.asarray(measured / run_in[row] * run_in)
+    mean = mean_over(history, areas * run_in, friction.calibrate, lap)
+    return np.asarray((friction.coefficient - friction.ploughing) * load / mean * run_in)
+
+
+def mean_over(
+    history: Mapping[str, FloatArray], values: FloatArray, when: Literal["initial", "end"], lap: float | None
+) -> float:
+    """Mean of a column over the first or the last lap [mm] slid; its first or last value without a lap."""
+    distance = history["distance"]
+    if lap is None or distance[-1] == 0.0:
+        return float(values[-1 if when == "end" else 0])
+    increment = history["increment"]
+    starts = distance - increment
+    half = 0.5 * increment
+    inside = starts + half > distance[-1] - lap if when == "end" else starts + half < lap
+    return float(np.average(values[inside], weights=increment[inside]))
 
 
 def coefficient(
-    friction: Friction, history: Mapping[str, FloatArray], *, load: float, finished: bool
+    friction: Friction,
+    history: Mapping[str, FloatArray],
+    *,
+    load: float,
+    finished: bool,
+    lap: float | None = None,
 ) -> FloatArray:
-    """Coefficient of friction of every step; NaN while τ waits for the end."""
-    tau = shear_strength(friction, history, load=load, finished=finished)
+    """Coefficient of friction of every step; NaN while τ waits for the end. lap: as in `shear_strength`."""
+    tau = shear_strength(friction, history, load=load, finished=finished, lap=lap)
     return np.asarray(friction.ploughing + tau * history[f"area_{friction.area}"] / load)
 
 
@@ -47,7 +74,12 @@ def _running_in(friction: Friction, distance: FloatArray) -> FloatArray:
 
 
 def calibrations(
-    friction: Friction, history: Mapping[str, FloatArray], *, load: float, hardness: float
+    friction: Friction,
+    history: Mapping[str, FloatArray],
+    *,
+    load: float,
+    hardness: float,
+    lap: float | None = None,
 ) -> dict[str, float]:
     """τ0 [MPa] that each area would ask for at `friction.coefficient`, at the start and at the end.
 
@@ -59,8 +91,9 @@ def calibrations(
         return found
     for name in ("contact", "touched", "cumulative", "nominal"):
         areas = history[f"area_{name}"]
-        for when, area in (("initial", areas[0]), ("end", areas[-1])):
-            found[f"{name}_{when}"] = (friction.coefficient - friction.ploughing) * load / float(area)
+        for when in WHEN:
+            area = mean_over(history, areas, when, lap)
+            found[f"{name}_{when}"] = (friction.coefficient - friction.ploughing) * load / area
     if math.isfinite(hardness):
         found["hardness"] = hardness / (3.0 * math.sqrt(3.0))
     return found

@@ -25,11 +25,12 @@ class Step:
 class Ledger:
     """The books of one contact: its last row, and the largest of what only ever grows.
 
-    row: columns of the last step, 0 before the first. most: by the names of `kernels.types.MAXIMA`.
+    row: columns of the last step, 0 before the first. most: by the names of `kernels.types.MAXIMA`. weight:
+    area that a cell stands for over its own. margin: cells along the edge that must not be touched.
     """
 
-    def __init__(self, study: Study, grid: Grid) -> None:
-        self._study, self._grid = study, grid
+    def __init__(self, study: Study, grid: Grid, *, weight: float = 1.0, margin: int = 1) -> None:
+        self._study, self._grid, self._weight, self._margin = study, grid, weight, margin
         self._x, self._y = grid.x, grid.y
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = dict.fromkeys(
@@ -63,7 +64,7 @@ class Ledger:
 
         Raises ConvergenceError where nothing is in contact.
         """
-        grid, area, load = self._grid, self._grid.cell_area, self._study.contact.load
+        grid, area, load = self._grid, self._weight * self._grid.cell_area, self._study.contact.load
         count = total["contact"]
         if not count > 0.0 or not math.isfinite(total["pressure"]):
             raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
@@ -103,7 +104,9 @@ class Ledger:
             + removal[1] * total["pressure_times_factor"] * area,
             "evaluations": float(balance.evaluations),
         }
-        at_edge = min(first_row, first_column) < 1 or last_row > grid.nx - 2 or last_column > grid.ny - 2
+        margin = self._margin
+        at_edge = min(first_row, first_column) < margin
+        at_edge |= last_row >= grid.nx - margin or last_column >= grid.ny - margin
         # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
         reach = max(-self._x[first_row], self._x[last_row], -self._y[first_column], self._y[last_column])
         beyond_sphere = bool((reach + 1.5 * grid.cell) * self._study.sphere.curvature >= 1.0)

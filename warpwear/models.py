@@ -13,6 +13,9 @@ from warpwear.execution import FIELDS_NEEDED, Executor, free_memory
 from warpwear.grid import FloatArray, Grid
 from warpwear.ledger import Step
 from warpwear.one_scale import OneScaleModel
+from warpwear.patch_book import PatchBook
+from warpwear.patch_width import refuse_unsuitable
+from warpwear.patches import Patches
 from warpwear.results import Snapshot
 from warpwear.stepping import increments
 from warpwear.study import Study
@@ -21,6 +24,7 @@ from warpwear.surfaces.base import Surface
 from warpwear.surfaces.parameters import roughness
 from warpwear.swept import DISC_FIELDS, SweptModel
 from warpwear.track import WHOLE, Track
+from warpwear.two_scale import TwoScaleModel
 
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
@@ -53,10 +57,13 @@ class Made:
     surface_sum: int  # `checksum` of the heights
     record: dict[str, Any]  # of the surface, for the result
     heights: FloatArray | None = None  # of the unworn track [mm], shape (rows, ny), where there is one
+    book: PatchBook | None = None  # of the patches that the model has
 
 
 def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     """What the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
+    if study.study.model == "two-scale":
+        return Executor(Patches.of(study).grid, device=device, threads=threads)
     if study.is_swept:
         rows = Track.of(study).rows
         fields = FIELDS_NEEDED + (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
@@ -69,7 +76,7 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
 
 def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
     """The model that the study asks for, on a surface. Raises InputError for one that it cannot use."""
-    grid = executor.grid
+    grid = study.cells
     if study.is_swept:
         track = Track.of(study)
         heights = _heights_of(study, surface, track)
@@ -81,6 +88,11 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
     if study.contact.law == "half-space":
         return Made(HalfSpaceModel(study, heights, executor), checksum(heights), record)
+    if study.study.model == "two-scale":
+        patches = Patches.of(study)
+        refuse_unsuitable(study, patches, heights)
+        of_patches = TwoScaleModel(study, patches, heights, executor)
+        return Made(of_patches, checksum(heights), record, book=of_patches.book)
     curve = None
     if study.wear.law == "bearing-curve":
         curve = bearing_curve_of(study)

@@ -69,6 +69,11 @@ def text(value: float, unit: str) -> str:
     return f"{value!r} {unit}"
 
 
+#: Of a number that is neither 0 nor infinite, in the solver's units. Far beyond any contact, and such that no
+#: product of a few of them leaves the range of floating-point numbers.
+TINIEST, LARGEST = 1.0e-30, 1.0e30
+
+
 @dataclass(frozen=True)
 class Range:
     """Which numbers a field allows."""
@@ -89,6 +94,10 @@ class Range:
             raise ValueError(f"must be {bound} {self.least:g} {unit}".rstrip())
         if number > self.most:
             raise ValueError(f"must be at most {self.most:g} {unit}".rstrip())
+        if number != 0.0 and math.isfinite(number) and not TINIEST <= abs(number) <= LARGEST:
+            raise ValueError(
+                f"is beyond what can be computed with: from {TINIEST:g} to {LARGEST:g} {unit}".rstrip()
+            )
         return number
 
 

@@ -1,12 +1,13 @@
 """Results: one HDF5 file a run, written step by step, read by `Result`."""
 
-import errno
+import hashlib
 import json
-import shutil
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from io import BufferedIOBase
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -15,6 +16,7 @@ import h5py
 import numpy as np
 
 from warpwear import __version__
+from warpwear.disk_space import make_sure_of
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history import columns_of
@@ -23,6 +25,7 @@ from warpwear.study import Study
 if TYPE_CHECKING:
     from warpwear.evolution import SurfaceEvolution
     from warpwear.figures import Plotter
+    from warpwear.patch_book import PatchBook
 
 FIELDS = {
     "pressure": "MPa",
@@ -32,6 +35,9 @@ FIELDS = {
     "plastic_disc": "mm",  # of a swept disc that keeps its dents
 }
 FILE_NAME = "result.h5"
+#: The file opens with a user block of so many bytes, a line "warpwear result DIGEST" of all behind it.
+MAGIC = "warpwear result"
+HEADER = 512
 #: For attributes, tables and the log beside what is counted [B].
 SPACE_FOR_THE_REST = 2 * 2**20
 #: Cells along a side of a compressed block.
@@ -140,7 +146,11 @@ class ResultWriter:
         group = self._file.create_group("history")
         for column in columns_of(self._study):
             dataset = group.create_dataset(
-                column.name, data=history[column.name], compression="gzip", shuffle=True, chunks=True
+                column.name,
+                data=history[column.name],
+                compression="gzip",
+                shuffle=True,
+                chunks=True,
             )
             dataset.attrs["units"] = column.units
             dataset.attrs["meaning"] = column.meaning
@@ -148,16 +158,68 @@ class ResultWriter:
         self._file.attrs["finished"] = finished
         self._file.flush()
 
+    def add_patches(self, book: "PatchBook") -> None:
+        """Keep what each patch did, after the history is finished, and where the macro cells lie."""
+        from warpwear.patch_book import COLUMNS as OF_PATCHES
+
+        for column in OF_PATCHES:
+            table = book.table(column.name)
+            self._check_space(table.nbytes)
+            dataset = self._file.create_dataset(
+                f"history/{column.name}", data=table, compression="gzip", shuffle=True, chunks=True
+            )
+            dataset.attrs["units"], dataset.attrs["meaning"] = column.units, column.meaning
+        for name, centres in zip(("x", "y"), book.patches.centres, strict=True):
+            self._file.create_dataset(f"macro/{name}", data=centres).attrs["units"] = "mm"
+        self._file.flush()
+
     def _check_space(self, size: int) -> None:
         """For so many bytes before compression [B]."""
         if self._file.driver == "core":
             return
-        free = shutil.disk_usage(Path(self._file.filename).parent).free
-        needed = size + SPACE_FOR_THE_REST
-        if free < needed:
-            raise OSError(
-                errno.ENOSPC, f"{needed / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free"
-            )
+        path = Path(self._file.filename)
+        make_sure_of(size + SPACE_FOR_THE_REST, path.parent, offset=path.stat().st_size)
+
+
+def seal(path: Path) -> None:
+    """Write the digest of a finished file into the room before its HDF5 part."""
+    with path.open("r+b") as file:
+        digest = digest_of(file)
+        file.seek(0)
+        file.write(f"{MAGIC} {digest}\n".encode())
+
+
+def check_seal(path: Path) -> None:
+    """Raises InputError for a sealed file that is not what was written. One made by hand may be anything.
+
+    Before HDF5 sees it: its library takes lost blocks for zeros, and does not survive every damage.
+    """
+    try:
+        with path.open("rb") as file:
+            words = file.readline(HEADER).decode(errors="replace").split()
+            sealed = " ".join(words[:2]) == MAGIC
+            if sealed and words[2:] != [digest_of(file)]:
+                raise InputError(f"{path} is damaged: it is not what was written.")
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+
+
+def digest_of(file: BufferedIOBase) -> str:
+    """Of everything behind the header."""
+    file.seek(HEADER)
+    return hashlib.file_digest(file, "blake2b").hexdigest()
+
+
+@contextmanager
+def _damage_told(file: h5py.File) -> Iterator[None]:
+    """InputError where a file cannot give what it must hold."""
+    name = file.filename
+    try:
+        yield
+    except InputError:
+        raise
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError, AttributeError) as error:
+        raise InputError(f"{name} is damaged or not a result of warpwear: {error}.") from error
 
 
 class Result:
@@ -174,11 +236,14 @@ class Result:
         file = path / FILE_NAME if path.is_dir() else path
         if not file.is_file():
             raise InputError(f"{path} holds no result: a run folder or its {FILE_NAME} is expected.")
+        check_seal(file)
         try:
             opened = h5py.File(file, "r")
         except OSError as error:
             raise InputError(f"{file} is no HDF5 file or is damaged: {error}.") from error
-        if "history" not in opened or "study" not in opened.attrs:
+        with _damage_told(opened):
+            is_result = "history" in opened and "study" in opened.attrs
+        if not is_result:
             opened.close()
             raise InputError(f"{file} is an HDF5 file, but not a result of warpwear.")
         return cls(opened, file.parent)
@@ -186,47 +251,88 @@ class Result:
     @cached_property
     def history(self) -> dict[str, FloatArray]:
         """Column name -> one value a step, shape (steps,). Units and meanings: `warpwear.history.COLUMNS`."""
-        return {name: dataset[()] for name, dataset in self._file["history"].items()}
+        with _damage_told(self._file):
+            return {name: dataset[()] for name, dataset in self._file["history"].items() if dataset.ndim == 1}
+
+    @cached_property
+    def load_share(self) -> FloatArray:
+        """Load of each patch [N], shape (steps, patches); a patch is a macro cell, number x · across + y.
+
+        Raises InputError for a run without patches.
+        """
+        return self._of_patches("history/load_share")
+
+    @cached_property
+    def area_patch(self) -> FloatArray:
+        """Real area of contact of each patch [mm²], shape (steps, patches), as `load_share`."""
+        return self._of_patches("history/area_patch")
+
+    @cached_property
+    def macro_x(self) -> FloatArray:
+        """Centres of the macro cells along the sliding direction [mm], shape (across,), as `load_share`."""
+        return self._of_patches("macro/x")
+
+    @cached_property
+    def macro_y(self) -> FloatArray:
+        """Centres of the macro cells across the sliding direction [mm], shape (across,), as `load_share`."""
+        return self._of_patches("macro/y")
+
+    def _of_patches(self, name: str) -> FloatArray:
+        if name not in self._file:
+            raise InputError(
+                f"the run has no patches: study.model is '{self.study.study.model}', not 'two-scale'."
+            )
+        with _damage_told(self._file):
+            values: FloatArray = self._file[name][()]
+        return values
 
     @cached_property
     def study(self) -> Study:
         """The study that was run."""
-        return Study(**tomllib.loads(self._file.attrs["study"]))
+        with _damage_told(self._file):
+            return Study(**tomllib.loads(self._file.attrs["study"]))
 
     @property
     def attributes(self) -> dict[str, Any]:
         """Version, device, threads, precision, finished."""
-        return {k: v for k, v in self._file.attrs.items() if k != "study"}
+        with _damage_told(self._file):
+            return {k: v for k, v in self._file.attrs.items() if k != "study"}
 
     @property
     def finished(self) -> bool:
         """False for a run that was interrupted."""
-        return bool(self._file.attrs["finished"])
+        with _damage_told(self._file):
+            return bool(self._file.attrs["finished"])
 
     @cached_property
     def x(self) -> FloatArray:
         """Centres of the cells along the sliding direction [mm], shape (nx,)."""
-        values: FloatArray = self._file["grid/x"][()]
-        return values
+        return self._centres("x")
 
     @cached_property
     def y(self) -> FloatArray:
         """Centres of the cells across the sliding direction [mm], shape (ny,)."""
-        values: FloatArray = self._file["grid/y"][()]
+        return self._centres("y")
+
+    def _centres(self, axis: str) -> FloatArray:
+        with _damage_told(self._file):
+            values: FloatArray = self._file[f"grid/{axis}"][()]
         return values
 
     @cached_property
     def snapshot_distances(self) -> FloatArray:
         """Sliding distances of the snapshots [mm]."""
-        return np.array([group.attrs["distance"] for group in self._file["snapshots"].values()])
+        with _damage_told(self._file):
+            return np.array([group.attrs["distance"] for group in self._file["snapshots"].values()])
 
     def snapshot(self, index: int) -> Snapshot:
         """Snapshot number `index`; -1 is the end. Raises IndexError."""
-        names = list(self._file["snapshots"])
-        group = self._file["snapshots"][names[index]]
-        row = int(group.attrs["row"]) if "row" in group.attrs else None
-        fields = {name: group[name][()] for name in FIELDS if name in group}
-        return Snapshot(float(group.attrs["distance"]), row=row, **fields)
+        with _damage_told(self._file):
+            names = list(self._file["snapshots"])
+            group = self._file["snapshots"][names[index]]
+            row = int(group.attrs["row"]) if "row" in group.attrs else None
+            fields = {name: group[name][()] for name in FIELDS if name in group}
+            return Snapshot(float(group.attrs["distance"]), row=row, **fields)
 
     @cached_property
     def track_x(self) -> FloatArray:
@@ -262,8 +368,9 @@ class Result:
     @property
     def record(self) -> dict[str, Any]:
         """What the run recorded beside numbers: the surface, notices and warnings, elapsed time."""
-        found: dict[str, Any] = json.loads(self._file.attrs.get("record", "{}"))
-        return found
+        with _damage_told(self._file):
+            found: dict[str, Any] = json.loads(self._file.attrs.get("record", "{}"))
+            return found
 
     @property
     def plot(self) -> "Plotter":

@@ -8,11 +8,12 @@ from pathlib import Path
 
 from warpwear import checkpoint, run_lock
 from warpwear.errors import InputError
-from warpwear.results import FILE_NAME, Result
+from warpwear.results import FILE_NAME, Result, seal
 from warpwear.study import Study
 
 #: Work folders, inside the run folder; of a killed run they stay until the next.
 WORK = ".work-"
+LOG = "log.txt"
 
 
 def check(folder: Path, *, overwrite: bool, resume: bool) -> None:
@@ -85,10 +86,12 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
         folder.mkdir(parents=True, exist_ok=True)
         check(folder, overwrite=overwrite, resume=resume)
         with run_lock.held(folder):
+            log = _log_so_far(folder) if resume else b""
             _clean(folder)
             work = Path(tempfile.mkdtemp(prefix=WORK, dir=folder))
             work.chmod(0o755)
             try:
+                (work / LOG).write_bytes(log)
                 yield work
             finally:
                 shutil.rmtree(work, ignore_errors=True)
@@ -104,14 +107,24 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
 
 
 def move_into_place(work: Path, folder: Path) -> None:
-    """All files of the run, one by one, the result last; others are left alone."""
+    """Seal the result and move all files of the run, one by one, the result last; others are left alone."""
     from warpwear.figures import Plotter
 
     for figure in (folder / "figures").glob("*"):
         if figure.stem in Plotter.NAMES:  # of the run that is replaced
             figure.unlink()
+    seal(work / FILE_NAME)
     for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
         item.replace(folder / item.name)
+
+
+def _log_so_far(folder: Path) -> bytes:
+    """Of the sessions that went before, killed ones too: each began with the log of those before it."""
+    logs = []
+    for path in (folder / LOG, *folder.glob(f"{WORK}*/{LOG}")):
+        with suppress(OSError):
+            logs.append(path.read_bytes())
+    return max(logs, key=len, default=b"")
 
 
 def _clean(folder: Path) -> None:

@@ -17,19 +17,20 @@ from warpwear import __version__, friction, run_folder
 from warpwear.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.checkpoint import Checkpoint, Checkpoints, Found, opened
 from warpwear.consistency import too_small
-from warpwear.errors import ConvergenceError, InputError
+from warpwear.errors import ConvergenceError, InputError, InvariantError
 from warpwear.evolution import COLUMNS as EVOLUTION
-from warpwear.execution import Executor
+from warpwear.execution import Executor, find_device, memory_told
 from warpwear.grid import FloatArray
 from warpwear.history import Column, Rows, columns_of
 from warpwear.interrupts import Interrupts
-from warpwear.ledger import Step
+from warpwear.invariants import Invariants, Violation
 from warpwear.models import executor_of, model_of, plan_of
 from warpwear.progress import Progress
-from warpwear.results import FILE_NAME, Result, ResultWriter
+from warpwear.results import FILE_NAME, HEADER, Result, ResultWriter
 from warpwear.study import Study
 from warpwear.surface_of import surface_in
 from warpwear.track import Track
+from warpwear.versions import versions
 
 LOG = logging.getLogger("warpwear")
 #: A coefficient of friction beyond this is a mistake, not a result.
@@ -57,9 +58,10 @@ def run(
     that an unfinished run left in `out`, from the start where there is none; a finished run is returned as it
     is. progress: report on standard error.
 
-    Raises InputError for anything that cannot be computed or would be wrong (a contact at the domain's edge,
-    say) and ConvergenceError for an unbalanced contact; neither leaves a folder behind. KeyboardInterrupt,
-    raised at the end of a step, leaves an unfinished run and a checkpoint.
+    Raises InputError, and leaves no folder behind, for anything that cannot be computed. A step that is wrong
+    raises InvariantError (the contact at the domain's edge, say) or ConvergenceError (an unbalanced contact)
+    and leaves an unfinished run with the last checkpoint, as does KeyboardInterrupt, raised at the end of a
+    step.
     """
     if not isinstance(study, Study):
         study = Study.load(study)
@@ -70,25 +72,32 @@ def run(
         run_folder.check(folder, overwrite=overwrite, resume=resume)
         if resume and run_folder.is_finished(folder, study):
             return Result.open(folder)
-    executor = executor_of(study, device=device, threads=threads)
-    with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
-        with _log_to(work), _result_file(work) as file:
-            LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
-            writer = ResultWriter(
-                file, study, study.cells, device=str(executor.device), threads=executor.threads
-            )
-            loop = _Loop(study, executor, writer, Progress(study, quiet=not progress))
-            if folder and work:
-                loop.checkpoint_in(folder, work, resume=resume)
-            loop.run()
-            result = Result(file, None)
-            if work:
-                _write_tables(work, study, result)
-        if work and folder:
-            result.close()
-            run_folder.move_into_place(work, folder)
-            loop.end_checkpoints()
-            result = Result.open(folder)
+        if resume:
+            with opened(folder / CHECKPOINT) as found:  # before anything is made that takes long
+                if found is not None:
+                    found.refuse_changes(study, device=str(find_device(device)))
+    with memory_told(study.cells):
+        executor = executor_of(study, device=device, threads=threads)
+        with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
+            with _log_to(work), _result_file(work) as file:
+                LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
+                writer = ResultWriter(
+                    file, study, study.cells, device=str(executor.device), threads=executor.threads
+                )
+                loop = _Loop(study, executor, writer, Progress(study, quiet=not progress))
+                if folder and work:
+                    loop.checkpoint_in(folder, work, resume=resume)
+                loop.run()
+                result = Result(file, None)
+                if work:
+                    _write_tables(work, study, result)
+            if work and folder:
+                result.close()
+                run_folder.move_into_place(work, folder)
+                loop.end_checkpoints()
+                result = Result.open(folder)
+    if loop.failed is not None:
+        raise loop.failed
     if loop.interrupted:
         raise KeyboardInterrupt
     if folder and plots:
@@ -105,7 +114,10 @@ class _Loop:
         self._checkpoints: Checkpoints | None = None
         self._checkpoint_failed = False
         self._elapsed_before = 0.0
-        self._edge_told = False
+        #: Why the run stopped early, if a step was wrong.
+        self.failed: InvariantError | ConvergenceError | None = None
+        self._invariants = Invariants(study)
+        self._told: list[str] = []
         self._writer = writer
         self._progress = progress
         grid = study.cells
@@ -121,7 +133,8 @@ class _Loop:
         if made.heights is not None:
             writer.add_track(Track.of(study).x, made.heights)
         self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
-        self._device = str(executor.device)
+        self._processor, self._device = executor.device, str(executor.device)
+        self._book = made.book
         self._rows = Rows()
 
     def checkpoint_in(self, folder: Path, work: Path, *, resume: bool) -> None:
@@ -151,7 +164,7 @@ class _Loop:
         self._model.restore(then.arrays, then.numbers)
         self._writer.take_snapshots_from(found.file)
         self._rows = Rows(then.rows)
-        self.warnings, self._edge_told = then.warnings, then.edge_told
+        self.warnings, self._told = then.warnings, then.told
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
 
@@ -165,19 +178,26 @@ class _Loop:
             if not self._rows:
                 raise
             self.interrupted = True
-        except (InputError, ConvergenceError):  # as it would be again
-            if self._checkpoints is not None:
-                self._checkpoints.remove()
-            raise
+        except (InvariantError, ConvergenceError) as error:
+            if not self._rows or self._checkpoints is None:
+                raise
+            self._fail(error)
         finally:
             self._progress.end()
         self.finished = len(self._rows) == len(plan)
         history = self._history(finished=self.finished)
         self._check_results(history)
-        how = "finished:" if self.finished else "interrupted after"
+        how = "finished:" if self.finished else "stopped after"
         LOG.info("%s %d steps in %.1f s", how, len(self._rows), self._elapsed)
-        record = {"surface": self._surface_record, "warnings": self.warnings, "elapsed_s": self._elapsed}
+        record = {
+            "surface": self._surface_record,
+            "warnings": self.warnings,
+            "elapsed_s": self._elapsed,
+            "made_with": versions(self._processor),
+        }
         self._writer.finish(history, record, finished=self.finished)
+        if self._book is not None:
+            self._writer.add_patches(self._book)
 
     def _make_steps(self, plan: Sequence[tuple[float, float, bool]]) -> None:
         """Steps of (increment, distance at its end, whether to keep a snapshot) [mm]."""
@@ -185,23 +205,33 @@ class _Loop:
         steps = self._model.steps((increment, keep) for increment, _, keep in plan)
         with Interrupts() as interrupts:
             for (_, distance, keep), step in zip(plan, steps, strict=True):
-                self._check_edge(step)
-                time_slid = distance / speed if speed else math.nan
-                self._rows.append(step.row | {"distance": distance, "time": time_slid})
-                if keep:
-                    self._writer.add_snapshot(self._model.snapshot(step, distance))
-                self._progress.step(step.row)
+                row = step.row | {"distance": distance}
+                stop = self._check(
+                    self._invariants.of_row(row, touches_edge=step.touches_edge, touches_rim=step.touches_rim)
+                )
+                snapshot = self._model.snapshot(step, distance) if keep else None
+                if snapshot is not None:
+                    self._check(self._invariants.of_fields(vars(snapshot), row))
+                    self._writer.add_snapshot(snapshot)
+                self._rows.append(row | {"time": distance / speed if speed else math.nan})
+                self._progress.step(row)
                 if self._model.ahead:  # of a block that is made, so the state is not this step's
+                    if stop is not None:
+                        raise stop
                     continue
-                if self._checkpoints is not None and (interrupts.asked or self._checkpoints.due):
+                asked = interrupts.asked or stop is not None
+                if self._checkpoints is not None and (asked or self._checkpoints.due):
                     self._checkpoint(self._checkpoints)
+                if stop is not None:
+                    raise stop
                 if interrupts.asked:
                     self.interrupted = True
                     break
 
     def _checkpoint(self, checkpoints: Checkpoints) -> None:
         arrays, numbers = self._model.saved_state()
-        now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._edge_told, self._elapsed)
+        self._check(self._invariants.of_fields(arrays, self._rows[-1]))
+        now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._told, self._elapsed)
         try:
             checkpoints.write(now, self._writer)
         except OSError as error:
@@ -219,32 +249,35 @@ class _Loop:
         history = {column.name: self._rows.column(column.name) for column in columns_of(self.study)}
         study = self.study
         history["cof"] = friction.coefficient(
-            study.friction, history, load=study.contact.load, finished=finished
+            study.friction, history, load=study.contact.load, finished=finished, lap=study.lap
         )
         return history
 
-    def _check_edge(self, step: Step) -> None:
-        curvature = self.study.sphere.curvature
-        if curvature == 0.0 or not (step.touches_edge or step.touches_rim):
-            return
-        after = f"after {step.row['distance']:g} mm of sliding"
-        if step.touches_rim:
-            sentence = (
-                f"sphere.radius = {1.0 / curvature:g} mm is too small: the contact reached the sphere's rim "
-                f"{after}, so the sphere is worn away"
-            )
-            remedy = "a larger radius, or less load, wear or distance is needed"
+    def _check(self, violations: Iterator[Violation]) -> InvariantError | None:
+        """Record what is violated, once each; with checks.strict the error that stops the run.
+
+        Raised at once where the state is not to be kept; returned where it is.
+        """
+        for violation in violations:
+            if self.study.checks.strict:
+                error = InvariantError(f"{violation.sentence}; {violation.remedy}.")
+                if not violation.sound:
+                    raise error
+                return error
+            if violation.quantity not in self._told:
+                self._told.append(violation.quantity)
+                self._add_warning(f"{violation.sentence}.")
+        return None
+
+    def _fail(self, error: InvariantError | ConvergenceError) -> None:
+        """Stop with what came before in the folder."""
+        self._add_warning(str(error))
+        kept = "out keeps the run so far, and --resume"
+        if isinstance(error, InvariantError):
+            kept += " with checks.strict = false goes on"
         else:
-            sentence = (
-                f"grid.extent = {self.study.grid.extent:g} mm is too small: the contact reached the domain's "
-                f"edge {after}, so what lies beyond it would be missing"
-            )
-            remedy = "a larger extent is needed"
-        if self.study.checks.strict:
-            raise InputError(f"{sentence}; {remedy}.")
-        if not self._edge_told:
-            self._edge_told = True
-            self._add_warning(f"{sentence}.")
+            kept += " tries again from its last checkpoint"
+        self.failed = type(error)(f"{str(error).removesuffix('.')}; {kept}.")
 
     def _check_results(self, history: dict[str, FloatArray]) -> None:
         highest = history["cof"].max()
@@ -271,7 +304,7 @@ class _Loop:
 
 @contextmanager
 def _log_to(work: Path | None) -> Iterator[None]:
-    handler = logging.FileHandler(work / "log.txt", encoding="utf-8") if work else logging.NullHandler()
+    handler = logging.FileHandler(work / run_folder.LOG, encoding="utf-8") if work else logging.NullHandler()
     handler.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
     LOG.addHandler(handler)
     LOG.setLevel(logging.INFO)
@@ -288,7 +321,7 @@ def _result_file(work: Path | None) -> Iterator[h5py.File]:
     if work is None:
         file = h5py.File(f"memory-{uuid4()}", "w", driver="core", backing_store=False)
     else:
-        file = h5py.File(work / FILE_NAME, "w")
+        file = h5py.File(work / FILE_NAME, "w", userblock_size=HEADER)
     try:
         yield file
     except BaseException:
@@ -303,11 +336,20 @@ def _write_table(path: Path, columns: Sequence[Column], table: Mapping[str, Floa
     np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.12g")
 
 
+def _without_nan(values: Any) -> Any:
+    """The same, None for what is no finite number: JSON has no word for it."""
+    if isinstance(values, dict):
+        return {name: _without_nan(value) for name, value in values.items()}
+    if isinstance(values, list | tuple):
+        return [_without_nan(value) for value in values]
+    return None if isinstance(values, float) and not math.isfinite(values) else values
+
+
 def _write_tables(folder: Path, study: Study, result: Result) -> None:
     (folder / "study.toml").write_text(study.to_toml(), encoding="utf-8")
     _write_table(folder / "history.csv", columns_of(study), result.history)
     _write_table(folder / "surface.csv", EVOLUTION, result.surface_evolution.table)
-    summary: dict[str, Any] = result.summary
+    summary = _without_nan(result.summary)
     (folder / "summary.json").write_text(
         json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
     )

@@ -75,8 +75,10 @@ class About(Section):
         "study", "name of the run and of its folder: letters, digits, spaces and . + - _"
     )
     description: str = key("", "one line for people")
-    model: Literal["macro", "micro"] = key(
-        "micro", "macro: smooth bodies on an elastic foundation; micro: every asperity resolved"
+    model: Literal["macro", "micro", "two-scale"] = key(
+        "micro",
+        "macro: smooth bodies on an elastic foundation; micro: every asperity resolved; two-scale: patches "
+        "of resolved asperities that share the load",
     )
 
 
@@ -190,7 +192,7 @@ class Disc(Body):
 
 
 def _foundation(value: Any) -> Any:
-    return value if value in MATCHES else Quantity("N/mm^3").read(value)
+    return value if isinstance(value, str) and value in MATCHES else Quantity("N/mm^3").read(value)
 
 
 class Contact(Section):
@@ -198,7 +200,7 @@ class Contact(Section):
 
     load: Force = key(..., "normal load")
     hardness: PressureOrInfinite | None = key(
-        None, "largest pressure of a cell; by default the softer body's in the micro model, none in the macro"
+        None, "largest pressure of a cell; by default the softer body's, in the macro model none"
     )
     law: Literal["foundation", "half-space"] = key(
         "foundation",
@@ -212,7 +214,7 @@ class Contact(Section):
     )
     stiffness: Stiffness = key(
         "inf N/mm^3",
-        "micro model: local foundation stiffness k",
+        "micro and two-scale model: local foundation stiffness k",
         assumed="asperities do not deform elastically",
     )
     foundation: Annotated[
@@ -221,11 +223,13 @@ class Contact(Section):
         PlainSerializer(lambda v: v if isinstance(v, str) else text(v, "N/mm^3")),
     ] = key(
         "area",
-        "macro model: stiffness K_N that gives Hertz's area, peak pressure or approach, or a stiffness",
+        "macro model, bulk of the two-scale: stiffness K_N that gives Hertz's area, peak pressure or "
+        "approach, or a stiffness",
         assumed="one spring constant matches one of Hertz's three values",
     )
     foundation_update: Literal["initial", "updated"] = key(
-        "initial", "macro model: K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact"
+        "initial",
+        "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (two-scale: scar)",
     )
 
 
@@ -477,6 +481,35 @@ class Junctions(Section):
     )
 
 
+class Macro(Section):
+    """[macro]: of the two-scale model"""
+
+    cell: Length = key("50 um", "size of a macro cell, each of which has one patch of the grid's cells")
+    patch: Length | None = key(
+        None, "size of a patch; by default the macro cell, which tiles the contact; smaller ones stand for it"
+    )
+    bulk: Literal["foundation", "none"] = key(
+        "foundation",
+        "spring behind each patch: foundation is K_N, the elastic bulk of both bodies, in series with "
+        "asperities that only flow and wear; none where the patch's own law carries that compliance",
+        assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
+    )
+    coupling: Literal["approach", "load"] = key(
+        "approach",
+        "approach: one for all patches, whose own answers share the load; load: a smooth macro contact "
+        "prescribes the load of each patch",
+    )
+    placement: Literal["centre", "random"] = key(
+        "centre", "place of a smaller patch in its macro cell: in the middle, or at random by macro.seed"
+    )
+    seed: int = key(0, "seed of the random placement")
+
+    @property
+    def patch_width(self) -> float:
+        """[mm]"""
+        return self.cell if self.patch is None else self.patch
+
+
 class Run(Section):
     """[run]"""
 
@@ -488,12 +521,18 @@ class Run(Section):
 class Checks(Section):
     """[checks]"""
 
-    strict: bool = key(True, "stop when the contact reaches the domain's edge; false records a warning")
+    strict: bool = key(
+        True,
+        "stop when a step breaks what must hold: finite numbers, balance, volumes, a contact off the edge; "
+        "false records a warning",
+    )
 
 
 class Output(Section):
     """[output]"""
 
     snapshots: tuple[LengthOrZero, ...] = key(
-        (), "sliding distances at which fields are kept; the end always is"
+        (),
+        "sliding distances at which fields are kept; the end always is; swept: at the end of the step that "
+        "reaches each",
     )

@@ -29,6 +29,7 @@ from warpwear.sections import (
     Friction,
     GridSection,
     Junctions,
+    Macro,
     Output,
     Run,
     Section,
@@ -110,6 +111,7 @@ class Study(Section):
     stepping: Stepping = Stepping()
     friction: Friction = Friction()
     junctions: Junctions = Junctions()
+    macro: Macro = Macro()
     run: Run = Run()
     checks: Checks = Checks()
     output: Output = Output()
@@ -136,6 +138,11 @@ class Study(Section):
         return self.sliding.kinematics == "swept"
 
     @property
+    def lap(self) -> float | None:
+        """What is slid in a pass over the track [mm]; None where the disc lies still."""
+        return self.sliding.lap if self.is_swept else None
+
+    @property
     def uses_bearing_area(self) -> bool:
         """Whether contacts have no compliance: neither a foundation nor implicit wear."""
         if self.contact.law == "half-space":
@@ -150,10 +157,10 @@ class Study(Section):
 
     @property
     def hardness(self) -> float:
-        """Largest pressure of a cell [MPa]: contact.hardness, or in the micro model the softer body's."""
+        """Largest pressure of a cell [MPa]: contact.hardness, or the softer body's for rough cells."""
         if self.contact.hardness is not None:
             return self.contact.hardness
-        found = self.softer_hardness if self.study.model == "micro" else None
+        found = None if self.study.model == "macro" else self.softer_hardness
         return math.inf if found is None else found
 
     @property
@@ -199,16 +206,33 @@ class Study(Section):
         )
 
     def law(self, *, radius: float | None = None) -> CappedFoundation:
-        """The contact law. radius: of the area in contact [mm], for a foundation that follows it."""
-        match = self.contact.foundation
-        stiffness = self.contact.stiffness if self.study.model == "micro" else match
+        """The law of a cell. radius: of the area in contact [mm], for a foundation that follows it."""
+        macro = self.study.model == "macro"
+        stiffness = self.foundation(radius=radius) if macro else self.contact.stiffness
         if self.contact.law == "half-space":
             stiffness = math.inf  # what yields is the half-space
+        return CappedFoundation(stiffness=stiffness, hardness=self.hardness)
+
+    def foundation(self, *, radius: float | None = None) -> float:
+        """K_N of the macro contact [N/mm³]. radius: of the contact [mm], for a foundation that follows it."""
+        stiffness = self.contact.foundation
         if isinstance(stiffness, str):
             assert self.hertz is not None  # checked with the study
             follows = self.contact.foundation_update == "updated"
             stiffness = self.hertz.foundation(stiffness, radius=radius if follows else None)
-        return CappedFoundation(stiffness=stiffness, hardness=self.hardness)
+        return stiffness
+
+    @property
+    def uses_foundation(self) -> bool:
+        """Whether K_N plays a part."""
+        if self.study.model == "two-scale":
+            return self.macro.bulk == "foundation" or self.macro.coupling == "load"
+        return self.study.model == "macro"
+
+    @property
+    def samples_area(self) -> bool:
+        """Whether patches stand for more than themselves, so that fields cover only a part of the domain."""
+        return self.study.model == "two-scale" and self.macro.patch_width < self.macro.cell
 
     @property
     def wear_coefficients(self) -> tuple[float, float]:
@@ -260,9 +284,22 @@ class Study(Section):
             found |= dict.fromkeys((f"disc.{k}" for k in OF_FILES), "does not apply to a synthetic surface")
         if macro:
             found["contact.stiffness"] = "does not apply to the macro model: its K_N is contact.foundation"
+        if self.study.model != "two-scale":
+            of_patches = [f"macro.{k}" for k in Macro.model_fields]
+            found |= dict.fromkeys(
+                of_patches, f"does not apply to the {self.study.model} model: it has no patches"
+            )
         else:
+            if self.macro.patch_width == self.macro.cell:
+                found["macro.placement"] = "does not apply: the patches tile the contact"
+            if self.macro.patch_width == self.macro.cell or self.macro.placement == "centre":
+                found["macro.seed"] = "does not apply: no patch is placed at random"
+            if self.macro.coupling == "load":
+                found["macro.bulk"] = "does not apply to macro.coupling = 'load', whose macro contact has K_N"
+        if not self.uses_foundation:
             of_macro = ("contact.foundation", "contact.foundation_update")
-            found |= dict.fromkeys(of_macro, "does not apply to the micro model")
+            why = "the micro model" if self.study.model == "micro" else "macro.bulk = 'none'"
+            found |= dict.fromkeys(of_macro, f"does not apply to {why}")
         if self.contact.law == "half-space":
             found["contact.stiffness"] = (
                 "does not apply to contact.law = 'half-space': E* of both bodies does"

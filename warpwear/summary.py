@@ -46,16 +46,22 @@ def summarise(result: "Result") -> dict[str, Any]:
             "largest": float(history["pressure_mean"].max()),
             "std": float(history["pressure_mean"].std()),
         },
-        "cof": {"first": _finite(history["cof"][0]), "end": _finite(end["cof"])},
+        "cof": {
+            "first": _finite(friction.mean_over(history, history["cof"], "initial", study.lap)),
+            "end": _finite(friction.mean_over(history, history["cof"], "end", study.lap)),
+        },
         "cof_area": study.friction.area,
         "cof_shape": _shape(history["distance"], history["cof"]),
         "area_shape": _shape(history["distance"], history[f"area_{study.friction.area}"]),
         "cof_reference": study.friction.coefficient,
         "shear_strength_MPa_for_reference": friction.calibrations(
-            study.friction, history, load=load, hardness=study.hardness
+            study.friction, history, load=load, hardness=study.hardness, lap=study.lap
         ),
         "hertz": _elastic(study),
-        "foundation_N_per_mm3": _finite(study.law().stiffness),
+        "foundation_N_per_mm3": _finite(
+            study.foundation() if study.uses_foundation else study.law().stiffness
+        ),
+        "patches": _patches(result),
         "junctions": {
             "critical_diameter_um": 1.0e3 * study.critical_junction if study.critical_junction else None,
             "strength_MPa": study.junction_strength,
@@ -150,6 +156,24 @@ def _elastic(study: "Study") -> dict[str, float] | None:
         "area_mm2": hertz.area,
         "peak_pressure_MPa": hertz.peak_pressure,
         "approach_um": 1.0e3 * hertz.approach,
+    }
+
+
+def _patches(result: "Result") -> dict[str, Any] | None:
+    """Of a two-scale run."""
+    study = result.study
+    if study.study.model != "two-scale":
+        return None
+    evaluations = result.history["evaluations"]
+    return {
+        "number": int(result.load_share.shape[1]),
+        "width_um": 1.0e3 * study.macro.patch_width,
+        "macro_cell_um": 1.0e3 * study.macro.cell,
+        "cover": (study.macro.patch_width / study.macro.cell) ** 2,
+        "coupling": study.macro.coupling,
+        "bulk": study.macro.bulk if study.macro.coupling == "approach" else "foundation",
+        "carrying_at_the_end": int(np.count_nonzero(result.load_share[-1])),
+        "evaluations": {"median": float(np.median(evaluations)), "most": float(evaluations.max())},
     }
 
 

@@ -14,6 +14,11 @@ def check(study: "Study") -> None:
     if not study.is_swept:
         return
     sliding, cell, extent = study.sliding, study.grid.cell, study.grid.extent
+    if study.study.model == "two-scale":
+        raise ValueError(
+            "sliding.kinematics = 'swept' is not for study.model = 'two-scale', whose patches lie still; "
+            "allowed is stationary"
+        )
     if study.study.model == "macro":
         raise ValueError(
             "sliding.kinematics = 'swept' is not for study.model = 'macro': a smooth disc under a sliding "

@@ -69,7 +69,9 @@ def milled(lay):
 
 
 @pytest.mark.parametrize("cell", [0.0005, 0.001, 0.002])
-@pytest.mark.parametrize("lay", [0.0, 30.0, 90.0])
+@pytest.mark.parametrize(
+    "lay", [pytest.param(0.0, marks=pytest.mark.slow), 30.0, pytest.param(90.0, marks=pytest.mark.slow)]
+)
 def test_a_milled_surface_is_untouched(cell, lay):
     points = np.arange(600) * cell
     heights = milled(lay).heights(points, points) + 0.3 * points[:, None]

@@ -1,0 +1,65 @@
+"""The same study gives the same result, whatever the number of threads, and says what it was made with."""
+
+import os
+import platform
+import runpy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+
+import warpwear
+from warpwear import Study
+
+_kills = runpy.run_path(str(Path(__file__).parents[1] / "bench" / "kills.py"))
+CASES, study_of = _kills["CASES"], _kills["study_of"]
+
+
+def short(case: str) -> Study:
+    study: Study = study_of(case, float("inf"))
+    distance = "0.2 mm" if case.startswith("micro") else "3 mm"
+    return study.replace({"sliding.distance": distance, "output.snapshots": ["0.06 mm"]})
+
+
+def numbers(study: Study, **options: Any) -> dict[str, Any]:
+    """Every number of the history and of the snapshots."""
+    with warpwear.run(study, **options) as result:
+        found: dict[str, Any] = dict(result.history)
+        for index in range(result.snapshot_distances.size):
+            found |= {f"{name} {index}": values for name, values in vars(result.snapshot(index)).items()}
+        return found
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_twice_the_same(case: str, device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a CPU bit for bit, with one thread and two; on a GPU, which orders its sums itself, to 1e-10."""
+    monkeypatch.setattr("warpwear.execution.CELLS_PER_THREAD", 1)
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    one = numbers(short(case), device=device, threads=1)
+    two = numbers(short(case), device=device, threads=min(2, cores))
+    assert one.keys() == two.keys()
+    for name, values in one.items():
+        if device == "cpu":
+            np.testing.assert_array_equal(values, two[name], err_msg=name)
+        elif name not in ("load_residual", "evaluations"):  # rounding, and how the search went
+            largest = float(np.nanmax(np.abs(values))) if np.isfinite(values).any() else 0.0
+            np.testing.assert_allclose(values, two[name], rtol=1e-10, atol=1e-10 * largest, err_msg=name)
+
+
+def test_a_result_says_what_it_was_made_with() -> None:
+    study = Study.load("v3-fine").replace(
+        {"grid.cell": "20 um", "sliding.distance": "0 mm", "disc.synthetic.seed": 7}
+    )
+    summary = warpwear.run(study).summary
+    assert summary["surface"]["seed"] == 7
+    made_with = summary["made_with"]
+    assert made_with["warpwear"] == warpwear.__version__ == summary["version"]
+    assert made_with["warp-lang"] == wp.config.version
+    assert made_with["numpy"] == np.__version__
+    assert made_with["python"] == platform.python_version()
+    assert made_with["system"] == platform.platform()
+    assert made_with["device"]
+    assert summary["threads"] >= 1
+    assert summary["precision"] == "float64"

@@ -1,0 +1,86 @@
+"""What is drawn of two-scale runs, and what is left out where patches cover a part of the area only."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from test_figures import drawn, faults_of
+
+import warpwear
+from warpwear import InputError, Result, Study
+from warpwear.animation import animate
+from warpwear.comparison import gather
+from warpwear.load_share_error import load_share_error, smooth_shares
+
+RUNS: dict[str, dict[str, Any]] = {
+    "all covered": {"output.snapshots": ["0.3 mm", "3 mm"]},
+    "a ninth": {"grid.extent": "2.1 mm", "macro.cell": "300 um", "macro.patch": "100 um"}
+    | {"sliding.distance": "60 mm"},
+    "no smooth contact": {"disc.material": None, "macro.bulk": "none"},
+}
+OF_FIELDS = {"setup", "pressure_map", "contact_map", "wear_map", "sphere_3d", "disc_profiles", "islands"}
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
+    where = tmp_path_factory.mktemp("runs")
+    small = {"grid.cell": "10 um", "sliding.distance": "10 mm", "output.snapshots": []}
+    return {
+        name: warpwear.run(
+            Study.load("two-scale").replace(small | changes), out=where / name.replace(" ", "-"), plots=False
+        )
+        for name, changes in RUNS.items()
+    }
+
+
+@pytest.mark.parametrize("name", ["load_share", "patch_zoom"])
+def test_figures_of_patches_are_fit_to_print(results: dict[str, Result], name: str) -> None:
+    faults = [fault for run, r in results.items() for fault in faults_of(f"{run}, {name}", *drawn(r, name))]
+    assert not faults, "\n".join(faults)
+
+
+def test_the_maps_show_the_loads(results: dict[str, Result]) -> None:
+    """Every panel's pressures times the area of a macro cell sum up to the load."""
+    for run, panels in (("all covered", 6), ("a ninth", 2), ("no smooth contact", 1)):
+        figure, _ = drawn(results[run], "load_share")
+        assert len(figure.axes) == panels
+        area = results[run].study.macro.cell ** 2
+        for axes in figure.axes:
+            shown = np.ma.filled(axes.images[0].get_array(), np.nan)
+            assert np.nansum(shown) * area == pytest.approx(8.0, rel=1e-9)
+
+
+def test_fields_with_holes_are_not_drawn(results: dict[str, Result], tmp_path: Path) -> None:
+    sampled = results["a ninth"]
+    assert set(sampled.plot.left_out) >= OF_FIELDS
+    assert not OF_FIELDS & set(results["all covered"].plot.left_out)
+    assert "cover a part of the area" in sampled.plot.left_out["pressure_map"]
+    assert np.isnan(sampled.surface_evolution.table["islands"]).all()
+    assert np.isfinite(sampled.surface_evolution.table["sq"]).all()
+    with pytest.raises(InputError, match="a film needs whole fields"):
+        animate(sampled, tmp_path / "film.gif")
+    folders = [r.folder for r in (sampled, results["all covered"]) if r.folder]
+    found = gather(folders)
+    assert not found.runs[0].wear
+    assert set(found.runs[1].wear) == {"sphere", "disc"}
+    assert any("no whole field, so no profile" in note for note in found.notes)
+
+
+def test_the_summary_tells_of_patches(results: dict[str, Result]) -> None:
+    whole, sampled = (results[name].summary["patches"] for name in ("all covered", "a ninth"))
+    assert (whole["number"], whole["cover"], whole["bulk"]) == (900, 1.0, "foundation")
+    assert sampled["number"] == 49
+    assert sampled["cover"] == pytest.approx(1.0 / 9.0)
+
+
+def test_smooth_shares_are_those_of_the_load_coupling(results: dict[str, Result]) -> None:
+    """What the figure draws beside the patches is what that coupling prescribes."""
+    whole = results["all covered"]
+    load = warpwear.run(whole.study.replace({"macro.coupling": "load"}))
+    rows = [0, 40, load.history["distance"].size - 1]
+    found = smooth_shares(whole, rows)
+    assert found is not None
+    assert_allclose(found, load.load_share[rows], rtol=0.0, atol=1e-9)
+    assert load_share_error(np.array([2.0, 0.0]), np.array([1.0, 1.0])) == 0.5

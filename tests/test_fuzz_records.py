@@ -1,0 +1,153 @@
+"""Broken records of friction, results and checkpoints: one sentence, never a traceback or other numbers."""
+
+import random
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fuzzing import check_sentence, mutated_bytes, mutated_text, watched
+from numpy.testing import assert_array_equal
+
+import warpwear
+from warpwear import InputError, Result, Study
+from warpwear.checkpoint import FILE_NAME as CHECKPOINT
+from warpwear.experiment import read_experiment
+from warpwear.one_scale import OneScaleModel
+
+SMALL = {
+    "grid.cell": "20 um",
+    "sliding.distance": "0.5 mm",
+    "output.snapshots": ["0.02 mm"],
+    "stepping.growth": 1.4,
+    "run.checkpoint": "0 s",
+}
+#: So many in each test run, and so many among the slow ones.
+COUNTS = [60, pytest.param(1000, marks=pytest.mark.slow)]
+
+
+def records() -> dict[str, tuple[bytes, dict[str, Any]]]:
+    """Of a course, and of the forces of a reciprocating tribometer."""
+    dice = np.random.default_rng(1)
+    distance = np.linspace(0.0, 60.0, 120)
+    cof = 0.3 + 0.2 * np.sqrt(distance / 60.0) + 0.01 * dice.normal(size=distance.size)
+    course = "\n".join(f"{a:.3f};{b:.4f}".replace(".", ",") for a, b in zip(distance, cof, strict=True))
+    time = np.arange(400) * 0.05
+    phase = 2.0 * np.pi * time / 4.0
+    table = np.column_stack([time, 1.5 * np.cos(phase), 4.0 * np.sign(np.sin(phase)), np.full(400, 8.0)])
+    forces = "\n".join("\t".join(f"{v:.4f}" for v in row) for row in table)
+    return {
+        "course.csv": (f"Distance [mm];COF\n{course}\n".encode(), {}),
+        "forces.txt": (
+            f"Time [s]\tPosition [mm]\tFx [N]\tFz [N]\n{forces}\n".encode(),
+            {"stroke": 3.0},
+        ),
+    }
+
+
+@pytest.mark.parametrize("count", COUNTS)
+@pytest.mark.parametrize("name", records())
+@pytest.mark.filterwarnings("default::RuntimeWarning")
+def test_broken_records(name: str, count: int, tmp_path: Path) -> None:
+    content, options = records()[name]
+    path = tmp_path / name
+    path.write_bytes(content)
+    intact = read_experiment(path, **options)
+
+    def broken() -> Iterator[bytes]:
+        for percent in range(100):
+            yield content[: len(content) * percent // 100]
+        for seed in range(count):
+            yield mutated_bytes(content, random.Random(seed))
+            yield mutated_text(content.decode(), random.Random(seed)).encode()
+
+    refused = 0
+    for text in broken():
+        path.write_bytes(text)
+        with watched():
+            try:
+                found = read_experiment(path, **options)
+            except InputError as error:
+                check_sentence(error)
+                refused += 1
+                continue
+        assert np.isfinite(found.distance).all()
+        assert np.isfinite(found.cof).all()
+        assert (np.diff(found.distance) > 0.0).all()
+        assert found.cof.max() <= 3.0
+        assert found.cof.size <= 2 * intact.cof.size
+    assert refused > 0
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """Result and checkpoint of a run that was interrupted."""
+    out = tmp_path_factory.mktemp("runs") / "out"
+    advance, calls = OneScaleModel.advance, []
+
+    def interrupted(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
+        calls.append(1)
+        if len(calls) > 8:
+            raise KeyboardInterrupt
+        return advance(self, *args, **kwargs)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(OneScaleModel, "advance", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            warpwear.run(study(), out=out, plots=False)
+    return {name: (out / name).read_bytes() for name in ("result.h5", CHECKPOINT)}
+
+
+def study() -> Study:
+    return Study.load("v3-fine").replace(SMALL)
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_broken_checkpoints(count: int, stopped: dict[str, bytes], tmp_path: Path) -> None:
+    """A digest covers every byte behind the header, and the header is looked at."""
+    good = stopped[CHECKPOINT]
+    path = tmp_path / CHECKPOINT
+    dice = random.Random(3)
+    for seed in range(count):
+        content = (
+            good[: dice.randrange(len(good))] if seed % 4 == 0 else mutated_bytes(good, random.Random(seed))
+        )
+        if content == good:
+            continue
+        path.write_bytes(content)
+        with watched(), pytest.raises(InputError) as error:
+            warpwear.run(study(), out=tmp_path, plots=False, resume=True)
+        check_sentence(error.value)
+        assert path.read_bytes() == content
+
+
+@pytest.mark.parametrize("count", COUNTS)
+@pytest.mark.filterwarnings("ignore")
+def test_broken_results(count: int, stopped: dict[str, bytes], tmp_path: Path) -> None:
+    """The numbers in it are those of the whole file, or it is refused in one sentence."""
+    good = stopped["result.h5"]
+    path = tmp_path / "result.h5"
+    dice = random.Random(4)
+    path.write_bytes(good)
+    with Result.open(path) as result:
+        history, last = result.history, result.snapshot(-1)
+    refused = 0
+    for seed in range(count):
+        content = (
+            good[: dice.randrange(len(good))] if seed % 4 == 0 else mutated_bytes(good, random.Random(seed))
+        )
+        path.write_bytes(content)
+        with watched():
+            try:
+                with Result.open(path) as result:
+                    assert result.summary["steps"] == history["distance"].size
+                    assert "v3-fine" in repr(result) or result.study.study.name in repr(result)
+                    for name, values in result.history.items():
+                        assert_array_equal(values, history.get(name, values))
+                    for name, values in vars(result.snapshot(-1)).items():
+                        assert name == "distance" or np.array_equal(values, getattr(last, name))
+            except InputError as error:
+                check_sentence(error)
+                refused += 1
+    assert refused > 0

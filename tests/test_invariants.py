@@ -1,0 +1,228 @@
+"""What must hold after every step is watched: a step that breaks it stops the run, in one sentence."""
+
+import math
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fuzzing import check_sentence
+
+import warpwear
+from warpwear import ConvergenceError, InputError, Result, Study, cli
+from warpwear.checkpoint import FILE_NAME as CHECKPOINT
+from warpwear.errors import InvariantError
+from warpwear.invariants import Invariants
+from warpwear.one_scale import OneScaleModel
+
+SMALL = {
+    "grid.cell": "20 um",
+    "sliding.distance": "0.3 mm",
+    "output.snapshots": ["0.2 mm"],
+    "stepping.growth": 1.2,
+    "run.checkpoint": "0 s",
+}
+ROW = {
+    "distance": 3.0,
+    "approach": 1e-3,
+    "load_residual": 0.0,
+    "wear_volume_sphere": 1e-5,
+    "wear_volume_disc": 2e-5,
+    "archard_volume_sphere": 1e-5,
+    "archard_volume_disc": 2e-5,
+}
+
+
+def small(**changes: Any) -> Study:
+    return Study.load("v3-fine").replace(SMALL | {k.replace("__", "."): v for k, v in changes.items()})
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"approach": math.nan}, r"approach = nan after 3 mm of sliding is no finite number"),
+        ({"pressure_max": math.inf}, r"pressure_max = inf after 3 mm of sliding is no finite number"),
+        ({"load_residual": 2e-11}, r"load_residual = 2e-11 N after 3 mm .* beyond 8e-12 N"),
+        ({"load_residual": -1.0}, r"load_residual = -1 N"),
+        (
+            {"wear_volume_disc": 2.0001e-5},
+            r"wear_volume_disc = 2\.0001e-05 mm³ after 3 mm of sliding is off the 2e-05 mm³ of Archard's law "
+            r"by 5e-05 of it, where 1e-10 is allowed",
+        ),
+        ({"wear_volume_sphere": 1e-5 * (1 - 2e-10)}, r"wear_volume_sphere = .*Archard's law"),
+        ({"archard_volume_sphere": 0.0}, r"wear_volume_sphere = .* by all of it"),
+    ],
+)
+def test_rows_that_break_a_law(changes: dict[str, float], message: str) -> None:
+    found = [v.sentence for v in Invariants(small()).of_row(ROW | changes)]
+    assert len(found) == 1
+    assert re.match(message, found[0])
+
+
+def test_rows_that_break_none() -> None:
+    invariants = Invariants(small())
+    sound = {"load_residual": 7e-12, "wear_volume_sphere": 1e-5 * (1 + 5e-11)}
+    assert not [*invariants.of_row(ROW | sound)]
+    assert not [*invariants.of_row(ROW | {"time": math.nan, "cof": math.nan})]
+    assert not [*invariants.of_row({"distance": 1.0, "approach": 0.1})]  # of a model without those columns
+    published = Invariants(Study.load("v3"))
+    assert not [*published.of_row(ROW | {"load_residual": 0.49})]
+    assert [*published.of_row(ROW | {"load_residual": 0.51})]
+    assert not [*Invariants(small(sphere__radius="inf mm")).of_row(ROW, touches_edge=True)]
+
+
+def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 10) -> None:
+    """After so many steps change a value of a field in the contact, by the way that checkpoints take."""
+    advance, calls = OneScaleModel.advance, []
+
+    def advance_broken(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
+        calls.append(1)
+        if len(calls) == step:
+            arrays, numbers = self.saved_state()
+            if name not in arrays:
+                pytest.skip(f"the model's steps do not change {name}")
+            arrays = {key: np.array(values) for key, values in arrays.items()}
+            row, column = np.unravel_index(arrays["gap"].argmin(), arrays["gap"].shape)
+            where = min(row, arrays[name].shape[0] - 1), column
+            arrays[name][where] = how(arrays[name][where])
+            self.restore(arrays, numbers)
+        return advance(self, *args, **kwargs)
+
+    monkeypatch.setattr(OneScaleModel, "advance", advance_broken)
+
+
+def not_a_number(value: float) -> float:
+    return math.nan
+
+
+def less_worn(gap: float) -> float:
+    """By a nanometre."""
+    return gap - 1e-6
+
+
+@cache
+def alone(device: str) -> dict[str, Any]:
+    """The history of an undisturbed run."""
+    return warpwear.run(small(), plots=False, device=device).history
+
+
+@pytest.mark.parametrize(
+    ("name", "how", "message"),
+    [
+        ("gap", not_a_number, r"is no finite number|N of 8 N are left"),  # it carries no load
+        ("share", not_a_number, r"is no finite number"),
+        ("gap", less_worn, r"wear_volume_sphere = .* of Archard's law"),
+    ],
+    ids=str,
+)
+def test_a_broken_state_stops_the_run_with_what_came_before(
+    name: str, how: Any, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, device: str
+) -> None:
+    out = tmp_path / "out"
+    with pytest.MonkeyPatch.context() as patch:
+        broken(patch, name, how)
+        with pytest.raises((InvariantError, ConvergenceError), match=message) as stopped:
+            warpwear.run(small(), out=out, plots=False, device=device)
+    check_sentence(stopped.value)
+    assert "out keeps the run so far" in str(stopped.value)
+    with Result.open(out) as result:
+        assert not result.finished
+        assert 9 <= result.history["distance"].size <= 15
+        assert all(np.isfinite(v).all() for k, v in result.history.items() if k != "cof")
+        assert re.search(message, result.record["warnings"][-1])
+    # The last good state is there: what broke was the memory, not the equations.
+    with warpwear.run(small(), out=out, plots=False, device=device, resume=True) as result:
+        assert result.finished
+        for column, values in alone(device).items():
+            np.testing.assert_array_equal(result.history[column], values)
+    assert not (out / CHECKPOINT).exists()
+
+
+def test_without_strict_checks_it_goes_on_and_says_so_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken(monkeypatch, "gap", less_worn)
+    study = small(checks__strict=False)
+    with warpwear.run(study, out=tmp_path / "out", plots=False) as result:
+        assert result.finished
+        told = [w for w in result.summary["warnings"] if "Archard" in w]
+        assert sorted(w.partition(" =")[0] for w in told) == ["wear_volume_disc", "wear_volume_sphere"]
+
+
+def test_numbers_that_are_none_are_written_as_such(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    advance = OneScaleModel.advance
+
+    def without_volume(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
+        step = advance(self, *args, **kwargs)
+        step.row["wear_volume_disc"] = math.nan
+        return step
+
+    monkeypatch.setattr(OneScaleModel, "advance", without_volume)
+    study = small(checks__strict=False)
+    with warpwear.run(study, out=tmp_path / "out", plots=False) as result:
+        assert result.finished
+        assert np.isnan(result.history["wear_volume_disc"][-1])
+        for name in ("volumes", "disc_map", "disc_profiles"):
+            result.plot.save(name, tmp_path)
+    assert '"disc": null' in (tmp_path / "out" / "summary.json").read_text()
+
+
+AT_EDGE = {
+    "grid.extent": "0.44 mm",
+    "sliding.distance": "3 mm",
+    "output.snapshots": [],
+    "stepping.growth": 1.1,
+}
+
+
+def test_a_contact_at_the_edge_leaves_the_run_so_far(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From there it goes on where that is asked for, and tells it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").write_text(small().replace(AT_EDGE).to_toml())
+    command = ["run", "mine.toml", "--out", "out", "--no-plots"]
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(command)
+    told = capsys.readouterr().err.splitlines()[-1]
+    assert stopped.value.code == 2
+    assert told.startswith(
+        "warpwear: grid.extent = 0.44 mm is too small: the contact reached the domain's edge"
+    )
+    assert told.endswith("keeps the run so far, and --resume with checks.strict = false goes on.")
+    with Result.open("out") as result:
+        steps = result.history["distance"].size
+        assert not result.finished
+    with pytest.raises(SystemExit) as done:
+        cli.main([*command, "--resume", "--set", "checks.strict=false"])
+    assert done.value.code == 0
+    with Result.open("out") as result, warpwear.run(small(checks__strict=False).replace(AT_EDGE)) as alone:
+        assert result.finished
+        assert result.history["distance"].size > steps
+        np.testing.assert_array_equal(result.history["approach"], alone.history["approach"])
+        assert len([w for w in result.record["warnings"] if "domain's edge" in w and "larger" not in w]) == 1
+    assert not (tmp_path / "out" / CHECKPOINT).exists()
+
+
+def test_in_memory_nothing_can_be_kept() -> None:
+    with pytest.raises(InputError, match=r"domain's edge .*; a larger extent is needed\.$"):
+        warpwear.run(small().replace(AT_EDGE))
+
+
+def test_an_unbalanced_step_leaves_the_run_so_far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    advance, calls = OneScaleModel.advance, []
+
+    def failing(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
+        calls.append(1)
+        if len(calls) > 10:
+            raise ConvergenceError("the load balance did not converge: 1 N of 8 N are left.")
+        return advance(self, *args, **kwargs)
+
+    monkeypatch.setattr(OneScaleModel, "advance", failing)
+    with pytest.raises(ConvergenceError, match=r"--resume tries again from its last checkpoint\.$"):
+        warpwear.run(small(), out=tmp_path / "out", plots=False)
+    with Result.open(tmp_path / "out") as result:
+        assert result.history["distance"].size == 10
+    assert (tmp_path / "out" / CHECKPOINT).is_file()

@@ -1,0 +1,391 @@
+"""Two scales: patches that share a load, against the one-scale run and an independent NumPy solver."""
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import warpwear
+from warpwear import ConvergenceError, InputError, Result, Study, load_shares
+from warpwear.execution import Executor
+from warpwear.grid import FloatArray, Grid
+from warpwear.patches import Patches
+from warpwear.surface_of import surface_in
+from warpwear.two_scale import TwoScaleModel
+
+QUICK = {
+    "grid.cell": "10 um",
+    "macro.cell": "50 um",
+    "macro.patch": "50 um",
+    "sliding.distance": "60 mm",
+    "output.snapshots": ["0.3 mm", "3 mm"],
+}
+KINDS = {
+    "no bulk": {"macro.bulk": "none"},
+    "bulk": {},
+    "bulk that follows": {"contact.foundation_update": "updated"},
+    "soft bulk": {"contact.foundation": "3e4 N/mm^3"},
+    "elastic, explicit": {
+        "contact.stiffness": "2e5 N/mm^3",
+        "stepping.scheme": "explicit",
+        "stepping.force": True,
+        "stepping.largest": "0.3 mm",
+        "sliding.distance": "3 mm",
+    },
+    "load": {"macro.coupling": "load"},
+    "some of the area": {"grid.extent": "1.8 mm", "macro.cell": "300 um", "macro.patch": "100 um"},
+}
+
+
+def quick(**changes: Any) -> Study:
+    return Study.load("two-scale").replace(QUICK | {k.replace("__", "."): v for k, v in changes.items()})
+
+
+def of_kind(kind: str) -> Study:
+    return quick().replace(KINDS[kind])
+
+
+@cache
+def _heights_on(grid: Grid) -> FloatArray:
+    return surface_in(quick()).heights(grid.x, grid.y)
+
+
+class Stepped:
+    """A model, advanced step by step."""
+
+    def __init__(self, study: Study, *, device: str = "cpu", threads: int | None = None) -> None:
+        self.study, self.patches = study, Patches.of(study)
+        self.executor = Executor(self.patches.grid, device=device, threads=threads)
+        self.model = TwoScaleModel(study, self.patches, _heights_on(study.cells), self.executor)
+
+    def gap(self) -> FloatArray:
+        """Of every patch, shape (patches, side, side)."""
+        n = self.patches.side
+        rows = self.executor.to_numpy(self.model.contact.gap)
+        return rows.reshape(self.patches.count, n, -1)[:, :, :n].copy()
+
+
+@pytest.mark.parametrize(
+    ("macro", "stiffness", "distance"),
+    [
+        ("50 um", "inf N/mm^3", "300 mm"),
+        ("250 um", "inf N/mm^3", "3 mm"),
+        ("30 um", "1.9e6 N/mm^3", "3 mm"),
+    ],
+)
+def test_full_tiling_without_bulk_is_the_one_scale_run(
+    macro: str, stiffness: str, distance: str, device: str
+) -> None:
+    """To 1e-12 in approach, pressures and wear, in every step of a worn run."""
+    study = quick(macro__cell=macro, macro__patch=None, macro__bulk="none", contact__stiffness=stiffness)
+    study = study.replace({"sliding.distance": distance})
+    with (
+        warpwear.run(study.replace({"study.model": "micro"}), device=device) as one,
+        warpwear.run(study, device=device) as two,
+    ):
+        assert one.history["approach"].size > 100
+        for name in ("approach", "pressure_max", "pressure_mean", "wear_volume_disc", "wear_depth_sphere"):
+            assert_allclose(two.history[name], one.history[name], rtol=1e-12, err_msg=name)
+        for name in ("area_contact", "area_touched", "area_cumulative", "patch_along", "patch_across"):
+            assert_allclose(two.history[name], one.history[name], rtol=1e-12, err_msg=name)
+        for i in range(one.snapshot_distances.size):
+            a, b = one.snapshot(i), two.snapshot(i)
+            for name in ("pressure", "wear_sphere", "wear_disc"):
+                expected = getattr(a, name)
+                assert_allclose(getattr(b, name), expected, rtol=0.0, atol=1e-12 * expected.max())
+            assert_allclose(b.gap, a.gap, rtol=0.0, atol=1e-15)
+            assert_array_equal(b.pressure > 0.0, a.pressure > 0.0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_conserved_in_every_step(kind: str, device: str) -> None:
+    """The load, each patch's mean wear, and the volumes."""
+    study = of_kind(kind)
+    stepped = Stepped(study, device=device)
+    wear, load = sum(study.wear_coefficients), study.contact.load
+    area = stepped.patches.area
+    before = stepped.gap()
+    slid = 0.0
+    for increment in (3e-3, 3e-3, 3e-3, 0.01, 0.03, 0.1, 0.1, 0.3, 0.3):
+        row = stepped.model.advance(increment).row
+        slid += increment
+        share = stepped.model.book.table("load_share")[-1]
+        assert share.sum() == pytest.approx(load, rel=1e-12)
+        assert abs(row["load_residual"]) <= 1e-12 * load
+        after = stepped.gap()
+        worn = (after - before).mean(axis=(1, 2))
+        asked = wear * share / area * increment
+        # What is taken off a gap of 0.1 mm is rounded to 1e-17 mm.
+        assert_allclose(worn, asked, rtol=1e-12, atol=1e-12 * asked.max())
+        for body, k in zip(("sphere", "disc"), study.wear_coefficients, strict=True):
+            assert row[f"wear_volume_{body}"] == pytest.approx(k * load * slid, rel=1e-10)
+            assert row[f"archard_volume_{body}"] == pytest.approx(k * load * slid, rel=1e-12)
+        before = after
+
+
+def _carried(gap: FloatArray, at: FloatArray, c: float, hardness: float) -> FloatArray:
+    return np.clip((at[:, None] - gap) / c, 0.0, hardness).mean(axis=1)
+
+
+def reference_step(
+    gap: FloatArray, *, c: float, hardness: float, spring: float, area: float, load: float
+) -> tuple[float, FloatArray, FloatArray]:
+    """δ, and each patch's approach and mean pressure, by bisection in bisection. gap: (patches, cells)."""
+
+    def at(delta: float) -> FloatArray:
+        low = np.full(gap.shape[0], delta - hardness / spring)
+        high = np.full(gap.shape[0], delta)
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            short = middle + _carried(gap, middle, c, hardness) / spring < delta
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
+        return 0.5 * (low + high)
+
+    low, high = float(gap.min()), float(gap.max())
+    for _ in range(60):
+        delta = 0.5 * (low + high)
+        if area * _carried(gap, at(delta), c, hardness).sum() < load:
+            low = delta
+        else:
+            high = delta
+    u = at(delta)
+    return delta, u, _carried(gap, u, c, hardness)
+
+
+@pytest.mark.parametrize("spring", [1.9e6, 3e3])
+def test_a_bulk_spring_in_series_against_bisection(spring: float) -> None:
+    """Over a worn run: every patch's approach and load, δ and the gap, within what bisection resolves."""
+    study = quick(grid__cell="25 um", macro__cell="100 um", macro__patch="100 um", grid__extent="1 mm")
+    study = study.replace({"contact.foundation": f"{spring} N/mm^3"})
+    stepped = Stepped(study)
+    gap = stepped.gap().reshape(stepped.patches.count, -1)
+    wear = sum(study.wear_coefficients)
+    for increment in (0.003, 0.1, 3.0, 3.0, 10.0):
+        delta, u, p = reference_step(
+            gap,
+            c=wear * increment,
+            hardness=study.hardness,
+            spring=spring,
+            area=stepped.patches.area,
+            load=study.contact.load,
+        )
+        step = stepped.model.advance(increment)
+        shares = stepped.model._last
+        assert shares is not None
+        assert step.row["approach"] == pytest.approx(delta, abs=1e-11)
+        assert_allclose(shares.pressure, p, rtol=0.0, atol=1e-6 * p.max())
+        touching = p > 1e-6 * p.max()
+        assert_allclose(shares.approaches[touching], u[touching], rtol=0.0, atol=1e-11)
+        assert shares.spring_residual <= 1e-12 * shares.pressure.max() / spring
+        series = shares.approaches + shares.pressure / spring
+        allowed = 2e-12 * shares.pressure.max() / spring + 1e-15
+        assert_allclose(series[touching], step.row["approach"], rtol=0.0, atol=allowed)
+        pressure = np.clip((shares.approaches[:, None] - gap) / (wear * increment), 0.0, study.hardness)
+        gap = gap + wear * increment * pressure
+
+
+@pytest.mark.parametrize("distance", ["10 mm", pytest.param("2400 mm", marks=pytest.mark.slow)])
+def test_iterations_and_residuals_of_a_run(distance: str) -> None:
+    with warpwear.run(quick(sliding__distance=distance)) as result:
+        assert np.median(result.history["evaluations"]) <= 8.0
+        assert np.abs(result.history["load_residual"]).max() <= 1e-12 * 8.0
+        assert_allclose(result.load_share.sum(axis=1), 8.0, rtol=1e-12)
+        assert_allclose(result.area_patch.sum(axis=1), result.history["area_contact"], rtol=1e-12)
+        assert result.load_share.shape == (result.history["distance"].size, 900)
+        assert max(map(abs, result.summary["conservation_relative"].values())) < 1e-10
+
+
+@pytest.mark.parametrize("kind", ["no bulk", "bulk", "load"])
+def test_a_step_that_does_not_converge_stops_the_run(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in ("load_shares", "prescribed_loads"):
+        monkeypatch.setattr(f"warpwear.{module}.MAX_EVALUATIONS", 3)
+    with pytest.raises(ConvergenceError, match=r"did not converge .*[0-9] (N|MPa) of") as caught:
+        warpwear.run(of_kind(kind))
+    assert "\n" not in str(caught.value)
+
+
+def _staircase(base: FloatArray, offset: FloatArray) -> load_shares.Answer:
+    """Flat treads joined by steep risers: Newton's method alone leaps to and fro."""
+    u = base + offset
+    whole = np.floor(u * 1e4)
+    part = np.clip((u * 1e4 - whole - 0.99) * 100.0, 0.0, 1.0)
+    p = np.clip((whole + part) * 1e-1, 0.0, 40.0)
+    slope = np.where((part > 0.0) & (p > 0.0) & (p < 40.0), 1e5, 0.0)
+    return load_shares.Answer(p, slope, np.zeros_like(p))
+
+
+@pytest.mark.parametrize("flexibility", [0.0, 1e-6, 1e-3, 1.0])
+def test_the_safeguards_hold_where_newton_leaps(flexibility: float) -> None:
+    task = load_shares.Task(load=40.0, area=1.0, flexibility=flexibility, hardness=40.0, lowest=np.zeros(7))
+    heights = np.linspace(0.0, 3e-3, 7)
+
+    def response(base: FloatArray, offset: FloatArray) -> load_shares.Answer:
+        return _staircase(base - heights, offset)
+
+    found = load_shares.share(response, task, None, step=1e-5)
+    assert found.pressure.sum() == pytest.approx(40.0, rel=1e-12)
+    at = found.approaches + flexibility * found.pressure
+    carrying = found.pressure > 0.0
+    assert_allclose(at[carrying], found.approach, rtol=1e-11)
+
+
+def test_a_smooth_contact_prescribes_the_loads() -> None:
+    """Its shares are those of a capped Winkler foundation of its own, worn by itself (in NumPy)."""
+    study = of_kind("load")
+    stepped = Stepped(study)
+    x, n = study.cells.x, stepped.patches.across
+    r2 = x[:, None] ** 2 + x[None, :] ** 2
+    gap = (r2 / (3.0 + np.sqrt(9.0 - r2))).reshape(n, -1, n, stepped.patches.side).mean(axis=(1, 3)).ravel()
+    wear, foundation, area = sum(study.wear_coefficients), study.foundation(), stepped.patches.area
+    for increment in (0.003, 0.01, 0.1, 1.0, 3.0, 3.0):
+        stepped.model.advance(increment)
+        c = 1.0 / foundation + wear * increment
+        low, high = gap.min(), gap.min() + 1.0
+        for _ in range(70):
+            middle = 0.5 * (low + high)
+            p = np.clip((middle - gap) / c, 0.0, study.hardness)
+            low, high = (middle, high) if area * p.sum() < study.contact.load else (low, middle)
+        found = stepped.model.book.table("load_share")[-1]
+        assert_allclose(found, area * p, rtol=0.0, atol=1e-9)
+        assert found.max() <= study.hardness * area * (1.0 + 1e-12)
+        gap = gap + wear * increment * p
+
+
+def test_patches_of_a_field_come_back() -> None:
+    field = np.random.default_rng(0).random((180, 180))
+    tiling = Patches.of(quick(grid__extent="1.8 mm"))
+    assert_array_equal(tiling.on_domain(tiling.stored(field)), field)
+    for rule in ("centre", "random"):
+        some = Patches.of(of_kind("some of the area").replace({"macro.placement": rule, "macro.seed": 3}))
+        back = some.on_domain(some.stored(field), beside=-1.0)
+        covered = back != -1.0
+        assert_array_equal(back[covered], field[covered])
+        assert covered.sum() == some.count * some.side**2
+        assert some.weight == pytest.approx(9.0)
+        inside = (some.first_row % some.pitch) + some.side
+        assert inside.max() <= some.pitch
+    assert len(set(some.first_row % some.pitch)) > 1
+
+
+def test_threads_change_nothing(threads: int) -> None:
+    study = of_kind("bulk")
+    runs = [Stepped(study, threads=count) for count in (1, threads)]
+    for increment in (3e-3, 0.03, 0.3, 3.0):
+        one, other = (run.model.advance(increment).row for run in runs)
+        assert one == other
+    assert_array_equal(runs[0].gap(), runs[1].gap())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_model_goes_on_from_any_step(kind: str) -> None:
+    """Bit for bit, in every number of every row."""
+    study = of_kind(kind)
+    increments = [3e-3, 0.01, 0.05, 0.1, 0.3, 1.0]
+
+    def rows(restart: int | None) -> tuple[list[dict[str, float]], FloatArray, FloatArray]:
+        stepped, found = Stepped(study), []
+        for number, increment in enumerate(increments):
+            if number == restart:
+                arrays, numbers = stepped.model.saved_state()
+                kept = {name: np.array(values) for name, values in arrays.items()}
+                stepped = Stepped(study)
+                stepped.model.restore(kept, json.loads(json.dumps(numbers)))
+            found.append(stepped.model.advance(increment).row)
+        return found, stepped.gap(), stepped.model.book.table("load_share")
+
+    alone = rows(None)
+    again = rows(4)
+    assert again[0] == alone[0]
+    assert_array_equal(again[1], alone[1])
+    assert_array_equal(again[2], alone[2])
+
+
+def test_the_hdf5_file_has_the_patches(tmp_path: Path) -> None:
+    warpwear.run(
+        of_kind("some of the area").replace({"sliding.distance": "3 mm"}), out=tmp_path / "run", plots=False
+    ).close()
+    with h5py.File(tmp_path / "run" / "result.h5") as file, Result.open(tmp_path / "run") as result:
+        steps = file["history/distance"].size
+        assert file["history/load_share"].shape == file["history/area_patch"].shape == (steps, 36)
+        assert file["history/load_share"].attrs["units"] == "N"
+        assert_allclose(file["macro/x"][()], np.linspace(-0.75, 0.75, 6))
+        assert all(values.ndim == 1 for values in result.history.values())
+        last = result.snapshot(-1)
+        covered = np.isfinite(last.gap)
+        assert covered.mean() == pytest.approx(1.0 / 9.0)
+        assert not last.pressure[~covered].any()
+        weighted = 9.0 * last.pressure.sum() * 1e-4
+        assert weighted == pytest.approx(8.0, rel=1e-12)
+    with pytest.raises(InputError, match="has no patches"), warpwear.run(Study.load("v1").replace(
+        {"sliding.distance": "0.3 mm"})) as smooth:  # fmt: skip
+        _ = smooth.load_share
+
+
+BAD = [
+    ({"macro.cell": "55 um"}, r"macro\.cell = 55 µm is not a whole number of cells of 10 µm.*60 µm"),
+    ({"macro.patch": "33 um"}, r"macro\.patch = 33 µm is not a whole number of cells"),
+    ({"macro.patch": "70 um"}, r"macro\.patch = 70 µm is larger than macro\.cell = 50 µm: .*overlap"),
+    ({"macro.cell": "1.5 mm", "macro.patch": None}, r"macro\.cell = 1500 µm is larger than the contact"),
+    ({"macro.cell": "70 um", "macro.patch": None}, r"grid\.extent = 1\.5 mm is not a whole number of macro"),
+    ({"stepping.scheme": "explicit"}, r"'two-scale' needs patches that yield"),
+    ({"sliding.distance": "0 mm"}, r"'two-scale' needs patches that yield"),
+    ({"wear.distance_factor": "radial"}, r"wear\.distance_factor = 'radial'"),
+    (
+        {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1 mm^3/N/m"},
+        r"wear\.law = 'running-in'",
+    ),
+    ({"wear.law": "bearing-curve"}, r"the two-scale model resolves"),
+    ({"contact.hardness": "inf MPa", "macro.coupling": "load"}, r"'load' needs a finite contact\.hardness"),
+    (
+        {"macro.coupling": "load", "stepping.scheme": "explicit", "contact.stiffness": "1e4 N/mm^3"},
+        r"'load' needs stepping\.scheme = 'implicit'",
+    ),
+    ({"disc.material": None}, r"contact\.foundation = 'area' needs Young's modulus"),
+    ({"macro.bulk": "perhaps"}, r"macro\.bulk = 'perhaps'"),
+    ({"macro.placement": "corner"}, r"macro\.placement = 'corner'"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), BAD)
+def test_bad_input_is_one_sentence(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        quick().replace(changes)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_patch_narrower_than_the_roughness_cannot_stand_for_more() -> None:
+    narrow = {"grid.extent": "1.8 mm", "macro.cell": "150 um", "macro.patch": "50 um"}
+    with pytest.raises(
+        InputError, match=r"macro\.patch = 50 µm is narrower than the roll-off .*about 10\d\.\d"
+    ):
+        warpwear.run(quick().replace(narrow))
+
+
+def test_a_macro_cell_wider_than_the_contact_shares_no_load() -> None:
+    wide = {"macro.cell": "0.75 mm", "macro.patch": None, "sliding.distance": "0.3 mm"}
+    with pytest.raises(
+        InputError, match=r"macro\.cell = 750 µm is larger than the contact, .* 6\d\d µm wide"
+    ):
+        warpwear.run(quick().replace(wide))
+
+
+def test_a_contact_that_outgrows_the_macro_grid_stops_the_run() -> None:
+    with pytest.raises(InputError, match=r"grid\.extent = 0\.5 mm is too small: the contact reached"):
+        warpwear.run(quick(grid__extent="0.5 mm", sliding__distance="40 mm"))
+    some = {"grid.extent": "0.9 mm", "macro.cell": "300 um", "macro.patch": "100 um"}
+    with pytest.raises(InputError, match=r"the contact reached the domain's edge"):
+        warpwear.run(quick(sliding__distance="100 mm").replace(some))
+
+
+def test_keys_without_a_use_are_told() -> None:
+    assert quick().notices() == []
+    micro = quick(study__model="micro")
+    assert any("macro.cell" in notice and "no patches" in notice for notice in micro.notices())
+    load = quick(macro__coupling="load", macro__bulk="none")
+    assert any(notice.startswith("macro.bulk does not apply") for notice in load.notices())
+    assert "macro." not in micro.to_toml()

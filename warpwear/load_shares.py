@@ -1,0 +1,256 @@
+"""How patches share a load: each at an approach of its own, joined by what lies between it and the body.
+
+A patch k carries the mean pressure p_k(u_k) at its approach u_k. Behind it is a spring of stiffness K_N
+[N/mm³], the bulk, so that all patches have
+
+    u_k + p_k / K_N = δ,   A Σ p_k = F
+
+with one approach δ of the bodies, both measured from the mean planes. Every evaluation of the patches at any
+u_k is a point of the curve p_k(δ), at δ_k = u_k + p_k / K_N: Newton's method follows all these curves to a
+common δ. Without a spring all u_k are δ. What a patch answers is the micro law's affair: any increasing
+p_k(u_k).
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warpwear.balance import DIGITS, HOPELESS, MAX_EVALUATIONS, MAX_ROUNDS, SURELY, TOLERANCE
+from warpwear.errors import ConvergenceError
+from warpwear.grid import FloatArray
+
+BoolArray = NDArray[np.bool_]
+
+
+class Answer(NamedTuple):
+    """What patches answer to an approach of each, shape (patches,)."""
+
+    pressure: FloatArray  # mean of each [MPa]
+    slope: FloatArray  # [N/mm³]
+    straight: FloatArray  # how far the approach may move while the pressure follows this slope [mm]
+
+
+#: Of all patches at the approaches base + offset [mm].
+Response = Callable[[FloatArray, FloatArray], Answer]
+#: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
+JOINT = 12
+#: First step of a search that starts where the solution is [mm].
+FIRST_REACH = 1.0e-18
+#: With a held approach, so often patches are bisected instead.
+BISECT_EVERY = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Shares:
+    """Solved approaches [mm], each as base + offset, which together hold more digits than their sum."""
+
+    base: FloatArray  # of the patches, shape (patches,)
+    offset: FloatArray
+    common_base: float  # of the bodies: δ
+    common_offset: float
+    pressure: FloatArray  # mean of each patch [MPa]
+    load_residual: float = 0.0  # [N]
+    spring_residual: float = 0.0  # largest |u_k + p_k / K_N − δ| [mm]
+    evaluations: int = 0
+
+    @property
+    def approach(self) -> float:
+        """δ [mm]."""
+        return self.common_base + self.common_offset
+
+    @property
+    def approaches(self) -> FloatArray:
+        """u_k [mm]. Of a patch without pressure it is δ or lower."""
+        return self.base + self.offset
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is asked of the patches."""
+
+    load: float  # F [N]
+    area: float  # that each stands for [mm²]
+    flexibility: float  # 1/K_N [mm³/N], 0 without a spring
+    hardness: float  # that no patch exceeds [MPa]
+    lowest: FloatArray  # below that approach a patch carries nothing [mm]
+
+
+def share(response: Response, task: Task, start: Shares | None, *, step: float) -> Shares:
+    """Share a load among patches, to `TOLERANCE` of it and of the largest deflection of a spring.
+
+    start: of the step before; step: how far beyond it the solution is expected [mm]. Without a start
+    the search begins at the lowest cell, with that step.
+
+    Raises ConvergenceError, with what is left, never returns unbalanced shares.
+    """
+    if start is None:
+        lowest = float(task.lowest.min())
+        search = _Search(response, task, np.full(task.lowest.size, lowest), lowest)
+        low = 0.0
+    else:
+        common = start.approach
+        # A patch without pressure hangs on the body alone.
+        base = np.where(start.pressure > 0.0, start.approaches, common)
+        search = _Search(response, task, base, common)
+        low = -math.inf
+    evaluations = 0
+    for number in range(MAX_ROUNDS):
+        if number:  # down to neighbouring numbers: from bases at the solution the offsets have digits again
+            search = _Search(response, task, search.base + search.offset, search.common_base + search.common)
+            step, low = 0.0, -math.inf
+        found = search.run(step, low)
+        evaluations += search.evaluations
+        if found is not None:
+            return replace(found, evaluations=evaluations)
+        if not abs(search.common) < HOPELESS:
+            break
+    raise ConvergenceError(
+        f"the load shares of {task.lowest.size} patches did not converge in {evaluations} evaluations: "
+        f"{search.residual:.3g} N of {task.load:.6g} N are left (allowed {TOLERANCE * task.load:.1g} N), and "
+        f"{search.spring_residual:.3g} mm between a patch's approach with its bulk spring and that of the "
+        f"bodies (allowed {search.spring_allowed:.1g} mm), near an approach of {search.common_base:.9g} mm."
+    )
+
+
+class _Search:
+    """One search from given bases. Lengths are offsets from them [mm]."""
+
+    def __init__(self, response: Response, task: Task, base: FloatArray, common_base: float) -> None:
+        self._response, self._task = response, task
+        self.base, self.common_base = base, common_base
+        self._shift = common_base - base  # exact where both are of one size
+        self._floor = task.lowest - common_base  # δ below which a patch is free, as an offset
+        self.offset = np.zeros_like(base)
+        self.common = self.residual = self.spring_residual = self.spring_allowed = math.nan
+        self.evaluations = 0
+
+    def run(self, guess: float, low: float) -> Shares | None:
+        """The shares, or None where numbers have no more digits, or none are found."""
+        task = self._task
+        flexibility, load = task.flexibility, task.load
+        x, high = guess, math.inf
+        reach = abs(guess) or FIRST_REACH
+        width_before, rounds = math.inf, 0
+        self.offset = np.full_like(self.base, guess)
+        brackets = _Brackets(self.base.size)
+        for self.evaluations in range(1, MAX_EVALUATIONS):
+            p, slope, straight = self._response(self.base, self.offset)
+            self.residual, self.common = task.area * float(p.sum()) - load, x
+            free = p == 0.0
+            point = (self.offset - self._shift) + flexibility * p
+            # A free patch is free up to its lowest cell: that point of its curve is known as well.
+            point = np.where(free, np.maximum(point, self._floor), point)
+            joined = slope / (1.0 + flexibility * slope)
+            newton = math.nan
+            if (total := float(joined.sum())) > 0.0:
+                missing = load / task.area - float(p.sum())
+                newton = x + (missing + float((joined * (point - x)).sum())) / total
+            rigid = flexibility == 0.0
+            held = not rigid and self.evaluations > JOINT
+            common = x if rigid or held or math.isnan(newton) else newton
+            self._measure(p, point, free, common)
+            solved = self.spring_residual <= self.spring_allowed
+            if solved and abs(self.residual) <= TOLERANCE * load:
+                return self._found(p, common)
+            sure = self._sure(p, slope, straight, free, newton)
+            if sure is not None:
+                return sure
+            if not abs(x) < HOPELESS:
+                return None
+            # No curve falls, so beyond the range of these points the common approach cannot lie.
+            if self.residual < 0.0:
+                low = max(low, x if held and solved else float(point.min()))
+            else:
+                high = min(high, x if held and solved else float(point[~free].max()))
+            if not held or solved:
+                if math.isinf(low) or math.isinf(high):
+                    limit = x + math.copysign(reach, -self.residual)
+                    x = newton if abs(newton - x) <= reach else limit
+                    reach *= 4.0
+                else:
+                    rounds += 1
+                    # While patches move as well, a bracket is wide and what halves it no measure.
+                    stalled = (rigid or held) and rounds % 2 == 0 and high - low > 0.5 * width_before
+                    if rounds % 2 == 0:
+                        width_before = high - low
+                    x = newton if low < newton < high and not stalled else 0.5 * (low + high)
+                    if (rigid or held) and not low < x < high:  # down to neighbouring numbers
+                        return None
+            at_point = np.where(free, point + self._shift, self.offset)
+            brackets.enter(x, point, at_point)
+            # Where nothing is carried, and where the hardness is.
+            bound = x + self._shift
+            highest = np.minimum(brackets.high, bound)
+            lowest = np.maximum(task.lowest - self.base, bound - flexibility * task.hardness)
+            lowest = np.minimum(np.maximum(brackets.low, lowest), highest)
+            guesses = at_point + (x - point) / (1.0 + flexibility * slope)
+            outside = (guesses < lowest) | (guesses > highest)
+            if held and self.evaluations % BISECT_EVERY == 0:
+                outside |= np.abs(point - x) > self.spring_allowed
+            self.offset = np.where(outside, 0.5 * (lowest + highest), guesses)
+        return None
+
+    def _sure(
+        self, p: FloatArray, slope: FloatArray, straight: FloatArray, free: BoolArray, newton: float
+    ) -> Shares | None:
+        """Newton's step, where no patch leaves its straight line on the way: it needs no second look."""
+        flexibility, load = self._task.flexibility, self._task.load
+        if math.isnan(newton) or self._task.area * float(slope.sum()) * abs(newton) > DIGITS * load:
+            return None
+        point = (self.offset - self._shift) + flexibility * p
+        move = (newton - point) / (1.0 + flexibility * slope)
+        if np.any((np.abs(move) >= SURELY * straight) & ~(free & (move <= 0.0))):
+            return None
+        self.offset = self.offset + move
+        p = p + slope * move
+        self.residual = self._task.area * float(p.sum()) - load
+        self._measure(p, (self.offset - self._shift) + flexibility * p, free, newton)
+        if abs(self.residual) > TOLERANCE * load or self.spring_residual > self.spring_allowed:
+            return None
+        return self._found(p, newton)
+
+    def _measure(self, p: FloatArray, point: FloatArray, free: BoolArray, common: float) -> None:
+        """How far patches are from a common approach, those aside that it does not reach."""
+        apart = np.where(free & (point >= common), 0.0, np.abs(point - common))
+        self.spring_residual = float(apart.max())
+        self.spring_allowed = TOLERANCE * self._task.flexibility * float(p.max())
+
+    def _found(self, p: FloatArray, common: float) -> Shares:
+        return Shares(
+            self.base,
+            self.offset,
+            self.common_base,
+            common,
+            p,
+            self.residual,
+            self.spring_residual,
+            self.evaluations,
+        )
+
+
+class _Brackets:
+    """Of every patch, the nearest approaches whose points on its curve lie below and above a common one."""
+
+    def __init__(self, count: int) -> None:
+        self.low, self.high = np.full(count, -math.inf), np.full(count, math.inf)
+        self._below, self._above = self.low.copy(), self.high.copy()  # their points
+
+    def enter(self, common: float, point: FloatArray, at: FloatArray) -> None:
+        """Keep new points, at patches' approaches, for another common one; all are offsets [mm]."""
+        fallen, risen = self._below > common, self._above <= common
+        self._above, self._below = (
+            np.where(fallen, self._below, np.where(risen, math.inf, self._above)),
+            np.where(risen, self._above, np.where(fallen, -math.inf, self._below)),
+        )
+        self.high, self.low = (
+            np.where(fallen, self.low, np.where(risen, math.inf, self.high)),
+            np.where(risen, self.high, np.where(fallen, -math.inf, self.low)),
+        )
+        nearer = (point <= common) & (point >= self._below)
+        self._below, self.low = np.where(nearer, point, self._below), np.where(nearer, at, self.low)
+        nearer = (point > common) & (point <= self._above)
+        self._above, self.high = np.where(nearer, point, self._above), np.where(nearer, at, self.high)

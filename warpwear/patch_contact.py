@@ -1,0 +1,190 @@
+"""The fine cells of all patches: what they answer to an approach of each patch, and their wear."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from warpwear.execution import Executor, Field
+from warpwear.grid import FloatArray
+from warpwear.kernels import patches as kernels
+from warpwear.kernels.types import PATCH_MAXIMA, PATCH_SUMS, WIDTH
+from warpwear.load_shares import Answer
+from warpwear.patches import Patches
+
+#: Work of a patch where no cell has touched yet, over that of one where all have.
+LEAST_WORK = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Worn:
+    """What a step did to the patches; one value a patch, 0 for those that never touched."""
+
+    sums: dict[str, FloatArray]  # by the names of `kernels.types.PATCH_SUMS`
+    most: dict[str, float]  # over all patches, by those of `MAXIMA`; "worn" is by both bodies
+
+
+class PatchContact:
+    """The gap of every fine cell on a capped foundation, patch by patch: the micro law of two scales.
+
+    executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
+    """
+
+    def __init__(
+        self, patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float, hardness: float
+    ) -> None:
+        self.patches, self._executor, self._hardness = patches, executor, hardness
+        wp.load_module(kernels, device=executor.device)
+        tiles = patches.side * -(-patches.vectors // int(WIDTH))
+        count, device, domain = patches.count, executor.device, patches.domain
+        self._lowest_of_tiles = wp.zeros((count, tiles), dtype=wp.float64, device=device)
+        self._full = wp.zeros((count, tiles), dtype=wp.int32, device=device)
+        self.initial: Field = executor.zeros()
+        executor.launch(
+            kernels.gap,
+            inputs=[
+                patches.vectors,
+                patches.side,
+                domain.cell,
+                float(domain.x[0]),
+                float(domain.y[0]),
+                curvature,
+                wp.array(patches.first_row, dtype=wp.int32, device=device),
+                wp.array(patches.first_column, dtype=wp.int32, device=device),
+                executor.field(patches.stored(heights)),
+            ],
+            outputs=[self.initial, self._lowest_of_tiles],
+        )
+        self.gap: Field = wp.clone(self.initial)
+        #: Lowest gap of each patch before any wear [mm]: below that approach it carries nothing.
+        self.lowest: FloatArray = self._lowest_of_tiles.numpy().min(axis=1)
+        #: Largest approach that each patch has had [mm].
+        self.reached = np.full(count, -np.inf)
+        self._cells = float(patches.side**2)
+        self._work = np.full(count, LEAST_WORK * self._cells)
+        self._visited = np.zeros(count, dtype=bool)
+        self._chunks: list[tuple[int, int]] = []
+        self._listed = np.empty(0, dtype=np.intp)
+        self._list = wp.zeros(count, dtype=wp.int32, device=device)
+        self._base, self._offset, self._reached = (
+            wp.zeros(count, dtype=wp.float64, device=device) for _ in range(3)
+        )
+        self._sums = executor.partials(len(PATCH_SUMS))
+        self._maxima = executor.partials(len(PATCH_MAXIMA))
+        #: 1/c of the cells [N/mm³].
+        self.stiffness = np.inf
+
+    def response(self, base: FloatArray, offset: FloatArray) -> Answer:
+        """What each patch answers to its approach base + offset [mm]."""
+        pressure, slope = np.zeros_like(base), np.zeros_like(base)
+        straight = (self.lowest - base) - offset
+        self._visit((base - self.lowest) + offset > 0.0)
+        if self._listed.size:
+            self._send(base, offset)
+            self._executor.launch(
+                kernels.carried,
+                inputs=[
+                    self.patches.vectors,
+                    self._list,
+                    self._base,
+                    self._offset,
+                    self._hardness,
+                    self.stiffness,
+                    self._lowest_of_tiles,
+                    self.gap,
+                ],
+                outputs=[self._sums],
+                chunks=self._chunks,
+                often=True,
+            )
+            table = self._of_patches(self._sums)[:3]
+            pressure[self._listed], slope[self._listed] = table[:2].sum(axis=2) / self._cells
+            straight[self._listed] = table[2].min(axis=1) / self.stiffness
+        return Answer(pressure, slope, straight)
+
+    def pressures(self, base: FloatArray, offset: FloatArray) -> FloatArray:
+        """The pressure of every cell [MPa], as stored."""
+        field = self._executor.zeros()
+        self._visit((base - self.lowest) + offset > 0.0)
+        self._send(base, offset)
+        self._executor.launch(
+            kernels.pressures,
+            inputs=[self._list, self._base, self._offset, self._hardness, self.stiffness, self.gap],
+            outputs=[field],
+            chunks=self._chunks,
+        )
+        return self._executor.to_numpy(field)
+
+    def remove(self, base: FloatArray, offset: FloatArray, *, removal: float, reference: float) -> Worn:
+        """Wear both bodies by removal [mm³/N] times the pressure. reference: squares count from it [MPa]."""
+        touching = (base - self.lowest) + offset > 0.0
+        self._visit(touching | (self.lowest < self.reached))
+        self._send(base, offset)
+        self._put(self._reached, self.reached)
+        self._executor.launch(
+            kernels.remove,
+            inputs=[
+                self.patches.vectors,
+                self._list,
+                self._base,
+                self._offset,
+                self._reached,
+                self._hardness,
+                self.stiffness,
+                removal,
+                reference,
+                self._lowest_of_tiles,
+                self.initial,
+                self.patches.side,
+            ],
+            outputs=[self._full, self.gap, self._sums, self._maxima],
+            chunks=self._chunks,
+            often=True,
+        )
+        self.reached = np.maximum(self.reached, base + offset)
+        sums = np.zeros((len(PATCH_SUMS), self.patches.count))
+        sums[:, self._listed] = self._of_patches(self._sums).sum(axis=2)
+        self._work = sums[PATCH_SUMS.index("touched")] + LEAST_WORK * self._cells
+        return Worn(dict(zip(PATCH_SUMS, sums, strict=True)), self._most())
+
+    def _most(self) -> dict[str, float]:
+        """Maxima over the patches; lines and columns become the domain's, lowest ones negated."""
+        found = dict(zip(PATCH_MAXIMA, self._of_patches(self._maxima).max(axis=2), strict=True))
+        row, column = (
+            of[self._listed].astype(np.float64) for of in (self.patches.first_row, self.patches.first_column)
+        )
+        return {
+            "pressure": float(found["pressure"].max()),
+            "worn": float(found["worn"].max()),
+            "first_row": float((found["first_line"] - row).max()),
+            "last_row": float((found["last_line"] + row).max()),
+            "first_column": float((found["first_column"] - column).max()),
+            "last_column": float((found["last_column"] + column).max()),
+        }
+
+    def _visit(self, which: NDArray[np.bool_]) -> None:
+        """List patches for the next launches."""
+        if not np.array_equal(which, self._visited):
+            self._visited = which
+            self._listed = np.flatnonzero(which)
+            numbers = np.zeros(which.size, dtype=np.int32)
+            numbers[: self._listed.size] = self._listed
+            self._put(self._list, numbers)
+        self._chunks = self._executor.share(self._work[self._listed])
+
+    def _send(self, base: FloatArray, offset: FloatArray) -> None:
+        self._put(self._base, base)
+        self._put(self._offset, offset)
+
+    def _put(self, array: Field, values: NDArray[np.float64] | NDArray[np.int32]) -> None:
+        if self._executor.device.is_cpu:
+            array.numpy()[:] = values
+        else:
+            array.assign(values)
+
+    def _of_patches(self, table: Field) -> FloatArray:
+        """What the last launch wrote of the patches visited, shape (quantities, visited, slots of each)."""
+        slots = self._executor.slots_per_row
+        found: FloatArray = table.numpy()[:, : self._listed.size * slots]
+        return found.reshape(found.shape[0], self._listed.size, slots)
