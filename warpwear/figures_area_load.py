@@ -1,5 +1,6 @@
 """Area in contact against load of runs that differ in it, beside what theories say of it."""
 
+import math
 from collections import defaultdict
 
 import numpy as np
@@ -13,11 +14,12 @@ from warpwear.hertz import Hertz
 from warpwear.references_contact import SpectralMoments, greenwood_williamson_area, persson_area
 from warpwear.study import Study
 from warpwear.surface_of import surface_in
-from warpwear.track import WHOLE
 
 #: Beyond the smallest and the largest load, as a factor.
 MARGIN = 1.5
 LINES = 60
+#: More than two: the mean squares of a band-limited surface are then exact.
+POINTS_PER_CUT_OFF = 2.5
 STYLES = ((fs.CONTACT, "o"), (fs.DISC, "s"), (fs.SPHERE, "^"), (fs.MEAN_PRESSURE, "D"))
 
 
@@ -100,12 +102,10 @@ def _theories(comparison: Comparison, load: FloatArray) -> dict[str, FloatArray]
 
 
 def _moments(study: Study) -> SpectralMoments | None:
-    """Of a period of the disc at the study's cells; None for a surface that is not known to have one."""
-    disc, cell = study.disc.synthetic, study.grid.cell
+    """Of a period of the disc, all its waves resolved; None for a surface that is not known to have one."""
+    disc = study.disc.synthetic
     if disc is None or disc.kind != "self-affine":
         return None
-    cells = disc.period / cell
-    if abs(cells - round(cells)) > WHOLE * cells:
-        return None
-    places = cell * np.arange(round(cells))
-    return SpectralMoments.of(surface_in(study).heights(places, places), cell)
+    points = math.ceil(POINTS_PER_CUT_OFF * disc.period / disc.cut_off)
+    places = disc.period / points * np.arange(points)
+    return SpectralMoments.of(surface_in(study).heights(places, places), disc.period / points)
