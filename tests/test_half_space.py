@@ -224,3 +224,15 @@ def test_partial_results_may_be_reduced_on_the_device() -> None:
         np.testing.assert_allclose(folded.pressure, pressure, atol=1e-7)
         assert folded.approach == pytest.approx(approach, abs=1e-9)
         assert folded.cells_in_contact == plain.cells_in_contact
+
+
+@pytest.mark.parametrize("compliance", [0.0, 0.3])
+@pytest.mark.parametrize("height", [0.0, 1e-15, 1.0])
+def test_a_surface_that_is_flat_but_for_rounding(height: float, compliance: float) -> None:
+    """The rms height is then no measure of what can be reached."""
+    gap = height + 1e-16 * rough(GRID)
+    with Executor(GRID) as executor:
+        solver = HalfSpace(executor, modulus=MODULUS, hardness=2.0)
+        for _ in range(2):
+            contact = solver.solve(executor.field(gap), mean_pressure=0.3, compliance=compliance)
+            np.testing.assert_allclose(contact.pressure, 0.3, rtol=1e-9)
