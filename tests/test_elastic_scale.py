@@ -3,7 +3,6 @@
 import json
 import math
 import tomllib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -181,30 +180,6 @@ def test_a_model_goes_on_from_any_step(changes: dict[str, Any]) -> None:
         again, worn_again = rows(restart)
         assert again == alone
         assert_array_equal(worn_again, worn)
-
-
-def test_a_resumed_run_is_the_same_bit_for_bit(tmp_path: Path, threads: int) -> None:
-    asked = study(sliding__distance="0.05 mm", run__checkpoint="0 s", output__snapshots=["0.02 mm"])
-    advance = HalfSpaceModel.advance
-    with warpwear.run(asked, threads=threads) as alone:
-        calls: list[int] = []
-
-        def killed(self: HalfSpaceModel, *args: Any, **kwargs: Any) -> Any:
-            calls.append(1)
-            if len(calls) == 5:
-                raise SystemExit
-            return advance(self, *args, **kwargs)
-
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(HalfSpaceModel, "advance", killed)
-            with pytest.raises(SystemExit):
-                warpwear.run(asked, out=tmp_path / "run", plots=False, threads=1)
-        with warpwear.run(asked, out=tmp_path / "run", plots=False, resume=True) as again:
-            for name, values in alone.history.items():
-                assert_array_equal(again.history[name], values)
-            for index in range(2):
-                assert_array_equal(again.snapshot(index).pressure, alone.snapshot(index).pressure)
-                assert_array_equal(again.snapshot(index).wear_disc, alone.snapshot(index).wear_disc)
 
 
 @pytest.mark.parametrize(

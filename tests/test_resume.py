@@ -22,6 +22,7 @@ import warpwear
 from warpwear import InputError, Result, Study, checkpoint, cli, run_lock
 from warpwear.checkpoint import FILE_NAME, HEADER
 from warpwear.device_loop import DeviceLoop
+from warpwear.elastic_scale import HalfSpaceModel
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.one_scale import OneScaleModel
@@ -33,7 +34,8 @@ KILLS = ROOT / "bench" / "kills.py"
 _kills = runpy.run_path(str(KILLS))
 CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["study_of"]
 
-ADVANCE: dict[Any, Callable[..., Any]] = {model: model.advance for model in (OneScaleModel, TwoScaleModel)}
+MODELS = (OneScaleModel, TwoScaleModel, HalfSpaceModel)
+ADVANCE: dict[Any, Callable[..., Any]] = {model: model.advance for model in MODELS}
 
 SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
 
@@ -128,7 +130,7 @@ def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch)
 def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path) -> None:
     """Stopped twice, before and after its first snapshot, on one thread and on two."""
     study = study_of(case, 0.0)
-    distance = "0.2 mm" if case.startswith(("micro", "two-scale")) else "3 mm"
+    distance = "0.2 mm" if case.startswith(("micro", "two-scale", "half-space")) else "3 mm"
     study = study.replace({"sliding.distance": distance, "output.snapshots": ["0.06 mm"]})
     one, other = tmp_path / "alone", tmp_path / "stopped"
     cores = len(psutil.Process().cpu_affinity()) if hasattr(psutil.Process, "cpu_affinity") else 1

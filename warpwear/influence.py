@@ -64,9 +64,11 @@ class ScipyTransforms(Transforms):
         super().__init__(executor, shape)
         self._fft: Any = import_module("scipy.fft")  # takes 0.1 s: not for a run without
         nx, modes = executor.grid.nx, shape[1] // 2 + 1
-        self._spectrum = np.empty((nx, modes), dtype=np.complex128)
-        self._rows = _blocks(nx, -(-nx // ROW_BLOCKS))
-        self._columns = _blocks(modes, COLUMNS)
+        #: Without padding the spectrum lies in the cells of the result, but for the last column.
+        self._held = modes - 1 if shape == executor.grid.shape else 0
+        self._spectrum = np.empty((nx, modes - self._held), dtype=np.complex128)
+        self._rows = _blocks(0, nx, -(-nx // ROW_BLOCKS))
+        self._columns = _blocks(0, self._held, COLUMNS) + _blocks(self._held, modes, COLUMNS)
         threads = executor.threads if nx * modes >= MODES_PER_THREAD * 2 else 1
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
 
@@ -79,29 +81,34 @@ class ScipyTransforms(Transforms):
 
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         self.transforms += 1
-        fft = self._fft
-        spectrum: Any = self._spectrum
-        real: Any = np.float64
-        if divide:
-            real, spectrum = np.float32, spectrum.view(np.complex64)[:, : spectrum.shape[1]]
+        fft, held = self._fft, self._held
+        real: Any = np.float32 if divide else np.float64
+        kind: Any = np.complex64 if divide else np.complex128
         nx, ny = self._executor.grid.shape
         values, result = self._executor.to_numpy(field_in), self._executor.to_numpy(field_out)
+        first: Any = result[:, : 2 * held].view(kind)[:, :held]
+        rest: Any = self._spectrum.view(kind)[:, : self._spectrum.shape[1]]
 
         def forward(rows: slice) -> None:
-            spectrum[rows] = fft.rfft(values[rows].astype(real, copy=False), n=self._shape[1], axis=1)
+            lines = fft.rfft(values[rows].astype(real, copy=False), n=self._shape[1], axis=1)
+            first[rows], rest[rows] = lines[:, :held], lines[:, held:]
 
         def across(columns: slice) -> None:
-            lines = fft.fft(spectrum[:, columns], n=self._shape[0], axis=0, overwrite_x=True)
+            part = first if columns.start < held else rest
+            start = columns.start if columns.start < held else columns.start - held
+            block = part[:, start : start + columns.stop - columns.start]
+            lines = fft.fft(block, n=self._shape[0], axis=0, overwrite_x=True)
             factor = table[:, columns].astype(real, copy=False)
             if divide:
                 np.divide(lines, factor, out=lines, where=factor > 0.0)
                 lines[factor == 0.0] = 0.0
             else:
                 lines *= factor
-            spectrum[:, columns] = fft.ifft(lines, axis=0, overwrite_x=True)[:nx]
+            block[:] = fft.ifft(lines, axis=0, overwrite_x=True)[:nx]
 
         def back(rows: slice) -> None:
-            result[rows] = fft.irfft(spectrum[rows], n=self._shape[1], axis=1, overwrite_x=True)[:, :ny]
+            lines = np.concatenate([first[rows], rest[rows]], axis=1) if held else rest[rows]
+            result[rows] = fft.irfft(lines, n=self._shape[1], axis=1, overwrite_x=True)[:, :ny]
 
         self._each(forward, self._rows)
         self._each(across, self._columns)
@@ -166,8 +173,8 @@ class CupyTransforms(Transforms):
         return self._cupy.asarray(field).reshape(field.shape[0], -1)[:, : self._executor.grid.ny]
 
 
-def _blocks(size: int, length: int) -> list[slice]:
-    return [slice(start, min(start + length, size)) for start in range(0, size, length)]
+def _blocks(first: int, end: int, length: int) -> list[slice]:
+    return [slice(start, min(start + length, end)) for start in range(first, end, length)]
 
 
 class Influence:
