@@ -75,7 +75,7 @@ def late(cells: int, setting: Setting) -> list[Row]:
     timed = trace[-setting.repeats * IN_A_BLOCK :]
     evaluations = sum(found.evaluations for found in timed) / len(timed)
     bandwidth = unit.bytes / statistics.median(units)
-    # The gap once an evaluation; by the wear the gap with and without wear read, and written where it touches.
+    # The gap once an evaluation; by the wear both gaps read, and one written where it touches.
     touching = timed[-1].area / study_on(cells).cells.area
     moved = (evaluations + 2.0 + touching) * 8 * cells**2 / statistics.median(seconds)
     note = (
