@@ -1,6 +1,7 @@
 """The half-space solver against a dense bound-constrained least-squares solve, and what it refuses."""
 
 import math
+import sys
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.half_space import HalfSpace
 from warpwear.half_space_iterate import FOLDED
+from warpwear.influence import CupyTransforms
 
 MODULUS = 3.0
 GRID = Grid(10, 7, 0.5)  # a width that is no multiple of the lanes of a vector
@@ -236,3 +238,10 @@ def test_a_surface_that_is_flat_but_for_rounding(height: float, compliance: floa
         for _ in range(2):
             contact = solver.solve(executor.field(gap), mean_pressure=0.3, compliance=compliance)
             np.testing.assert_allclose(contact.pressure, 0.3, rtol=1e-9)
+
+
+def test_a_gpu_without_its_library_is_told_in_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cupy", None)
+    with Executor(GRID) as executor, pytest.raises(InputError, match=r"needs CuPy .*pip install") as refused:
+        CupyTransforms(executor, GRID.shape)
+    assert "\n" not in str(refused.value)

@@ -107,5 +107,5 @@ def _moments(study: Study) -> SpectralMoments | None:
     if disc is None or disc.kind != "self-affine":
         return None
     points = math.ceil(POINTS_PER_CUT_OFF * disc.period / disc.cut_off)
-    places = disc.period / points * np.arange(points)
+    places = disc.period / points * np.arange(points, dtype=np.float64)
     return SpectralMoments.of(surface_in(study).heights(places, places), disc.period / points)

@@ -132,7 +132,7 @@ class CupyTransforms(Transforms):
         except ImportError as error:
             raise InputError(
                 f'contact.law = "half-space" on device = {str(executor.device)!r} needs CuPy for its Fourier '
-                "transforms: pip install warpwear[gpu], or use the device cpu."
+                "transforms: pip install cupy-cuda12x or cupy-cuda13x, for its CUDA, or use the device cpu."
             ) from error
         device = executor.device
         self._device = self._cupy.cuda.Device(device.ordinal)
