@@ -66,6 +66,15 @@ class Snapshot:
         return self.wear_disc if self.row is None else self._under(self.wear_disc)
 
     @property
+    def touched(self) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
+        """Cells ever touched, shape (nx, ny): of a swept run those of the sphere, or of the disc beneath a
+        sphere that does not wear."""
+        touched = (self.wear_sphere > 0.0) | (self.pressure > 0.0)
+        if self.row is not None and self.wear_sphere.any():
+            return np.asarray(touched)
+        return np.asarray(touched | (self.wear_beneath > 0.0))
+
+    @property
     def lost_beneath(self) -> FloatArray:
         """What is gone of the disc under the sphere's domain [mm]: worn, or displaced for good."""
         if self.plastic_disc is None:
