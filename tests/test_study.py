@@ -56,6 +56,7 @@ BAD = [
     ({"contact.load": {"a": 1}}, r"contact\.load = \{'a': 1\}: needs its unit"),
     ({"wear.sphere": 1e-4, "contact.hardness": "inf MPa"}, r"wear\.sphere = 0\.0001 is k of .*finite"),
     ({"disc.material": "kryptonite"}, r"disc\.material = 'kryptonite'"),
+    ({"study.model": "two-scale", "macro.seed": -1}, r"macro\.seed = -1: "),
     ({"study.model": "macro", "sphere.radius": "inf mm"}, r"contact\.foundation = 'area' needs a sphere"),
     (
         {"study.model": "macro", "disc.material": None},

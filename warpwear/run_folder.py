@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from warpwear import checkpoint, run_lock
+from warpwear import checkpoint, results, run_lock
 from warpwear.errors import InputError
 from warpwear.results import FILE_NAME, Result, seal
 from warpwear.study import Study
@@ -44,6 +44,9 @@ def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
     elif _holds_a_run(folder):
         if not (overwrite or resume):
             raise InputError(f"out = {folder} already holds a run; give another --out, or --overwrite it.")
+    elif results.is_one(folder / FILE_NAME):  # and is damaged
+        if not overwrite:
+            Result.open(folder)
     elif not (folder / run_lock.NAME).exists() and any(
         not path.name.startswith(WORK) for path in folder.iterdir()
     ):

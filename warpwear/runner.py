@@ -271,12 +271,14 @@ class _Loop:
 
     def _fail(self, error: InvariantError | ConvergenceError) -> None:
         """Stop with what came before in the folder."""
-        self._add_warning(str(error))
+        self.warnings.append(str(error))
+        LOG.warning(str(error))  # the screen gets it when the run is closed
+        has_checkpoint = self._checkpoints is not None and self._checkpoints.path.exists()
         kept = "out keeps the run so far, and --resume"
         if isinstance(error, InvariantError):
-            kept += " with checks.strict = false goes on"
+            kept += f" with checks.strict = false {'goes on' if has_checkpoint else 'begins again'}"
         else:
-            kept += " tries again from its last checkpoint"
+            kept += f" tries again from {'its last checkpoint' if has_checkpoint else 'the start'}"
         self.failed = type(error)(f"{str(error).removesuffix('.')}; {kept}.")
 
     def _check_results(self, history: dict[str, FloatArray]) -> None:
