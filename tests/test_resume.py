@@ -250,6 +250,9 @@ def test_a_finished_run_is_left_as_it_is(alone: Path) -> None:
     assert (alone / "result.h5").stat() == before
     with pytest.raises(InputError, match=r"holds a run of another study \(contact\.load\)"):
         warpwear.run(short(contact__load="9 N"), out=alone, resume=True)
+    with pytest.raises(InputError, match=r"holds a run of another study \(friction\.shear_strength\)"):
+        warpwear.run(short(friction__shear_strength="9 MPa"), out=alone, resume=True)
+    warpwear.run(short(run__checkpoint="1 min", study__name="other"), out=alone, resume=True).close()
     with pytest.raises(InputError, match="already holds a run"):
         warpwear.run(short(), out=alone)
 

@@ -37,8 +37,10 @@ FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
 FORMAT = 3
 MAGIC = "warpwear checkpoint"
-#: Sections and keys that no step depends on: a run may go on with others.
-FREE = ("study.name", "study.description", "friction", "junctions", "run", "checks", "assumed")
+#: Sections and keys that no result depends on.
+LABELS = ("study.name", "study.description", "run", "checks", "assumed")
+#: And those that no step depends on: a run may go on with others.
+FREE = (*LABELS, "friction", "junctions")
 
 
 @dataclass(frozen=True)
@@ -199,11 +201,11 @@ def checksum(heights: FloatArray) -> int:
     return zlib.crc32(np.ascontiguousarray(heights).data)
 
 
-def changed_keys(before: Study, after: Study) -> list[str]:
-    """Keys that the steps depend on and whose values differ."""
+def changed_keys(before: Study, after: Study, *, free: Sequence[str] = FREE) -> list[str]:
+    """Keys whose values differ, but for those that are free to: by default, that no step depends on."""
     one, other = _flat(tomllib.loads(before.to_toml())), _flat(tomllib.loads(after.to_toml()))
     names = sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
-    return [name for name in names if not any(name == free or name.startswith(f"{free}.") for free in FREE)]
+    return [name for name in names if not any(name == key or name.startswith(f"{key}.") for key in free)]
 
 
 def _flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:

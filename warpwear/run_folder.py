@@ -62,13 +62,14 @@ def is_finished(folder: Path, study: Study) -> bool:
     if checkpoint.is_one(folder / checkpoint.FILE_NAME) or not _holds_a_run(folder):
         return False
     with Result.open(folder) as result:
-        changed = checkpoint.changed_keys(result.study, study)
+        finished = result.finished
+        free = checkpoint.LABELS if finished else checkpoint.FREE  # of a finished run nothing is made anew
+        changed = checkpoint.changed_keys(result.study, study, free=free)
         if changed:
             raise InputError(
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); --overwrite it, or "
                 "give another --out."
             )
-        finished = result.finished
     if finished and (folder / run_lock.NAME).exists():  # killed when all was in place
         with run_lock.held(folder):
             _clean(folder)
