@@ -142,6 +142,11 @@ class Found:
                 f"{self._path} is of another study ({', '.join(changed)}); --resume needs the study as it "
                 "was, --overwrite starts anew."
             )
+        if study.checks.strict and self._about["told"]:
+            raise InputError(
+                f"{self._path} was made after a check failed ({', '.join(self._about['told'])}); "
+                "--resume with checks.strict = false goes on, --overwrite starts anew."
+            )
         if self._about["device"].split(":")[0] != device.split(":")[0]:
             raise InputError(
                 f"device = {device} cannot go on with {self._path}, which was made on "
