@@ -256,7 +256,7 @@ def test_a_load_that_patches_do_not_carry_stops_the_run(monkeypatch: pytest.Monk
         return sure(self, p, slope, np.full_like(straight, math.inf), free, newton)
 
     monkeypatch.setattr(_Search, "_sure", too_sure)
-    with pytest.raises(ConvergenceError, match=r"the patches do not carry the load: .* N of 8 N are left"):
+    with pytest.raises(ConvergenceError, match=r"^\S+ N of 8 N are left at an approach"):
         warpwear.run(study)
 
 

@@ -180,16 +180,14 @@ class TwoScaleModel:
         for body, part in zip(("sphere", "disc"), self._parts, strict=True):
             total[f"wear_{body}"] = part * total["worn"]
             most[f"wear_{body}"] = part * deepest
-        of_cell, load = self.patches.domain.cell_area * self.patches.weight, self.study.contact.load
-        load_share = sums["pressure"] * of_cell
-        # Of the pressures that wore: the search takes its last step unseen where all it passes is straight.
-        residual = float(load_share.sum()) - load
+        of_cell = self.patches.domain.cell_area * self.patches.weight
+        load = self.study.contact.load
+        residual = total["pressure"] * of_cell - load  # of the pressures that wore
         if not abs(residual) <= 2.0 * TOLERANCE * load:
             raise ConvergenceError(
-                f"the patches do not carry the load: {residual:.3g} N of {load:.6g} N are left near an "
-                f"approach of {shares.approach:.9g} mm."
+                f"{residual:.3g} N of {load:.6g} N are left at an approach of {shares.approach:.9g} mm."
             )
-        self.book.enter(load_share=load_share, area_patch=sums["contact"] * of_cell)
+        self.book.enter(load_share=sums["pressure"] * of_cell, area_patch=sums["contact"] * of_cell)
         balance = Balance(
             shares.common_base,
             shares.common_offset,
