@@ -211,6 +211,16 @@ def doubts(study: "Study") -> list[str]:
             f"{unstable}: areas, pressures and friction scatter from step to step and mean nothing, though "
             "volumes and depths look right."
         )
+    if study.samples_area:
+        by_them = ["friction.area = 'nominal'"] if study.friction.area == "nominal" else []
+        if study.uses_foundation and study.contact.foundation_update == "updated":
+            by_them.append("contact.foundation_update = 'updated'")
+        found.append(
+            f"macro.patch = {1e3 * study.macro.patch_width:g} µm stands for macro.cell = "
+            f"{1e3 * study.macro.cell:g} µm: the scar's extents and its nominal area are those of what "
+            "touched in patches, off by up to a macro cell on each side"
+            f"{', and ' + ' and '.join(by_them) + ' with them' if by_them else ''}."
+        )
     if study.wear.law == "bearing-curve":
         found.append(
             "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "

@@ -502,7 +502,7 @@ class Macro(Section):
     placement: Literal["centre", "random"] = key(
         "centre", "place of a smaller patch in its macro cell: in the middle, or at random by macro.seed"
     )
-    seed: int = key(0, "seed of the random placement")
+    seed: Annotated[int, Field(ge=0, strict=True)] = key(0, "seed of the random placement")
 
     @property
     def patch_width(self) -> float:
