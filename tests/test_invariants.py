@@ -15,6 +15,7 @@ from warpwear import ConvergenceError, InputError, Result, Study, cli
 from warpwear.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.errors import InvariantError
 from warpwear.invariants import Invariants
+from warpwear.load_shares import _Search
 from warpwear.one_scale import OneScaleModel
 
 SMALL = {
@@ -75,9 +76,10 @@ def test_rows_that_break_none() -> None:
 
 def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 10) -> None:
     """After so many steps change a value of a field in the contact, by the way that checkpoints take."""
-    advance, calls = OneScaleModel.advance, []
+    monkeypatch.setattr("warpwear.one_scale.LONGEST_BLOCK", 1)  # on a GPU
+    advance, block, calls = OneScaleModel.advance, OneScaleModel._block, []
 
-    def advance_broken(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
+    def spoil(self: OneScaleModel) -> None:
         calls.append(1)
         if len(calls) == step:
             arrays, numbers = self.saved_state()
@@ -88,9 +90,18 @@ def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 
             where = min(row, arrays[name].shape[0] - 1), column
             arrays[name][where] = how(arrays[name][where])
             self.restore(arrays, numbers)
+
+    def advance_broken(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
+        spoil(self)
         return advance(self, *args, **kwargs)
 
+    def block_broken(self: OneScaleModel, increments: list[float]) -> Any:
+        if increments:
+            spoil(self)
+        yield from block(self, increments)
+
     monkeypatch.setattr(OneScaleModel, "advance", advance_broken)
+    monkeypatch.setattr(OneScaleModel, "_block", block_broken)
 
 
 def not_a_number(value: float) -> float:
@@ -136,7 +147,10 @@ def test_a_broken_state_stops_the_run_with_what_came_before(
     with warpwear.run(small(), out=out, plots=False, device=device, resume=True) as result:
         assert result.finished
         for column, values in alone(device).items():
-            np.testing.assert_array_equal(result.history[column], values)
+            if device == "cpu":
+                np.testing.assert_array_equal(result.history[column], values)
+            elif column not in ("load_residual", "evaluations"):
+                np.testing.assert_allclose(result.history[column], values, rtol=1e-10)
     assert not (out / CHECKPOINT).exists()
 
 
@@ -195,6 +209,9 @@ def test_a_contact_at_the_edge_leaves_the_run_so_far(
     with Result.open("out") as result:
         steps = result.history["distance"].size
         assert not result.finished
+        first = result.record["warnings"][-1]
+    with pytest.raises(InputError, match=r"made after a check failed \(edge\); --resume with checks"):
+        warpwear.run("mine.toml", out="out", resume=True)
     with pytest.raises(SystemExit) as done:
         cli.main([*command, "--resume", "--set", "checks.strict=false"])
     assert done.value.code == 0
@@ -202,7 +219,7 @@ def test_a_contact_at_the_edge_leaves_the_run_so_far(
         assert result.finished
         assert result.history["distance"].size > steps
         np.testing.assert_array_equal(result.history["approach"], alone.history["approach"])
-        assert len([w for w in result.record["warnings"] if "domain's edge" in w and "larger" not in w]) == 1
+        assert [w for w in result.record["warnings"] if "domain's edge" in w] == [first]
     assert not (tmp_path / "out" / CHECKPOINT).exists()
 
 
@@ -226,3 +243,42 @@ def test_an_unbalanced_step_leaves_the_run_so_far(tmp_path: Path, monkeypatch: p
     with Result.open(tmp_path / "out") as result:
         assert result.history["distance"].size == 10
     assert (tmp_path / "out" / CHECKPOINT).is_file()
+
+
+def test_without_a_checkpoint_a_stopped_run_begins_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """And says what stopped it once, not as a note as well."""
+    broken(monkeypatch, "gap", less_worn)
+    (tmp_path / "mine.toml").write_text(small(run__checkpoint="inf s").to_toml())
+    with pytest.raises(SystemExit):
+        cli.main(["run", str(tmp_path / "mine.toml"), "--out", str(tmp_path / "out"), "--no-plots"])
+    told = capsys.readouterr().err
+    assert told.endswith("out keeps the run so far, and --resume with checks.strict = false begins again.\n")
+    assert told.count("of Archard's law") == 1
+    with Result.open(tmp_path / "out") as result:
+        assert "of Archard's law" in result.record["warnings"][-1]
+
+
+def test_a_load_that_patches_do_not_carry_stops_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is booked is what wore: a search whose last step went wrong, unseen, is no success."""
+    study = Study.load("two-scale").replace({"grid.cell": "10 um", "sliding.distance": "0.1 mm"})
+    sure = _Search._sure
+
+    def too_sure(self: Any, p: Any, slope: Any, straight: Any, free: Any, newton: float) -> Any:
+        return sure(self, p, slope, np.full_like(straight, math.inf), free, newton)
+
+    monkeypatch.setattr(_Search, "_sure", too_sure)
+    with pytest.raises(ConvergenceError, match=r"^\S+ N of 8 N are left at an approach"):
+        warpwear.run(study)
+
+
+def test_the_wear_of_a_much_harder_body_is_no_difference_of_large_numbers() -> None:
+    study = Study.load("two-scale").replace(
+        {"grid.cell": "20 um", "macro.cell": "100 um", "macro.patch": None, "sliding.distance": "1 mm"}
+        | {"wear.sphere": "1e-3 mm^3/N/m", "wear.disc": "1e-11 mm^3/N/m"}
+    )
+    with warpwear.run(study) as result:
+        assert abs(result.summary["conservation_relative"]["disc"]) < 1e-12
+        last = result.snapshot(-1)
+        np.testing.assert_allclose(last.wear_disc, 1e-8 * last.wear_sphere, rtol=1e-12)

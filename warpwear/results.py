@@ -208,9 +208,22 @@ def check_seal(path: Path) -> None:
             words = file.readline(HEADER).decode(errors="replace").split()
             sealed = " ".join(words[:2]) == MAGIC
             if sealed and words[2:] != [digest_of(file)]:
-                raise InputError(f"{path} is damaged: it is not what was written.")
+                raise InputError(
+                    f"{path} is damaged: it is not what was written, by a fault of the disk or because "
+                    "another program changed it; --overwrite runs the study again, and what is added to a "
+                    "result belongs in a file of its own."
+                )
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+
+
+def is_one(path: Path) -> bool:
+    """Whether a file calls itself a result of warpwear, damaged or not."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(MAGIC)) == MAGIC.encode()
+    except OSError:
+        return False
 
 
 def digest_of(file: BufferedIOBase) -> str:

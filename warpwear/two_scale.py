@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.balance import RIGID, Balance
+from warpwear.balance import RIGID, TOLERANCE, Balance
+from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray
 from warpwear.ledger import Ledger, Step
@@ -44,8 +45,8 @@ class TwoScaleModel:
         #: Pressure at which the approach grew by wear in the last step and the one before [MPa].
         self._pace = (0.0, 0.0)
         steady = [law.steady for law in self._wear]
-        #: Of what both bodies lose, the part of the sphere.
-        self._of_sphere = steady[0] / sum(steady) if sum(steady) else 0.5
+        #: Of what both bodies lose, the parts of sphere and disc: a small one is no difference of large ones.
+        self._parts = [k / sum(steady) for k in steady] if sum(steady) else [0.5, 0.5]
         self.ahead = 0
 
     def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
@@ -87,8 +88,8 @@ class TwoScaleModel:
         return Snapshot(
             distance,
             pressure=step.pressure,
-            wear_sphere=self._of_sphere * worn,
-            wear_disc=(1.0 - self._of_sphere) * worn,
+            wear_sphere=self._parts[0] * worn,
+            wear_disc=self._parts[1] * worn,
             gap=self.patches.on_domain(gap, beside=math.nan),
         )
 
@@ -176,16 +177,22 @@ class TwoScaleModel:
         total = {name: float(values.sum()) for name, values in sums.items()}
         total["pressure_times_factor"] = total["pressure"]
         deepest = most.pop("worn")
-        for body, part in (("sphere", self._of_sphere), ("disc", 1.0 - self._of_sphere)):
+        for body, part in zip(("sphere", "disc"), self._parts, strict=True):
             total[f"wear_{body}"] = part * total["worn"]
             most[f"wear_{body}"] = part * deepest
         of_cell = self.patches.domain.cell_area * self.patches.weight
+        load = self.study.contact.load
+        residual = total["pressure"] * of_cell - load  # of the pressures that wore
+        if not abs(residual) <= 2.0 * TOLERANCE * load:
+            raise ConvergenceError(
+                f"{residual:.3g} N of {load:.6g} N are left at an approach of {shares.approach:.9g} mm."
+            )
         self.book.enter(load_share=sums["pressure"] * of_cell, area_patch=sums["contact"] * of_cell)
         balance = Balance(
             shares.common_base,
             shares.common_offset,
             self.study.hardness,
-            shares.load_residual,
+            residual,
             evaluations=shares.evaluations,
         )
         return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
