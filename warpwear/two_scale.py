@@ -1,18 +1,21 @@
 """Two scales: patches of fine cells that share the load of a macro contact."""
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
-from warpwear.balance import RIGID, Balance
+from warpwear.balance import RIGID, TOLERANCE, Balance
+from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor
+from warpwear.foresight import Foresight
 from warpwear.grid import FloatArray
 from warpwear.ledger import Ledger, Step
-from warpwear.load_shares import Shares, Task, share
+from warpwear.load_shares import Answer, Shares, Task, share
 from warpwear.patch_book import PatchBook
-from warpwear.patch_contact import PatchContact, Worn
+from warpwear.patch_contact import Ahead, PatchContact, Worn
 from warpwear.patches import Patches
 from warpwear.prescribed_loads import press
 from warpwear.results import Snapshot
@@ -41,8 +44,9 @@ class TwoScaleModel:
         self.book = PatchBook(patches)
         self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
         self._last: Shares | None = None
-        #: Pressure at which the approach grew by wear in the last step and the one before [MPa].
-        self._pace = (0.0, 0.0)
+        self._foresight = Foresight()
+        #: How fast each patch's spring gave way in the last step, per what a unit of pressure removes [MPa].
+        self._giving: FloatArray | None = None
         steady = [law.steady for law in self._wear]
         #: Of what both bodies lose, the part of the sphere.
         self._of_sphere = steady[0] / sum(steady) if sum(steady) else 0.5
@@ -50,31 +54,48 @@ class TwoScaleModel:
 
     def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
         """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
-        for increment, with_pressure in plan:
-            yield self.advance(increment, with_pressure=with_pressure)
+        end: list[None] = [None]
+        for this, following in itertools.pairwise(itertools.chain(plan, end)):
+            assert this is not None
+            increment, with_pressure = this
+            then = following[0] if following else None
+            yield self.advance(increment, with_pressure=with_pressure, then=then)
 
-    def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
+    def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Share the load, then slide by the increment [mm] and wear both bodies.
+
+        then: the next increment, where it is known [mm]; the pass that wears evaluates for it as well.
 
         Raises ConvergenceError when the load cannot be shared.
         """
         study, row = self.study, self._ledger.row
-        removals = (
-            self._wear[0].removal(row["distance"], increment),
-            self._wear[1].removal(row["distance"], increment),
-        )
+        removals = self._removals(0.0, increment)
         removal = sum(removals)
-        compliance = study.law().compliance + (removal if study.stepping.scheme == "implicit" else 0.0)
-        self.contact.stiffness = 1.0 / compliance if compliance else RIGID
+        self.contact.stiffness = self._stiffness(removal)
+        evaluations = self.contact.evaluations
         shares = self._share(removal)
+        evaluations = self.contact.evaluations - evaluations
+        self._note(shares, removal)
         pressure = None
         if with_pressure:
             pressure = self.patches.on_domain(self.contact.pressures(shares.base, shares.offset))
         reference = row["pressure_mean"] or (study.hardness if math.isfinite(study.hardness) else 0.0)
-        worn = self.contact.remove(shares.base, shares.offset, removal=removal, reference=reference)
-        pace = (shares.approach - self._last.approach) / removal if self._last and removal else 0.0
-        self._last, self._pace = shares, (self._pace[1], pace)
-        return self._entered(shares, worn, increment, removals, reference, pressure)
+        foreseen = None
+        if then is not None and self._smooth is None:
+            removal_next = sum(self._removals(increment, then))
+            step, steps = self._expected(removal_next)
+            if step is not None:
+                offset = np.full_like(shares.base, step) if steps is None else steps
+                foreseen = self._stiffness(removal_next), shares.bases, offset
+        worn = self.contact.remove(
+            shares.base,
+            shares.offset,
+            removal=removal,
+            reference=reference,
+            known=self._ledger.most,
+            foreseen=foreseen,
+        )
+        return self._entered(shares, worn, increment, removals, reference, pressure, evaluations)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm].
@@ -99,8 +120,15 @@ class TwoScaleModel:
             "most": self._ledger.most,
             "row": self._ledger.row,
             "last": None,
-            "pace": self._pace,
+            "foresight": self._foresight.saved_state(),
+            "ahead_stiffness": None,
         }
+        if self._giving is not None:
+            arrays["giving"] = self._giving
+        if (ahead := self.contact.ahead) is not None:
+            numbers["ahead_stiffness"] = ahead.stiffness
+            arrays |= {"ahead_base": ahead.base, "ahead_offset": ahead.offset}
+            arrays |= {f"ahead_{name}": values for name, values in ahead.answer._asdict().items()}
         if self._last is not None:
             state = vars(self._last)
             arrays |= {f"shares_{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
@@ -115,7 +143,12 @@ class TwoScaleModel:
         self._executor.fill(self.contact.gap, arrays["gap"])
         self.contact.reached = arrays["reached"]
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
-        self._pace = (numbers["pace"][0], numbers["pace"][1])
+        self._foresight.restore(numbers["foresight"])
+        self._giving = arrays.get("giving")
+        if numbers["ahead_stiffness"] is not None:
+            answer = Answer(*(arrays[f"ahead_{name}"] for name in Answer._fields))
+            foreseen = numbers["ahead_stiffness"], arrays["ahead_base"], arrays["ahead_offset"]
+            self.contact.ahead = Ahead(*foreseen, answer)
         if numbers["last"] is not None:
             of_patches = {k: arrays[f"shares_{k}"] for k in ("base", "offset", "pressure")}
             self._last = Shares(**of_patches, **numbers["last"])
@@ -131,9 +164,9 @@ class TwoScaleModel:
             if study.uses_foundation
             else math.inf
         )
-        before, now = self._pace
-        # Where the contact grows evenly its pressure falls by as much again.
-        step = removal * (now * min(now / before, 1.0) if before > 0.0 < now else row["pressure_mean"])
+        step, steps = self._expected(removal)
+        if step is None:
+            step = removal * row["pressure_mean"]
         load = study.contact.load
         if self._smooth is not None:
             target = self._smooth.press(foundation=foundation, removal=removal)
@@ -155,7 +188,40 @@ class TwoScaleModel:
             hardness=study.hardness,
             lowest=self.contact.lowest,
         )
-        return share(self.contact.response, task, self._last, step=step if self._last else self._first)
+        if self._last is None:
+            return share(self.contact.response, task, None, step=self._first)
+        return share(self.contact.response, task, self._last, step=step, steps=steps)
+
+    def _note(self, shares: Shares, removal: float) -> None:
+        """Take new shares for the last ones, and for what is foreseen."""
+        self._giving = None
+        if self._last is not None and removal > 0.0 and self.study.uses_foundation:
+            given, before = (s.approach - s.bases for s in (shares, self._last))
+            self._giving = (given - before) / removal
+        self._foresight.note(shares.approach, removal)
+        self._last = shares
+
+    def _expected(self, removal: float) -> tuple[float | None, FloatArray | None]:
+        """How far a step goes on that removes so much [mm]: the bodies, and each patch from its base.
+
+        None before it can be told, and of patches where they go with the bodies.
+        """
+        step = self._foresight.expected(removal)
+        if step is None or self._giving is None:
+            return step, None
+        return step, step - removal * self._giving
+
+    def _removals(self, later: float, increment: float) -> tuple[float, float]:
+        """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
+        start = self._ledger.row["distance"] + later
+        sphere, disc = (law.removal(start, increment) for law in self._wear)
+        return sphere, disc
+
+    def _stiffness(self, removal: float) -> float:
+        """1/c of a step that removes so much of both bodies [N/mm³]."""
+        implicit = self.study.stepping.scheme == "implicit"
+        compliance = self.study.law().compliance + (removal if implicit else 0.0)
+        return 1.0 / compliance if compliance else RIGID
 
     @property
     def _first(self) -> float:
@@ -171,6 +237,7 @@ class TwoScaleModel:
         removals: tuple[float, float],
         reference: float,
         pressure: FloatArray | None,
+        evaluations: int,
     ) -> Step:
         sums, most = worn.sums, dict(worn.most)
         total = {name: float(values.sum()) for name, values in sums.items()}
@@ -180,12 +247,18 @@ class TwoScaleModel:
             total[f"wear_{body}"] = part * total["worn"]
             most[f"wear_{body}"] = part * deepest
         of_cell = self.patches.domain.cell_area * self.patches.weight
+        load = self.study.contact.load
+        residual = total["pressure"] * of_cell - load  # of the pressures that wore
+        if not abs(residual) <= 2.0 * TOLERANCE * load:
+            raise ConvergenceError(
+                f"{residual:.3g} N of {load:.6g} N are left at an approach of {shares.approach:.9g} mm."
+            )
         self.book.enter(load_share=sums["pressure"] * of_cell, area_patch=sums["contact"] * of_cell)
         balance = Balance(
             shares.common_base,
             shares.common_offset,
             self.study.hardness,
-            shares.load_residual,
-            evaluations=shares.evaluations,
+            residual,
+            evaluations=evaluations,
         )
         return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
