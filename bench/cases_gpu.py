@@ -75,10 +75,11 @@ def late(cells: int, setting: Setting) -> list[Row]:
     timed = trace[-setting.repeats * IN_A_BLOCK :]
     evaluations = sum(found.evaluations for found in timed) / len(timed)
     bandwidth = unit.bytes / statistics.median(units)
-    # The gap once an evaluation; by the wear the gap read and written, the gap without wear read.
-    moved = (evaluations + 3.0) * 8 * cells**2 / statistics.median(seconds)
+    # The gap once an evaluation; by the wear both gaps read, and one written where it touches.
+    touching = timed[-1].area / study_on(cells).cells.area
+    moved = (evaluations + 2.0 + touching) * 8 * cells**2 / statistics.median(seconds)
     note = (
-        f"{evaluations:g} evaluations; at a field read each and three moved by the wear "
+        f"{evaluations:g} evaluations; at a field read each and {2.0 + touching:.2f} moved by the wear "
         f"{moved / 1e9:.0f} GB/s, {100 * moved / bandwidth:.0f} % of the copy's"
     )
     extra = {"evaluations": evaluations, "bytes_per_second": moved, "share_of_copy": moved / bandwidth}

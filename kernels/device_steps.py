@@ -38,6 +38,8 @@ INFINITE = wp.constant(wp.float64(1.0e300))
 FOUR = 4
 HALF = wp.constant(wp.float64(0.5))
 NOWHERE = wp.constant(wp.float64(-1.0e9))
+#: Beyond any row or column.
+BEYOND = wp.constant(wp.int32(2**31 - 1))
 
 
 @wp.kernel
@@ -203,23 +205,25 @@ def remove(
     pressure = ZERO
     factored = ZERO
     deviation = ZERO
-    contact = ZERO
-    capped = ZERO
-    touched = ZERO
     worn = ZERO
     worn_sphere = ZERO
     highest = ZERO
+    deepest = ZERO
     deepest_sphere = ZERO
     deepest_disc = ZERO
-    first_row = NOWHERE
-    last_row = NOWHERE
-    first_column = NOWHERE
-    last_column = NOWHERE
+    contact = wp.int32(0)
+    capped = wp.int32(0)
+    touched = wp.int32(0)
+    first_row = BEYOND
+    last_row = wp.int32(-1)
+    first_column = BEYOND
+    last_column = wp.int32(-1)
     f = ONE
     s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
     opening = removal_sphere + removal_disc
-    width = wp.block_dim()
     share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
+    alike = rows == 0 and share_changes == 0
+    width = wp.block_dim()
     for row in range(block, gap_out.shape[0] // columns, blocks):
         touched_before = touched
         for first in range(wp.tid() % width, columns, FOUR * width):
@@ -238,48 +242,65 @@ def remove(
                     s = ONE / (compliance + implicit * opening)
                     share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
                 p = wp.min(wp.max(((base - gaps[j]) + offset) * s, ZERO), cap)
-                w = (gaps[j] + opening * p) - unworn[j]
+                g = gaps[j] + opening * p
+                w = g - unworn[j]
                 if p > ZERO:
-                    gap_out[i] = gaps[j] + opening * p
+                    gap_out[i] = g
                     pressure += p
-                    factored += f * p
                     deviation += (p - mean) * (p - mean)
-                    contact += ONE
-                    capped += wp.where(p >= cap, ONE, ZERO)
+                    contact += 1
+                    if p >= cap:
+                        capped += 1
                     highest = wp.max(highest, p)
-                if p + w > ZERO:
-                    if share_changes > 0:
-                        share = share_out[i]
-                        if p > ZERO:
-                            of_sphere = share * (gaps[j] - unworn[j]) + removal_sphere * p
-                            share = wp.where(w > ZERO, of_sphere / w, ZERO)
-                            share_out[i] = share
-                    a = share * w
-                    touched += ONE
+                if p + w > ZERO:  # counted in whole numbers: they cost a GPU less
+                    touched += 1
+                    first_column = wp.min(first_column, column)
+                    last_column = wp.max(last_column, column)
                     worn += w
-                    worn_sphere += a
-                    deepest_sphere = wp.max(deepest_sphere, a)
-                    deepest_disc = wp.max(deepest_disc, w - a)
-                    first_column = wp.max(first_column, -wp.float64(column))
-                    last_column = wp.max(last_column, wp.float64(column))
+                    if alike:
+                        deepest = wp.max(deepest, w)
+                    else:
+                        if share_changes > 0:
+                            share = share_out[i]
+                            if p > ZERO:
+                                of_sphere = share * (gaps[j] - unworn[j]) + removal_sphere * p
+                                share = wp.where(w > ZERO, of_sphere / w, ZERO)
+                                share_out[i] = share
+                        a = share * w
+                        factored += f * p
+                        worn_sphere += a
+                        deepest_sphere = wp.max(deepest_sphere, a)
+                        deepest_disc = wp.max(deepest_disc, w - a)
         if touched > touched_before:
-            first_row = wp.max(first_row, -wp.float64(row))
-            last_row = wp.max(last_row, wp.float64(row))
+            first_row = wp.min(first_row, row)
+            last_row = wp.max(last_row, row)
+    if alike:
+        factored = pressure
+        worn_sphere = share * worn
+        deepest_sphere = share * deepest
+        deepest_disc = deepest - deepest_sphere
+    from_row = -wp.float64(first_row)
+    from_column = -wp.float64(first_column)
+    if touched == 0:
+        from_row = NOWHERE
+        from_column = NOWHERE
+    to_row = wp.where(touched > 0, wp.float64(last_row), NOWHERE)
+    to_column = wp.where(touched > 0, wp.float64(last_column), NOWHERE)
     wp.tile_store(partial_out[0], wp.tile_sum(wp.tile(pressure)), offset=block)
     wp.tile_store(partial_out[1], wp.tile_sum(wp.tile(factored)), offset=block)
     wp.tile_store(partial_out[2], wp.tile_sum(wp.tile(deviation)), offset=block)
-    wp.tile_store(partial_out[3], wp.tile_sum(wp.tile(contact)), offset=block)
-    wp.tile_store(partial_out[4], wp.tile_sum(wp.tile(capped)), offset=block)
-    wp.tile_store(partial_out[5], wp.tile_sum(wp.tile(touched)), offset=block)
+    wp.tile_store(partial_out[3], wp.tile_sum(wp.tile(wp.float64(contact))), offset=block)
+    wp.tile_store(partial_out[4], wp.tile_sum(wp.tile(wp.float64(capped))), offset=block)
+    wp.tile_store(partial_out[5], wp.tile_sum(wp.tile(wp.float64(touched))), offset=block)
     wp.tile_store(partial_out[6], wp.tile_sum(wp.tile(worn_sphere)), offset=block)
     wp.tile_store(partial_out[7], wp.tile_sum(wp.tile(worn - worn_sphere)), offset=block)
     wp.tile_store(partial_out[8], wp.tile_max(wp.tile(highest)), offset=block)
     wp.tile_store(partial_out[9], wp.tile_max(wp.tile(deepest_sphere)), offset=block)
     wp.tile_store(partial_out[10], wp.tile_max(wp.tile(deepest_disc)), offset=block)
-    wp.tile_store(partial_out[11], wp.tile_max(wp.tile(first_row)), offset=block)
-    wp.tile_store(partial_out[12], wp.tile_max(wp.tile(last_row)), offset=block)
-    wp.tile_store(partial_out[13], wp.tile_max(wp.tile(first_column)), offset=block)
-    wp.tile_store(partial_out[14], wp.tile_max(wp.tile(last_column)), offset=block)
+    wp.tile_store(partial_out[11], wp.tile_max(wp.tile(from_row)), offset=block)
+    wp.tile_store(partial_out[12], wp.tile_max(wp.tile(to_row)), offset=block)
+    wp.tile_store(partial_out[13], wp.tile_max(wp.tile(from_column)), offset=block)
+    wp.tile_store(partial_out[14], wp.tile_max(wp.tile(to_column)), offset=block)
 
 
 @wp.kernel

@@ -75,9 +75,10 @@ def test_rows_that_break_none() -> None:
 
 def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 10) -> None:
     """After so many steps change a value of a field in the contact, by the way that checkpoints take."""
-    advance, calls = OneScaleModel.advance, []
+    monkeypatch.setattr("warpwear.one_scale.LONGEST_BLOCK", 1)  # on a GPU
+    advance, block, calls = OneScaleModel.advance, OneScaleModel._block, []
 
-    def advance_broken(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
+    def spoil(self: OneScaleModel) -> None:
         calls.append(1)
         if len(calls) == step:
             arrays, numbers = self.saved_state()
@@ -88,9 +89,18 @@ def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 
             where = min(row, arrays[name].shape[0] - 1), column
             arrays[name][where] = how(arrays[name][where])
             self.restore(arrays, numbers)
+
+    def advance_broken(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
+        spoil(self)
         return advance(self, *args, **kwargs)
 
+    def block_broken(self: OneScaleModel, increments: list[float]) -> Any:
+        if increments:
+            spoil(self)
+        yield from block(self, increments)
+
     monkeypatch.setattr(OneScaleModel, "advance", advance_broken)
+    monkeypatch.setattr(OneScaleModel, "_block", block_broken)
 
 
 def not_a_number(value: float) -> float:
@@ -136,7 +146,10 @@ def test_a_broken_state_stops_the_run_with_what_came_before(
     with warpwear.run(small(), out=out, plots=False, device=device, resume=True) as result:
         assert result.finished
         for column, values in alone(device).items():
-            np.testing.assert_array_equal(result.history[column], values)
+            if device == "cpu":
+                np.testing.assert_array_equal(result.history[column], values)
+            elif column not in ("load_residual", "evaluations"):
+                np.testing.assert_allclose(result.history[column], values, rtol=1e-10)
     assert not (out / CHECKPOINT).exists()
 
 

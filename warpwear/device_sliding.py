@@ -1,10 +1,10 @@
 """Many steps of a displaced contact on a GPU in a row: one captured graph a step, as `device_loop` has it.
 
 The displacement of each step waits on the device with its removals, so that one graph serves them all; it is
-captured once. History rows are read a block of steps at a time.
+captured once. History rows are read a piece of a block at a time, while the device makes the next piece.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import warp as wp
@@ -18,6 +18,8 @@ from warpwear.kernels.types import MAXIMA, SUMS
 
 #: Steps made before their history is read.
 LONGEST_BLOCK = 2000
+#: Steps whose history is read in one go.
+PIECE = 250
 #: Blocks over tiles at most.
 BLOCKS = 2112
 #: Where each column of a row comes from: by block or by row, which line, how it is reduced. First those of
@@ -90,6 +92,7 @@ class DeviceSliding:
         self._change = self._table(len(device_sliding.OF_ROWS), executor.grid.nx)
         self._total = self._table(len(COLUMNS), 2)
         self._rows = self._table(LONGEST_BLOCK, AHEAD + len(COLUMNS))
+        self._read_rows: Field = wp.zeros(self._rows.shape, dtype=wp.float64, device="cpu", pinned=not on_cpu)
         self._removals = self._table(LONGEST_BLOCK, 2)
         self._search = wp.zeros(searched, dtype=wp.float64, device=self._device)
         self._searching, self._step = (wp.zeros(1, dtype=wp.int32, device=self._device) for _ in range(2))
@@ -105,14 +108,13 @@ class DeviceSliding:
         approach: float,
         wander: float,
         mean_pressure: float,
-    ) -> list[DeviceStep]:
+    ) -> Iterator[DeviceStep]:
         """Steps at these displacements [rows] that remove so much of sphere and disc each [mm³/N].
 
         At most LONGEST_BLOCK. approach, wander: of the step before, and how far off the next may be [mm];
-        mean_pressure [MPa]. `DeviceStep.totals` has a sum more, "pressed_disc". Raises ConvergenceError for
-        an unbalanced one.
+        mean_pressure [MPa]. `DeviceStep.totals` has a sum more, "pressed_disc". The fields are those after
+        the last step when that one is given. Raises ConvergenceError for an unbalanced one.
         """
-        steps = len(shifts)
         self._fill(self._removals, removals)
         self._fill(self._shifts, shifts)
         names = [*device_steps.SEARCH, *device_sliding.MORE]
@@ -123,19 +125,44 @@ class DeviceSliding:
         total[GROWING, 0] = [float(sums.numpy().sum()) for sums in self._in_rows]
         self._total.assign(total)
         self._step.zero_()
-        left = steps
-        if self._device.is_cuda:
-            if self._graph is None:
-                self._one_step()  # compiles what it needs, which a capture could not
-                with wp.ScopedCapture(device=self._device) as capture:
-                    self._one_step(captured=True)
-                self._graph, left = capture.graph, steps - 1
-            for _ in range(left):
-                wp.capture_launch(self._graph)
-        else:
-            for _ in range(left):
+        before: tuple[int, int, Field] | None = None
+        for first in range(0, len(shifts), PIECE):
+            last = min(first + PIECE, len(shifts))
+            self._make(last - first)
+            copied = self._fetch(first, last)
+            if before is not None:
+                yield from self._of(*before)
+            before = first, last, copied
+        if before is not None:
+            yield from self._of(*before)
+
+    def _make(self, steps: int) -> None:
+        """Set the device to so many steps."""
+        if not self._device.is_cuda:
+            for _ in range(steps):
                 self._one_step()
-        return [self._read(row) for row in self._rows.numpy()[:steps].tolist()]
+            return
+        if self._graph is None:
+            self._one_step()  # compiles what it needs, which a capture could not
+            with wp.ScopedCapture(device=self._device) as capture:
+                self._one_step(captured=True)
+            self._graph = capture.graph
+            steps -= 1
+        for _ in range(steps):
+            wp.capture_launch(self._graph)
+
+    def _fetch(self, first: int, last: int) -> Field:
+        """Set the device to copy rows to the host; an event says when it has."""
+        width = self._rows.shape[1]
+        wp.copy(self._read_rows, self._rows, first * width, first * width, (last - first) * width)
+        return wp.get_stream(self._device).record_event() if self._device.is_cuda else None
+
+    def _of(self, first: int, last: int, copied: Field) -> Iterator[DeviceStep]:
+        """Steps whose rows were fetched."""
+        if copied is not None:
+            wp.synchronize_event(copied)
+        for row in self._read_rows.numpy()[first:last].tolist():
+            yield self._read(row)
 
     def _one_step(self, *, captured: bool = False) -> None:
         self._launch(device_sliding.begin, 1, [], [self._search, self._searching])
