@@ -53,9 +53,8 @@ class PatchContact:
         tiles = patches.side * -(-patches.vectors // int(WIDTH))
         count, device, domain = patches.count, executor.device, patches.domain
         self._lowest_of_tiles = wp.zeros((count, tiles), dtype=wp.float64, device=device)
-        self._first_row, self._first_column = (
-            wp.array(of, dtype=wp.int32, device=device) for of in (patches.first_row, patches.first_column)
-        )
+        self._first_row: Field = wp.array(patches.first_row, dtype=wp.int32, device=device)
+        self._first_column: Field = wp.array(patches.first_column, dtype=wp.int32, device=device)
         self.initial: Field = executor.zeros()
         executor.launch(
             kernels.gap,

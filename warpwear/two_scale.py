@@ -10,12 +10,12 @@ import numpy as np
 from warpwear.balance import RIGID, TOLERANCE, Balance
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor
-from warpwear.foresight import Foresight
 from warpwear.grid import FloatArray
 from warpwear.ledger import Ledger, Step
 from warpwear.load_shares import Answer, Shares, Task, share
 from warpwear.patch_book import PatchBook
 from warpwear.patch_contact import Ahead, PatchContact, Worn
+from warpwear.patch_foresight import PatchForesight
 from warpwear.patches import Patches
 from warpwear.prescribed_loads import press
 from warpwear.results import Snapshot
@@ -44,9 +44,7 @@ class TwoScaleModel:
         self.book = PatchBook(patches)
         self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
         self._last: Shares | None = None
-        self._foresight = Foresight()
-        #: How fast each patch's spring gave way in the last step, per what a unit of pressure removes [MPa].
-        self._giving: FloatArray | None = None
+        self._foresight = PatchForesight()
         steady = [law.steady for law in self._wear]
         #: Of what both bodies lose, the part of the sphere.
         self._of_sphere = steady[0] / sum(steady) if sum(steady) else 0.5
@@ -75,7 +73,8 @@ class TwoScaleModel:
         evaluations = self.contact.evaluations
         shares = self._share(removal)
         evaluations = self.contact.evaluations - evaluations
-        self._note(shares, removal)
+        self._foresight.note(shares, self._last, removal, sprung=study.uses_foundation)
+        self._last = shares
         pressure = None
         if with_pressure:
             pressure = self.patches.on_domain(self.contact.pressures(shares.base, shares.offset))
@@ -83,7 +82,7 @@ class TwoScaleModel:
         foreseen = None
         if then is not None and self._smooth is None:
             removal_next = sum(self._removals(increment, then))
-            step, steps = self._expected(removal_next)
+            step, steps = self._foresight.expected(removal_next)
             if step is not None:
                 offset = np.full_like(shares.base, step) if steps is None else steps
                 foreseen = self._stiffness(removal_next), shares.bases, offset
@@ -120,11 +119,10 @@ class TwoScaleModel:
             "most": self._ledger.most,
             "row": self._ledger.row,
             "last": None,
-            "foresight": self._foresight.saved_state(),
             "ahead_stiffness": None,
         }
-        if self._giving is not None:
-            arrays["giving"] = self._giving
+        foreseen, numbers["foresight"] = self._foresight.saved_state()
+        arrays |= foreseen
         if (ahead := self.contact.ahead) is not None:
             numbers["ahead_stiffness"] = ahead.stiffness
             arrays |= {"ahead_base": ahead.base, "ahead_offset": ahead.offset}
@@ -143,8 +141,7 @@ class TwoScaleModel:
         self._executor.fill(self.contact.gap, arrays["gap"])
         self.contact.reached = arrays["reached"]
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
-        self._foresight.restore(numbers["foresight"])
-        self._giving = arrays.get("giving")
+        self._foresight.restore(arrays, numbers["foresight"])
         if numbers["ahead_stiffness"] is not None:
             answer = Answer(*(arrays[f"ahead_{name}"] for name in Answer._fields))
             foreseen = numbers["ahead_stiffness"], arrays["ahead_base"], arrays["ahead_offset"]
@@ -164,7 +161,7 @@ class TwoScaleModel:
             if study.uses_foundation
             else math.inf
         )
-        step, steps = self._expected(removal)
+        step, steps = self._foresight.expected(removal)
         if step is None:
             step = removal * row["pressure_mean"]
         load = study.contact.load
@@ -191,25 +188,6 @@ class TwoScaleModel:
         if self._last is None:
             return share(self.contact.response, task, None, step=self._first)
         return share(self.contact.response, task, self._last, step=step, steps=steps)
-
-    def _note(self, shares: Shares, removal: float) -> None:
-        """Take new shares for the last ones, and for what is foreseen."""
-        self._giving = None
-        if self._last is not None and removal > 0.0 and self.study.uses_foundation:
-            given, before = (s.approach - s.bases for s in (shares, self._last))
-            self._giving = (given - before) / removal
-        self._foresight.note(shares.approach, removal)
-        self._last = shares
-
-    def _expected(self, removal: float) -> tuple[float | None, FloatArray | None]:
-        """How far a step goes on that removes so much [mm]: the bodies, and each patch from its base.
-
-        None before it can be told, and of patches where they go with the bodies.
-        """
-        step = self._foresight.expected(removal)
-        if step is None or self._giving is None:
-            return step, None
-        return step, step - removal * self._giving
 
     def _removals(self, later: float, increment: float) -> tuple[float, float]:
         """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
