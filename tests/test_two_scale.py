@@ -2,6 +2,7 @@
 
 import json
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -163,6 +164,29 @@ def test_steps_evaluated_ahead_are_the_steps(kind: str, device: str) -> None:
     assert evaluations[0] - evaluations[1] > 0.8 * len(PLAN)  # about one a step
 
 
+@pytest.mark.parametrize("kind", ["no bulk", "bulk", "elastic, explicit"])
+def test_what_is_evaluated_ahead_is_what_patches_answer(kind: str, device: str) -> None:
+    """Pressure, slope, and how far they are a straight line, by the kernel that evaluates alone."""
+    stepped = Stepped(of_kind(kind), device=device)
+    contact = stepped.model.contact
+    compared = 0
+    for increment, then in pairwise((3e-3, 3e-3, 0.01, 0.03, 0.1, 0.3)):
+        stepped.model.advance(increment, then=then)
+        if (ahead := contact.ahead) is None:
+            continue
+        contact.ahead, contact.stiffness = None, ahead.stiffness
+        answer = contact.response(ahead.base, ahead.offset)
+        contact.ahead = ahead
+        assert answer.pressure.any()
+        for found, expected in zip(ahead.answer[:2], answer[:2], strict=True):
+            assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * expected.max())
+        # Of tiles that touched and do so no more, the lowest gap before any wear is told otherwise.
+        deeper = ahead.base + ahead.offset >= contact.reached
+        compared += int(deeper.sum())
+        assert_allclose(ahead.answer.straight[deeper], answer.straight[deeper], rtol=1e-6, atol=1e-16)
+    assert compared > stepped.patches.count
+
+
 def _carried(gap: FloatArray, at: FloatArray, c: float, hardness: float) -> FloatArray:
     return np.clip((at[:, None] - gap) / c, 0.0, hardness).mean(axis=1)
 
@@ -227,7 +251,7 @@ def test_a_bulk_spring_in_series_against_bisection(spring: float) -> None:
 @pytest.mark.parametrize("distance", ["10 mm", pytest.param("2400 mm", marks=pytest.mark.slow)])
 def test_iterations_and_residuals_of_a_run(distance: str) -> None:
     with warpwear.run(quick(sliding__distance=distance)) as result:
-        assert np.median(result.history["evaluations"]) <= 8.0
+        assert np.median(result.history["evaluations"]) <= 7.0  # and one that was made ahead
         assert np.abs(result.history["load_residual"]).max() <= 1e-12 * 8.0
         assert_allclose(result.load_share.sum(axis=1), 8.0, rtol=1e-12)
         assert_allclose(result.area_patch.sum(axis=1), result.history["area_contact"], rtol=1e-12)
