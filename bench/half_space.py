@@ -1,6 +1,7 @@
 """The half-space beside its peers: one rough surface, elastic and capped, judged by one measure.
 
     python bench/half_space.py --cells 512 1024 [--peers PYTHON] [--without tamaas-capped] [--json FILE]
+    python bench/half_space.py --cells 4096 --cases capped --contenders warpwear --device cuda:0
 
 Each contender solves in a process of its own; a peer that is not installed is left out (PYTHON: an
 interpreter that has tamaas and ContactMechanics). The residual is ours, of everybody's pressure: the largest
@@ -34,6 +35,7 @@ CAPS = {"elastic": math.inf, "capped": 0.05 * MODULUS}
 #: ContactMechanics' own choice at 1024²; tamaas' measure is a mean, on which the same number is as strict.
 TOLERANCE = 1e-4
 OUR_REPEATS = 3
+CONTENDERS = ("warpwear", "ContactMechanics", "tamaas")
 #: Only ours wears.
 WEAR = ("wear_step_seconds",)
 HERE = Path(__file__).parent
@@ -62,7 +64,9 @@ def judge(heights: Any, pressure: Any, cap: float) -> dict[str, float]:
     }
 
 
-def solve(name: str, interpreter: str, heights: Any, cap: float, folder: Path) -> dict[str, Any] | None:
+def solve(
+    name: str, interpreter: str, heights: Any, cap: float, folder: Path, device: str
+) -> dict[str, Any] | None:
     """One contender; None where it is not installed or fails."""
     np.save(folder / "heights.npy", heights)
     case = {
@@ -70,6 +74,7 @@ def solve(name: str, interpreter: str, heights: Any, cap: float, folder: Path) -
         "mean_pressure": MEAN_PRESSURE,
         "tolerance": TOLERANCE,
         "repeats": OUR_REPEATS if name == "warpwear" else 1,
+        "device": device,
     }
     script = str(HERE / "half_space_contenders.py")
     files = [str(folder / "heights.npy"), str(folder / "pressure.npy")]
@@ -98,6 +103,9 @@ def main() -> None:
     parser.add_argument("--cells", type=int, nargs="+", default=[512])
     parser.add_argument("--peers", default=sys.executable, help="an interpreter that has them")
     parser.add_argument("--without", nargs="*", default=[], help="such as tamaas-capped, which takes minutes")
+    parser.add_argument("--cases", nargs="+", choices=CAPS, default=[*CAPS])
+    parser.add_argument("--contenders", nargs="+", choices=CONTENDERS, default=CONTENDERS)
+    parser.add_argument("--device", default="cpu", help="of warpwear")
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
     rows = []
@@ -105,14 +113,14 @@ def main() -> None:
     print("cells case     contender        " + "".join(f"{head:>10}" for head in heads))
     for cells in options.cells:
         heights = surface(cells)
-        for case, cap in CAPS.items():
+        for case, cap in ((case, CAPS[case]) for case in options.cases):
             clock = processor = math.nan
-            for name in ("warpwear", "ContactMechanics", "tamaas"):
+            for name in options.contenders:
                 if f"{name}-{case}" in options.without:
                     continue
                 interpreter = sys.executable if name == "warpwear" else options.peers
                 with tempfile.TemporaryDirectory() as folder:
-                    row = solve(name, interpreter, heights, cap, Path(folder))
+                    row = solve(name, interpreter, heights, cap, Path(folder), options.device)
                 if row is None:
                     continue
                 clocked, used = min(row["seconds"]), min(row["processor_seconds"])
@@ -128,7 +136,9 @@ def main() -> None:
                 ]
                 print(f"{cells:5d} {case:8} {name:16} " + "".join(f"{v:>10}" for v in values), flush=True)
     if options.json:
-        options.json.write_text(json.dumps({"machine": machine(), "rows": rows}, indent=1))
+        options.json.write_text(
+            json.dumps({"machine": machine(), "device": options.device, "rows": rows}, indent=1)
+        )
 
 
 if __name__ == "__main__":

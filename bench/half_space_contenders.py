@@ -19,7 +19,7 @@ THREADS = 2
 WEAR_STEPS = 5
 
 
-def tamaas(heights: Any, case: dict[str, float]) -> tuple[Any, int]:
+def tamaas(heights: Any, case: dict[str, Any]) -> tuple[Any, int]:
     """PolonskyKeerRey, or KatoSaturated under a cap: a mean error, other than ours, on the same number."""
     import tamaas as tm
 
@@ -36,7 +36,7 @@ def tamaas(heights: Any, case: dict[str, float]) -> tuple[Any, int]:
     return np.array(model.traction), 0  # it does not tell its iterations
 
 
-def contact_mechanics(heights: Any, case: dict[str, float]) -> tuple[Any, int]:
+def contact_mechanics(heights: Any, case: dict[str, Any]) -> tuple[Any, int]:
     """System or plastic system of ContactMechanics: largest penetration over the rms height."""
     from ContactMechanics import PeriodicFFTElasticHalfSpace
     from ContactMechanics.Factory import make_plastic_system, make_system
@@ -58,20 +58,20 @@ def contact_mechanics(heights: Any, case: dict[str, float]) -> tuple[Any, int]:
     return np.array(found.jac) * n * n, int(found.nit)
 
 
-def warpwear(heights: Any, case: dict[str, float]) -> tuple[Any, int]:
+def warpwear(heights: Any, case: dict[str, Any]) -> tuple[Any, int]:
     """Ours, with the operator and the fields made anew."""
     from warpwear.execution import Executor
     from warpwear.grid import Grid
     from warpwear.half_space import HalfSpace
 
     n = heights.shape[0]
-    with Executor(Grid(n, n, 1.0 / n), threads=THREADS) as executor:
+    with Executor(Grid(n, n, 1.0 / n), device=case["device"], threads=THREADS) as executor:
         solver = HalfSpace(executor, modulus=MODULUS, hardness=case["cap"], tolerance=case["tolerance"])
         contact = solver.solve(executor.field(-heights), mean_pressure=case["mean_pressure"])
         return contact.pressure, contact.iterations
 
 
-def wear_steps(heights: Any, case: dict[str, float]) -> list[float]:
+def wear_steps(heights: Any, case: dict[str, Any]) -> list[float]:
     """Seconds of implicit steps of wear by warpwear, each a hundredth of the rms height."""
     from warpwear.execution import Executor
     from warpwear.grid import Grid
@@ -81,7 +81,7 @@ def wear_steps(heights: Any, case: dict[str, float]) -> list[float]:
     gap = -heights
     compliance = 0.01 * heights.std() / case["mean_pressure"]
     seconds = []
-    with Executor(Grid(n, n, 1.0 / n), threads=THREADS) as executor:
+    with Executor(Grid(n, n, 1.0 / n), device=case["device"], threads=THREADS) as executor:
         solver = HalfSpace(executor, modulus=MODULUS, hardness=case["cap"], tolerance=case["tolerance"])
         solver.solve(executor.field(gap), mean_pressure=case["mean_pressure"])
         for _ in range(WEAR_STEPS):

@@ -49,6 +49,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "sliding.distance": "5 mm",
         },
     ),
+    "half-space": ("v3-fine", SMALL | {"contact.law": "half-space", "sliding.distance": "3 mm"}),
     "two-scale": ("two-scale", SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm"}),
     "two-scale, load": (
         "two-scale",

@@ -132,6 +132,7 @@ def remove(
     wear_sphere_out: wp.array2d(dtype=Cells),
     wear_disc_out: wp.array2d(dtype=Cells),
     plastic_disc_out: wp.array2d(dtype=Cells),
+    reached_out: wp.array2d(dtype=Cells),
     touched_out: wp.array2d(dtype=wp.float64),
     worn_sphere_out: wp.array2d(dtype=wp.float64),
     worn_disc_out: wp.array2d(dtype=wp.float64),
@@ -140,7 +141,8 @@ def remove(
 ):
     """One increment of wear of the tiles in reach, as `sliding.remove`: partial results by `OF_STEP`.
 
-    keeps: 1 for a disc that keeps its dents. Bounds and sums of those tiles are made anew.
+    keeps: 1 for a disc that keeps its dents. reached_out: as there. Bounds and sums of those tiles are made
+    anew.
     """
     block = wp.tid() // wp.block_dim()
     step = step_in[0]
@@ -177,6 +179,9 @@ def remove(
                 d = disc_out[under, k]
                 a = wear_sphere_out[row, k]
                 b = wear_disc_out[under, k]
+                was = a
+                if reached_out.shape[0] == sphere_out.shape[0]:
+                    was = reached_out[row, k]
                 gap = s - d
                 if keeps == 1:
                     x = plastic_disc_out[under, k]
@@ -201,11 +206,14 @@ def remove(
                         column = wp.float64(k * LANES + j)
                         first_column = wp.max(first_column, -column)
                         last_column = wp.max(last_column, column)
-                    touched += wp.where(p + a[j] > ZERO, ONE, ZERO)
+                    was[j] = wp.where(p + was[j] > ZERO, ONE, ZERO)
+                    touched += was[j]
                 sphere_out[row, k] = s
                 disc_out[under, k] = d
                 wear_sphere_out[row, k] = a
                 wear_disc_out[under, k] = b
+                if reached_out.shape[0] == sphere_out.shape[0]:
+                    reached_out[row, k] = was
                 low = wp.min(low, s)
                 high = wp.max(high, d)
                 worn_sphere += a

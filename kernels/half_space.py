@@ -491,3 +491,33 @@ def relax(
         squared += rr
     sums_out[0, slot] = sum_of(total)
     sums_out[1, slot] = sum_of(squared)
+
+
+@wp.kernel
+def fold(
+    first_thread: wp.int32,
+    slots_per_row: wp.int32,
+    width: wp.int32,
+    sums: wp.int32,
+    sums_in: wp.array2d(dtype=wp.float64),
+    maxima_in: wp.array2d(dtype=wp.float64),
+    folded_out: wp.array2d(dtype=wp.float64),
+):
+    """So many first rows of the table of sums, then rows of that of maxima, each reduced to width columns.
+
+    A thread is a row of the result and a column of it.
+    """
+    thread = first_thread + wp.tid()
+    row = thread // width
+    column = thread % width
+    slots = sums_in.shape[1]
+    if row < sums:
+        total = wp.float64(0.0)
+        for slot in range(column, slots, width):
+            total += sums_in[row, slot]
+        folded_out[row, column] = total
+    else:
+        largest = -NONE
+        for slot in range(column, slots, width):
+            largest = wp.max(largest, maxima_in[row - sums, slot])
+        folded_out[row, column] = largest

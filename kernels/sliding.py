@@ -126,6 +126,7 @@ def remove(
     worn_disc_out: wp.array2d(dtype=wp.float64),
     plastic_disc_out: wp.array2d(dtype=Cells),
     pressed_disc_out: wp.array2d(dtype=wp.float64),
+    reached_out: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
@@ -134,6 +135,9 @@ def remove(
     full_depth: overlap c H at which a cell is at the hardness [mm]. What goes beyond it is displaced from the
     disc for good, into `plastic_disc_out` (its sums over tiles into `pressed_disc_out`), not worn. INFINITE:
     the disc springs back, and those two are not looked at.
+
+    reached_out: 1 where the contact has been, of a sphere that does not wear; of one whose wear shows it one
+    row, which is not looked at.
 
     Of the tiles listed, the bounds and what `totals` sums are made anew from their cells: cells of the
     sphere ever touched, wear of the sphere, wear of the disc. Sums of the step in the order of `types.STEP`,
@@ -227,6 +231,8 @@ def remove(
         for k in range(first, end):
             p = gap_out[row, k]
             a = wear_sphere_out[row, k]
+            if reached_out.shape[0] == gap_out.shape[0]:
+                a = reached_out[row, k]
             from_reference = Cells(ZERO)
             is_contact = Cells(ZERO)
             is_capped = Cells(ZERO)
@@ -242,6 +248,8 @@ def remove(
             contact += is_contact
             capped += is_capped
             touched += is_touched
+            if reached_out.shape[0] == gap_out.shape[0]:
+                reached_out[row, k] = is_touched
         touched_out[row, t] = sum_of(touched)
         # Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
         if first * LANES < first_known or end * LANES - 1 > last_known:

@@ -54,7 +54,6 @@ def same() -> bool:
 
 
 found = []
-Path("/dev/shm").is_dir()
 study = Path(os.environ.get("TMPDIR", "/tmp")) / f"small-disk-{os.getpid()}.toml"
 study.write_text(STUDY.to_toml())
 try:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from warpwear import Study
+from warpwear import Study, run
 from warpwear.execution import Executor
 from warpwear.foresight import Foresight
 from warpwear.grid import Grid
@@ -120,3 +120,20 @@ def test_foresight_continues_a_line_of_rates() -> None:
         approach += change
         foresight.note(approach, removal)
         slid += removal
+
+
+def test_foresight_ends_with_steps_that_add_nothing() -> None:
+    """A law that decays: what a late step removes is lost in the sum, and no rate comes of it."""
+    foresight = Foresight()
+    for approach, removal in ((0.0, 1.0), (3.0, 1.0), (3.0, 1e-18), (3.0, 1e-30), (3.0, 0.0)):
+        foresight.note(approach, removal)
+        assert abs(foresight.expected(removal) or 0.0) <= 3.0 * removal
+    assert foresight.expected(1.0) == pytest.approx(-3.0)  # of the rates 3 at 1.5 and 0 at 2, at 2.5
+
+
+def test_wear_that_dies_away() -> None:
+    """Exponential wear far beyond its decay: the steps go on and add nothing."""
+    changes = {"grid.cell": "20 um", "sliding.distance": "3 mm", "stepping.increment": "0.03 mm"}
+    changes |= {"wear.law": "exponential", "wear.decay": "40 1/mm", "output.snapshots": []}
+    history = run(Study.load("v3-fine").replace(changes)).history
+    assert history["wear_volume_disc"][-1] == pytest.approx(12.7e-7 * 8.0 / 40.0, rel=1e-9)

@@ -62,7 +62,7 @@ def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path) -> 
     done = warpwear_compare(runs / "a", "--experiment", measured, "--out", out)
     assert done.exit_code == 0, done.output
     assert sorted(path.name for path in out.iterdir()) == sorted(
-        [*(f"{name}.png" for name in FIGURES), "table.csv", "comparison.json"]
+        [*(f"{name}.png" for name in FIGURES if name != "area_load"), "table.csv", "comparison.json"]
     )
     with warpwear.Result.open(runs / "a") as result:
         summary, history = result.summary, result.history
@@ -130,7 +130,10 @@ def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path) -> Non
     assert "wear coefficient of the sphere" not in notes
     for name in FIGURES:  # the legend of each names every run; SVG keeps text as paths and names as comments
         drawn = (out / f"{name}.svg").read_text(encoding="utf-8")
-        assert all(f"<!-- {label} -->" in drawn for label in ("a", "light", "soft"))
+        labels = ("a", "light", "soft")
+        if name == "area_load":  # where runs of one law make one series
+            labels = ("computed: foundation, H = 590 MPa", "load over hardness")
+        assert all(f"<!-- {label} -->" in drawn for label in labels)
 
 
 def test_two_folders_of_one_name_go_by_their_paths(runs: Path, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from warpwear.track import Track
 
 LAWS = {
     **LOSES,
+    "hard sphere": {"wear.sphere": "0 mm^3/N/m"},
     "no cap": {"contact.hardness": "inf MPa"},
     "explicit": {"stepping.scheme": "explicit", "contact.stiffness": "2e5 N/mm^3"},
     "running in": {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "5e-3 mm^3/N/m"},

@@ -179,6 +179,9 @@ CHOICES = {
     "wear.distance_factor": ["none", "across", "radial"],
     "checks.strict": [True, False],
     "friction.area": ["contact", "cumulative", "nominal"],
+    "macro.cell": ["50 um", "100 um", "200 um"],
+    "macro.placement": ["random"],
+    "macro.coupling": ["approach", "load"],
 }
 
 

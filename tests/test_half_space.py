@@ -1,10 +1,12 @@
 """The half-space solver against a dense bound-constrained least-squares solve, and what it refuses."""
 
 import math
+import sys
 from typing import Any
 
 import numpy as np
 import pytest
+import warp as wp
 from scipy.optimize import lsq_linear
 
 from warpwear import execution
@@ -12,6 +14,8 @@ from warpwear.errors import ConvergenceError, InputError
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.half_space import HalfSpace
+from warpwear.half_space_iterate import FOLDED
+from warpwear.influence import CupyTransforms
 
 MODULUS = 3.0
 GRID = Grid(10, 7, 0.5)  # a width that is no multiple of the lanes of a vector
@@ -207,3 +211,37 @@ def test_no_convergence_is_an_error_with_its_residual() -> None:
         solver = HalfSpace(executor, modulus=1.0, max_iterations=2)
         with pytest.raises(ConvergenceError, match=r"in 2 iterations.*of the rms height"):
             solver.solve(executor.field(rough(GRID)), mean_pressure=0.1)
+
+
+def test_partial_results_may_be_reduced_on_the_device() -> None:
+    """As they are on a GPU; sums differ in rounding alone."""
+    gap = rough(GRID)
+    with Executor(GRID) as executor:
+        solver = HalfSpace(executor, modulus=MODULUS, hardness=1.5, tolerance=1e-9)
+        plain = solver.solve(executor.field(gap), mean_pressure=0.3)
+        pressure, approach = plain.pressure.copy(), plain.approach
+        solver = HalfSpace(executor, modulus=MODULUS, hardness=1.5, tolerance=1e-9)
+        solver._iterate._folded = wp.zeros((9, FOLDED), dtype=wp.float64)
+        folded = solver.solve(executor.field(gap), mean_pressure=0.3)
+        np.testing.assert_allclose(folded.pressure, pressure, atol=1e-7)
+        assert folded.approach == pytest.approx(approach, abs=1e-9)
+        assert folded.cells_in_contact == plain.cells_in_contact
+
+
+@pytest.mark.parametrize("compliance", [0.0, 0.3])
+@pytest.mark.parametrize("height", [0.0, 1e-15, 1.0])
+def test_a_surface_that_is_flat_but_for_rounding(height: float, compliance: float) -> None:
+    """The rms height is then no measure of what can be reached."""
+    gap = height + 1e-16 * rough(GRID)
+    with Executor(GRID) as executor:
+        solver = HalfSpace(executor, modulus=MODULUS, hardness=2.0)
+        for _ in range(2):
+            contact = solver.solve(executor.field(gap), mean_pressure=0.3, compliance=compliance)
+            np.testing.assert_allclose(contact.pressure, 0.3, rtol=1e-9)
+
+
+def test_a_gpu_without_its_library_is_told_in_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cupy", None)
+    with Executor(GRID) as executor, pytest.raises(InputError, match=r"needs CuPy .*pip install") as refused:
+        CupyTransforms(executor, GRID.shape)
+    assert "\n" not in str(refused.value)

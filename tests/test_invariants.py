@@ -15,6 +15,7 @@ from warpwear import ConvergenceError, InputError, Result, Study, cli
 from warpwear.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.errors import InvariantError
 from warpwear.invariants import Invariants
+from warpwear.load_shares import _Search
 from warpwear.one_scale import OneScaleModel
 
 SMALL = {
@@ -208,6 +209,9 @@ def test_a_contact_at_the_edge_leaves_the_run_so_far(
     with Result.open("out") as result:
         steps = result.history["distance"].size
         assert not result.finished
+        first = result.record["warnings"][-1]
+    with pytest.raises(InputError, match=r"made after a check failed \(edge\); --resume with checks"):
+        warpwear.run("mine.toml", out="out", resume=True)
     with pytest.raises(SystemExit) as done:
         cli.main([*command, "--resume", "--set", "checks.strict=false"])
     assert done.value.code == 0
@@ -215,7 +219,7 @@ def test_a_contact_at_the_edge_leaves_the_run_so_far(
         assert result.finished
         assert result.history["distance"].size > steps
         np.testing.assert_array_equal(result.history["approach"], alone.history["approach"])
-        assert len([w for w in result.record["warnings"] if "domain's edge" in w and "larger" not in w]) == 1
+        assert [w for w in result.record["warnings"] if "domain's edge" in w] == [first]
     assert not (tmp_path / "out" / CHECKPOINT).exists()
 
 
@@ -239,3 +243,42 @@ def test_an_unbalanced_step_leaves_the_run_so_far(tmp_path: Path, monkeypatch: p
     with Result.open(tmp_path / "out") as result:
         assert result.history["distance"].size == 10
     assert (tmp_path / "out" / CHECKPOINT).is_file()
+
+
+def test_without_a_checkpoint_a_stopped_run_begins_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """And says what stopped it once, not as a note as well."""
+    broken(monkeypatch, "gap", less_worn)
+    (tmp_path / "mine.toml").write_text(small(run__checkpoint="inf s").to_toml())
+    with pytest.raises(SystemExit):
+        cli.main(["run", str(tmp_path / "mine.toml"), "--out", str(tmp_path / "out"), "--no-plots"])
+    told = capsys.readouterr().err
+    assert told.endswith("out keeps the run so far, and --resume with checks.strict = false begins again.\n")
+    assert told.count("of Archard's law") == 1
+    with Result.open(tmp_path / "out") as result:
+        assert "of Archard's law" in result.record["warnings"][-1]
+
+
+def test_a_load_that_patches_do_not_carry_stops_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is booked is what wore: a search whose last step went wrong, unseen, is no success."""
+    study = Study.load("two-scale").replace({"grid.cell": "10 um", "sliding.distance": "0.1 mm"})
+    sure = _Search._sure
+
+    def too_sure(self: Any, p: Any, slope: Any, straight: Any, free: Any, newton: float) -> Any:
+        return sure(self, p, slope, np.full_like(straight, math.inf), free, newton)
+
+    monkeypatch.setattr(_Search, "_sure", too_sure)
+    with pytest.raises(ConvergenceError, match=r"^\S+ N of 8 N are left at an approach"):
+        warpwear.run(study)
+
+
+def test_the_wear_of_a_much_harder_body_is_no_difference_of_large_numbers() -> None:
+    study = Study.load("two-scale").replace(
+        {"grid.cell": "20 um", "macro.cell": "100 um", "macro.patch": None, "sliding.distance": "1 mm"}
+        | {"wear.sphere": "1e-3 mm^3/N/m", "wear.disc": "1e-11 mm^3/N/m"}
+    )
+    with warpwear.run(study) as result:
+        assert abs(result.summary["conservation_relative"]["disc"]) < 1e-12
+        last = result.snapshot(-1)
+        np.testing.assert_allclose(last.wear_disc, 1e-8 * last.wear_sphere, rtol=1e-12)

@@ -4,6 +4,7 @@ import json
 import os
 import platform
 import runpy
+import shutil
 import signal
 import subprocess
 import sys
@@ -22,6 +23,7 @@ import warpwear
 from warpwear import InputError, Result, Study, checkpoint, cli, run_lock
 from warpwear.checkpoint import FILE_NAME, HEADER
 from warpwear.device_loop import DeviceLoop
+from warpwear.elastic_scale import HalfSpaceModel
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.one_scale import OneScaleModel
@@ -33,7 +35,8 @@ KILLS = ROOT / "bench" / "kills.py"
 _kills = runpy.run_path(str(KILLS))
 CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["study_of"]
 
-ADVANCE: dict[Any, Callable[..., Any]] = {model: model.advance for model in (OneScaleModel, TwoScaleModel)}
+MODELS = (OneScaleModel, TwoScaleModel, HalfSpaceModel)
+ADVANCE: dict[Any, Callable[..., Any]] = {model: model.advance for model in MODELS}
 
 SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
 
@@ -128,7 +131,7 @@ def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch)
 def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path) -> None:
     """Stopped twice, before and after its first snapshot, on one thread and on two."""
     study = study_of(case, 0.0)
-    distance = "0.2 mm" if case.startswith(("micro", "two-scale")) else "3 mm"
+    distance = "0.2 mm" if case.startswith(("micro", "two-scale", "half-space")) else "3 mm"
     study = study.replace({"sliding.distance": distance, "output.snapshots": ["0.06 mm"]})
     one, other = tmp_path / "alone", tmp_path / "stopped"
     cores = len(psutil.Process().cpu_affinity()) if hasattr(psutil.Process, "cpu_affinity") else 1
@@ -249,6 +252,9 @@ def test_a_finished_run_is_left_as_it_is(alone: Path) -> None:
     assert (alone / "result.h5").stat() == before
     with pytest.raises(InputError, match=r"holds a run of another study \(contact\.load\)"):
         warpwear.run(short(contact__load="9 N"), out=alone, resume=True)
+    with pytest.raises(InputError, match=r"holds a run of another study \(friction\.shear_strength\)"):
+        warpwear.run(short(friction__shear_strength="9 MPa"), out=alone, resume=True)
+    warpwear.run(short(run__checkpoint="1 min", study__name="other"), out=alone, resume=True).close()
     with pytest.raises(InputError, match="already holds a run"):
         warpwear.run(short(), out=alone)
 
@@ -387,6 +393,40 @@ def test_a_folder_in_use_is_refused(tmp_path: Path, owner: dict[str, Any] | None
         with pytest.raises(InputError, match=message):
             warpwear.run(short(), out=tmp_path, **options)
     assert [p.name for p in tmp_path.iterdir()] == [run_lock.NAME]
+
+
+def test_a_lock_taken_between_looking_and_taking_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parent = psutil.Process(os.getppid())
+    lock = tmp_path / run_lock.NAME
+    owner = {"pid": parent.pid, "started": parent.create_time(), "host": platform.node()}
+    found = run_lock.psutil.Process
+
+    def quicker(*args: Any) -> psutil.Process:  # another process takes it while this one asks for its number
+        if not args:
+            lock.write_text(json.dumps(owner))
+        return found(*args)
+
+    monkeypatch.setattr(run_lock.psutil, "Process", quicker)
+    with pytest.raises(InputError, match=rf"in use by another run \(process {parent.pid}\)"):
+        warpwear.run(short(), out=tmp_path)
+    assert json.loads(lock.read_text()) == owner
+
+
+def test_a_result_that_was_changed_is_refused_and_may_be_overwritten(alone: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(alone, out)
+    with h5py.File(out / "result.h5", "a") as file:
+        file.attrs["note"] = "mine"
+    told = r"result\.h5 is damaged: .* another program changed it; --overwrite runs the study again"
+    with pytest.raises(InputError, match=told):
+        Result.open(out)
+    for options in ({}, {"resume": True}):
+        with pytest.raises(InputError, match=told):
+            warpwear.run(short(), out=out, plots=False, **options)
+    warpwear.run(short(), out=out, plots=False, overwrite=True).close()
+    assert differences(alone, out) == []
 
 
 def test_two_runs_in_one_folder(alone: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -59,6 +59,7 @@ class Plain:
         self.wear_sphere = np.zeros_like(self.sphere)
         self.wear_disc = np.zeros_like(self.disc)
         self.plastic_disc = np.zeros_like(self.disc)
+        self.reached = np.zeros((1, SHAPE[1]))  # wear shows it
 
     def step(self, shift: int, increment: float) -> reference.Contact:
         beneath = (np.arange(SHAPE[0]) + shift) % self.disc.shape[0]

@@ -56,6 +56,7 @@ BAD = [
     ({"contact.load": {"a": 1}}, r"contact\.load = \{'a': 1\}: needs its unit"),
     ({"wear.sphere": 1e-4, "contact.hardness": "inf MPa"}, r"wear\.sphere = 0\.0001 is k of .*finite"),
     ({"disc.material": "kryptonite"}, r"disc\.material = 'kryptonite'"),
+    ({"study.model": "two-scale", "macro.seed": -1}, r"macro\.seed = -1: "),
     ({"study.model": "macro", "sphere.radius": "inf mm"}, r"contact\.foundation = 'area' needs a sphere"),
     (
         {"study.model": "macro", "disc.material": None},
@@ -362,3 +363,12 @@ def test_a_description_tells_what_was_changed(tmp_path: Path) -> None:
     assert more.replace({"sliding.distance": "120 mm"}).study.description == more.study.description
     assert v1.replace({"grid.cell": "20 um", "study.description": "mine"}).study.description == "mine"
     assert v1.replace({"study.description": "", "grid.cell": "20 um"}).study.description == ""
+
+
+def test_patches_on_a_part_of_the_area_know_the_scar_to_a_macro_cell() -> None:
+    some = {"grid.extent": "2.1 mm", "macro.cell": "300 um", "macro.patch": "100 um"}
+    study = Study.load("two-scale").replace(some)
+    assert study.notices()[-1].endswith("off by up to a macro cell on each side.")
+    told = study.replace({"friction.area": "nominal", "contact.foundation_update": "updated"}).notices()[-1]
+    assert told.endswith("and friction.area = 'nominal' and contact.foundation_update = 'updated' with them.")
+    assert Study.load("two-scale").notices() == []

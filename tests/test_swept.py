@@ -145,6 +145,27 @@ def test_a_track_is_that_of_every_cell(track: str, loses: str, threads: int) -> 
     assert (plain["volumes"][2] > 0.0) == (loses != "forgets")  # type: ignore[operator]
 
 
+def test_a_sphere_that_does_not_wear_was_touched_all_the_same(threads: int) -> None:
+    """Its wear does not show where, so that the union of the contacts counts; across a restart too."""
+    study = small("representative", wear__sphere="0 mm^3/N/m")
+    plan = [(increment, True) for increment, _, _ in plan_of(study)]
+    track = Track.of(study)
+    touched = np.zeros((WINDOW, WINDOW), dtype=bool)
+    with Executor(study.cells, threads=threads) as executor:
+        model = SweptModel(study, track, rough(track.rows), executor)
+        for number, increments in enumerate((plan[:9], plan[9:])):
+            if number:
+                arrays, numbers = model.saved_state()
+                model = SweptModel(study, track, rough(track.rows), executor)
+                model.restore(arrays, json.loads(json.dumps(numbers)))
+            for step in model.steps(increments):
+                assert step.pressure is not None
+                now = step.pressure > 0.0
+                touched |= now
+                assert step.row["area_touched"] == pytest.approx(np.count_nonzero(touched) * CELL**2)
+        assert np.count_nonzero(touched) > np.count_nonzero(now)
+
+
 @pytest.mark.parametrize("shift", [1, 3, 8, 16, 33, 64])
 def test_volumes_are_exact_under_reversal(shift: int, device: str) -> None:
     """K F L of both bodies over seven and a third passes, also where the shift does not divide the stroke."""

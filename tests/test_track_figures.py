@@ -84,6 +84,25 @@ def test_figures_of_a_track(result: Result, tmp_path: Path) -> None:
         assert frames.n_frames == 3  # type: ignore[attr-defined]
 
 
+def test_what_was_touched_is_the_sphere_s(result: Result) -> None:
+    """Not what earlier contacts left on the part of the track that lies under the domain's ends."""
+    touched = result.snapshot(-1).touched
+    area = np.count_nonzero(touched) * result.study.cells.cell_area
+    assert area == pytest.approx(result.history["area_touched"][-1])
+    rows = np.flatnonzero(touched.any(axis=1))
+    along = (rows[-1] - rows[0] + 1) * result.study.grid.cell
+    assert along == pytest.approx(result.history["patch_along"][-1])
+
+
+def test_a_groove_that_was_only_pressed() -> None:
+    dented = warpwear.run(
+        small("representative", sliding__plastic="keep", wear__disc="0 mm^3/N/m", sliding__distance="3 mm")
+    )
+    assert dented.plot.reason("groove") is None
+    assert groove(dented, -1).mean_depth > 0.0
+    dented.plot.groove().canvas.draw()
+
+
 def test_friction_is_calibrated_on_a_whole_pass(result: Result) -> None:
     """Not on the step at the end, where a stroke's area is another than in its middle."""
     study = result.study.replace(friction={"coefficient": 0.6, "calibrate": "end"})

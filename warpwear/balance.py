@@ -204,7 +204,8 @@ class Balancer:
         """
         per_cell = hardness * self._cell_area
         tiles.begin()
-        low = self.bounds(gap_field, tiles)[0]
+        # What is listed may be worn beyond the limit of the list, where lower tiles that are not may lie.
+        low = min(self.bounds(gap_field, tiles)[0], tiles.limit)
         high = highest + 2.0 * TIE  # so that the highest cell counts
         if self._count(gap_field, tiles, high) * per_cell < load:  # all cells are worn beyond it
             tiles.reach(math.inf)

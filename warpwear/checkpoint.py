@@ -37,8 +37,10 @@ FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
 FORMAT = 3
 MAGIC = "warpwear checkpoint"
-#: Sections and keys that no step depends on: a run may go on with others.
-FREE = ("study.name", "study.description", "friction", "junctions", "run", "checks", "assumed")
+#: Sections and keys that no result depends on.
+LABELS = ("study.name", "study.description", "run", "checks", "assumed")
+#: And those that no step depends on: a run may go on with others.
+FREE = (*LABELS, "friction", "junctions")
 
 
 @dataclass(frozen=True)
@@ -140,6 +142,11 @@ class Found:
                 f"{self._path} is of another study ({', '.join(changed)}); --resume needs the study as it "
                 "was, --overwrite starts anew."
             )
+        if study.checks.strict and self._about["told"]:
+            raise InputError(
+                f"{self._path} was made after a check failed ({', '.join(self._about['told'])}); "
+                "--resume with checks.strict = false goes on, --overwrite starts anew."
+            )
         if self._about["device"].split(":")[0] != device.split(":")[0]:
             raise InputError(
                 f"device = {device} cannot go on with {self._path}, which was made on "
@@ -199,11 +206,11 @@ def checksum(heights: FloatArray) -> int:
     return zlib.crc32(np.ascontiguousarray(heights).data)
 
 
-def changed_keys(before: Study, after: Study) -> list[str]:
-    """Keys that the steps depend on and whose values differ."""
+def changed_keys(before: Study, after: Study, *, free: Sequence[str] = FREE) -> list[str]:
+    """Keys whose values differ, but for those that are free to: by default, that no step depends on."""
     one, other = _flat(tomllib.loads(before.to_toml())), _flat(tomllib.loads(after.to_toml()))
     names = sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
-    return [name for name in names if not any(name == free or name.startswith(f"{free}.") for free in FREE)]
+    return [name for name in names if not any(name == key or name.startswith(f"{key}.") for key in free)]
 
 
 def _flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:

@@ -43,8 +43,8 @@ def compare(
 ) -> None:
     """Lay the runs in DIR... and measured courses of friction over each other.
 
-    Prints a table, and writes it with overlaid figures: coefficient of friction, area in contact, mean
-    pressure, worn volumes, worn profiles.
+    Prints a table, and writes it with overlaid figures: coefficient of friction, area in contact (over
+    the load too, where runs differ in it), mean pressure, worn volumes, worn profiles.
     """
     from warpwear.comparison import check_number, gather
     from warpwear.comparison_folder import check_out, write

@@ -19,6 +19,7 @@ SAME = 1.0e-6
 def check(study: "Study") -> None:
     """Raises ValueError, in one sentence, for a study that cannot be computed as it stands."""
     _model(study)
+    _half_space(study)
     track_checks.check(study)
     _hardness(study)
     _capacity(study)
@@ -132,6 +133,32 @@ def _whole(number: float) -> bool:
     return abs(number - round(number)) <= SAME * number and round(number) >= 1
 
 
+def _half_space(study: "Study") -> None:
+    if study.contact.law != "half-space":
+        return
+    named = "contact.law = 'half-space'"
+    if study.study.model != "micro":
+        raise ValueError(f"{named} is for study.model = 'micro', not '{study.study.model}'")
+    if study.is_swept:
+        raise ValueError(f"{named} needs sliding.kinematics = 'stationary'")
+    if study.effective_modulus is None:
+        raise ValueError(
+            f"{named} needs Young's modulus and Poisson's ratio of both bodies: sphere.material or "
+            "sphere.young and sphere.poisson, and the same of the disc"
+        )
+    if study.stepping.scheme == "explicit":
+        raise ValueError(f"{named} needs stepping.scheme = 'implicit'")
+    if study.wear.distance_factor != "none":
+        raise ValueError(
+            f"wear.distance_factor = '{study.wear.distance_factor}' does not go with {named}: allowed is none"
+        )
+    if study.boundary == "periodic" and study.sphere.curvature != 0.0:
+        raise ValueError(
+            "contact.boundary = 'periodic' would repeat the sphere beside itself: allowed is 'free', or a "
+            "flat, sphere.radius = 'inf mm'"
+        )
+
+
 def _hardness(study: "Study") -> None:
     if study.study.model != "macro" and study.contact.hardness is None and study.softer_hardness is None:
         raise ValueError(
@@ -183,6 +210,16 @@ def doubts(study: "Study") -> list[str]:
         found.append(
             f"{unstable}: areas, pressures and friction scatter from step to step and mean nothing, though "
             "volumes and depths look right."
+        )
+    if study.samples_area:
+        by_them = ["friction.area = 'nominal'"] if study.friction.area == "nominal" else []
+        if study.uses_foundation and study.contact.foundation_update == "updated":
+            by_them.append("contact.foundation_update = 'updated'")
+        found.append(
+            f"macro.patch = {1e3 * study.macro.patch_width:g} µm stands for macro.cell = "
+            f"{1e3 * study.macro.cell:g} µm: the scar's extents and its nominal area are those of what "
+            "touched in patches, off by up to a macro cell on each side"
+            f"{', and ' + ' and '.join(by_them) + ' with them' if by_them else ''}."
         )
     if study.wear.law == "bearing-curve":
         found.append(

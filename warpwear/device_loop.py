@@ -34,7 +34,7 @@ class DeviceStep:
 class DeviceLoop:
     """Steps of one contact on a foundation.
 
-    gap, unworn, share: fields as of `one_scale.State`; gap and share change in place, the share only where
+    gap, unworn, share: fields as of `worn_state.State`; gap and share change in place, the share only where
     the wear of the two is not in one proportion (`share_changes`). factor: of the disc's sliding distance, a
     field of one row or of all. compliance: 1/k [mm³/N]; implicit: whether the wear of a step adds to it.
     """

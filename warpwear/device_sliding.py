@@ -51,10 +51,10 @@ GROWING = [i for i, (_, _, how) in enumerate(COLUMNS.values()) if how == GROWS]
 class DeviceSliding:
     """Steps of one displaced contact on a foundation.
 
-    fields: heights of sphere and disc, wear of both, dents of the disc, worn in place. bounds: lowest of the
-    sphere's tiles, highest of the disc's. in_tiles, in_rows: what is kept of every tile and of every row, by
-    `sliding.KEPT`. compliance: 1/k [mm³/N]; implicit: whether the wear of a step adds to it; keeps: whether
-    the disc keeps its dents.
+    fields: heights of sphere and disc, wear of both, dents of the disc, where the sphere was in contact; they
+    change in place. bounds: lowest of the sphere's tiles, highest of the disc's. in_tiles, in_rows: what is
+    kept of every tile and of every row, by `sliding.KEPT`. compliance: 1/k [mm³/N]; implicit: whether the
+    wear of a step adds to it; keeps: whether the disc keeps its dents.
     """
 
     def __init__(

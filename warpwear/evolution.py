@@ -84,8 +84,7 @@ def _of_islands(areas: FloatArray, one_cell: float) -> dict[str, float]:
 
 def _roughness_in_scar(result: Result, snapshot: Snapshot) -> dict[str, float]:
     """Of the worn disc inside the nominal scar: the ellipse in the extents of the touched cells."""
-    touched = (snapshot.wear_sphere > 0.0) | (snapshot.wear_beneath > 0.0) | (snapshot.pressure > 0.0)
-    rows, columns = (np.flatnonzero(touched.any(axis=axis)) for axis in (1, 0))
+    rows, columns = (np.flatnonzero(snapshot.touched.any(axis=axis)) for axis in (1, 0))
     box = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     heights = worn_heights(result, snapshot, "disc")[box]
     x, y = (np.linspace(-1.0, 1.0, 2 * n + 1)[1::2] for n in heights.shape)

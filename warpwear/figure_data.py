@@ -182,7 +182,7 @@ class FigureData:
         result = self.result
         if self.study.sphere.curvature == 0.0:
             return float(max(result.x[-1], result.y[-1])) + 0.5 * self.study.grid.cell
-        touched = self._touched(result.snapshot(-1))
+        touched = result.snapshot(-1).touched
         reach = 0.0
         for axis, places in ((1, result.x), (0, result.y)):
             reach = max(reach, float(np.abs(places[touched.any(axis=axis)]).max()))
@@ -202,13 +202,9 @@ class FigureData:
             extent += [float(places[first]) - 0.5 * cell, float(places[first + whole - 1]) + 0.5 * cell]
         return Window(slices[0], slices[1], factor, (extent[0], extent[1], extent[2], extent[3]))
 
-    @staticmethod
-    def _touched(snapshot: Snapshot) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
-        return (snapshot.wear_sphere > 0.0) | (snapshot.wear_beneath > 0.0) | (snapshot.pressure > 0.0)
-
     def _state(self, snapshot: Snapshot, row: int) -> FloatArray:
         history, hardness = self.history, self.study.hardness
-        state = self._touched(snapshot).astype(np.float64)
+        state = snapshot.touched.astype(np.float64)
         state[snapshot.pressure > 0.0] = State.IN_CONTACT
         # The bearing area scales its pressure to the load, so that the hardness is met within a tolerance.
         if history["area_plastic"][row] >= history["area_contact"][row] * (1.0 - 1e-9):

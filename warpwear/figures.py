@@ -208,10 +208,17 @@ def _no_wear_of(*bodies: str) -> Reason:
     return reason
 
 
+def _no_groove(data: FigureData) -> str | None:
+    lost = ("wear_depth_disc", "plastic_volume_disc")
+    if not any(data.history[name][-1] > 0.0 for name in lost):
+        return "nothing is worn or pressed off the disc"
+    return None
+
+
 _FIELD = (_no_snapshot, _only_samples)
 _SPHERE = (*_FIELD, _no_wear_of("sphere"))
 _DISC = (_sliding, *_FIELD, _no_wear_of("disc"))
-_GROOVE = (_still, _no_snapshot, _no_wear_of("disc"))
+_GROOVE = (_still, _no_snapshot, _no_groove)
 _BOTH = _no_wear_of("sphere", "disc")
 
 FIGURES: dict[str, Entry] = {

@@ -12,6 +12,7 @@ from warpwear import figure_style as fs
 from warpwear.comparison import BODIES, Comparison, RunData
 from warpwear.experiment import Experiment, mean_of_last_tenth
 from warpwear.figure_axes import ACROSS
+from warpwear.figures_area_load import area_load, has_loads
 from warpwear.grid import FloatArray
 
 COLOURS = (fs.SPHERE, fs.DISC, fs.CONTACT, fs.MEAN_PRESSURE, fs.SUM, fs.TOUCHED)
@@ -124,6 +125,7 @@ def profiles(comparison: Comparison) -> Figure:
 FIGURES: dict[str, Callable[[Comparison], Figure]] = {
     "cof": cof,
     "area": area,
+    "area_load": area_load,
     "pressure": pressure,
     "volumes": volumes,
     "profiles": profiles,
@@ -134,6 +136,7 @@ def drawn(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
     """Each figure that has something to show."""
     known = bool(comparison.experiments) or any(run.cof is not None for run in comparison.runs)
     shown = {"cof": known, "profiles": any(run.wear for run in comparison.runs)}
+    shown["area_load"] = has_loads(comparison)
     for name, draw in FIGURES.items():
         if shown.get(name, bool(comparison.runs)):
             yield name, draw(comparison)

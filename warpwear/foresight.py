@@ -29,9 +29,11 @@ class Foresight:
 
     def note(self, approach: float, removal: float) -> None:
         """A step ended at an approach [mm], its pressures removed so much each [mm³/N]."""
-        if self._approach is not None and removal > 0.0:
-            rate = (approach - self._approach) / removal
-            self._rates.append((self._slid + 0.5 * removal, rate))
+        where = self._slid + 0.5 * removal
+        # A law that decays ends with steps too small to be told apart by where they are.
+        is_new = not self._rates or where > self._rates[-1][0]
+        if self._approach is not None and removal > 0.0 and is_new:
+            self._rates.append((where, (approach - self._approach) / removal))
         self._approach = approach
         self._slid += removal
 

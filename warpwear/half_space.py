@@ -19,6 +19,8 @@ from warpwear.influence import Influence
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = 1.0e-6
 MAX_ITERATIONS = 1000
+#: Of displacements: smaller differences are those of the last digits.
+ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
 #: Of dp̄/ds, by the displacement left over.
 SLOPE_TOLERANCE = 1.0e-8
 
@@ -88,6 +90,16 @@ class HalfSpace:
         """Start the next solve from nothing."""
         self._started = False
 
+    @property
+    def pressure(self) -> FloatArray:
+        """Where the next solve starts [MPa], shape (nx, ny)."""
+        return self._executor.to_numpy(self._iterate.pressure)
+
+    def go_on_from(self, pressure: FloatArray) -> None:
+        """Start the next solve from a pressure between 0 and H [MPa], shape (nx, ny)."""
+        self._executor.fill(self._iterate.pressure, pressure)
+        self._started = True
+
     def solve(
         self,
         gap: Field,
@@ -111,7 +123,8 @@ class HalfSpace:
         self._influence.set_compliance(compliance, streak_compliance)
         done = self._influence.transforms
         moments = self._iterate.moments(gap)
-        stiffness = 1.0 / (self._shortest_response() + compliance)
+        response = self._shortest_response() + compliance
+        stiffness = 1.0 / response
         if not self._started:
             level = moments.mean if approach is None else approach
             unit = stiffness * (moments.mean - moments.lowest)
@@ -125,9 +138,11 @@ class HalfSpace:
         for iteration in range(self._max_iterations + 1):
             level = search.level(state)
             violation = max(state.highest - level, level - state.lowest, 0.0)
-            scale = moments.rms or abs(level)
+            yielded = abs(level) + response * state.total / cells
+            scale = moments.rms or yielded
+            allowed = max(self._tolerance * scale, ROUNDING * yielded)
             off = 0.0 if asked is None else state.total / asked - 1.0
-            if violation <= self._tolerance * scale and abs(off) <= LOAD_TOLERANCE:
+            if violation <= allowed and abs(off) <= LOAD_TOLERANCE:
                 return HalfSpaceContact(
                     approach=level,
                     mean_pressure=state.total / cells,

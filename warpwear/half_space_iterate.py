@@ -3,7 +3,6 @@
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
 import warp as wp
 
 from warpwear.balance import Carried, newton_in_bracket
@@ -16,6 +15,8 @@ from warpwear.kernels import half_space as passes
 NO_CAP = 1.0e300
 #: A trial may miss the load by so much, relatively: the next step makes up for it.
 ROUGH_BALANCE = 1.0e-3
+#: Columns of the table that a GPU reduces partial results to.
+FOLDED = 256
 
 
 class State(NamedTuple):
@@ -66,6 +67,12 @@ class Iterate:
         self._response = executor.zeros()
         self._sums = executor.partials(len(Products._fields) - 2)
         self._maxima = executor.partials(2)
+        #: On a GPU, where tables of many slots are reduced before they are read.
+        self._folded = (
+            None
+            if executor.device.is_cpu
+            else wp.zeros((len(Products._fields), FOLDED), dtype=wp.float64, device=executor.device)
+        )
 
     def moments(self, gap: Field) -> Moments:
         """Mean, rms height and lowest point of a gap."""
@@ -202,6 +209,16 @@ class Iterate:
         """Launch, and reduce the first rows of the tables that the kernel fills."""
         tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
         self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables])
-        totals = np.sum(self._sums[:sums].numpy(), axis=1) if sums else np.empty(0)
-        largest = np.max(self._maxima[:maxima].numpy(), axis=1) if maxima else np.empty(0)
-        return [float(value) for value in (*totals, *largest)]
+        if self._folded is None:
+            table, largest = self._sums[:sums].numpy(), self._maxima[:maxima].numpy()
+        else:  # one short table to read back
+            both = sums + maxima
+            self._executor.launch(
+                passes.fold,
+                inputs=[FOLDED, sums, self._sums, self._maxima],
+                outputs=[self._folded],
+                chunks=[(0, both * FOLDED)],
+            )
+            folded = self._folded.numpy()
+            table, largest = folded[:sums], folded[sums:both]
+        return [*table.sum(axis=1).tolist(), *largest.max(axis=1, initial=-NO_CAP).tolist()]

@@ -51,7 +51,11 @@ COLUMNS = (
     Column("cells_in_contact", "1", "cells with pressure"),
     Column("archard_volume_sphere", "mm^3", "K F ΔL summed: what Archard's law asks of the sphere"),
     Column("archard_volume_disc", "mm^3", "the same of the disc, with its distance factor"),
-    Column("evaluations", "1", "passes over the gap that the balance took"),
+    Column(
+        "evaluations",
+        "1",
+        "passes over the gap that the balance took; of the half-space, pairs of transforms",
+    ),
 )
 
 #: Of a swept run.

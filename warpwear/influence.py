@@ -41,6 +41,10 @@ class Transforms(ABC):
         """A table for `filter` where the transforms are done, from one of shape (n, m//2 + 1)."""
 
     @abstractmethod
+    def added(self, table: Any, own: float, line: FloatArray) -> Any:
+        """A table and what adds to it: the same everywhere, and by row, shape (n,)."""
+
+    @abstractmethod
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         """field_out = inverse(forward(field_in) × table), on the cells of the grid; may be the same field.
 
@@ -60,40 +64,51 @@ class ScipyTransforms(Transforms):
         super().__init__(executor, shape)
         self._fft: Any = import_module("scipy.fft")  # takes 0.1 s: not for a run without
         nx, modes = executor.grid.nx, shape[1] // 2 + 1
-        self._spectrum = np.empty((nx, modes), dtype=np.complex128)
-        self._rows = _blocks(nx, -(-nx // ROW_BLOCKS))
-        self._columns = _blocks(modes, COLUMNS)
+        #: Without padding the spectrum lies in the cells of the result, but for the last column.
+        self._held = modes - 1 if shape == executor.grid.shape else 0
+        self._spectrum = np.empty((nx, modes - self._held), dtype=np.complex128)
+        self._rows = _blocks(0, nx, -(-nx // ROW_BLOCKS))
+        self._columns = _blocks(0, self._held, COLUMNS) + _blocks(self._held, modes, COLUMNS)
         threads = executor.threads if nx * modes >= MODES_PER_THREAD * 2 else 1
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
 
     def table(self, values: FloatArray) -> FloatArray:
         return values
 
+    def added(self, table: Any, own: float, line: FloatArray) -> FloatArray:
+        found: FloatArray = table + (own + line[:, np.newaxis])
+        return found
+
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         self.transforms += 1
-        fft = self._fft
-        spectrum: Any = self._spectrum
-        real: Any = np.float64
-        if divide:
-            real, spectrum = np.float32, spectrum.view(np.complex64)[:, : spectrum.shape[1]]
+        fft, held = self._fft, self._held
+        real: Any = np.float32 if divide else np.float64
+        kind: Any = np.complex64 if divide else np.complex128
         nx, ny = self._executor.grid.shape
         values, result = self._executor.to_numpy(field_in), self._executor.to_numpy(field_out)
+        first: Any = result[:, : 2 * held].view(kind)[:, :held]
+        rest: Any = self._spectrum.view(kind)[:, : self._spectrum.shape[1]]
 
         def forward(rows: slice) -> None:
-            spectrum[rows] = fft.rfft(values[rows].astype(real, copy=False), n=self._shape[1], axis=1)
+            lines = fft.rfft(values[rows].astype(real, copy=False), n=self._shape[1], axis=1)
+            first[rows], rest[rows] = lines[:, :held], lines[:, held:]
 
         def across(columns: slice) -> None:
-            lines = fft.fft(spectrum[:, columns], n=self._shape[0], axis=0, overwrite_x=True)
+            part = first if columns.start < held else rest
+            start = columns.start if columns.start < held else columns.start - held
+            block = part[:, start : start + columns.stop - columns.start]
+            lines = fft.fft(block, n=self._shape[0], axis=0, overwrite_x=True)
             factor = table[:, columns].astype(real, copy=False)
             if divide:
                 np.divide(lines, factor, out=lines, where=factor > 0.0)
                 lines[factor == 0.0] = 0.0
             else:
                 lines *= factor
-            spectrum[:, columns] = fft.ifft(lines, axis=0, overwrite_x=True)[:nx]
+            block[:] = fft.ifft(lines, axis=0, overwrite_x=True)[:nx]
 
         def back(rows: slice) -> None:
-            result[rows] = fft.irfft(spectrum[rows], n=self._shape[1], axis=1, overwrite_x=True)[:, :ny]
+            lines = np.concatenate([first[rows], rest[rows]], axis=1) if held else rest[rows]
+            result[rows] = fft.irfft(lines, n=self._shape[1], axis=1, overwrite_x=True)[:, :ny]
 
         self._each(forward, self._rows)
         self._each(across, self._columns)
@@ -117,37 +132,49 @@ class CupyTransforms(Transforms):
         except ImportError as error:
             raise InputError(
                 f'contact.law = "half-space" on device = {str(executor.device)!r} needs CuPy for its Fourier '
-                "transforms: pip install warpwear[gpu], or use the device cpu."
+                "transforms: pip install cupy-cuda12x or cupy-cuda13x, for its CUDA, or use the device cpu."
             ) from error
         device = executor.device
         self._device = self._cupy.cuda.Device(device.ordinal)
         self._stream = self._cupy.cuda.ExternalStream(device.stream.cuda_stream, device.ordinal)
+        #: The last table that was divided by, and its reciprocals in single precision.
+        self._divisor: tuple[Any, Any] = None, None
 
     def table(self, values: FloatArray) -> Any:
         with self._device, self._stream:
             return self._cupy.asarray(values)
+
+    def added(self, table: Any, own: float, line: FloatArray) -> Any:
+        with self._device, self._stream:
+            return table + self._cupy.asarray(own + line[:, np.newaxis])
 
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         self.transforms += 1
         cupy, fft = self._cupy, self._cupy.fft
         nx, ny = self._executor.grid.shape
         with self._device, self._stream:
-            spectrum = fft.rfft(self._cells(field_in), n=self._shape[1], axis=1)
-            spectrum = fft.fft(spectrum, n=self._shape[0], axis=0)
+            values = self._cells(field_in)
             if divide:
-                spectrum *= cupy.where(table > 0.0, 1.0 / cupy.maximum(table, SMALLEST), 0.0)
-            else:
-                spectrum *= table
-            spectrum = fft.ifft(spectrum, axis=0)[:nx]
-            self._cells(field_out)[:] = fft.irfft(spectrum, n=self._shape[1], axis=1)[:, :ny]
+                values, table = values.astype(cupy.float32), self._reciprocals(table)
+            spectrum = fft.rfft2(values, s=self._shape)
+            spectrum *= table
+            self._cells(field_out)[:] = fft.irfft2(spectrum, s=self._shape)[:nx, :ny]
+
+    def _reciprocals(self, table: Any) -> Any:
+        """1/table, 0 where it is 0."""
+        if self._divisor[0] is not table:
+            cupy = self._cupy
+            values = cupy.where(table > 0.0, 1.0 / cupy.maximum(table, SMALLEST), 0.0)
+            self._divisor = table, values.astype(cupy.float32)
+        return self._divisor[1]
 
     def _cells(self, field: Field) -> Any:
         """A view of a field's cells, shape (nx, ny)."""
         return self._cupy.asarray(field).reshape(field.shape[0], -1)[:, : self._executor.grid.ny]
 
 
-def _blocks(size: int, length: int) -> list[slice]:
-    return [slice(start, min(start + length, size)) for start in range(0, size, length)]
+def _blocks(first: int, end: int, length: int) -> list[slice]:
+    return [slice(start, min(start + length, end)) for start in range(first, end, length)]
 
 
 class Influence:
@@ -174,14 +201,14 @@ class Influence:
         elastic = periodic_spectrum(grid, modulus)
         if boundary == "periodic":
             self._far = self._near
-            self._elastic = self._near_elastic = elastic
+            self._elastic = self._near_elastic = self._near.table(elastic)
         else:
-            padded = padded_shape(grid)
-            self._far = make(executor, padded)
-            self._elastic = _spectrum(free_coefficients(grid, modulus, padded))
             # The mean that a periodic surface leaves out: that of a uniform pressure, about.
             elastic[0, 0] = 3.0 * elastic.max()
-            self._near_elastic = elastic
+            self._near_elastic = self._near.table(elastic)
+            padded = padded_shape(grid)
+            self._far = make(executor, padded)
+            self._elastic = self._far.table(free_spectrum(grid, modulus, padded))
         self._compliance: tuple[float, float] | None = None
         self.set_compliance(0.0, 0.0)
 
@@ -200,19 +227,19 @@ class Influence:
         if self._compliance == (own, streak):
             return
         self._compliance = own, streak
-        self._response = self._far.table(self._with(self._elastic, own, streak))
+        self._response = self._with(self._far, self._elastic, own, streak)
         self._nearby = self._response
         if self._near is not self._far:
-            self._nearby = self._near.table(self._with(self._near_elastic, own, streak))
+            self._nearby = self._with(self._near, self._near_elastic, own, streak)
 
-    def _with(self, elastic: FloatArray, own: float, streak: float) -> FloatArray:
+    def _with(self, transforms: Transforms, elastic: Any, own: float, streak: float) -> Any:
         if own == 0.0 and streak == 0.0:
             return elastic
         # The mean over the cells of a line, as the spectrum of its coefficients.
         rows, nx = elastic.shape[0], self._streak_cells
         distance = np.minimum(np.arange(rows), rows - np.arange(rows))
         line = np.fft.fft(np.where(distance < nx, 1.0 / nx, 0.0)).real
-        return elastic + (own + streak * line[:, np.newaxis])
+        return transforms.added(elastic, own, streak * line)
 
     def respond(self, pressure: Field, displacement: Field) -> None:
         """Displacement [mm] under a pressure [MPa], compliances included."""
@@ -220,7 +247,7 @@ class Influence:
 
     def respond_elastically(self, pressure: Field, displacement: Field) -> None:
         """Displacement of the half-space alone [mm]."""
-        self._far.filter(pressure, self._far.table(self._elastic), displacement)
+        self._far.filter(pressure, self._elastic, displacement)
 
     def invert(self, displacement: Field, pressure: Field) -> None:
         """About the pressure [MPa] of a displacement [mm]: |q| E*/2 without compliances. May be in place."""
@@ -237,30 +264,31 @@ def periodic_spectrum(grid: Grid, modulus: float) -> FloatArray:
 
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
-    """A shape on which the convolution of the grid does not wrap, quick to transform."""
+    """An even shape on which the convolution of the grid does not wrap, quick to transform."""
     next_fast_len = import_module("scipy.fft").next_fast_len
-    return next_fast_len(2 * grid.nx - 1), next_fast_len(2 * grid.ny - 1, real=True)
+    return 2 * next_fast_len(grid.nx), 2 * next_fast_len(grid.ny, real=True)
 
 
-def free_coefficients(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
-    """Displacement at a cell's centre under a unit pressure on another [mm/MPa], by wrapped distance.
+def free_spectrum(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
+    """Of the modes of a real transform [mm/MPa], on an even shape: (shape[0], shape[1]//2 + 1).
 
-    Four corner terms, x ln(y + r) + y ln(x + r), over π E* (Johnson eq 3.25).
+    The coefficients are even in both directions: a cosine transform of a quarter of them is their spectrum.
     """
-    x, y = (np.minimum(np.arange(n), n - np.arange(n)) * grid.cell for n in shape)
-    half = 0.5 * grid.cell
-    right, left = x[:, np.newaxis] + half, x[:, np.newaxis] - half
-    above, below = y + half, y - half
-
-    def corner(a: FloatArray, b: FloatArray) -> FloatArray:
-        # by inverse hyperbolic sines: the logarithms differ by what cancels between the corners
-        return np.asarray(a * np.arcsinh(b / np.abs(a)) + b * np.arcsinh(a / np.abs(b)))
-
-    total = corner(right, above) - corner(right, below) - corner(left, above) + corner(left, below)
-    return total / (math.pi * modulus)
+    quarter = import_module("scipy.fft").dctn(
+        free_coefficients(grid.cell, modulus, shape[0] // 2 + 1, shape[1] // 2 + 1), type=1, overwrite_x=True
+    )
+    rows = np.arange(shape[0])
+    return np.asarray(quarter[np.minimum(rows, shape[0] - rows)])
 
 
-def _spectrum(coefficients: FloatArray) -> FloatArray:
-    """Real transform of symmetric coefficients, which is real."""
-    spectrum: FloatArray = np.ascontiguousarray(import_module("scipy.fft").rfft2(coefficients).real)
-    return spectrum
+def free_coefficients(cell: float, modulus: float, rows: int, columns: int) -> FloatArray:
+    """Displacement at a cell's centre under a unit pressure on another [mm/MPa], by distance in cells.
+
+    Four corner terms, x ln(y + r) + y ln(x + r), over π E* (Johnson eq 3.25). Shape (rows, columns).
+    """
+    corners_x, corners_y = ((np.arange(n + 1) - 0.5)[:, np.newaxis] * cell for n in (rows, columns))
+    x, y = corners_x, corners_y.T
+    # by inverse hyperbolic sines: the logarithms differ by what cancels between the corners
+    corner = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
+    total = corner[1:, 1:] - corner[1:, :-1] - corner[:-1, 1:] + corner[:-1, :-1]
+    return np.asarray(total / (math.pi * modulus))

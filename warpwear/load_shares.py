@@ -19,7 +19,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from warpwear.balance import DIGITS, HOPELESS, MAX_EVALUATIONS, MAX_ROUNDS, SURELY, TOLERANCE
+from warpwear.balance import (
+    DIGITS,
+    FIRST_REACH,
+    HOPELESS,
+    MAX_EVALUATIONS,
+    MAX_ROUNDS,
+    SURELY,
+    TOLERANCE,
+)
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 
@@ -38,8 +46,6 @@ class Answer(NamedTuple):
 Response = Callable[[FloatArray, FloatArray], Answer]
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
 JOINT = 12
-#: First step of a search that starts where the solution is [mm].
-FIRST_REACH = 1.0e-18
 #: With a held approach, so often patches are bisected instead.
 BISECT_EVERY = 3
 

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from warpwear.checkpoint import checksum
+from warpwear.elastic_scale import HalfSpaceModel
 from warpwear.errors import InputError
 from warpwear.execution import FIELDS_NEEDED, Executor, free_memory
 from warpwear.grid import FloatArray, Grid
@@ -25,6 +26,8 @@ from warpwear.swept import DISC_FIELDS, SweptModel
 from warpwear.track import WHOLE, Track
 from warpwear.two_scale import TwoScaleModel
 
+#: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
+HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 15.0, "free": 20.0}, 12.0
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
 
@@ -68,6 +71,9 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
         fields = FIELDS_NEEDED + (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
         _check_memory(study, rows, fields, device)
         return Executor(study.cells, device=device, threads=threads)
+    if study.contact.law == "half-space":
+        fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu")
+        return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
     # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
     fields = FIELDS_NEEDED + 5.0 * (study.wear.distance_factor == "radial")
     return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
@@ -85,6 +91,8 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
         return Made(swept, found, record, heights)
     heights = surface.heights(grid.x, grid.y)
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
+    if study.contact.law == "half-space":
+        return Made(HalfSpaceModel(study, heights, executor), checksum(heights), record)
     if study.study.model == "two-scale":
         patches = Patches.of(study)
         refuse_unsuitable(study, patches, heights)

@@ -3,10 +3,8 @@
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Any
-
-import numpy as np
 
 from warpwear.balance import STEPS_AHEAD, TOLERANCE, Ahead, Balance, Balancer, Carried
 from warpwear.device_loop import DeviceLoop
@@ -14,7 +12,7 @@ from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.foresight import Foresight
 from warpwear.grid import FloatArray
-from warpwear.kernels import contact, gap
+from warpwear.kernels import contact
 from warpwear.kernels import removal as removal_kernels
 from warpwear.kernels.types import MAXIMA, SUMS
 from warpwear.kinematics import distance_factor
@@ -24,24 +22,12 @@ from warpwear.running_in import Logistic, Recession
 from warpwear.stiffness import Stiffness, Stiffnesses
 from warpwear.study import Study
 from warpwear.tiles import Tiles
+from warpwear.worn_state import State
 
 #: Steps made on a device before their history is read.
 LONGEST_BLOCK = 500
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
-
-
-@dataclass
-class State:
-    """Fields of nx × ny cells, on the executor's device.
-
-    What is worn is gap − unworn: a step near a late contact then moves three fields, not six. Its rounding is
-    that of the gap, 1e-17 mm a step.
-    """
-
-    gap: Field  # from the mean planes, as worn [mm]
-    unworn: Field  # the gap without wear [mm]
-    share: Field  # of the sphere in what is worn; one row where it is the same all along
 
 
 class OneScaleModel:
@@ -83,23 +69,8 @@ class OneScaleModel:
         self._alike = int(
             study.wear.distance_factor == "none" and not self._share_changes and self._recession is None
         )
-        worn = sphere.fastest + disc.fastest * self._factor
-        share = np.divide(sphere.fastest, worn, out=np.zeros_like(worn), where=worn > 0.0)
-        shape = (executor.grid.nx if self._share_changes else share.shape[0], executor.grid.ny)
-        self.state = State(executor.zeros(), executor.zeros(), executor.field(np.broadcast_to(share, shape)))
+        self.state = State.of(executor, heights, self._wear, curvature=curvature, factor=self._factor)
         grid = executor.grid
-        executor.launch(
-            gap.gap,
-            inputs=[
-                grid.ny,
-                grid.cell,
-                float(grid.x[0]),
-                float(grid.y[0]),
-                curvature,
-                executor.field(heights),
-            ],
-            outputs=[self.state.gap, self.state.unworn],
-        )
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = Tiles(executor, self.state.gap, self.state.unworn, self.state.share, least=SPARE * fully)
         self._highest = self._balancer.bounds(self.state.gap, self.tiles)[1]
@@ -157,10 +128,7 @@ class OneScaleModel:
 
     def worn(self) -> tuple[FloatArray, FloatArray]:
         """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""
-        gap, unworn, share = (self._executor.to_numpy(field) for field in vars(self.state).values())
-        both = gap - unworn
-        sphere = share * both
-        return sphere, np.subtract(both, sphere, out=both)
+        return self.state.worn(self._executor)
 
     def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
         """One step for each increment [mm] of the plan, with its pressure where that is asked for.

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from warpwear.balance import MAX_EVALUATIONS, MAX_ROUNDS, TOLERANCE
+from warpwear.balance import FIRST_REACH, MAX_EVALUATIONS, MAX_ROUNDS, TOLERANCE
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
-from warpwear.load_shares import FIRST_REACH, Response, Shares
+from warpwear.load_shares import Response, Shares
 
 #: So often a patch whose bracket is known is bisected instead of following its slope.
 BISECT_EVERY = 3

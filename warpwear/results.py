@@ -66,6 +66,15 @@ class Snapshot:
         return self.wear_disc if self.row is None else self._under(self.wear_disc)
 
     @property
+    def touched(self) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
+        """Cells ever touched, shape (nx, ny): of a swept run those of the sphere, or of the disc beneath a
+        sphere that does not wear."""
+        touched = (self.wear_sphere > 0.0) | (self.pressure > 0.0)
+        if self.row is not None and self.wear_sphere.any():
+            return np.asarray(touched)
+        return np.asarray(touched | (self.wear_beneath > 0.0))
+
+    @property
     def lost_beneath(self) -> FloatArray:
         """What is gone of the disc under the sphere's domain [mm]: worn, or displaced for good."""
         if self.plastic_disc is None:
@@ -199,9 +208,22 @@ def check_seal(path: Path) -> None:
             words = file.readline(HEADER).decode(errors="replace").split()
             sealed = " ".join(words[:2]) == MAGIC
             if sealed and words[2:] != [digest_of(file)]:
-                raise InputError(f"{path} is damaged: it is not what was written.")
+                raise InputError(
+                    f"{path} is damaged: it is not what was written, by a fault of the disk or because "
+                    "another program changed it; --overwrite runs the study again, and what is added to a "
+                    "result belongs in a file of its own."
+                )
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+
+
+def is_one(path: Path) -> bool:
+    """Whether a file calls itself a result of warpwear, damaged or not."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(MAGIC)) == MAGIC.encode()
+    except OSError:
+        return False
 
 
 def digest_of(file: BufferedIOBase) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from warpwear import checkpoint, run_lock
+from warpwear import checkpoint, results, run_lock
 from warpwear.errors import InputError
 from warpwear.results import FILE_NAME, Result, seal
 from warpwear.study import Study
@@ -44,6 +44,9 @@ def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
     elif _holds_a_run(folder):
         if not (overwrite or resume):
             raise InputError(f"out = {folder} already holds a run; give another --out, or --overwrite it.")
+    elif results.is_one(folder / FILE_NAME):  # and is damaged
+        if not overwrite:
+            Result.open(folder)
     elif not (folder / run_lock.NAME).exists() and any(
         not path.name.startswith(WORK) for path in folder.iterdir()
     ):
@@ -59,13 +62,14 @@ def is_finished(folder: Path, study: Study) -> bool:
     if checkpoint.is_one(folder / checkpoint.FILE_NAME) or not _holds_a_run(folder):
         return False
     with Result.open(folder) as result:
-        changed = checkpoint.changed_keys(result.study, study)
+        finished = result.finished
+        free = checkpoint.LABELS if finished else checkpoint.FREE  # of a finished run nothing is made anew
+        changed = checkpoint.changed_keys(result.study, study, free=free)
         if changed:
             raise InputError(
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); --overwrite it, or "
                 "give another --out."
             )
-        finished = result.finished
     if finished and (folder / run_lock.NAME).exists():  # killed when all was in place
         with run_lock.held(folder):
             _clean(folder)

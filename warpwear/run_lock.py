@@ -17,15 +17,18 @@ NAME = ".lock"
 @contextmanager
 def held(folder: Path) -> Iterator[None]:
     """The folder for this process alone. Raises InputError where another works in it, OSError."""
-    refuse_if_held(folder)
     path = folder / NAME
-    path.unlink(missing_ok=True)  # of a process that is gone
     process = psutil.Process()
     owner = {"pid": process.pid, "started": process.create_time(), "host": platform.node()}
-    try:
-        descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o644)
-    except FileExistsError:  # another was quicker
-        raise InputError(_in_use(folder, "another process")) from None
+    for again in (True, False):
+        try:
+            descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o644)
+            break
+        except FileExistsError:
+            refuse_if_held(folder)
+            if not again:  # another was quicker
+                raise InputError(_in_use(folder, "another process")) from None
+            path.unlink(missing_ok=True)  # of a process that is gone
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8") as file:
             json.dump(owner, file)

@@ -256,10 +256,12 @@ class _Loop:
     def _check(self, violations: Iterator[Violation]) -> InvariantError | None:
         """Record what is violated, once each; with checks.strict the error that stops the run.
 
-        Raised at once where the state is not to be kept; returned where it is.
+        Raised at once where the state is not to be kept; returned where it is, in a checkpoint that tells it.
         """
         for violation in violations:
             if self.study.checks.strict:
+                self._told.append(violation.quantity)
+                self.warnings.append(f"{violation.sentence}.")
                 error = InvariantError(f"{violation.sentence}; {violation.remedy}.")
                 if not violation.sound:
                     raise error
@@ -271,12 +273,15 @@ class _Loop:
 
     def _fail(self, error: InvariantError | ConvergenceError) -> None:
         """Stop with what came before in the folder."""
-        self._add_warning(str(error))
+        LOG.warning(str(error))  # the screen gets it when the run is closed
+        if isinstance(error, ConvergenceError):
+            self.warnings.append(str(error))
+        has_checkpoint = self._checkpoints is not None and self._checkpoints.path.exists()
         kept = "out keeps the run so far, and --resume"
         if isinstance(error, InvariantError):
-            kept += " with checks.strict = false goes on"
+            kept += f" with checks.strict = false {'goes on' if has_checkpoint else 'begins again'}"
         else:
-            kept += " tries again from its last checkpoint"
+            kept += f" tries again from {'its last checkpoint' if has_checkpoint else 'the start'}"
         self.failed = type(error)(f"{str(error).removesuffix('.')}; {kept}.")
 
     def _check_results(self, history: dict[str, FloatArray]) -> None:

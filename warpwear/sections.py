@@ -202,7 +202,16 @@ class Contact(Section):
     hardness: PressureOrInfinite | None = key(
         None, "largest pressure of a cell; by default the softer body's, in the macro model none"
     )
-    law: Literal["foundation"] = key("foundation", "independent springs with a largest pressure")
+    law: Literal["foundation", "half-space"] = key(
+        "foundation",
+        "under a largest pressure; foundation: every cell by itself; half-space: elastic bodies, whose "
+        "asperities feel each other",
+    )
+    boundary: Literal["free", "periodic"] | None = key(
+        None,
+        "half-space: nothing beyond the domain, or the domain repeated; if not given free under a sphere, "
+        "periodic under a flat",
+    )
     stiffness: Stiffness = key(
         "inf N/mm^3",
         "micro and two-scale model: local foundation stiffness k",
@@ -493,7 +502,7 @@ class Macro(Section):
     placement: Literal["centre", "random"] = key(
         "centre", "place of a smaller patch in its macro cell: in the middle, or at random by macro.seed"
     )
-    seed: int = key(0, "seed of the random placement")
+    seed: Annotated[int, Field(ge=0, strict=True)] = key(0, "seed of the random placement")
 
     @property
     def patch_width(self) -> float:

@@ -41,6 +41,7 @@ class State:
     wear_sphere: Field
     wear_disc: Field
     plastic_disc: Field  # displaced for good where a cell was at the hardness; one row where none is kept
+    reached: Field  # 1 where the sphere was in contact; one row where its wear shows that
 
 
 class SlidingContact:
@@ -86,6 +87,7 @@ class SlidingContact:
             executor.zeros(),
             executor.zeros(self._rows),
             executor.zeros(self._rows if self.keeps_dents else 1),
+            executor.zeros(grid.nx if self._wear[0].fastest == 0.0 else 1),
         )
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
@@ -153,6 +155,7 @@ class SlidingContact:
                 *(kept.numbers for kept in self._kept[:3]),
                 state.plastic_disc,
                 self._kept[3].numbers,
+                state.reached,
                 self._sums,
                 self._maxima,
             ],

@@ -42,7 +42,7 @@ class Stiffnesses:
         del self._made[:-1]
         values = self._factor * made_for[2]
         values += compliance + made_for[1]
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", over="ignore"):
             np.reciprocal(values, out=values)
         np.minimum(values, RIGID, out=values)
         stiffest = float(values.max())

@@ -145,6 +145,8 @@ class Study(Section):
     @property
     def uses_bearing_area(self) -> bool:
         """Whether contacts have no compliance: neither a foundation nor implicit wear."""
+        if self.contact.law == "half-space":
+            return False
         worn = self.sliding.total > 0.0 and sum(law.fastest for law in self.wear_laws) > 0.0
         return self.law().compliance == 0.0 and not (self.stepping.scheme == "implicit" and worn)
 
@@ -162,12 +164,23 @@ class Study(Section):
         return math.inf if found is None else found
 
     @property
+    def effective_modulus(self) -> float | None:
+        """E* of both bodies [MPa], where their elastic constants are known."""
+        sphere, disc = self.sphere.elastic, self.disc.elastic
+        return None if sphere is None or disc is None else effective_modulus(sphere, disc)
+
+    @property
+    def boundary(self) -> str:
+        """Of the half-space: "free" or "periodic"."""
+        return self.contact.boundary or ("free" if self.sphere.curvature else "periodic")
+
+    @property
     def hertz(self) -> Hertz | None:
         """Hertz's contact of the bodies before any wear, where their elastic constants are known."""
-        sphere, disc, curvature = self.sphere.elastic, self.disc.elastic, self.sphere.curvature
-        if sphere is None or disc is None or curvature == 0.0:
+        modulus, curvature = self.effective_modulus, self.sphere.curvature
+        if modulus is None or curvature == 0.0:
             return None
-        return Hertz(effective_modulus(sphere, disc), 1.0 / curvature, self.contact.load)
+        return Hertz(modulus, 1.0 / curvature, self.contact.load)
 
     @property
     def junction_strength(self) -> float | None:
@@ -196,6 +209,8 @@ class Study(Section):
         """The law of a cell. radius: of the area in contact [mm], for a foundation that follows it."""
         macro = self.study.model == "macro"
         stiffness = self.foundation(radius=radius) if macro else self.contact.stiffness
+        if self.contact.law == "half-space":
+            stiffness = math.inf  # what yields is the half-space
         return CappedFoundation(stiffness=stiffness, hardness=self.hardness)
 
     def foundation(self, *, radius: float | None = None) -> float:
@@ -285,6 +300,12 @@ class Study(Section):
             of_macro = ("contact.foundation", "contact.foundation_update")
             why = "the micro model" if self.study.model == "micro" else "macro.bulk = 'none'"
             found |= dict.fromkeys(of_macro, f"does not apply to {why}")
+        if self.contact.law == "half-space":
+            found["contact.stiffness"] = (
+                "does not apply to contact.law = 'half-space': E* of both bodies does"
+            )
+        else:
+            found["contact.boundary"] = "does not apply to contact.law = 'foundation'"
         for name, law in OF_WEAR_LAWS.items():
             if law != self.wear.law:
                 found[f"wear.{name}"] = f"does not apply to wear.law = '{self.wear.law}'"

@@ -24,7 +24,10 @@ PARAMETERS = ("sa", "sq", "sk", "spk", "svk")
 
 @dataclass(frozen=True)
 class Groove:
-    """The disc's loss at one snapshot, worn or displaced: means along the part that is wholly slid over."""
+    """The disc's loss at one snapshot, worn or displaced: means along the part that whole passes slide over.
+
+    Within the first pass that includes what the sphere has not reached yet.
+    """
 
     distance: float  # [mm]
     y: FloatArray  # [mm]
@@ -53,7 +56,7 @@ class Groove:
 
 
 def whole_rows(result: Result) -> slice:
-    """Rows of the track that every part of the contact slides over: not those at the ends of a stroke."""
+    """Rows that every part of the contact slides over in a whole pass: not those at the ends of a stroke."""
     track = Track.of(result.study)
     if track.periodic:
         return slice(0, track.rows)

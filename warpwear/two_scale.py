@@ -46,8 +46,8 @@ class TwoScaleModel:
         self._last: Shares | None = None
         self._foresight = PatchForesight()
         steady = [law.steady for law in self._wear]
-        #: Of what both bodies lose, the part of the sphere.
-        self._of_sphere = steady[0] / sum(steady) if sum(steady) else 0.5
+        #: Of what both bodies lose, the parts of sphere and disc: a small one is no difference of large ones.
+        self._parts = [k / sum(steady) for k in steady] if sum(steady) else [0.5, 0.5]
         self.ahead = 0
 
     def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
@@ -107,8 +107,8 @@ class TwoScaleModel:
         return Snapshot(
             distance,
             pressure=step.pressure,
-            wear_sphere=self._of_sphere * worn,
-            wear_disc=(1.0 - self._of_sphere) * worn,
+            wear_sphere=self._parts[0] * worn,
+            wear_disc=self._parts[1] * worn,
             gap=self.patches.on_domain(gap, beside=math.nan),
         )
 
@@ -221,7 +221,7 @@ class TwoScaleModel:
         total = {name: float(values.sum()) for name, values in sums.items()}
         total["pressure_times_factor"] = total["pressure"]
         deepest = most.pop("worn")
-        for body, part in (("sphere", self._of_sphere), ("disc", 1.0 - self._of_sphere)):
+        for body, part in zip(("sphere", "disc"), self._parts, strict=True):
             total[f"wear_{body}"] = part * total["worn"]
             most[f"wear_{body}"] = part * deepest
         of_cell = self.patches.domain.cell_area * self.patches.weight

@@ -81,6 +81,22 @@ def test_symmetry_survives_wear(device: str) -> None:
     assert step.row["wear_volume_disc"] + step.row["wear_volume_sphere"] == pytest.approx(K * F * 300.0)
 
 
+def test_orbits_are_worn_in_turns(device: str) -> None:
+    """What lies lowest is worn beyond what is listed of the last step; the next orbit lies outside of it."""
+    study = smooth(
+        contact__hardness=f"{H} MPa",
+        contact__load="0.5 N",
+        wear__disc="0 mm^3/N/m",
+        grid__cell="5 um",
+        grid__extent="0.24 mm",
+        sliding__distance="6 mm",
+        stepping={"scheme": "explicit", "increment": "0.1 mm"},
+    )
+    history = run(study, device=device).history
+    assert np.abs(history["load_residual"]).max() < study.load_tolerance
+    assert history["wear_volume_sphere"][-1] == pytest.approx(9.4e-7 * 0.5 * 6.0, rel=1e-10)
+
+
 def rigid_flat(heights: FloatArray, fraction: float, device: str) -> Step:
     """A rigid flat pressed on the heights until it bears on this fraction of the area."""
     grid = Grid(*heights.shape, 0.01)
