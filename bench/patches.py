@@ -25,7 +25,7 @@ class Patched:
         self._model = TwoScaleModel(study, patches, heights_of(study), executor)
 
     def advance(self, increment: float) -> Solved:
-        step = self._model.advance(increment)
+        step = self._model.advance(increment, then=increment)
         row = step.row
         worn = row["wear_volume_sphere"], row["wear_volume_disc"]
         return Solved(step.balance.approach, *worn, row["area_contact"], step.balance.evaluations)

@@ -70,7 +70,7 @@ class Course:
             **{f"cof_{d:g}mm": at(result, "cof", d) for d in AT},
             "area_end_over_reference": at(result, "area_contact", AT[-1])
             / at(reference, "area_contact", AT[-1]),
-            "iterations_median": float(np.median(result.history["evaluations"])),
+            "evaluations_median": float(np.median(result.history["evaluations"])),
         }
 
 

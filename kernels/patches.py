@@ -11,6 +11,7 @@ import warp as wp
 
 from warpwear.kernels.contact import pressure_of
 from warpwear.kernels.gap import sag
+from warpwear.kernels.patch_loop import wear
 from warpwear.kernels.reductions import lowest_of, sum_of
 from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
 
@@ -18,7 +19,6 @@ wp.set_module_options({"enable_backward": False})
 
 #: Stands for "no cell" among first and last indices.
 NOWHERE = wp.constant(wp.float64(-1.0e9))
-EIGHT = wp.constant(wp.int32(LANES))
 
 
 @wp.kernel
@@ -149,141 +149,95 @@ def remove(
     base_in: wp.array(dtype=wp.float64),
     offset_in: wp.array(dtype=wp.float64),
     reached_in: wp.array(dtype=wp.float64),
+    base_next_in: wp.array(dtype=wp.float64),
+    offset_next_in: wp.array(dtype=wp.float64),
     cap: wp.float64,
     stiffness: wp.float64,
+    stiffness_next: wp.float64,
     removal: wp.float64,
     pressure_reference: wp.float64,
+    first_row_known: wp.int32,
+    last_row_known: wp.int32,
+    first_column_known: wp.int32,
+    last_column_known: wp.int32,
+    first_row_in: wp.array(dtype=wp.int32),
+    first_column_in: wp.array(dtype=wp.int32),
     lowest_in: wp.array2d(dtype=wp.float64),
     initial_in: wp.array2d(dtype=Cells),
-    columns: wp.int32,
-    full_out: wp.array2d(dtype=wp.int32),
     gap_out: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
+    ahead_out: wp.array2d(dtype=wp.float64),
 ):
     """One increment of wear in place: the gap opens by K p ΔL of both bodies (`removal` = K ΔL).
 
     Sums and maxima of the step and of each patch, a column a slot, in the order of `types.PATCH_SUMS` and
     `types.PATCH_MAXIMA`. Squares are those of the deviation from `pressure_reference`. reached: the largest
     approach that a patch has had: a tile above it was never touched, every other one is visited, so that the
-    sums of what was touched and worn are those of the whole patch. columns: of a line. full: 1 for tiles
-    whose cells have all touched, of which no more is looked for; their extents were told when they became so.
+    sums of what was touched and worn are those of the whole patch. *_known: rows and columns of the domain
+    between which cells are known to be touched; only beyond them it is looked for the first and the last
+    ones. first_row_in, first_column_in: of the domain's cells, where a patch begins. ahead_out: what
+    `carried` would find in the worn gap at the approaches of `*_next`.
     """
     slot = first_slot + wp.tid()
     patch = patches_in[slot // slots_per_row]
+    lane = slot % slots_per_row
     base = base_in[patch]
     offset = offset_in[patch]
     reached = reached_in[patch]
-    tiles = (vectors + WIDTH - 1) // WIDTH
-    pressure = Cells(ZERO)
-    deviation = Cells(ZERO)
-    contact = Cells(ZERO)
-    capped = Cells(ZERO)
-    touched = Cells(ZERO)
-    worn = Cells(ZERO)
-    highest_pressure = Cells(ZERO)
-    deepest = Cells(ZERO)
-    from_first = Cells(ZERO)  # vectors from the first one touched to a line's end, 0 for none
-    to_last = Cells(ZERO)  # vectors from a line's start to the last one touched, 0 for none
-    first_line = NOWHERE
-    last_line = NOWHERE
-    in_full = ZERO  # cells of full tiles
-    # What a cell does is written lane by lane, what is summed over cells vector by vector: see `removal`.
-    for n in range(slot % slots_per_row, lowest_in.shape[1], slots_per_row):
-        low = lowest_in[patch, n]
-        if low < reached or (base - low) + offset > ZERO:
+    wear(
+        slot,
+        slots_per_row,
+        patch,
+        lane,
+        vectors,
+        base,
+        offset,
+        reached,
+        base_next_in[patch],
+        offset_next_in[patch],
+        cap,
+        stiffness,
+        stiffness_next,
+        removal,
+        pressure_reference,
+        lowest_in,
+        initial_in,
+        gap_out,
+        sums_out,
+        maxima_out,
+        ahead_out,
+    )
+    first_row = NOWHERE + ZERO  # a variable of its own
+    last_row = NOWHERE + ZERO
+    first_column = NOWHERE + ZERO
+    last_column = NOWHERE + ZERO
+    if sums_out[4, slot] > ZERO:
+        tiles = (vectors + WIDTH - 1) // WIDTH
+        for n in range(lane, lowest_in.shape[1], slots_per_row):
+            low = lowest_in[patch, n]
             line = n // tiles
             first = (n - line * tiles) * WIDTH
-            cells = wp.float64(wp.min(WIDTH * EIGHT, columns - first * EIGHT))
-            if full_out[patch, n] == 1:
-                in_full += cells
-                for v in range(first, wp.min(first + WIDTH, vectors)):
-                    k = line * vectors + v
-                    g = gap_out[patch, k]
-                    initial = initial_in[patch, k]
-                    p = Cells(ZERO)
-                    d = Cells(ZERO)
-                    w = Cells(ZERO)
-                    is_contact = Cells(ZERO)
-                    is_capped = Cells(ZERO)
+            last = wp.min(first + WIDTH, vectors)
+            row = first_row_in[patch] + line
+            column = first_column_in[patch]
+            known = row >= first_row_known and row <= last_row_known
+            known = known and column + first * LANES >= first_column_known
+            known = known and column + last * LANES - 1 <= last_column_known
+            if not known and (low < reached or (base - low) + offset > ZERO):
+                for v in range(first, last):
+                    g = gap_out[patch, line * vectors + v]
+                    u = initial_in[patch, line * vectors + v]
                     for j in range(LANES):
-                        q = wp.min(wp.max(((base - g[j]) + offset) * stiffness, ZERO), cap)
-                        p[j] = q
-                        g[j] = g[j] + removal * q
-                        w[j] = g[j] - initial[j]
-                        d[j] = wp.where(q > ZERO, q - pressure_reference, ZERO)
-                        is_contact[j] = wp.where(q > ZERO, ONE, ZERO)
-                        is_capped[j] = wp.where(q >= cap, ONE, ZERO)
-                    gap_out[patch, k] = g
-                    pressure += p
-                    deviation += wp.cw_mul(d, d)
-                    contact += is_contact
-                    capped += is_capped
-                    worn += w
-                    highest_pressure = wp.max(highest_pressure, p)
-                    deepest = wp.max(deepest, w)
-                continue
-            of_tile = Cells(ZERO)
-            for v in range(first, wp.min(first + WIDTH, vectors)):
-                k = line * vectors + v
-                g = gap_out[patch, k]
-                initial = initial_in[patch, k]
-                p = Cells(ZERO)
-                d = Cells(ZERO)
-                w = Cells(ZERO)
-                is_contact = Cells(ZERO)
-                is_capped = Cells(ZERO)
-                is_touched = Cells(ZERO)
-                to_end = Cells(ZERO)
-                from_start = Cells(ZERO)
-                vectors_to_end = wp.float64(vectors - v)
-                vectors_from_start = wp.float64(v + 1)
-                for j in range(LANES):
-                    q = wp.min(wp.max(((base - g[j]) + offset) * stiffness, ZERO), cap)
-                    p[j] = q
-                    g[j] = g[j] + removal * q
-                    w[j] = g[j] - initial[j]
-                    d[j] = wp.where(q > ZERO, q - pressure_reference, ZERO)
-                    is_contact[j] = wp.where(q > ZERO, ONE, ZERO)
-                    is_capped[j] = wp.where(q >= cap, ONE, ZERO)
-                    ever = q + w[j] > ZERO
-                    is_touched[j] = wp.where(ever, ONE, ZERO)
-                    to_end[j] = wp.where(ever, vectors_to_end, ZERO)
-                    from_start[j] = wp.where(ever, vectors_from_start, ZERO)
-                gap_out[patch, k] = g
-                pressure += p
-                deviation += wp.cw_mul(d, d)
-                contact += is_contact
-                capped += is_capped
-                of_tile += is_touched
-                worn += w
-                highest_pressure = wp.max(highest_pressure, p)
-                deepest = wp.max(deepest, w)
-                from_first = wp.max(from_first, to_end)
-                to_last = wp.max(to_last, from_start)
-            touched += of_tile
-            count = sum_of(of_tile)
-            full_out[patch, n] = wp.where(count == cells, 1, 0)
-            here = count > ZERO
-            first_line = wp.max(first_line, wp.where(here, -wp.float64(line), NOWHERE))
-            last_line = wp.max(last_line, wp.where(here, wp.float64(line), NOWHERE))
-    sums_out[0, slot] = sum_of(pressure)
-    sums_out[1, slot] = sum_of(deviation)
-    sums_out[2, slot] = sum_of(contact)
-    sums_out[3, slot] = sum_of(capped)
-    sums_out[4, slot] = sum_of(touched) + in_full
-    sums_out[5, slot] = sum_of(worn)
-    first_column = NOWHERE
-    last_column = NOWHERE
-    for j in range(LANES):
-        if to_last[j] > ZERO:
-            first_vector = wp.float64(vectors) - from_first[j]
-            last_vector = to_last[j] - ONE
-            first_column = wp.max(first_column, -(first_vector * wp.float64(LANES) + wp.float64(j)))
-            last_column = wp.max(last_column, last_vector * wp.float64(LANES) + wp.float64(j))
-    maxima_out[0, slot] = wp.max(highest_pressure)
-    maxima_out[1, slot] = wp.max(deepest)
-    maxima_out[2, slot] = first_line
-    maxima_out[3, slot] = last_line
+                        # Where nothing wears the gap is as it was, and what touched does so still.
+                        p = pressure_of((base - g[j]) + offset, stiffness, cap, ZERO, ZERO)
+                        if p + (g[j] - u[j]) > ZERO:
+                            at = wp.float64(column + v * LANES + j)
+                            first_row = wp.max(first_row, -wp.float64(row))
+                            last_row = wp.max(last_row, wp.float64(row))
+                            first_column = wp.max(first_column, -at)
+                            last_column = wp.max(last_column, at)
+    maxima_out[2, slot] = first_row
+    maxima_out[3, slot] = last_row
     maxima_out[4, slot] = first_column
     maxima_out[5, slot] = last_column

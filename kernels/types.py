@@ -36,8 +36,9 @@ MAXIMA = ("pressure", "wear_sphere", "wear_disc", "first_row", "last_row", "firs
 #: The same two tables of `sliding.remove`: sums of a step, and maxima. The rest is kept a tile and a row.
 STEP = ("pressure", "deviation_squared", "contact", "capped")
 STEP_MAXIMA = ("pressure", "wear_sphere", "wear_disc", "first_column", "last_column")
-#: The same two tables of `patches.remove`, of each patch; "worn" is by both bodies.
+#: The same two tables of `patches.remove`, of each patch; "worn" is by both bodies, rows and
+#: columns are the domain's.
 PATCH_SUMS = ("pressure", "deviation_squared", "contact", "capped", "touched", "worn")
-PATCH_MAXIMA = ("pressure", "worn", "first_line", "last_line", "first_column", "last_column")
+PATCH_MAXIMA = ("pressure", "worn", "first_row", "last_row", "first_column", "last_column")
 #: What is kept of every tile: cells ever touched, sums of the wear of sphere and disc [mm].
 Kept = wp.types.vector(3, wp.float64)

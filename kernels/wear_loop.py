@@ -7,28 +7,13 @@ once for all devices.
 
 import warp as wp
 
+from warpwear.kernels.lanes import LANES_IN_C
 from warpwear.kernels.types import Cells
 
 wp.set_module_options({"enable_backward": False})
 
-#: Every cell of a slot. `Lanes` are the eight cells of a vector on a CPU, on a GPU one cell after another.
+#: Every cell of a slot.
 _WEAR = """
-#if defined(__CUDA_ARCH__)
-    typedef double Lanes;
-    typedef double Stored;
-    typedef long long Counts;
-    const auto size_of = [](double v) { return fabs(v); };
-    const auto fetch = [](const Stored*) {};
-#else
-    typedef double Lanes __attribute__((ext_vector_type(8)));
-    typedef double Stored __attribute__((ext_vector_type(8), aligned(8)));
-    typedef long long Counts __attribute__((ext_vector_type(8)));
-    const auto size_of = [](Lanes v) { return __builtin_elementwise_abs(v); };
-    const auto fetch = [](const Stored* place) { __builtin_prefetch(place, 1); };
-#endif
-    const int lanes = sizeof(Lanes) / sizeof(double);
-    const Lanes zero = 0.0;
-    const Counts no = 0, yes = 1;
     Lanes pressure = 0.0, factored = 0.0, deviation = 0.0, highest = 0.0;
     Lanes worn = 0.0, worn_sphere = 0.0, deepest = 0.0, deepest_sphere = 0.0, deepest_disc = 0.0;
     Lanes pressure_next = 0.0, slope_next = 0.0, nearest_next = 1.0e30;
@@ -94,21 +79,6 @@ _WEAR = """
         }
     }
 
-    const auto total = [&](const Lanes& v) {
-        double sum = 0.0;
-        for (int j = 0; j < lanes; ++j) sum += ((const double*)&v)[j];
-        return sum;
-    };
-    const auto count = [&](const Counts& v) {
-        long long sum = 0;
-        for (int j = 0; j < lanes; ++j) sum += ((const long long*)&v)[j];
-        return double(sum);
-    };
-    const auto most = [&](const Lanes& v) {
-        double top = ((const double*)&v)[0];
-        for (int j = 1; j < lanes; ++j) top = wp::max(top, ((const double*)&v)[j]);
-        return top;
-    };
     const auto first_of = [](const wp::vec_t<8, double>& v) { return v[0]; };
     const double part = alike ? first_of(wp::index(share_in, share_row, 0)) : 0.0;
     const double sphere = alike ? part * total(worn) : total(worn_sphere);
@@ -131,7 +101,7 @@ _WEAR = """
 """
 
 
-@wp.func_native(_WEAR)
+@wp.func_native(LANES_IN_C + _WEAR)
 def wear(
     slot: wp.int32,
     slots_per_row: wp.int32,

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 from test_figures import drawn, faults_of
 
@@ -27,6 +28,7 @@ OF_FIELDS = {"setup", "pressure_map", "contact_map", "wear_map", "sphere_3d", "d
 def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
     where = tmp_path_factory.mktemp("runs")
     small = {"grid.cell": "10 um", "sliding.distance": "10 mm", "output.snapshots": []}
+    small["disc.synthetic.cut_off"] = "20 um"  # what such cells resolve
     return {
         name: warpwear.run(
             Study.load("two-scale").replace(small | changes), out=where / name.replace(" ", "-"), plots=False
@@ -35,16 +37,27 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
     }
 
 
-@pytest.mark.parametrize("name", ["load_share", "patch_zoom"])
-def test_figures_of_patches_are_fit_to_print(results: dict[str, Result], name: str) -> None:
-    faults = [fault for run, r in results.items() for fault in faults_of(f"{run}, {name}", *drawn(r, name))]
+@pytest.fixture(scope="module")
+def load_shares(results: dict[str, Result]) -> dict[str, tuple[Figure, Any]]:
+    return {run: drawn(result, "load_share") for run, result in results.items()}
+
+
+def test_maps_of_loads_are_fit_to_print(load_shares: dict[str, tuple[Figure, Any]]) -> None:
+    faults = [fault for run, figure in load_shares.items() for fault in faults_of(run, *figure)]
     assert not faults, "\n".join(faults)
 
 
-def test_the_maps_show_the_loads(results: dict[str, Result]) -> None:
+def test_patches_drawn_large_are_fit_to_print(results: dict[str, Result]) -> None:
+    faults = [fault for run, r in results.items() for fault in faults_of(run, *drawn(r, "patch_zoom"))]
+    assert not faults, "\n".join(faults)
+
+
+def test_the_maps_show_the_loads(
+    results: dict[str, Result], load_shares: dict[str, tuple[Figure, Any]]
+) -> None:
     """Every panel's pressures times the area of a macro cell sum up to the load."""
     for run, panels in (("all covered", 6), ("a ninth", 2), ("no smooth contact", 1)):
-        figure, _ = drawn(results[run], "load_share")
+        figure, _ = load_shares[run]
         assert len(figure.axes) == panels
         area = results[run].study.macro.cell ** 2
         for axes in figure.axes:

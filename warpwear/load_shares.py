@@ -73,6 +73,11 @@ class Shares:
         """u_k [mm]. Of a patch without pressure it is δ or lower."""
         return self.base + self.offset
 
+    @property
+    def bases(self) -> FloatArray:
+        """From which the next step counts [mm]: u_k, but a patch without pressure hangs on the body alone."""
+        return np.where(self.pressure > 0.0, self.approaches, self.approach)
+
 
 @dataclass(frozen=True)
 class Task:
@@ -85,11 +90,18 @@ class Task:
     lowest: FloatArray  # below that approach a patch carries nothing [mm]
 
 
-def share(response: Response, task: Task, start: Shares | None, *, step: float) -> Shares:
+def share(
+    response: Response,
+    task: Task,
+    start: Shares | None,
+    *,
+    step: float,
+    steps: FloatArray | None = None,
+) -> Shares:
     """Share a load among patches, to `TOLERANCE` of it and of the largest deflection of a spring.
 
-    start: of the step before; step: how far beyond it the solution is expected [mm]. Without a start
-    the search begins at the lowest cell, with that step.
+    start: of the step before; step: how far beyond it the solution is expected [mm], steps: that of each
+    patch beyond its base. Without a start the search begins at the lowest cell, with that step.
 
     Raises ConvergenceError, with what is left, never returns unbalanced shares.
     """
@@ -98,17 +110,14 @@ def share(response: Response, task: Task, start: Shares | None, *, step: float) 
         search = _Search(response, task, np.full(task.lowest.size, lowest), lowest)
         low = 0.0
     else:
-        common = start.approach
-        # A patch without pressure hangs on the body alone.
-        base = np.where(start.pressure > 0.0, start.approaches, common)
-        search = _Search(response, task, base, common)
+        search = _Search(response, task, start.bases, start.approach)
         low = -math.inf
     evaluations = 0
     for number in range(MAX_ROUNDS):
         if number:  # down to neighbouring numbers: from bases at the solution the offsets have digits again
             search = _Search(response, task, search.base + search.offset, search.common_base + search.common)
-            step, low = 0.0, -math.inf
-        found = search.run(step, low)
+            step, steps, low = 0.0, None, -math.inf
+        found = search.run(step, low, steps)
         evaluations += search.evaluations
         if found is not None:
             return replace(found, evaluations=evaluations)
@@ -134,14 +143,14 @@ class _Search:
         self.common = self.residual = self.spring_residual = self.spring_allowed = math.nan
         self.evaluations = 0
 
-    def run(self, guess: float, low: float) -> Shares | None:
+    def run(self, guess: float, low: float, offsets: FloatArray | None = None) -> Shares | None:
         """The shares, or None where numbers have no more digits, or none are found."""
         task = self._task
         flexibility, load = task.flexibility, task.load
         x, high = guess, math.inf
         reach = abs(guess) or FIRST_REACH
         width_before, rounds = math.inf, 0
-        self.offset = np.full_like(self.base, guess)
+        self.offset = np.full_like(self.base, guess) if offsets is None else offsets
         brackets = _Brackets(self.base.size)
         for self.evaluations in range(1, MAX_EVALUATIONS):
             p, slope, straight = self._response(self.base, self.offset)

@@ -1,5 +1,7 @@
 """The fine cells of all patches: what they answer to an approach of each patch, and their wear."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +17,8 @@ from warpwear.patches import Patches
 
 #: Work of a patch where no cell has touched yet, over that of one where all have.
 LEAST_WORK = 0.05
+#: Among the maxima: lowest indices are stored negated.
+EXTENTS = ("first_row", "last_row", "first_column", "last_column")
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +27,16 @@ class Worn:
 
     sums: dict[str, FloatArray]  # by the names of `kernels.types.PATCH_SUMS`
     most: dict[str, float]  # over all patches, by those of `MAXIMA`; "worn" is by both bodies
+
+
+@dataclass(frozen=True, eq=False)
+class Ahead:
+    """What was evaluated before its step begins, in the pass that ended the last one."""
+
+    stiffness: float  # that it is made for [N/mm³]
+    base: FloatArray
+    offset: FloatArray
+    answer: Answer
 
 
 class PatchContact:
@@ -39,7 +53,8 @@ class PatchContact:
         tiles = patches.side * -(-patches.vectors // int(WIDTH))
         count, device, domain = patches.count, executor.device, patches.domain
         self._lowest_of_tiles = wp.zeros((count, tiles), dtype=wp.float64, device=device)
-        self._full = wp.zeros((count, tiles), dtype=wp.int32, device=device)
+        self._first_row: Field = wp.array(patches.first_row, dtype=wp.int32, device=device)
+        self._first_column: Field = wp.array(patches.first_column, dtype=wp.int32, device=device)
         self.initial: Field = executor.zeros()
         executor.launch(
             kernels.gap,
@@ -50,8 +65,8 @@ class PatchContact:
                 float(domain.x[0]),
                 float(domain.y[0]),
                 curvature,
-                wp.array(patches.first_row, dtype=wp.int32, device=device),
-                wp.array(patches.first_column, dtype=wp.int32, device=device),
+                self._first_row,
+                self._first_column,
                 executor.field(patches.stored(heights)),
             ],
             outputs=[self.initial, self._lowest_of_tiles],
@@ -67,18 +82,30 @@ class PatchContact:
         self._chunks: list[tuple[int, int]] = []
         self._listed = np.empty(0, dtype=np.intp)
         self._list = wp.zeros(count, dtype=wp.int32, device=device)
-        self._base, self._offset, self._reached = (
-            wp.zeros(count, dtype=wp.float64, device=device) for _ in range(3)
+        self._base, self._offset, self._reached, self._base_next, self._offset_next = (
+            wp.zeros(count, dtype=wp.float64, device=device) for _ in range(5)
         )
+        self._of_ahead = executor.partials(3)
         self._sums = executor.partials(len(PATCH_SUMS))
         self._maxima = executor.partials(len(PATCH_MAXIMA))
         #: 1/c of the cells [N/mm³].
         self.stiffness = np.inf
+        #: Of the step to come, where its approaches were foreseen.
+        self.ahead: Ahead | None = None
+        #: Passes over the gap that answered so far.
+        self.evaluations = 0
 
     def response(self, base: FloatArray, offset: FloatArray) -> Answer:
         """What each patch answers to its approach base + offset [mm]."""
-        pressure, slope = np.zeros_like(base), np.zeros_like(base)
-        straight = (self.lowest - base) - offset
+        ahead = self.ahead
+        if (
+            ahead is not None
+            and ahead.stiffness == self.stiffness
+            and np.array_equal(ahead.offset, offset)
+            and np.array_equal(ahead.base, base)
+        ):
+            return ahead.answer
+        self.evaluations += 1
         self._visit((base - self.lowest) + offset > 0.0)
         if self._listed.size:
             self._send(base, offset)
@@ -98,9 +125,16 @@ class PatchContact:
                 chunks=self._chunks,
                 often=True,
             )
-            table = self._of_patches(self._sums)[:3]
+        return self._answer(self._sums, base, offset, self.stiffness)
+
+    def _answer(self, sums: Field, base: FloatArray, offset: FloatArray, stiffness: float) -> Answer:
+        """What a table says of the patches visited; the others carry nothing."""
+        pressure, slope = np.zeros_like(base), np.zeros_like(base)
+        straight = (self.lowest - base) - offset
+        if self._listed.size:
+            table = self._of_patches(sums)[:3]
             pressure[self._listed], slope[self._listed] = table[:2].sum(axis=2) / self._cells
-            straight[self._listed] = table[2].min(axis=1) / self.stiffness
+            straight[self._listed] = table[2].min(axis=1) / stiffness
         return Answer(pressure, slope, straight)
 
     def pressures(self, base: FloatArray, offset: FloatArray) -> FloatArray:
@@ -116,11 +150,27 @@ class PatchContact:
         )
         return self._executor.to_numpy(field)
 
-    def remove(self, base: FloatArray, offset: FloatArray, *, removal: float, reference: float) -> Worn:
-        """Wear both bodies by removal [mm³/N] times the pressure. reference: squares count from it [MPa]."""
-        touching = (base - self.lowest) + offset > 0.0
+    def remove(
+        self,
+        base: FloatArray,
+        offset: FloatArray,
+        *,
+        removal: float,
+        reference: float,
+        known: Mapping[str, float],
+        foreseen: tuple[float, FloatArray, FloatArray] | None = None,
+    ) -> Worn:
+        """Wear both bodies by removal [mm³/N] times the pressure. reference: squares count from it [MPa].
+
+        known: extents of the cells touched so far, by the names of `MAXIMA`. foreseen: of the next step, 1/c
+        [N/mm³], base and offset [mm] of its first evaluation: `response` then has its answer.
+        """
+        stiffness_next, base_next, offset_next = foreseen or (self.stiffness, base, offset)
+        touching = ((base - self.lowest) + offset > 0.0) | ((base_next - self.lowest) + offset_next > 0.0)
         self._visit(touching | (self.lowest < self.reached))
         self._send(base, offset)
+        self._put(self._base_next, base_next)
+        self._put(self._offset_next, offset_next)
         self._put(self._reached, self.reached)
         self._executor.launch(
             kernels.remove,
@@ -130,15 +180,20 @@ class PatchContact:
                 self._base,
                 self._offset,
                 self._reached,
+                self._base_next,
+                self._offset_next,
                 self._hardness,
                 self.stiffness,
+                stiffness_next,
                 removal,
                 reference,
+                *self._between(known),
+                self._first_row,
+                self._first_column,
                 self._lowest_of_tiles,
                 self.initial,
-                self.patches.side,
             ],
-            outputs=[self._full, self.gap, self._sums, self._maxima],
+            outputs=[self.gap, self._sums, self._maxima, self._of_ahead],
             chunks=self._chunks,
             often=True,
         )
@@ -146,22 +201,20 @@ class PatchContact:
         sums = np.zeros((len(PATCH_SUMS), self.patches.count))
         sums[:, self._listed] = self._of_patches(self._sums).sum(axis=2)
         self._work = sums[PATCH_SUMS.index("touched")] + LEAST_WORK * self._cells
-        return Worn(dict(zip(PATCH_SUMS, sums, strict=True)), self._most())
+        most = self._of_patches(self._maxima).max(axis=(1, 2)).tolist()
+        self.ahead = None
+        if foreseen is not None:
+            answer = self._answer(self._of_ahead, base_next, offset_next, stiffness_next)
+            self.ahead = Ahead(stiffness_next, base_next, offset_next, answer)
+        return Worn(dict(zip(PATCH_SUMS, sums, strict=True)), dict(zip(PATCH_MAXIMA, most, strict=True)))
 
-    def _most(self) -> dict[str, float]:
-        """Maxima over the patches; lines and columns become the domain's, lowest ones negated."""
-        found = dict(zip(PATCH_MAXIMA, self._of_patches(self._maxima).max(axis=2), strict=True))
-        row, column = (
-            of[self._listed].astype(np.float64) for of in (self.patches.first_row, self.patches.first_column)
-        )
-        return {
-            "pressure": float(found["pressure"].max()),
-            "worn": float(found["worn"].max()),
-            "first_row": float((found["first_line"] - row).max()),
-            "last_row": float((found["last_line"] + row).max()),
-            "first_column": float((found["first_column"] - column).max()),
-            "last_column": float((found["last_column"] + column).max()),
-        }
+    def _between(self, known: Mapping[str, float]) -> tuple[int, int, int, int]:
+        """First and last row, first and last column."""
+        if not math.isfinite(known["first_row"]):
+            size = self.patches.domain.nx
+            return size, -1, size, -1
+        first_row, last_row, first_column, last_column = (int(abs(known[name])) for name in EXTENTS)
+        return first_row, last_row, first_column, last_column
 
     def _visit(self, which: NDArray[np.bool_]) -> None:
         """List patches for the next launches."""

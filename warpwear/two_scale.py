@@ -1,5 +1,6 @@
 """Two scales: patches of fine cells that share the load of a macro contact."""
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -11,9 +12,10 @@ from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray
 from warpwear.ledger import Ledger, Step
-from warpwear.load_shares import Shares, Task, share
+from warpwear.load_shares import Answer, Shares, Task, share
 from warpwear.patch_book import PatchBook
-from warpwear.patch_contact import PatchContact, Worn
+from warpwear.patch_contact import Ahead, PatchContact, Worn
+from warpwear.patch_foresight import PatchForesight
 from warpwear.patches import Patches
 from warpwear.prescribed_loads import press
 from warpwear.results import Snapshot
@@ -42,8 +44,7 @@ class TwoScaleModel:
         self.book = PatchBook(patches)
         self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
         self._last: Shares | None = None
-        #: Pressure at which the approach grew by wear in the last step and the one before [MPa].
-        self._pace = (0.0, 0.0)
+        self._foresight = PatchForesight()
         steady = [law.steady for law in self._wear]
         #: Of what both bodies lose, the parts of sphere and disc: a small one is no difference of large ones.
         self._parts = [k / sum(steady) for k in steady] if sum(steady) else [0.5, 0.5]
@@ -51,31 +52,49 @@ class TwoScaleModel:
 
     def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
         """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
-        for increment, with_pressure in plan:
-            yield self.advance(increment, with_pressure=with_pressure)
+        end: list[None] = [None]
+        for this, following in itertools.pairwise(itertools.chain(plan, end)):
+            assert this is not None
+            increment, with_pressure = this
+            then = following[0] if following else None
+            yield self.advance(increment, with_pressure=with_pressure, then=then)
 
-    def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
+    def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Share the load, then slide by the increment [mm] and wear both bodies.
+
+        then: the next increment, where it is known [mm]; the pass that wears evaluates for it as well.
 
         Raises ConvergenceError when the load cannot be shared.
         """
         study, row = self.study, self._ledger.row
-        removals = (
-            self._wear[0].removal(row["distance"], increment),
-            self._wear[1].removal(row["distance"], increment),
-        )
+        removals = self._removals(0.0, increment)
         removal = sum(removals)
-        compliance = study.law().compliance + (removal if study.stepping.scheme == "implicit" else 0.0)
-        self.contact.stiffness = 1.0 / compliance if compliance else RIGID
+        self.contact.stiffness = self._stiffness(removal)
+        evaluations = self.contact.evaluations
         shares = self._share(removal)
+        evaluations = self.contact.evaluations - evaluations
+        self._foresight.note(shares, self._last, removal, sprung=study.uses_foundation)
+        self._last = shares
         pressure = None
         if with_pressure:
             pressure = self.patches.on_domain(self.contact.pressures(shares.base, shares.offset))
         reference = row["pressure_mean"] or (study.hardness if math.isfinite(study.hardness) else 0.0)
-        worn = self.contact.remove(shares.base, shares.offset, removal=removal, reference=reference)
-        pace = (shares.approach - self._last.approach) / removal if self._last and removal else 0.0
-        self._last, self._pace = shares, (self._pace[1], pace)
-        return self._entered(shares, worn, increment, removals, reference, pressure)
+        foreseen = None
+        if then is not None and self._smooth is None:
+            removal_next = sum(self._removals(increment, then))
+            step, steps = self._foresight.expected(removal_next)
+            if step is not None:
+                offset = np.full_like(shares.base, step) if steps is None else steps
+                foreseen = self._stiffness(removal_next), shares.bases, offset
+        worn = self.contact.remove(
+            shares.base,
+            shares.offset,
+            removal=removal,
+            reference=reference,
+            known=self._ledger.most,
+            foreseen=foreseen,
+        )
+        return self._entered(shares, worn, increment, removals, reference, pressure, evaluations)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm].
@@ -100,8 +119,14 @@ class TwoScaleModel:
             "most": self._ledger.most,
             "row": self._ledger.row,
             "last": None,
-            "pace": self._pace,
+            "ahead_stiffness": None,
         }
+        foreseen, numbers["foresight"] = self._foresight.saved_state()
+        arrays |= foreseen
+        if (ahead := self.contact.ahead) is not None:
+            numbers["ahead_stiffness"] = ahead.stiffness
+            arrays |= {"ahead_base": ahead.base, "ahead_offset": ahead.offset}
+            arrays |= {f"ahead_{name}": values for name, values in ahead.answer._asdict().items()}
         if self._last is not None:
             state = vars(self._last)
             arrays |= {f"shares_{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
@@ -116,7 +141,11 @@ class TwoScaleModel:
         self._executor.fill(self.contact.gap, arrays["gap"])
         self.contact.reached = arrays["reached"]
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
-        self._pace = (numbers["pace"][0], numbers["pace"][1])
+        self._foresight.restore(arrays, numbers["foresight"])
+        if numbers["ahead_stiffness"] is not None:
+            answer = Answer(*(arrays[f"ahead_{name}"] for name in Answer._fields))
+            foreseen = numbers["ahead_stiffness"], arrays["ahead_base"], arrays["ahead_offset"]
+            self.contact.ahead = Ahead(*foreseen, answer)
         if numbers["last"] is not None:
             of_patches = {k: arrays[f"shares_{k}"] for k in ("base", "offset", "pressure")}
             self._last = Shares(**of_patches, **numbers["last"])
@@ -132,9 +161,9 @@ class TwoScaleModel:
             if study.uses_foundation
             else math.inf
         )
-        before, now = self._pace
-        # Where the contact grows evenly its pressure falls by as much again.
-        step = removal * (now * min(now / before, 1.0) if before > 0.0 < now else row["pressure_mean"])
+        step, steps = self._foresight.expected(removal)
+        if step is None:
+            step = removal * row["pressure_mean"]
         load = study.contact.load
         if self._smooth is not None:
             target = self._smooth.press(foundation=foundation, removal=removal)
@@ -156,7 +185,21 @@ class TwoScaleModel:
             hardness=study.hardness,
             lowest=self.contact.lowest,
         )
-        return share(self.contact.response, task, self._last, step=step if self._last else self._first)
+        if self._last is None:
+            return share(self.contact.response, task, None, step=self._first)
+        return share(self.contact.response, task, self._last, step=step, steps=steps)
+
+    def _removals(self, later: float, increment: float) -> tuple[float, float]:
+        """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
+        start = self._ledger.row["distance"] + later
+        sphere, disc = (law.removal(start, increment) for law in self._wear)
+        return sphere, disc
+
+    def _stiffness(self, removal: float) -> float:
+        """1/c of a step that removes so much of both bodies [N/mm³]."""
+        implicit = self.study.stepping.scheme == "implicit"
+        compliance = self.study.law().compliance + (removal if implicit else 0.0)
+        return 1.0 / compliance if compliance else RIGID
 
     @property
     def _first(self) -> float:
@@ -172,6 +215,7 @@ class TwoScaleModel:
         removals: tuple[float, float],
         reference: float,
         pressure: FloatArray | None,
+        evaluations: int,
     ) -> Step:
         sums, most = worn.sums, dict(worn.most)
         total = {name: float(values.sum()) for name, values in sums.items()}
@@ -193,6 +237,6 @@ class TwoScaleModel:
             shares.common_offset,
             self.study.hardness,
             residual,
-            evaluations=shares.evaluations,
+            evaluations=evaluations,
         )
         return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
