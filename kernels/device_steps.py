@@ -8,6 +8,7 @@ numbers. What a search knows lies in `search`, in the order of `SEARCH`; the rul
 
 import warp as wp
 
+from warpwear.kernels.device_wear_loop import wear
 from warpwear.kernels.types import ABSENT, ONE, ZERO
 
 wp.set_module_options({"enable_backward": False})
@@ -38,8 +39,6 @@ INFINITE = wp.constant(wp.float64(1.0e300))
 FOUR = 4
 HALF = wp.constant(wp.float64(0.5))
 NOWHERE = wp.constant(wp.float64(-1.0e9))
-#: Beyond any row or column.
-BEYOND = wp.constant(wp.int32(2**31 - 1))
 
 
 @wp.kernel
@@ -196,111 +195,29 @@ def remove(
 
     share_out: of the sphere in what is worn; used only where the two bodies do not wear in one proportion.
     """
-    block = wp.tid() // wp.block_dim()
-    removal_sphere = removal_in[step_in[0], 0]
-    removal_disc = removal_in[step_in[0], 1]
-    base = search_in[BASE]
-    offset = search_in[OFFSET]
-    mean = search_in[MEAN]
-    pressure = ZERO
-    factored = ZERO
-    deviation = ZERO
-    worn = ZERO
-    worn_sphere = ZERO
-    highest = ZERO
-    deepest = ZERO
-    deepest_sphere = ZERO
-    deepest_disc = ZERO
-    contact = wp.int32(0)
-    capped = wp.int32(0)
-    touched = wp.int32(0)
-    first_row = BEYOND
-    last_row = wp.int32(-1)
-    first_column = BEYOND
-    last_column = wp.int32(-1)
-    f = ONE
-    s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
-    opening = removal_sphere + removal_disc
-    share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
-    alike = rows == 0 and share_changes == 0
-    width = wp.block_dim()
-    for row in range(block, gap_out.shape[0] // columns, blocks):
-        touched_before = touched
-        for first in range(wp.tid() % width, columns, FOUR * width):
-            gaps = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
-            unworn = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
-            for j in range(FOUR):  # loaded together, as in `carried`
-                if first + j * width < columns:
-                    gaps[j] = gap_out[row * columns + first + j * width]
-                    unworn[j] = unworn_in[row * columns + first + j * width]
-            for j in range(FOUR):
-                column = wp.min(first + j * width, columns - 1)
-                i = row * columns + column
-                if rows > 0:
-                    f = factor_at(i, column, rows, factor_in)
-                    opening = removal_sphere + f * removal_disc
-                    s = ONE / (compliance + implicit * opening)
-                    share = wp.where(opening > ZERO, removal_sphere / opening, ZERO)
-                p = wp.min(wp.max(((base - gaps[j]) + offset) * s, ZERO), cap)
-                g = gaps[j] + opening * p
-                w = g - unworn[j]
-                if p > ZERO:
-                    gap_out[i] = g
-                    pressure += p
-                    deviation += (p - mean) * (p - mean)
-                    contact += 1
-                    if p >= cap:
-                        capped += 1
-                    highest = wp.max(highest, p)
-                if p + w > ZERO:  # counted in whole numbers: they cost a GPU less
-                    touched += 1
-                    first_column = wp.min(first_column, column)
-                    last_column = wp.max(last_column, column)
-                    worn += w
-                    if alike:
-                        deepest = wp.max(deepest, w)
-                    else:
-                        if share_changes > 0:
-                            share = share_out[i]
-                            if p > ZERO:
-                                of_sphere = share * (gaps[j] - unworn[j]) + removal_sphere * p
-                                share = wp.where(w > ZERO, of_sphere / w, ZERO)
-                                share_out[i] = share
-                        a = share * w
-                        factored += f * p
-                        worn_sphere += a
-                        deepest_sphere = wp.max(deepest_sphere, a)
-                        deepest_disc = wp.max(deepest_disc, w - a)
-        if touched > touched_before:
-            first_row = wp.min(first_row, row)
-            last_row = wp.max(last_row, row)
-    if alike:
-        factored = pressure
-        worn_sphere = share * worn
-        deepest_sphere = share * deepest
-        deepest_disc = deepest - deepest_sphere
-    from_row = -wp.float64(first_row)
-    from_column = -wp.float64(first_column)
-    if touched == 0:
-        from_row = NOWHERE
-        from_column = NOWHERE
-    to_row = wp.where(touched > 0, wp.float64(last_row), NOWHERE)
-    to_column = wp.where(touched > 0, wp.float64(last_column), NOWHERE)
-    wp.tile_store(partial_out[0], wp.tile_sum(wp.tile(pressure)), offset=block)
-    wp.tile_store(partial_out[1], wp.tile_sum(wp.tile(factored)), offset=block)
-    wp.tile_store(partial_out[2], wp.tile_sum(wp.tile(deviation)), offset=block)
-    wp.tile_store(partial_out[3], wp.tile_sum(wp.tile(wp.float64(contact))), offset=block)
-    wp.tile_store(partial_out[4], wp.tile_sum(wp.tile(wp.float64(capped))), offset=block)
-    wp.tile_store(partial_out[5], wp.tile_sum(wp.tile(wp.float64(touched))), offset=block)
-    wp.tile_store(partial_out[6], wp.tile_sum(wp.tile(worn_sphere)), offset=block)
-    wp.tile_store(partial_out[7], wp.tile_sum(wp.tile(worn - worn_sphere)), offset=block)
-    wp.tile_store(partial_out[8], wp.tile_max(wp.tile(highest)), offset=block)
-    wp.tile_store(partial_out[9], wp.tile_max(wp.tile(deepest_sphere)), offset=block)
-    wp.tile_store(partial_out[10], wp.tile_max(wp.tile(deepest_disc)), offset=block)
-    wp.tile_store(partial_out[11], wp.tile_max(wp.tile(from_row)), offset=block)
-    wp.tile_store(partial_out[12], wp.tile_max(wp.tile(to_row)), offset=block)
-    wp.tile_store(partial_out[13], wp.tile_max(wp.tile(from_column)), offset=block)
-    wp.tile_store(partial_out[14], wp.tile_max(wp.tile(to_column)), offset=block)
+    step = step_in[0]
+    wear(
+        wp.tid() // wp.block_dim(),
+        wp.tid() % wp.block_dim(),
+        wp.block_dim(),
+        columns,
+        rows,
+        compliance,
+        implicit,
+        cap,
+        blocks,
+        share_changes,
+        removal_in[step, 0],
+        removal_in[step, 1],
+        search_in[BASE],
+        search_in[OFFSET],
+        search_in[MEAN],
+        factor_in,
+        unworn_in,
+        gap_out,
+        share_out,
+        partial_out,
+    )
 
 
 @wp.kernel
