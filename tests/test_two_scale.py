@@ -338,8 +338,9 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
         p = 1e5 * np.maximum(base + offset, 0.0)
         return load_shares.Answer(p, np.full_like(p, 1e5 * (1.0 + 0.9e-6)), np.zeros_like(p))
 
-    start = load_shares.Shares(1e-5 * target * (1.0 - 1e-6), 0.0 * target, 0.0, 0.0, target, 0.0, 0.0, 0)
-    options = {"step": 0.0, "first": 1e-5, "common": 0.0, "area": area, "load": load}
+    base = 1e-5 * target * (1.0 - 1e-6) - 1e-4
+    start = load_shares.Shares(base, 0.0 * target, 0.0, 0.0, target, 0.0, 0.0, 0)
+    options = {"step": 1e-4, "first": 1e-5, "common": 0.0, "area": area, "load": load}
     found = prescribed_loads.press(response, target, 0.0 * target, start, **options)
     assert abs(found.load_residual) < 0.6e-12 * load
 
