@@ -132,8 +132,8 @@ class CupyTransforms(Transforms):
         except ImportError as error:
             raise InputError(
                 f'contact.law = "half-space" on device = {str(executor.device)!r} needs CuPy for its Fourier '
-                "transforms: pip install cupy-cuda12x (the extra gpu) or cupy-cuda13x (gpu13), for its CUDA, or "
-                "use the device cpu."
+                "transforms: pip install cupy-cuda12x (the extra gpu) or cupy-cuda13x (gpu13), for its CUDA, "
+                "or use the device cpu."
             ) from error
         device = executor.device
         self._device = self._cupy.cuda.Device(device.ordinal)

@@ -30,9 +30,9 @@ class SmoothContact:
         self.approach = float(self._initial.min())  # [mm]
 
     def press(self, *, foundation: float, removal: float) -> FloatArray:
-        """Pressures [MPa] that carry the load to rounding, then worn by removal [mm³/N] times them, implicitly.
+        """Pressures [MPa] that carry the load, then worn by removal [mm³/N] times them, implicitly.
 
-        foundation: K_N [N/mm³]. Raises ConvergenceError.
+        They add up to the load to rounding. foundation: K_N [N/mm³]. Raises ConvergenceError.
         """
         base = self.approach
         stiffness = 1.0 / (1.0 / foundation + removal)
