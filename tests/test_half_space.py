@@ -1,7 +1,11 @@
 """The half-space solver against a dense bound-constrained least-squares solve, and what it refuses."""
 
 import math
+import re
 import sys
+import tomllib
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +19,7 @@ from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.half_space import HalfSpace
 from warpwear.half_space_iterate import FOLDED
-from warpwear.influence import CupyTransforms
+from warpwear.influence import CupyTransforms, _stream_of
 
 MODULUS = 3.0
 GRID = Grid(10, 7, 0.5)  # a width that is no multiple of the lanes of a vector
@@ -245,3 +249,19 @@ def test_a_gpu_without_its_library_is_told_in_one_sentence(monkeypatch: pytest.M
     with Executor(GRID) as executor, pytest.raises(InputError, match=r"needs CuPy .*pip install") as refused:
         CupyTransforms(executor, GRID.shape)
     assert "\n" not in str(refused.value)
+    # What it names are the extras of the package.
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))
+    extras = project["project"]["optional-dependencies"]
+    for package, extra in re.findall(r"(cupy-cuda\d+x) \((?:the extra )?(\w+)\)", str(refused.value)):
+        assert [name.partition(">")[0] for name in extras.pop(extra)] == [package]
+    assert not [name for name in extras if name.startswith("gpu")]
+
+
+@pytest.mark.parametrize("is_new", [True, False])
+def test_the_stream_is_shared_as_the_library_wants_it(is_new: bool) -> None:
+    """Without what newer ones deprecate."""
+    stream = SimpleNamespace(cuda_stream=77)
+    old = SimpleNamespace(Stream=object(), ExternalStream=lambda pointer, device: ("old", pointer, device))
+    new = SimpleNamespace(Stream=SimpleNamespace(from_external=lambda shared: ("new", shared)))
+    found = _stream_of(new if is_new else old, SimpleNamespace(stream=stream, ordinal=3))
+    assert found == (("new", stream) if is_new else ("old", 77, 3))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fuzzing import check_sentence
+from test_swept import small as small_track
 
 import warpwear
 from warpwear import ConvergenceError, InputError, Result, Study, cli
@@ -17,6 +18,7 @@ from warpwear.errors import InvariantError
 from warpwear.invariants import Invariants
 from warpwear.load_shares import _Search
 from warpwear.one_scale import OneScaleModel
+from warpwear.sliding import SlidingContact
 
 SMALL = {
     "grid.cell": "20 um",
@@ -228,7 +230,18 @@ def test_in_memory_nothing_can_be_kept() -> None:
         warpwear.run(small().replace(AT_EDGE))
 
 
-def test_an_unbalanced_step_leaves_the_run_so_far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("changes", "helps"),
+    [
+        ({}, r" \(stepping\.first, stepping\.largest\)"),
+        ({"stepping": {"increment": "0.02 mm"}}, r" \(stepping\.increment\)"),
+    ],
+    ids=["growing", "fixed"],
+)
+def test_an_unbalanced_step_leaves_the_run_so_far(
+    changes: dict[str, Any], helps: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Solving it again would end alike, so that is not what is advised."""
     advance, calls = OneScaleModel.advance, []
 
     def failing(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
@@ -238,11 +251,31 @@ def test_an_unbalanced_step_leaves_the_run_so_far(tmp_path: Path, monkeypatch: p
         return advance(self, *args, **kwargs)
 
     monkeypatch.setattr(OneScaleModel, "advance", failing)
-    with pytest.raises(ConvergenceError, match=r"--resume tries again from its last checkpoint\.$"):
-        warpwear.run(small(), out=tmp_path / "out", plots=False)
+    told = rf"8 N are left; out keeps the run so far, and a new run with smaller increments{helps} may get"
+    with pytest.raises(ConvergenceError, match=told):
+        warpwear.run(small().replace(changes), out=tmp_path / "out", plots=False)
     with Result.open(tmp_path / "out") as result:
         assert result.history["distance"].size == 10
     assert (tmp_path / "out" / CHECKPOINT).is_file()
+
+
+def test_an_unbalanced_step_on_a_track_leaves_the_run_so_far(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its increments are no matter of choice."""
+    step, calls = SlidingContact.step, []
+
+    def failing(self: SlidingContact, *args: Any, **kwargs: Any) -> Any:
+        calls.append(1)
+        if len(calls) > 10:
+            raise ConvergenceError("the load balance did not converge: 1 N of 8 N are left.")
+        return step(self, *args, **kwargs)
+
+    monkeypatch.setattr(SlidingContact, "step", failing)
+    with pytest.raises(ConvergenceError, match=r"8 N are left; out keeps the run so far\.$"):
+        warpwear.run(small_track("representative"), out=tmp_path / "out", plots=False)
+    with Result.open(tmp_path / "out") as result:
+        assert result.history["distance"].size == 10
 
 
 def test_without_a_checkpoint_a_stopped_run_begins_again(

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Result, Study
+from warpwear.balance import Balance, Balancer
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.ledger import Step
@@ -416,3 +417,24 @@ def test_a_representative_track_on_a_rough_disc() -> None:
     scatter = np.sqrt(whole.std(axis=0, ddof=1) ** 2 + part.std(axis=0, ddof=1) ** 2)
     off = np.abs(whole.mean(axis=0) - part.mean(axis=0))
     assert (off <= scatter + 0.02 * whole.mean(axis=0)).all(), (whole, part)
+
+
+@pytest.mark.parametrize("track", TRACKS)
+def test_a_step_ends_where_newton_s_is_surely_the_solution(
+    track: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An evaluation is saved, nothing else changes; of a width that is no multiple of a vector's lanes."""
+    study = small(track)
+    sure = warpwear.run(study, device="cpu").history
+    foundation = Balancer.foundation
+
+    def unsure(*args: Any, stiffest: float, **options: Any) -> Balance:
+        return foundation(*args, **options)
+
+    monkeypatch.setattr(Balancer, "foundation", unsure)
+    looked_at = warpwear.run(study, device="cpu").history
+    assert sure["evaluations"].mean() < looked_at["evaluations"].mean() - 0.5
+    assert np.abs(sure["load_residual"]).max() <= 1e-12 * study.contact.load
+    for name, values in looked_at.items():
+        if name not in ("evaluations", "load_residual"):
+            assert_allclose(sure[name], values, rtol=1e-12, err_msg=name)

@@ -1,9 +1,12 @@
 """What a sphere leaves on its track: groove, passes and roughness in numbers, figures and film."""
 
+import re
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from numpy.testing import assert_allclose
 from PIL import Image
 from test_figures import OF_TRACKS
@@ -12,6 +15,10 @@ from test_swept import small
 import warpwear
 from warpwear import InputError, Result
 from warpwear.animation import animate
+from warpwear.cli import commands
+from warpwear.comparison import gather
+from warpwear.comparison_table import columns, to_text
+from warpwear.summary import course
 from warpwear.track_data import blocks, by_pass, depth_along, groove, roughness_in_track
 
 
@@ -103,15 +110,50 @@ def test_a_groove_that_was_only_pressed() -> None:
     dented.plot.groove().canvas.draw()
 
 
-def test_the_shape_of_a_course_is_that_of_its_passes() -> None:
+def test_the_shape_of_a_course_is_that_of_its_passes(tmp_path: Path) -> None:
     """At the ends of a short stroke the area is smaller than in its middle, which says nothing of wear."""
     changes = {"disc__synthetic__kind": "flat", "sliding__distance": "72 mm", "sliding__shift": 3}
-    result = warpwear.run(small("full", **changes))
+    result = warpwear.run(small("full", **changes), out=tmp_path / "one", plots=False)
     areas = result.history["area_contact"].reshape(80, 15)  # a row a pass of 45 cells
     assert areas[-1, -1] < 0.8 * areas[-1].mean()
     late, passes = areas[40:].mean(axis=1), np.arange(40, 80) + 0.5
     exponent = np.polyfit(np.log(passes), np.log(late), 1)[0]
     assert result.summary["area_shape"]["exponent_m"] == pytest.approx(exponent, rel=1e-2, abs=1e-3)
+    # So are the values at the end, in the summary, in print and in a comparison.
+    summary, of_steps = result.summary, result.history
+    assert summary["end_values"] == "last pass"
+    assert summary["area_mm2"]["contact"] == pytest.approx(areas[-1].mean(), rel=1e-12)
+    assert summary["area_mm2"]["contact"] == pytest.approx(
+        summary["track"]["area_contact_mm2_of_passes"]["last"], rel=1e-12
+    )
+    of_nominal = areas[-1].mean() / of_steps["area_nominal"][-1]
+    assert summary["area_real_over_nominal"] == pytest.approx(of_nominal, rel=1e-12)
+    assert summary["pressure_MPa"]["mean"] == pytest.approx(of_steps["pressure_mean"][-15:].mean(), rel=1e-12)
+    assert summary["pressure_MPa"]["max"] == of_steps["pressure_max"][-15:].max()
+    shutil.copytree(tmp_path / "one", tmp_path / "two")
+    comparison = gather([tmp_path / "one", tmp_path / "two"])
+    told, values = to_text(comparison), next(iter(columns(comparison).values()))
+    assert values["exponent_m"] == pytest.approx(summary["cof_shape"]["exponent_m"], rel=1e-12)
+    assert values["levelling_lambda"] == pytest.approx(summary["cof_shape"]["levelling_lambda"], rel=1e-12)
+    assert values["cof"] == pytest.approx(of_steps["cof"][-15:].mean(), rel=1e-12)
+    assert f"{areas[-1].mean():.4g}" in told
+    assert "means of the last pass" in told
+
+
+def test_a_short_last_pass_is_left_out_of_a_course(tmp_path: Path) -> None:
+    """It ends near the end of the track, where the contact is small; print says what its numbers are."""
+    study = small("full", disc__synthetic__kind="flat", sliding__distance="7.41 mm", sliding__shift=3)
+    (tmp_path / "study.toml").write_text(study.to_toml(), encoding="utf-8")
+    told = CliRunner().invoke(
+        commands, ["run", str(tmp_path / "study.toml"), "--out", str(tmp_path / "out"), "--no-plots"]
+    )
+    assert re.search(r"area in contact .* mm² \(mean of the last pass\), ", told.output), told.output
+    with Result.open(tmp_path / "out") as result:
+        assert result.history["distance"][-1] == pytest.approx(8 * 0.9 + 0.21)
+        distance, areas = course(result, "area_contact")
+        assert distance == pytest.approx(0.9 * (np.arange(8) + 0.5))
+        whole = result.history["area_contact"][:120].reshape(8, 15)
+        assert_allclose(areas, whole.mean(axis=1), rtol=1e-12)
 
 
 def test_friction_is_calibrated_on_a_whole_pass(result: Result) -> None:

@@ -12,10 +12,12 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
-from warpwear import ConvergenceError, InputError, Result, Study, load_shares
+from warpwear import ConvergenceError, InputError, Result, Study, load_shares, prescribed_loads
+from warpwear.balance import Found, newton_in_bracket
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.patches import Patches
+from warpwear.smooth_contact import SmoothContact
 from warpwear.surface_of import surface_in
 from warpwear.two_scale import TwoScaleModel
 
@@ -313,6 +315,34 @@ def test_a_smooth_contact_prescribes_the_loads() -> None:
         assert_allclose(found, area * p, rtol=0.0, atol=1e-9)
         assert found.max() <= study.hardness * area * (1.0 + 1e-12)
         gap = gap + wear * increment * p
+
+
+def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where every patch and the smooth contact stop on the same side, as far off as they may."""
+    stepped = Stepped(of_kind("load"))
+    smooth = SmoothContact(stepped.study, stepped.patches)
+    load, area = stepped.study.contact.load, stepped.patches.area
+
+    def just_converged(carried: Any, load: float, *others: Any) -> Found:
+        found = newton_in_bracket(carried, load, *others)
+        offset = found.offset + 0.9e-12 * load / carried(found.offset).slope
+        return found._replace(offset=offset, force=carried(offset).force)
+
+    monkeypatch.setattr("warpwear.smooth_contact.newton_in_bracket", just_converged)
+    wear = 0.003 * sum(stepped.study.wear_coefficients)
+    target = smooth.press(foundation=stepped.study.foundation(), removal=wear)
+    assert area * target.sum() == pytest.approx(load, rel=1e-14)
+
+    def response(base: FloatArray, offset: FloatArray) -> load_shares.Answer:
+        """Straight, and a slope that is wrong by a millionth: what is left after a step is as much of it."""
+        p = 1e5 * np.maximum(base + offset, 0.0)
+        return load_shares.Answer(p, np.full_like(p, 1e5 * (1.0 + 0.9e-6)), np.zeros_like(p))
+
+    base = 1e-5 * target * (1.0 - 1e-6) - 1e-4
+    start = load_shares.Shares(base, 0.0 * target, 0.0, 0.0, target, 0.0, 0.0, 0)
+    options = {"step": 1e-4, "first": 1e-5, "common": 0.0, "area": area, "load": load}
+    found = prescribed_loads.press(response, target, 0.0 * target, start, **options)
+    assert abs(found.load_residual) < 0.6e-12 * load
 
 
 def test_patches_of_a_field_come_back() -> None:

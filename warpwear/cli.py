@@ -251,15 +251,16 @@ def _value(text: str) -> Any:
 def _report(summary: dict[str, Any]) -> str:
     s = summary
     cof = s["cof"]
+    of_pass, of_steps = (" (mean of the last pass)", ", of the last pass") if "track" in s else ("", "")
     lines = [
         f"{s['name']}: {s['distance_mm']:g} mm slid in {s['steps']} steps, {s['elapsed_s']:.1f} s",
         f"  scar              {s['scar_mm']['along']:.4g} × {s['scar_mm']['across']:.4g} mm (along × across)",
-        f"  area in contact   {s['area_mm2']['contact']:.4g} mm², "
+        f"  area in contact   {s['area_mm2']['contact']:.4g} mm²{of_pass}, "
         f"{s['area_real_over_nominal']:.3g} of the nominal area (the scar as an ellipse)",
         f"  other areas       at hardness {s['area_mm2']['plastic']:.4g}, ever touched "
         f"{s['area_mm2']['touched']:.4g}, running sum {s['area_mm2']['cumulative']:.4g} mm²",
         f"  pressure          mean {s['pressure_MPa']['mean']:.4g}, "
-        f"largest {s['pressure_MPa']['max']:.4g} MPa",
+        f"largest {s['pressure_MPa']['max']:.4g} MPa{of_steps}",
         f"  deepest wear      sphere {s['depth_um']['sphere']:.4g}, disc {s['depth_um']['disc']:.4g} µm",
         f"  worn volume       sphere {s['volume_mm3']['sphere']:.5g}, disc {s['volume_mm3']['disc']:.5g} mm³",
     ]

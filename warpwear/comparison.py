@@ -16,7 +16,7 @@ from warpwear.grid import FloatArray
 from warpwear.quantities import POSITIVE, parse
 from warpwear.results import Result
 from warpwear.study import Study
-from warpwear.summary import shape_of_growth
+from warpwear.summary import course, shape_of_growth
 
 BODIES = ("sphere", "disc")
 #: Length along sliding over which profiles are averaged, as a part of the scar's.
@@ -36,6 +36,7 @@ class RunData:
     study: Study
     history: dict[str, FloatArray]
     summary: dict[str, Any]
+    course: tuple[FloatArray, FloatArray]  # distance [mm] and CoF, of a swept run the means of its passes
     across: FloatArray  # places across sliding [mm], shape (ny,)
     wear: dict[str, FloatArray]  # body -> depth over `across` at the end [mm]; empty without a snapshot
 
@@ -48,7 +49,7 @@ class RunData:
     @property
     def shape(self) -> dict[str, float]:
         """m and λ of the coefficient of friction, see `warpwear.summary.shape_of_growth`."""
-        return {} if self.cof is None else _shape(self.history["distance"], self.cof)
+        return {} if self.cof is None else _shape(*self.course)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +176,8 @@ def _read_run(folder: Path) -> RunData:
                 depth: FloatArray = getattr(last, f"wear_{body}")
                 rows = np.abs(np.arange(depth.shape[0]) - 0.5 * (depth.shape[0] - 1)) <= max(along, 0.5)
                 wear[body] = depth[rows].mean(axis=0)
-        return RunData(study.study.name, folder, study, history, summary, result.y, wear)
+        cof = course(result, "cof")
+        return RunData(study.study.name, folder, study, history, summary, cof, result.y, wear)
 
 
 def _names(runs: list[RunData], experiments: list[Path]) -> list[str]:
@@ -211,8 +213,19 @@ def _given(option: str, value: str | None, unit: str) -> float | None:
         raise InputError(f"{option} = '{value}' {error}") from error
 
 
-#: What makes two runs unlike tests -> unit and value.
-CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str]]] = {
+def _of_patches(value_of: Callable[[Study], float | str]) -> Callable[[Study], float | str | None]:
+    """None for a study without patches."""
+    return lambda study: value_of(study) if study.study.model == "two-scale" else None
+
+
+#: What makes two runs unlike tests -> unit and value; None where a run has no such thing.
+CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
+    "model": ("", lambda s: s.study.model),
+    "kinematics": ("", lambda s: s.sliding.kinematics),
+    "contact.law": ("", lambda s: s.contact.law),
+    "macro.cell": ("µm", _of_patches(lambda s: 1.0e3 * s.macro.cell)),
+    "macro.patch": ("µm", _of_patches(lambda s: 1.0e3 * s.macro.patch_width)),
+    "macro.coupling": ("", _of_patches(lambda s: s.macro.coupling)),
     "load": ("N", lambda s: s.contact.load),
     "sliding distance": ("mm", lambda s: s.sliding.total),
     "wear coefficient of the sphere": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
@@ -247,7 +260,7 @@ def _differences(runs: list[RunData]) -> list[str]:
     """Conditions in which the runs differ: they are then unlike tests."""
     found = []
     for what, (unit, value_of) in CONDITIONS.items():
-        values = {run.name: value_of(run.study) for run in runs}
+        values = {run.name: value for run in runs if (value := value_of(run.study)) is not None}
         shown = {k: v if isinstance(v, str) else f"{v:.6g} {unit}" for k, v in values.items()}
         if len(set(shown.values())) > 1:
             told = ", ".join(f"{name} {text}".rstrip() for name, text in shown.items())

@@ -18,6 +18,11 @@ SHAPES = (
     "distance, and its slope there over the early slope. For a run of constant shear strength without "
     "ploughing they are those of the area that shears (area_shape in summary.json)."
 )
+#: Said where a run is swept.
+PASSES = (
+    "Of swept runs area in contact, mean pressure and CoF at the end are means of the last pass; m and λ are "
+    "of the means of whole passes."
+)
 
 
 @dataclass(frozen=True)
@@ -47,6 +52,8 @@ ROWS = (
     Row("distance", "mm", "sliding distance", _entry("distance_mm"), lambda e: float(e.distance[-1])),
     Row("load", "N", "load", _entry("load_N")),
     Row("cell", "um", "cell", _entry("cell_um")),
+    Row("macro_cell", "um", "macro.cell", _entry("patches", "macro_cell_um")),
+    Row("macro_patch", "um", "macro.patch", _entry("patches", "width_um")),
     Row("steps", "1", "steps", _entry("steps"), lambda e: e.distance.size),
     Row("patch_along", "mm", "patch along", _entry("scar_mm", "along")),
     Row("patch_across", "mm", "patch across", _entry("scar_mm", "across")),
@@ -107,6 +114,7 @@ def to_text(comparison: Comparison) -> str:
     told += ["CoF at the end of an experiment: mean over the last tenth of its distance."] * bool(
         comparison.experiments
     )
+    told += [PASSES] * any(run.study.is_swept for run in comparison.runs)
     return "\n".join([*told, SHAPES, *(f"note: {note}" for note in comparison.notes)])
 
 
@@ -135,6 +143,7 @@ def write_json(comparison: Comparison, path: Path) -> None:
         "folders": {run.name: str(run.folder) for run in comparison.runs},
         "units": {row.name: row.units for row in ROWS},
         "shapes": SHAPES,
+        "end_values": {run.name: run.summary["end_values"] for run in comparison.runs},
         "notes": comparison.notes,
         "version": __version__,
     }

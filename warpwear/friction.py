@@ -43,14 +43,23 @@ def mean_over(
     history: Mapping[str, FloatArray], values: FloatArray, when: Literal["initial", "end"], lap: float | None
 ) -> float:
     """Mean of a column over the first or the last lap [mm] slid; its first or last value without a lap."""
+    inside = within(history, when, lap)
+    if np.count_nonzero(inside) == 1:
+        return float(values[inside][0])
+    return float(np.average(values[inside], weights=history["increment"][inside]))
+
+
+def within(
+    history: Mapping[str, FloatArray], when: Literal["initial", "end"], lap: float | None
+) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+    """The steps of the first or the last lap [mm] slid; the first or the last step without a lap."""
     distance = history["distance"]
     if lap is None or distance[-1] == 0.0:
-        return float(values[-1 if when == "end" else 0])
-    increment = history["increment"]
-    starts = distance - increment
-    half = 0.5 * increment
-    inside = starts + half > distance[-1] - lap if when == "end" else starts + half < lap
-    return float(np.average(values[inside], weights=increment[inside]))
+        inside = np.zeros(distance.size, dtype=bool)
+        inside[-1 if when == "end" else 0] = True
+        return inside
+    middle = distance - 0.5 * history["increment"]
+    return middle > distance[-1] - lap if when == "end" else middle < lap
 
 
 def coefficient(

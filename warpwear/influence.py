@@ -132,11 +132,13 @@ class CupyTransforms(Transforms):
         except ImportError as error:
             raise InputError(
                 f'contact.law = "half-space" on device = {str(executor.device)!r} needs CuPy for its Fourier '
-                "transforms: pip install cupy-cuda12x or cupy-cuda13x, for its CUDA, or use the device cpu."
+                "transforms: pip install cupy-cuda12x (the extra gpu) or cupy-cuda13x (gpu13), for its CUDA, "
+                "or use the device cpu."
             ) from error
         device = executor.device
         self._device = self._cupy.cuda.Device(device.ordinal)
-        self._stream = self._cupy.cuda.ExternalStream(device.stream.cuda_stream, device.ordinal)
+        with self._device:
+            self._stream = _stream_of(self._cupy.cuda, device)
         #: The last table that was divided by, and its reciprocals in single precision.
         self._divisor: tuple[Any, Any] = None, None
 
@@ -171,6 +173,13 @@ class CupyTransforms(Transforms):
     def _cells(self, field: Field) -> Any:
         """A view of a field's cells, shape (nx, ny)."""
         return self._cupy.asarray(field).reshape(field.shape[0], -1)[:, : self._executor.grid.ny]
+
+
+def _stream_of(cuda: Any, device: Any) -> Any:
+    """The stream of Warp's device for CuPy, which leaves it to Warp."""
+    if hasattr(cuda.Stream, "from_external"):  # since 14.0, which deprecates the other
+        return cuda.Stream.from_external(device.stream)
+    return cuda.ExternalStream(device.stream.cuda_stream, device.ordinal)
 
 
 def _blocks(first: int, end: int, length: int) -> list[slice]:

@@ -27,12 +27,13 @@ def to_html(result: Result) -> str:
 def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     s = summary
     state = "" if s["finished"] else ", interrupted"
+    of_pass = ", last pass" if "track" in s else ""
     rows = [
         ("sliding distance", f"{s['distance_mm']:g} mm in {s['steps']} steps{state}"),
         ("scar, along × across", f"{s['scar_mm']['along']:.4g} × {s['scar_mm']['across']:.4g} mm"),
-        ("area in contact", f"{s['area_mm2']['contact']:.4g} mm²"),
+        (f"area in contact{of_pass}", f"{s['area_mm2']['contact']:.4g} mm²"),
         (
-            "pressure, mean and largest",
+            f"pressure, mean and largest{of_pass}",
             f"{s['pressure_MPa']['mean']:.4g}, {s['pressure_MPa']['max']:.4g} MPa",
         ),
     ]

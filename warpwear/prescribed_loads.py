@@ -11,6 +11,8 @@ from warpwear.load_shares import Response, Shares
 
 #: So often a patch whose bracket is known is bisected instead of following its slope.
 BISECT_EVERY = 3
+#: Of `TOLERANCE`, that a patch may be off by, so that their sum is well within it.
+PART = 0.5
 
 
 def press(
@@ -25,7 +27,7 @@ def press(
     area: float,
     load: float,
 ) -> Shares:
-    """Approaches at which patches carry target [MPa], each to `TOLERANCE` of it.
+    """Approaches at which patches carry target [MPa], each to half of `TOLERANCE` of it.
 
     lowest: below that approach a patch carries nothing [mm]. start: of the step before; step: how far beyond
     it [mm]; first: first step of a patch that did not touch [mm]. common: approach of the bodies, for the
@@ -35,7 +37,7 @@ def press(
     touched = np.zeros(target.size, dtype=bool) if start is None else asked & (start.pressure > 0.0)
     base = lowest.copy() if start is None else np.where(touched, start.approaches, lowest)
     offset = np.where(touched, step, np.where(asked, first, 0.0))
-    allowed = TOLERANCE * target
+    allowed = PART * TOLERANCE * target
     evaluations = 0
     for _ in range(MAX_ROUNDS):
         reach = np.maximum(np.abs(offset), FIRST_REACH)

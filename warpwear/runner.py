@@ -276,12 +276,15 @@ class _Loop:
         LOG.warning(str(error))  # the screen gets it when the run is closed
         if isinstance(error, ConvergenceError):
             self.warnings.append(str(error))
-        has_checkpoint = self._checkpoints is not None and self._checkpoints.path.exists()
-        kept = "out keeps the run so far, and --resume"
+        kept = "out keeps the run so far"
         if isinstance(error, InvariantError):
-            kept += f" with checks.strict = false {'goes on' if has_checkpoint else 'begins again'}"
-        else:
-            kept += f" tries again from {'its last checkpoint' if has_checkpoint else 'the start'}"
+            has_checkpoint = self._checkpoints is not None and self._checkpoints.path.exists()
+            what = "goes on" if has_checkpoint else "begins again"
+            kept += f", and --resume with checks.strict = false {what}"
+        elif not self.study.is_swept and self.study.sliding.total:  # the same step would end the same way
+            fixed = self.study.stepping.increment is not None
+            keys = "stepping.increment" if fixed else "stepping.first, stepping.largest"
+            kept += f", and a new run with smaller increments ({keys}) may get further"
         self.failed = type(error)(f"{str(error).removesuffix('.')}; {kept}.")
 
     def _check_results(self, history: dict[str, FloatArray]) -> None:

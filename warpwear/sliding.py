@@ -125,7 +125,7 @@ class SlidingContact:
         removal_sphere, removal_disc = of_sphere, self._share * of_disc
         compliance = self._compliance(removal_sphere + removal_disc)
         stiffness = self._stiffness_of(compliance)
-        balance = self._balance(stiffness, rigid=compliance == 0.0)
+        balance = self._balance(stiffness, compliance)
         near_mean = balance.cap if compliance == 0.0 else self._ledger.row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
         pressure = self._pressures(balance, stiffness) if with_pressure else None
@@ -289,14 +289,15 @@ class SlidingContact:
     def _stiffness_of(self, compliance: float) -> Field:
         if self._stiffness is None or self._stiffness[0] != compliance:
             stiffness = min(1.0 / compliance, RIGID) if compliance else RIGID
-            row = np.full((1, self._executor.grid.ny), stiffness)
+            # A stiffness of 0 beyond the last column would look like cells at the point of touching.
+            row = np.full((1, self._executor.vectors * LANES), stiffness)
             self._stiffness = compliance, self._executor.field(row)
         return self._stiffness[1]
 
-    def _balance(self, stiffness: Field, *, rigid: bool) -> Balance:
+    def _balance(self, stiffness: Field, compliance: float) -> Balance:
         scatter = max(TIMES * max(self._changes, default=0.5 * FIRST_SCATTER), LEAST_SCATTER)
         load, hardness = self.study.contact.load, self.study.hardness
-        if not rigid:
+        if compliance > 0.0:
             return self._balancer.foundation(
                 self.tiles.gap,
                 stiffness,
@@ -305,6 +306,7 @@ class SlidingContact:
                 hardness=hardness,
                 start=self._approach,
                 scatter=0.0 if self._approach is None else scatter,
+                stiffest=min(1.0 / compliance, RIGID),
             )
         if not math.isfinite(hardness):
             raise ValueError("a contact without compliance needs a hardness")

@@ -32,7 +32,7 @@ class SmoothContact:
     def press(self, *, foundation: float, removal: float) -> FloatArray:
         """Pressures [MPa] that carry the load, then worn by removal [mm³/N] times them, implicitly.
 
-        foundation: K_N [N/mm³]. Raises ConvergenceError.
+        They add up to the load to rounding. foundation: K_N [N/mm³]. Raises ConvergenceError.
         """
         base = self.approach
         stiffness = 1.0 / (1.0 / foundation + removal)
@@ -53,7 +53,15 @@ class SmoothContact:
                 f"the smooth macro contact did not converge: {found.force - self._load:.3g} N of "
                 f"{self._load:.6g} N are left near an approach of {base + found.offset:.9g} mm."
             )
-        p = pressure(found.offset)
+        p = self._adding_up(pressure(found.offset))
         self.approach = base + found.offset
         self.worn = self.worn + removal * p
+        return p
+
+    def _adding_up(self, p: FloatArray) -> FloatArray:
+        """Without what the search left of the load: that of the patches comes on top of it."""
+        between = (p > 0.0) & (p < self._hardness)
+        if carried := float(p[between].sum()):
+            scale = 1.0 - (float(p.sum()) - self._load / self.area) / carried
+            p[between] = np.minimum(p[between] * scale, self._hardness)
         return p

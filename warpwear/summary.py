@@ -13,10 +13,23 @@ if TYPE_CHECKING:
     from warpwear.study import Study
 
 
+#: Columns that change along a track: of a swept run the last step says little.
+OF_A_PASS = ("area_contact", "area_plastic", "pressure_mean", "pressure_std", "cof")
+#: A last pass shorter than this part of one is left out of a course: it has not seen the whole track.
+WHOLE = 0.9
+
+
 def summarise(result: "Result") -> dict[str, Any]:
-    """Scar, depths, volumes, areas, friction, residuals, conservation, assumptions. JSON-ready."""
+    """Scar, depths, volumes, areas, friction, residuals, conservation, assumptions. JSON-ready.
+
+    What goes up and down along a track (cof, areas in contact and at hardness, pressures) is of the last pass
+    of a swept run, as `end_values` says: the means, and the largest pressure.
+    """
     study, history = result.study, result.history
     end = {name: float(values[-1]) for name, values in history.items()}
+    for name in OF_A_PASS:
+        end[name] = friction.mean_over(history, history[name], "end", study.lap)
+    end["pressure_max"] = float(history["pressure_max"][friction.within(history, "end", study.lap)].max())
     sphere, disc = study.wear_coefficients
     load = study.contact.load
     return {
@@ -30,6 +43,7 @@ def summarise(result: "Result") -> dict[str, Any]:
         "steps": int(history["distance"].size),
         "cell_um": 1.0e3 * study.grid.cell,
         "distance_mm": end["distance"],
+        "end_values": "last pass" if study.is_swept else "last step",
         "load_N": load,
         "hardness_MPa": _finite(study.hardness),
         "wear_coefficient_mm3_per_Nm": {"sphere": 1.0e3 * sphere, "disc": 1.0e3 * disc},
@@ -48,11 +62,11 @@ def summarise(result: "Result") -> dict[str, Any]:
         },
         "cof": {
             "first": _finite(friction.mean_over(history, history["cof"], "initial", study.lap)),
-            "end": _finite(friction.mean_over(history, history["cof"], "end", study.lap)),
+            "end": _finite(end["cof"]),
         },
         "cof_area": study.friction.area,
-        "cof_shape": _shape(*_course(result, "cof")),
-        "area_shape": _shape(*_course(result, f"area_{study.friction.area}")),
+        "cof_shape": _shape(*course(result, "cof")),
+        "area_shape": _shape(*course(result, f"area_{study.friction.area}")),
         "cof_reference": study.friction.coefficient,
         "shear_strength_MPa_for_reference": friction.calibrations(
             study.friction, history, load=load, hardness=study.hardness, lap=study.lap
@@ -84,10 +98,10 @@ def summarise(result: "Result") -> dict[str, Any]:
 def _track(result: "Result") -> dict[str, Any]:
     """Groove, passes and what was displaced, of a swept run."""
     from warpwear.track import Track
-    from warpwear.track_data import by_pass, groove, roughness_in_track
+    from warpwear.track_data import groove, roughness_in_track
 
     study, history, track = result.study, result.history, Track.of(result.study)
-    passes = by_pass(result)
+    areas = history["area_contact"]
     found: dict[str, Any] = {
         "length_mm": track.cells * track.cell,
         "pass_mm": track.stroke,
@@ -96,8 +110,8 @@ def _track(result: "Result") -> dict[str, Any]:
         "plastic": study.sliding.plastic,
         "plastic_volume_mm3": float(history["plastic_volume_disc"][-1]),
         "area_contact_mm2_of_passes": {
-            "first": float(passes["area_contact"][0]),
-            "last": float(passes["area_contact"][-1]),
+            "first": friction.mean_over(history, areas, "initial", study.lap),
+            "last": friction.mean_over(history, areas, "end", study.lap),
         },
     }
     if result.snapshot_distances.size:
@@ -135,9 +149,9 @@ def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float
     return {"exponent_m": exponent, "levelling_lambda": secant(0.5, 1.0) / early if early else math.nan}
 
 
-def _course(result: "Result", name: str) -> tuple[FloatArray, FloatArray]:
-    """Distance [mm] and values of a column: of a swept run the means of its passes, whose ends differ from
-    their middles, at the middles."""
+def course(result: "Result", name: str) -> tuple[FloatArray, FloatArray]:
+    """Distance [mm] and values of a column: of a swept run the means of its whole passes, whose ends differ
+    from their middles, at the middles."""
     history, stroke = result.history, result.study.lap
     if stroke is None:
         return history["distance"], history[name]
@@ -147,7 +161,9 @@ def _course(result: "Result", name: str) -> tuple[FloatArray, FloatArray]:
     slid = np.bincount(number, increment)
     if not slid.all():  # a static contact
         return history["distance"], history[name]
-    return np.cumsum(slid) - 0.5 * slid, np.bincount(number, increment * history[name]) / slid
+    places, means = np.cumsum(slid) - 0.5 * slid, np.bincount(number, increment * history[name]) / slid
+    whole = slice(None, -1 if slid.size > 1 and slid[-1] < WHOLE * stroke else None)
+    return places[whole], means[whole]
 
 
 def _shape(distance: FloatArray, values: FloatArray) -> dict[str, float] | None:
