@@ -124,7 +124,8 @@ def alone(device: str) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("name", "how", "message"),
     [
-        ("gap", not_a_number, r"is no finite number|N of 8 N are left|of Archard's law"),  # it carries no load
+        # It carries no load.
+        ("gap", not_a_number, r"is no finite number|N of 8 N are left|of Archard's law"),
         ("share", not_a_number, r"is no finite number"),
         ("gap", less_worn, r"wear_volume_sphere = .* of Archard's law"),
     ],

@@ -101,6 +101,8 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
                 shutil.rmtree(work, ignore_errors=True)
     except OSError as error:
         why = error.strerror or str(error)
+        if "memory allocation failed" in why:  # HDF5 says it so
+            raise MemoryError from error
         kept = checkpoint.is_one(folder / checkpoint.FILE_NAME)
         what = "a checkpoint, with which --resume goes on" if kept else "no run"
         raise InputError(f"out = {folder} could not be written and holds {what}: {why}.") from error
