@@ -263,7 +263,7 @@ def test_a_static_contact_and_a_measured_time() -> None:
 BAD: list[tuple[dict[str, Any], str]] = [
     (
         {"sliding.track": "3.25 mm"},
-        r"sliding\.track = 3\.25 mm is not a whole .* nearest that is, is 3\.28 mm",
+        r"sliding\.track = 3\.25 mm is not a whole .* nearest allowed is 3\.28 mm",
     ),
     ({"sliding.track": "0.8 mm"}, r"sliding\.track = 0\.8 mm is shorter than grid\.extent = 1\.5 mm"),
     ({"sliding.track": "32 mm"}, r"sliding\.track = 32 mm is longer than sliding\.stroke = 30 mm"),
@@ -274,7 +274,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"sliding.stroke": "30.005 mm"}, r"sliding\.stroke = 30\.005 mm is not a whole number of cells"),
     ({"sliding.stroke": None}, r"'swept' needs sliding\.stroke"),
     ({"study.model": "macro"}, r"study\.model = 'macro'.*kind = 'flat'"),
-    ({"sliding.track_radius": "0.2 mm"}, r"track_radius = 0\.2 mm, a track of 1\.257 mm, is shorter than"),
+    ({"sliding.track_radius": "0.2 mm"}, r"track_radius = 0\.2 mm \(a track of 1\.257 mm\) is shorter than"),
     ({"sliding.shift": 40_000}, r"sliding\.shift = 40000 cells .* longer than sliding\.stroke"),
     ({"sliding.shift": 0}, r"sliding\.shift = 0"),
     ({"sliding.shift": 2.5}, r"sliding\.shift = 2\.5"),

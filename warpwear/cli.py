@@ -48,7 +48,7 @@ def commands() -> None:
     """Contact, wear and friction of rough surfaces on fine meshes.
 
     \b
-    warpwear run v3-fine            the main job: 1 µm cells, about half a minute
+    warpwear run v3-fine            the main job: 1 µm cells, well under half a minute
     warpwear run my-disc.toml       the same for your own disc
     """
 

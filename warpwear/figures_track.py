@@ -126,7 +126,7 @@ def cof_stroke(data: FigureData) -> Figure:
         for at, line in zip(passes[places], fs.in_time(fs.NEUTRAL, places.size), strict=True):
             inside = number == at
             axes.plot(history["position"][inside], history["cof"][inside], label=f"pass {at}", **line)
-        axes.set_xlabel("position in the stroke, mm")
+        axes.set_xlabel("position along the track, mm")
         axes.set_ylabel("coefficient of friction, –")
         axes.set_ylim(bottom=0.0)
         axes.xaxis.set_major_locator(MaxNLocator(6))

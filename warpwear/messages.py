@@ -43,6 +43,8 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         )
         more = " or a degree from 0 to 12" if name == "disc.level" else ""
         return f"{name} = {value!r} is not allowed; allowed: {', '.join(options)}{more}."
+    if kind == "string_pattern_mismatch":  # of study.name, which names a folder
+        message = "allowed are up to 100 letters, digits, spaces and the signs . _ + -"
     return f"{name} = {value!r}: {message[:1].lower()}{message[1:]}."
 
 

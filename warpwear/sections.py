@@ -318,7 +318,12 @@ class GridSection(Section):
 
 
 def _track(value: Any) -> Any:
-    return value if value == "full" else Quantity("mm").read(value)
+    if value == "full":
+        return value
+    try:
+        return Quantity("mm").read(value)
+    except ValueError as error:
+        raise ValueError(f"{error}, or 'full'") from None
 
 
 class Sliding(Section):

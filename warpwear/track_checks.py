@@ -32,16 +32,18 @@ def check(study: "Study") -> None:
         )
     named = f"sliding.stroke = {lap:g} mm"
     if sliding.track_radius is not None:
-        named = f"sliding.track_radius = {sliding.track_radius:g} mm, a track of {lap:.4g} mm,"
+        named = f"sliding.track_radius = {sliding.track_radius:g} mm (a track of {lap:.4g} mm)"
     if sliding.track != "full":
         length = float(sliding.track)
         step = sliding.shift * cell
         steps = length / step
         if abs(steps - round(steps)) > WHOLE * steps or round(steps) < 1:
-            near = max(round(steps), math.ceil(extent / step * (1.0 - WHOLE))) * step
+            least, most = math.ceil(extent / step * (1.0 - WHOLE)), math.floor(lap / step * (1.0 + WHOLE))
+            near = f"{min(max(round(steps), least), most) * step:.9g} mm"
             raise ValueError(
                 f"sliding.track = {length:g} mm is not a whole number of steps of sliding.shift = "
-                f"{sliding.shift} cells, {1e3 * step:g} µm; the nearest that is, is {near:.9g} mm"
+                f"{sliding.shift} cells, {1e3 * step:g} µm; "
+                + (f"the nearest allowed is {near}" if least <= most else "a smaller shift is needed")
             )
         if length > lap * (1.0 + WHOLE):
             raise ValueError(
