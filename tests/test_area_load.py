@@ -28,7 +28,8 @@ def compared(*changes: dict[str, Any]) -> Comparison:
     for change in changes:
         study = Study.load("v3-fine").replace(change)
         history = {"area_contact": np.array([1e-3 * study.contact.load, 1.0])}
-        runs.append(RunData("run", Path("run"), study, history, {}, np.zeros(1), {}))
+        course = np.zeros(1), np.zeros(1)
+        runs.append(RunData("run", Path("run"), study, history, {}, course, np.zeros(1), {}))
     return Comparison(tuple(runs), (), ())
 
 
