@@ -39,11 +39,11 @@ def check(study: "Study") -> None:
         steps = length / step
         if abs(steps - round(steps)) > WHOLE * steps or round(steps) < 1:
             least, most = math.ceil(extent / step * (1.0 - WHOLE)), math.floor(lap / step * (1.0 + WHOLE))
-            near = f"{min(max(round(steps), least), most) * step:.9g} mm"
+            allowed = f"{min(max(round(steps), least), most) * step:.9g} mm"
             raise ValueError(
                 f"sliding.track = {length:g} mm is not a whole number of steps of sliding.shift = "
                 f"{sliding.shift} cells, {1e3 * step:g} µm; "
-                + (f"the nearest allowed is {near}" if least <= most else "a smaller shift is needed")
+                + (f"the nearest allowed is {allowed}" if least <= most else "a smaller shift is needed")
             )
         if length > lap * (1.0 + WHOLE):
             raise ValueError(
