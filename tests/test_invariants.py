@@ -125,7 +125,7 @@ def alone(device: str) -> dict[str, Any]:
     ("name", "how", "message"),
     [
         # It carries no load.
-        ("gap", not_a_number, r"is no finite number|N of 8 N are left|of Archard's law"),
+        ("gap", not_a_number, r"is no finite number|N of 8 N are left"),
         ("share", not_a_number, r"is no finite number"),
         ("gap", less_worn, r"wear_volume_sphere = .* of Archard's law"),
     ],
@@ -135,6 +135,8 @@ def test_a_broken_state_stops_the_run_with_what_came_before(
     name: str, how: Any, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, device: str
 ) -> None:
     out = tmp_path / "out"
+    if how is not_a_number and name == "gap" and device != "cpu":  # a GPU leaves that cell out of its sums
+        message += "|of Archard's law"
     with pytest.MonkeyPatch.context() as patch:
         broken(patch, name, how)
         with pytest.raises((InvariantError, ConvergenceError), match=message) as stopped:

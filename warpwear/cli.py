@@ -1,5 +1,6 @@
 """The command line. Exit status 0, 2 for bad input with one plain sentence, 130 when interrupted."""
 
+import os
 import signal
 import sys
 import tomllib
@@ -24,9 +25,11 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         status = commands.main(arguments, prog_name="warpwear", standalone_mode=False)
     except (InputError, ConvergenceError) as error:
-        _fail(str(error))
+        _fail(str(error), at_once=isinstance(error.__cause__, MemoryError))
     except MemoryError:
-        _fail("the memory ran out; larger cells (grid.cell) or a smaller grid.extent are needed.")
+        _fail(
+            "the memory ran out; larger cells (grid.cell) or a smaller grid.extent are needed.", at_once=True
+        )
     except click.ClickException as error:
         _fail(error.format_message())
     except (click.Abort, KeyboardInterrupt):
@@ -37,8 +40,12 @@ def main(arguments: list[str] | None = None) -> None:
     sys.exit(status if isinstance(status, int) else 0)
 
 
-def _fail(message: str) -> None:
+def _fail(message: str, *, at_once: bool = False) -> None:
+    """at_once: without the interpreter's own end, in which HDF5 may crash after the memory ran out."""
     click.echo(f"warpwear: {message}", err=True)
+    if at_once:
+        sys.stdout.flush()
+        os._exit(2)
     sys.exit(2)
 
 

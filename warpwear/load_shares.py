@@ -46,7 +46,7 @@ class Answer(NamedTuple):
 Response = Callable[[FloatArray, FloatArray], Answer]
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
 JOINT = 12
-#: With a held approach, so often patches are bisected instead.
+#: With a held approach or a given load, so often patches are bisected instead of following a slope.
 BISECT_EVERY = 3
 
 

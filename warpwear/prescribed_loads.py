@@ -7,10 +7,8 @@ import numpy as np
 from warpwear.balance import FIRST_REACH, MAX_EVALUATIONS, MAX_ROUNDS, TOLERANCE
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
-from warpwear.load_shares import Response, Shares
+from warpwear.load_shares import BISECT_EVERY, Response, Shares
 
-#: So often a patch whose bracket is known is bisected instead of following its slope.
-BISECT_EVERY = 3
 #: Of `TOLERANCE`, that a patch may be off by, so that their sum is well within it.
 PART = 0.5
 
