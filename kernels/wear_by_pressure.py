@@ -2,8 +2,7 @@
 
 import warp as wp
 
-from warpwear.kernels.half_space import largest_of
-from warpwear.kernels.reductions import sum_of
+from warpwear.kernels.reductions import largest_of, sum_of
 from warpwear.kernels.types import LANES, ONE, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
