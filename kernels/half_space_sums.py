@@ -36,18 +36,18 @@ def fold(
     slots_per_row: wp.int32,
     width: wp.int32,
     sums: wp.int32,
+    slots: wp.int32,
     sums_in: wp.array2d(dtype=wp.float64),
     maxima_in: wp.array2d(dtype=wp.float64),
     folded_out: wp.array2d(dtype=wp.float64),
 ):
     """So many first rows of the table of sums, then rows of that of maxima, each reduced to width columns.
 
-    A thread is a row of the result and a column of it.
+    slots: so many first columns count. A thread is a row of the result and a column of it.
     """
     thread = first_thread + wp.tid()
     row = thread // width
     column = thread % width
-    slots = sums_in.shape[1]
     if row < sums:
         total = wp.float64(0.0)
         for slot in range(column, slots, width):

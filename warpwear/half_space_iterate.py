@@ -8,7 +8,7 @@ import warp as wp
 from warpwear.balance import Carried, newton_in_bracket
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
-from warpwear.influence import Influence
+from warpwear.half_space_operator import Operator
 from warpwear.kernels import half_space as passes
 from warpwear.kernels import half_space_setup, half_space_sums
 
@@ -56,7 +56,7 @@ class Moments(NamedTuple):
 class Iterate:
     """Pressure p, gradient t = Gp + g, trial pressure, step and its response, on the grid of an executor."""
 
-    def __init__(self, executor: Executor, influence: Influence, hardness: float) -> None:
+    def __init__(self, executor: Executor, influence: Operator, hardness: float) -> None:
         self._executor = executor
         self._influence = influence
         self._cap = min(hardness, NO_CAP)
@@ -150,7 +150,7 @@ class Iterate:
         ConvergenceError.
         """
         at_zero = total, between
-        unit = max(unit, total / between if between > 0.0 else 0.0, asked / self._executor.grid.cells)
+        unit = max(unit, total / between if between > 0.0 else 0.0, asked / self._influence.cells)
 
         def carried(shift: float) -> Carried:
             total, slope = at_zero if shift == 0.0 else self.carried(shift * unit)
@@ -212,14 +212,16 @@ class Iterate:
     ) -> list[float]:
         """Launch, and reduce the first rows of the tables that the kernel fills."""
         tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
-        self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables])
+        chunks = self._influence.chunks
+        self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables], chunks=chunks)
+        slots = chunks[-1][1] if chunks else self._executor.slots
         if self._folded is None:
-            table, largest = self._sums[:sums].numpy(), self._maxima[:maxima].numpy()
+            table, largest = self._sums.numpy()[:sums, :slots], self._maxima.numpy()[:maxima, :slots]
         else:  # one short table to read back
             both = sums + maxima
             self._executor.launch(
                 half_space_sums.fold,
-                inputs=[FOLDED, sums, self._sums, self._maxima],
+                inputs=[FOLDED, sums, slots, self._sums, self._maxima],
                 outputs=[self._folded],
                 chunks=[(0, both * FOLDED)],
             )

@@ -153,14 +153,14 @@ class CupyTransforms(Transforms):
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         self.transforms += 1
         cupy, fft = self._cupy, self._cupy.fft
-        nx, ny = self._executor.grid.shape
         with self._device, self._stream:
-            values = self._cells(field_in)
+            values, result = self._cells(field_in), self._cells(field_out)
+            nx, ny = result.shape[-2:]
             if divide:
                 values, table = values.astype(cupy.float32), self._reciprocals(table)
             spectrum = fft.rfft2(values, s=self._shape)
             spectrum *= table
-            self._cells(field_out)[:] = fft.irfft2(spectrum, s=self._shape)[:nx, :ny]
+            result[:] = fft.irfft2(spectrum, s=self._shape)[..., :nx, :ny]
 
     def _reciprocals(self, table: Any) -> Any:
         """1/table, 0 where it is 0."""
@@ -205,6 +205,10 @@ class Influence:
             )
         self._boundary = boundary
         self._streak_cells = grid.nx
+        self.cells = grid.cells
+        self.shortest_response = shortest_response(grid.cell, modulus)
+        #: Of slots for the threads: all, by whole rows.
+        self.chunks: list[tuple[int, int]] | None = None
         make: Callable[..., Transforms] = ScipyTransforms if executor.device.is_cpu else CupyTransforms
         self._near = make(executor, grid.shape)
         elastic = periodic_spectrum(grid, modulus)
@@ -270,6 +274,11 @@ def periodic_spectrum(grid: Grid, modulus: float) -> FloatArray:
     q = np.hypot(q_x[:, np.newaxis], q_y)
     spectrum: FloatArray = np.divide(2.0 / modulus, q, out=np.zeros_like(q), where=q > 0.0)
     return spectrum
+
+
+def shortest_response(cell: float, modulus: float) -> float:
+    """Displacement under a pressure that alternates from cell to cell [mm/MPa]."""
+    return 2.0 * cell / (math.pi * modulus)
 
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
