@@ -1,4 +1,4 @@
-"""A disc displaced under the sphere and a stored pressure: their gap, what the pressure wears, what it leaves.
+"""A disc displaced under the sphere and a stored pressure: gap of the bodies, and what the pressure wears.
 
 During a step the disc's asperities move under the sphere, and the pressure with them. A cell of the disc is
 worn by its own pressure, one of the sphere by the mean of those that pass over it: along x, over rows.

@@ -1,4 +1,4 @@
-"""One grid in motion on the elastic–plastic half-space: a disc displaced under a wearing sphere, step by step."""
+"""One grid in motion on the elastic–plastic half-space: a disc displaced under a wearing sphere."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -24,12 +24,12 @@ OF_STEP = (*SUMS, "pressed_disc")
 class ElasticSliding:
     """Contact and wear of one study with contact.law = "half-space" while its disc moves under the sphere.
 
-    A step finds the pressure p with which it ends (implicit Archard). The asperities, and p with them, move on
-    by w cells during the step: a disc cell is worn by its own p, a sphere cell by S p, the mean of w cells
+    A step finds the pressure p with which it ends (implicit Archard). During it the asperities, and p with
+    them, move on by w cells: a disc cell is worn by its own p, a sphere cell by S p, the mean over w cells
     along x. Under p the bodies yield by (G + K_disc ΔL + K_sphere ΔL S²) p: S once more, because a disc cell
-    feels, while it passes, the mean of what the sphere has lost. Under a flat w is the whole line: its contact
-    goes on beyond the domain, while under a sphere a mean over the line would smear the contact's outline,
-    which stays where it is.
+    feels, while it passes, the mean of what the sphere has lost. Under a flat w is the whole line: its
+    contact goes on beyond the domain, while under a sphere a mean over the line would smear the contact's
+    outline, which does not move with the disc.
 
     disc, periodic, share: as of `sliding.SlidingContact`. Raises ValueError for the same discs.
     """
