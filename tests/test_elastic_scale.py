@@ -186,7 +186,6 @@ def test_a_model_goes_on_from_any_step(changes: dict[str, Any]) -> None:
     ("changes", "words"),
     [
         ({"study.model": "macro"}, "is for study.model = 'micro', not 'macro'"),
-        ({"sliding.kinematics": "swept"}, "needs sliding.kinematics = 'stationary'"),
         ({"sphere.material": None}, "needs Young's modulus and Poisson's ratio of both bodies"),
         ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
         ({"wear.distance_factor": "across"}, "wear.distance_factor = 'across' does not go with"),

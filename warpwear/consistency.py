@@ -139,8 +139,6 @@ def _half_space(study: "Study") -> None:
     named = "contact.law = 'half-space'"
     if study.study.model != "micro":
         raise ValueError(f"{named} is for study.model = 'micro', not '{study.study.model}'")
-    if study.is_swept:
-        raise ValueError(f"{named} needs sliding.kinematics = 'stationary'")
     if study.effective_modulus is None:
         raise ValueError(
             f"{named} needs Young's modulus and Poisson's ratio of both bodies: sphere.material or "
@@ -148,7 +146,7 @@ def _half_space(study: "Study") -> None:
         )
     if study.stepping.scheme == "explicit":
         raise ValueError(f"{named} needs stepping.scheme = 'implicit'")
-    if study.wear.distance_factor != "none":
+    if study.wear.distance_factor != "none" and not study.is_swept:
         raise ValueError(
             f"wear.distance_factor = '{study.wear.distance_factor}' does not go with {named}: allowed is none"
         )

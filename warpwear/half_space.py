@@ -91,6 +91,11 @@ class BoundedPressure:
         self._started = False
 
     @property
+    def pressure_field(self) -> Field:
+        """Where the next solve starts, to be changed in place between 0 and H [MPa]."""
+        return self._iterate.pressure
+
+    @property
     def pressure(self) -> FloatArray:
         """Where the next solve starts [MPa], shape (nx, ny)."""
         return self._executor.to_numpy(self._iterate.pressure)
@@ -108,19 +113,21 @@ class BoundedPressure:
         approach: float | None = None,
         compliance: float = 0.0,
         streak_compliance: float = 0.0,
+        streak_window: int | None = None,
     ) -> HalfSpaceContact:
         """The contact at a mean pressure [MPa] or at an approach [mm].
 
         gap: from the mean planes [mm]. compliance: c of every cell beside the half-space's [mm/MPa]: K ΔL of
-        both bodies for an implicit step of wear. streak_compliance: the same under the mean pressure of the
-        cell's line along x: K ΔL of a body that the other slides over.
+        both bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides
+        over, under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the
+        whole line.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
         """
         cells = self._influence.cells
         asked = self._asked(mean_pressure, approach)
-        self._influence.set_compliance(compliance, streak_compliance)
+        self._influence.set_compliance(compliance, streak_compliance, streak_window)
         done = self._influence.transforms
         moments = self._iterate.moments(gap)
         response = self._influence.shortest_response + compliance

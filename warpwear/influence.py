@@ -222,7 +222,7 @@ class Influence:
             padded = padded_shape(grid)
             self._far = make(executor, padded)
             self._elastic = self._far.table(free_spectrum(grid, modulus, padded))
-        self._compliance: tuple[float, float] | None = None
+        self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)
 
     @property
@@ -233,25 +233,35 @@ class Influence:
     @property
     def rigid_mean(self) -> bool:
         """Whether a uniform pressure displaces nothing."""
-        return self._boundary == "periodic" and self._compliance == (0.0, 0.0)
+        return self._boundary == "periodic" and self._compliance is not None and not any(self._compliance[:2])
 
-    def set_compliance(self, own: float, streak: float) -> None:
-        """What adds to the elastic response [mm/MPa]: own pressure of the cell, mean of its line along x."""
-        if self._compliance == (own, streak):
+    def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
+        """What adds to the elastic response [mm/MPa]: own × p of the cell, and streak × S S p.
+
+        S is a mean along x over so many cells, around each of them: of an even number the cell at either end
+        counts half. None, or as many cells as the grid has rows: S is the mean of the line, and so is S S.
+        """
+        line = self._streak_cells
+        asked = own, streak, line if window is None else min(window, line)
+        if self._compliance == asked:
             return
-        self._compliance = own, streak
-        self._response = self._with(self._far, self._elastic, own, streak)
+        self._compliance = asked
+        self._response = self._with(self._far, self._elastic, *asked)
         self._nearby = self._response
         if self._near is not self._far:
-            self._nearby = self._with(self._near, self._near_elastic, own, streak)
+            self._nearby = self._with(self._near, self._near_elastic, *asked)
 
-    def _with(self, transforms: Transforms, elastic: Any, own: float, streak: float) -> Any:
+    def _with(self, transforms: Transforms, elastic: Any, own: float, streak: float, window: int) -> Any:
         if own == 0.0 and streak == 0.0:
             return elastic
-        # The mean over the cells of a line, as the spectrum of its coefficients.
-        rows, nx = elastic.shape[0], self._streak_cells
+        # The spectrum of a mean is that of its coefficients.
+        rows = elastic.shape[0]
         distance = np.minimum(np.arange(rows), rows - np.arange(rows))
-        line = np.fft.fft(np.where(distance < nx, 1.0 / nx, 0.0)).real
+        if window == self._streak_cells:
+            line = np.fft.fft(np.where(distance < window, 1.0 / window, 0.0)).real
+        else:
+            inside = np.where(2 * distance < window, 1.0, np.where(2 * distance == window, 0.5, 0.0))
+            line = np.fft.fft(inside / window).real ** 2
         return transforms.added(elastic, own, streak * line)
 
     def respond(self, pressure: Field, displacement: Field) -> None:

@@ -28,6 +28,8 @@ from warpwear.two_scale import TwoScaleModel
 
 #: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 15.0, "free": 20.0}, 12.0
+#: More where the disc slides: sphere and disc count for themselves, and so does a field to work in.
+SLIDING_FIELDS = 4.0
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
 
@@ -66,13 +68,15 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     """What the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
     if study.study.model == "two-scale":
         return Executor(Patches.of(study).grid, device=device, threads=threads)
+    elastic = study.contact.law == "half-space"
+    fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu") if elastic else FIELDS_NEEDED
     if study.is_swept:
         rows = Track.of(study).rows
-        fields = FIELDS_NEEDED + (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
+        fields += SLIDING_FIELDS * elastic
+        fields += (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
         _check_memory(study, rows, fields, device)
         return Executor(study.cells, device=device, threads=threads)
-    if study.contact.law == "half-space":
-        fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu")
+    if elastic:
         return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
     # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
     fields = FIELDS_NEEDED + 5.0 * (study.wear.distance_factor == "radial")
