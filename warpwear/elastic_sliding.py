@@ -9,8 +9,8 @@ from warpwear.balance import TOLERANCE, Balance
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
-from warpwear.half_space import HalfSpace
 from warpwear.half_space_iterate import NO_CAP
+from warpwear.half_space_window import WindowedHalfSpace
 from warpwear.kernels import sliding_by_pressure as passes
 from warpwear.kernels.types import MAXIMA, SUMS
 from warpwear.ledger import Step, TrackLedger
@@ -54,7 +54,7 @@ class ElasticSliding:
         assert study.effective_modulus is not None  # checked with the study
         wp.load_module(passes, device=executor.device)
         self.keeps_dents = keeps_dents(study)
-        self._half_space = HalfSpace(
+        self._half_space = WindowedHalfSpace(
             executor, modulus=study.effective_modulus, boundary=study.boundary, hardness=study.hardness
         )
         #: The gap, and after the solve the mean pressure that passes; and that of whole lines.
@@ -83,7 +83,7 @@ class ElasticSliding:
         executor.launch(passes.gaps, inputs=[shift, state.sphere, state.disc], outputs=[self._work])
         contact = self._half_space.solve(
             self._work,
-            mean_pressure=study.contact.load / executor.grid.area,
+            load=study.contact.load,
             compliance=removal_disc,
             streak_compliance=of_sphere,
             streak_window=window,
@@ -161,7 +161,7 @@ class ElasticSliding:
         arrays: dict[str, Any] = {**self.state.columns(self._executor, band)}
         arrays |= {f"{name}_in_rows": rows.numpy() for name, rows in self._of_rows.items()}
         arrays["pressure"] = self._half_space.pressure[:, band]
-        numbers = {"columns": [band.start, band.stop], "at_row": self._row}
+        numbers = {"columns": [band.start, band.stop], "at_row": self._row, "window": self._half_space.window}
         return arrays, numbers | {"most": self._ledger.most, "row": self._ledger.row}
 
     def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
@@ -172,6 +172,6 @@ class ElasticSliding:
             rows.assign(arrays[f"{name}_in_rows"])
         pressure = self._half_space.pressure
         pressure[:, band] = arrays["pressure"]
-        self._half_space.go_on_from(pressure)
+        self._half_space.go_on_from(pressure, numbers["window"])
         self._row = numbers["at_row"]
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])

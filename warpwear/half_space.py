@@ -90,6 +90,10 @@ class BoundedPressure:
         """Start the next solve from nothing."""
         self._started = False
 
+    def go_on(self) -> None:
+        """Start the next solve from what `pressure_field` holds."""
+        self._started = True
+
     @property
     def pressure_field(self) -> Field:
         """Where the next solve starts, to be changed in place between 0 and H [MPa]."""
