@@ -15,9 +15,9 @@ import warp as wp
 
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray, Grid
-from warpwear.half_space import HalfSpace, HalfSpaceContact
+from warpwear.half_space import TOLERANCE, HalfSpace, HalfSpaceContact
 from warpwear.kernels import half_space_setup
-from warpwear.kernels.types import LANES
+from warpwear.kernels.types import LANES, Cells
 
 #: Sizes of windows along a side of the grid.
 SIZES = 8
@@ -80,14 +80,25 @@ class WindowedHalfSpace:
     """Contacts of half-spaces on a large grid; each solve starts from the last one's pressure.
 
     modulus: E* of both bodies [MPa]. boundary: "periodic", whose window is the whole grid, or "free".
-    hardness: H [MPa].
+    hardness: H [MPa]. tolerance: as of `half_space.BoundedPressure`.
     """
 
     def __init__(
-        self, executor: Executor, *, modulus: float, boundary: str, hardness: float = math.inf
+        self,
+        executor: Executor,
+        *,
+        modulus: float,
+        boundary: str,
+        hardness: float = math.inf,
+        tolerance: float = TOLERANCE,
     ) -> None:
-        self._executor, self._modulus = executor, modulus
-        self._boundary, self._hardness = boundary, hardness
+        self._executor, self._boundary, self._hardness = executor, boundary, hardness
+        self._law: dict[str, Any] = {
+            "modulus": modulus,
+            "boundary": boundary,
+            "hardness": hardness,
+            "tolerance": tolerance,
+        }
         wp.load_module(half_space_setup, device=executor.device)
         #: Where the next solve starts, to be changed in place between 0 and H [MPa].
         self.pressure_field = executor.zeros()
@@ -154,6 +165,7 @@ class WindowedHalfSpace:
                 break
             # Of too few cells the approach is too large: what lies below it holds the contact of them all.
             self._look_at(Window.around(reached, whole))
+        self._gradient.fill_(Cells(math.nan))
         wp.copy(window.of(self._gradient), contact.gradient_field)
         fitting = Window.around(reached, whole)
         if self._boundary == "free" and fitting.area <= SMALLER * window.area:
@@ -176,7 +188,11 @@ class WindowedHalfSpace:
         if self._window is None or grid != self._window.grid(executor.grid):
             part = Executor(grid, device=str(executor.device), threads=executor.threads)
             self._solver = HalfSpace(
-                part, modulus=self._modulus, boundary=self._boundary, hardness=self._hardness
+                part,
+                modulus=self._modulus,
+                boundary=self._boundary,
+                hardness=self._hardness,
+                tolerance=self._tolerance,
             )
             self._gap = part.zeros()
         self._window = window
@@ -187,7 +203,7 @@ class WindowedHalfSpace:
         everything = Window.around((0, grid.nx - 1, 0, grid.ny - 1), grid)
         if self._boundary == "periodic":
             return everything
-        row, column = np.unravel_index(np.argmin(self._executor.to_numpy(gap)), grid.shape)
+        row, column = divmod(int(np.argmin(self._executor.to_numpy(gap))), grid.ny)
         for pieces in range(1, SIZES):
             window = Window.around((row, row, column, column), grid, pieces=pieces)
             if self._hardness * window.grid(grid).area >= CAPACITY * load:
