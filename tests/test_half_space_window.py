@@ -41,12 +41,12 @@ CASES: dict[str, tuple[FloatArray, dict[str, Any]]] = {
     "all of it": (ball(rough=1e-3) * 1e-3, {}),
 }
 
-IMPLICIT = {"compliance": 3e-7, "streak_compliance": 3e-7, "streak_window": 4}
+IMPLICIT = {"compliance": 3e-7, "streak_compliance": 3e-7, "streak_window": 17}
 
 
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize(
-    "implicit", [{}, {"compliance": 3e-7, "streak_compliance": 3e-7, "streak_window": 4}]
+    "implicit", [{}, {"compliance": 3e-7, "streak_compliance": 3e-7, "streak_window": 17}]
 )
 def test_a_window_changes_nothing(case: str, implicit: dict[str, Any], device: str) -> None:
     gap, law = CASES[case]

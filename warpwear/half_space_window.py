@@ -39,16 +39,24 @@ class Window:
     end: int
 
     @classmethod
-    def around(cls, box: Sequence[int], grid: Grid, *, pieces: int = 1) -> Self:
-        """That holds a box of rows and columns (first and last of each), of `pieces` / `SIZES` or more."""
-        rows = _placed(box[0], box[1], grid.nx, 1, pieces)
-        columns = _placed(box[2], box[3], grid.ny, LANES, pieces)
-        return cls(*rows, columns[0] // LANES, -(-columns[1] // LANES))
+    def around(cls, box: Sequence[int], grid: Grid, *, rows: int = 1, pieces: int = 1) -> Self:
+        """That holds a box of rows and columns (first and last of each), so many rows and pieces or more.
+
+        pieces: of the `SIZES` of the grid.
+        """
+        along = _placed(box[0], box[1], grid.nx, step=1, least=rows, pieces=pieces)
+        across = _placed(box[2], box[3], grid.ny, step=LANES, least=1, pieces=pieces)
+        return cls(*along, across[0] // LANES, -(-across[1] // LANES))
 
     @property
     def area(self) -> int:
         """In vectors."""
         return (self.end_row - self.first_row) * (self.end - self.first)
+
+    @property
+    def box(self) -> tuple[int, int, int, int]:
+        """First and last row, first and last column."""
+        return self.first_row, self.end_row - 1, self.first * LANES, self.end * LANES - 1
 
     def holds(self, box: Sequence[int]) -> bool:
         """Whether a box of rows and columns lies inside."""
@@ -64,9 +72,9 @@ class Window:
         return Grid(self.end_row - self.first_row, columns, whole.cell)
 
 
-def _placed(first: int, last: int, size: int, step: int, pieces: int) -> tuple[int, int]:
+def _placed(first: int, last: int, size: int, *, step: int, least: int, pieces: int) -> tuple[int, int]:
     """Begin and end of a stretch around first … last, of one of `SIZES` sizes, on multiples of a step."""
-    wanted = (last - first + 1) * (1.0 + 2.0 * ROOM)
+    wanted = max((last - first + 1) * (1.0 + 2.0 * ROOM), least)
     for n in range(pieces, SIZES):
         length = -(-size * n // (SIZES * step)) * step
         begin = max(0, (first + last + 1 - length) // 2 // step * step)
@@ -92,13 +100,8 @@ class WindowedHalfSpace:
         hardness: float = math.inf,
         tolerance: float = TOLERANCE,
     ) -> None:
-        self._executor, self._boundary, self._hardness = executor, boundary, hardness
-        self._law: dict[str, Any] = {
-            "modulus": modulus,
-            "boundary": boundary,
-            "hardness": hardness,
-            "tolerance": tolerance,
-        }
+        self._executor, self._modulus, self._boundary = executor, modulus, boundary
+        self._hardness, self._tolerance = hardness, tolerance
         wp.load_module(half_space_setup, device=executor.device)
         #: Where the next solve starts, to be changed in place between 0 and H [MPa].
         self.pressure_field = executor.zeros()
@@ -138,8 +141,12 @@ class WindowedHalfSpace:
         """
         whole = self._executor.grid
         started = self._window is not None
+        # Of a mean along x, what reaches beyond the window must not be more than what it holds.
+        rows = 2 * (streak_window or 1)
         if self._window is None:
-            self._look_at(self._first(gap, load))
+            self._look_at(self._first(gap, load, rows))
+        elif self._window.end_row - self._window.first_row < min(rows, whole.nx):
+            self._look_at(Window.around(self._window.box, whole, rows=rows))
         transforms = iterations = 0
         while True:
             window, solver = self._window, self._solver
@@ -164,10 +171,10 @@ class WindowedHalfSpace:
             if self._boundary == "periodic" or window.holds(reached):
                 break
             # Of too few cells the approach is too large: what lies below it holds the contact of them all.
-            self._look_at(Window.around(reached, whole))
+            self._look_at(Window.around(reached, whole, rows=rows))
         self._gradient.fill_(Cells(math.nan))
         wp.copy(window.of(self._gradient), contact.gradient_field)
-        fitting = Window.around(reached, whole)
+        fitting = Window.around(reached, whole, rows=rows)
         if self._boundary == "free" and fitting.area <= SMALLER * window.area:
             self._look_at(fitting)
         return replace(
@@ -197,7 +204,7 @@ class WindowedHalfSpace:
             self._gap = part.zeros()
         self._window = window
 
-    def _first(self, gap: Field, load: float) -> Window:
+    def _first(self, gap: Field, load: float, rows: int) -> Window:
         """Around the lowest cell, of a size that carries the load."""
         grid = self._executor.grid
         everything = Window.around((0, grid.nx - 1, 0, grid.ny - 1), grid)
@@ -205,7 +212,7 @@ class WindowedHalfSpace:
             return everything
         row, column = divmod(int(np.argmin(self._executor.to_numpy(gap))), grid.ny)
         for pieces in range(1, SIZES):
-            window = Window.around((row, row, column, column), grid, pieces=pieces)
+            window = Window.around((row, row, column, column), grid, rows=rows, pieces=pieces)
             if self._hardness * window.grid(grid).area >= CAPACITY * load:
                 return window
         return everything
