@@ -209,8 +209,8 @@ class Contact(Section):
     )
     boundary: Literal["free", "periodic"] | None = key(
         None,
-        "half-space: nothing beyond the domain, or the domain repeated; if not given free under a sphere, "
-        "periodic under a flat",
+        "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; "
+        "if not given free under a sphere, periodic under a flat and for patches",
     )
     stiffness: Stiffness = key(
         "inf N/mm^3",
