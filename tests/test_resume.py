@@ -23,6 +23,7 @@ import warpwear
 from warpwear import InputError, Result, Study, checkpoint, cli, run_lock
 from warpwear.checkpoint import FILE_NAME, HEADER
 from warpwear.device_loop import DeviceLoop
+from warpwear.elastic_patches import ElasticPatchesModel
 from warpwear.elastic_scale import HalfSpaceModel
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
@@ -35,7 +36,7 @@ KILLS = ROOT / "bench" / "kills.py"
 _kills = runpy.run_path(str(KILLS))
 CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["study_of"]
 
-MODELS = (OneScaleModel, TwoScaleModel, HalfSpaceModel)
+MODELS = (OneScaleModel, TwoScaleModel, HalfSpaceModel, ElasticPatchesModel)
 ADVANCE: dict[Any, Callable[..., Any]] = {model: model.advance for model in MODELS}
 
 SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
