@@ -272,6 +272,16 @@ def test_soft_cells_are_those_below_a_cut() -> None:
     assert row["approach"] == pytest.approx(np.sort(gap.ravel())[math.ceil(cells) - 1], abs=1e-8)
 
 
+@pytest.mark.parametrize("bulk", ["none", "foundation"])
+def test_flat_bodies_share_the_load_evenly(bulk: str) -> None:
+    """Also where nothing but the choice of the patches visited says so."""
+    flat = {"sphere.radius": "inf mm", "contact.foundation": "2e6 N/mm^3", "macro.bulk": bulk}
+    model = Stepped(quick(disc__synthetic={"kind": "flat"}).replace(flat)).model
+    for increment in (0.0, 3.0):
+        model.advance(increment)
+        assert_allclose(model.book.table("load_share")[-1], 8.0 / 400.0, rtol=1e-9)
+
+
 @pytest.mark.parametrize("kind", ["bulk", "bulk that follows, no cap"])
 def test_a_model_goes_on_from_any_step(kind: str) -> None:
     study = quick().replace(KINDS[kind])

@@ -135,8 +135,8 @@ class ElasticPatchesModel:
                 return contact
 
     def _below(self, approach: float) -> int:
-        """Patches whose lowest point lay below an approach before any wear."""
-        return int(np.searchsorted(self.lowest, approach))
+        """Patches whose lowest point before any wear lay below an approach or at it: equal ones share."""
+        return int(np.searchsorted(self.lowest, approach, side="right"))
 
     def _remove(self, contact: HalfSpaceContact, removal: float, reference: float) -> Worn:
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""

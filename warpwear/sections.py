@@ -495,8 +495,8 @@ class Macro(Section):
     )
     bulk: Literal["foundation", "none"] = key(
         "foundation",
-        "spring behind each patch: foundation is K_N, the elastic bulk of both bodies, in series with "
-        "asperities that only flow and wear; none where the patch's own law carries that compliance",
+        "spring behind each patch: foundation is K_N, the elastic bulk of both bodies, in series; none where "
+        "the patch's own law carries that compliance, as free patches of the half-space do",
         assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
     )
     coupling: Literal["approach", "load"] = key(
