@@ -63,6 +63,10 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
         },
     ),
     "two-scale": ("two-scale", SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm"}),
+    "two-scale, half-space": (
+        "two-scale",
+        SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm", "contact.law": "half-space"},
+    ),
     "two-scale, load": (
         "two-scale",
         SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm", "macro.coupling": "load"},

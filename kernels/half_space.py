@@ -12,11 +12,22 @@ from warpwear.kernels.types import LANES, NONE, ONE, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 
+#: Of a sum of two numbers, relatively.
+EPSILON = wp.constant(wp.float64(4.0e-16))
+
 
 @wp.func
 def clipped(x: wp.float64, cap: wp.float64):
     """x between 0 and the cap."""
     return wp.min(wp.max(x, ZERO), cap)
+
+
+@wp.func
+def shifted(x: wp.float64, shift: wp.float64, cap: wp.float64):
+    """x + shift between 0 and the cap; at a bound where it is off it by the rounding of the sum alone."""
+    y = x + shift
+    rounding = EPSILON * wp.abs(shift)
+    return wp.where(y < rounding, ZERO, wp.where(y > cap - rounding, cap, y))
 
 
 @wp.func
@@ -65,7 +76,7 @@ def advance(
         up = Cells(ZERO)
         down = Cells(ZERO)
         for j in range(LANES):
-            p[j] = clipped(wp.where(whole, x[j] + shift, p[j] + length * s[j]), cap)
+            p[j] = wp.where(whole, shifted(x[j], shift, cap), clipped(p[j] + length * s[j], cap))
             t[j] += length * y[j]
             touch[j] = wp.where(p[j] > ZERO, ONE, ZERO)
             inside[j] = wp.where(p[j] < cap, touch[j], ZERO)
@@ -253,9 +264,8 @@ def carried(
         q = Cells(ZERO)
         inside = Cells(ZERO)
         for j in range(LANES):
-            shifted = x[j] + shift
-            q[j] = clipped(shifted, cap)
-            inside[j] = wp.where(shifted > ZERO and shifted < cap, ONE, ZERO)
+            q[j] = shifted(x[j], shift, cap)
+            inside[j] = wp.where(q[j] > ZERO and q[j] < cap, ONE, ZERO)
         total += q
         between += inside
     sums_out[0, slot] = sum_of(total)
@@ -289,7 +299,7 @@ def step(
         sr = Cells(ZERO)
         share = Cells(ZERO)
         for j in range(LANES):
-            s[j] = clipped(x[j] + shift, cap) - p[j]
+            s[j] = shifted(x[j], shift, cap) - p[j]
             sr[j] = wp.where(s[j] == ZERO, ZERO, s[j] * (t[j] - approach))
             room = wp.where(s[j] < ZERO, p[j], cap - p[j])
             share[j] = wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room)

@@ -199,6 +199,16 @@ def test_a_solve_starts_from_the_last_pressure(device: str) -> None:
         assert more.mean_pressure == pytest.approx(0.0101, rel=1e-12)
 
 
+@pytest.mark.parametrize(("hardness", "cells", "seed"), [(0.2, 46, 3), (0.1, 16, 1), (0.05, 46, 2)])
+def test_a_load_that_whole_cells_carry_at_the_hardness(hardness: float, cells: int, seed: int) -> None:
+    """No cell is between the bounds then, also where loads and pressures are off in their last digits."""
+    with Executor(GRID) as executor:
+        solver = HalfSpace(executor, modulus=MODULUS, hardness=hardness, tolerance=1e-9)
+        asked = {"mean_pressure": hardness * cells / GRID.cells, "compliance": 0.3}
+        contact = solver.solve(executor.field(rough(GRID, seed=seed)), **asked)
+        assert _violation(contact.pressure, contact.separation, hardness) <= 1e-9 * (1 + 1e-6)
+
+
 def test_full_contact_is_rigid_in_the_mean() -> None:
     grid = Grid(32, 32, 1.0 / 32)
     gap = rough(grid, rms=1e-3)

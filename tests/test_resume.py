@@ -23,6 +23,7 @@ import warpwear
 from warpwear import InputError, Result, Study, checkpoint, cli, run_lock
 from warpwear.checkpoint import FILE_NAME, HEADER
 from warpwear.device_loop import DeviceLoop
+from warpwear.elastic_patches import ElasticPatchesModel
 from warpwear.elastic_scale import HalfSpaceModel
 from warpwear.elastic_sliding import ElasticSliding
 from warpwear.execution import Executor
@@ -37,9 +38,8 @@ _kills = runpy.run_path(str(KILLS))
 CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["study_of"]
 
 #: What makes a step of a model that lies still, or of a contact that slides.
-ADVANCE: dict[tuple[Any, str], Callable[..., Any]] = {
-    (model, "advance"): model.advance for model in (OneScaleModel, TwoScaleModel, HalfSpaceModel)
-}
+MODELS = (OneScaleModel, TwoScaleModel, HalfSpaceModel, ElasticPatchesModel)
+ADVANCE: dict[tuple[Any, str], Callable[..., Any]] = {(model, "advance"): model.advance for model in MODELS}
 ADVANCE |= {(ElasticSliding, "step"): ElasticSliding.step}
 
 SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from warpwear.checkpoint import checksum
+from warpwear.elastic_patches import ElasticPatchesModel
 from warpwear.elastic_scale import HalfSpaceModel
 from warpwear.errors import InputError
 from warpwear.execution import FIELDS_NEEDED, Executor, free_memory
@@ -66,21 +67,20 @@ class Made:
 
 def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     """What the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
-    if study.study.model == "two-scale":
-        return Executor(Patches.of(study).grid, device=device, threads=threads)
+    fields = FIELDS_NEEDED
     elastic = study.contact.law == "half-space"
-    fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu") if elastic else FIELDS_NEEDED
+    if elastic:
+        fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu")
     if study.is_swept:
         rows = Track.of(study).rows
         fields += SLIDING_FIELDS * elastic
         fields += (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
         _check_memory(study, rows, fields, device)
         return Executor(study.cells, device=device, threads=threads)
-    if elastic:
-        return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
     # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
-    fields = FIELDS_NEEDED + 5.0 * (study.wear.distance_factor == "radial")
-    return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
+    fields += 5.0 * (study.wear.distance_factor == "radial")
+    grid = Patches.of(study).grid if study.study.model == "two-scale" else study.cells
+    return Executor(grid, device=device, threads=threads, fields_needed=fields)
 
 
 def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
@@ -95,13 +95,14 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
         return Made(swept, found, record, heights)
     heights = surface.heights(grid.x, grid.y)
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
-    if study.contact.law == "half-space":
-        return Made(HalfSpaceModel(study, heights, executor), checksum(heights), record)
     if study.study.model == "two-scale":
         patches = Patches.of(study)
         refuse_unsuitable(study, patches, heights)
-        of_patches = TwoScaleModel(study, patches, heights, executor)
+        make = ElasticPatchesModel if study.contact.law == "half-space" else TwoScaleModel
+        of_patches = make(study, patches, heights, executor)
         return Made(of_patches, checksum(heights), record, book=of_patches.book)
+    if study.contact.law == "half-space":
+        return Made(HalfSpaceModel(study, heights, executor), checksum(heights), record)
     curve = None
     if study.wear.law == "bearing-curve":
         curve = bearing_curve_of(study)

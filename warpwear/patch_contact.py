@@ -41,10 +41,9 @@ class Ahead:
 
 def places(patches: Patches, executor: Executor) -> tuple[Field, Field]:
     """First row and first column of every patch, as kernels read them."""
-    first_row, first_column = (
-        wp.array(first, dtype=wp.int32, device=executor.device)
-        for first in (patches.first_row, patches.first_column)
-    )
+    device = executor.device
+    first_row: Field = wp.array(patches.first_row, dtype=wp.int32, device=device)
+    first_column: Field = wp.array(patches.first_column, dtype=wp.int32, device=device)
     return first_row, first_column
 
 

@@ -12,8 +12,6 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.influence import (
     MODES_PER_THREAD,
     CupyTransforms,
-    ScipyTransforms,
-    Transforms,
     free_spectrum,
     padded_shape,
     periodic_spectrum,
@@ -25,30 +23,37 @@ from warpwear.patches import Patches
 BLOCK = 16_384
 
 
-class PatchTransforms(Transforms):
-    """On the CPU. Blocks of whole patches, which do not depend on the threads, are shared among them.
+class PatchTransforms:
+    """As `influence.Transforms`, of patches on the CPU, each zero-padded to a given shape.
 
-    patches: so many first rows are transformed, each zero-padded to the shape.
+    Blocks of whole patches, which do not depend on the threads, are shared among them. patches: so many first
+    rows of the fields are transformed.
     """
 
     def __init__(self, executor: Executor, side: int, shape: tuple[int, int]) -> None:
-        super().__init__(executor, shape)
         self._fft: Any = import_module("scipy.fft")
-        self._side = side
+        self._side, self._shape = side, shape
+        self.transforms = 0
         self.patches = executor.grid.nx
         modes = shape[0] * (shape[1] // 2 + 1)
         self._block = max(1, BLOCK // modes)
         threads = executor.threads if self.patches * modes >= 2 * MODES_PER_THREAD else 1
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
 
-    table = ScipyTransforms.table
-    added = ScipyTransforms.added
+    def table(self, values: FloatArray) -> FloatArray:
+        """A table for `filter` from one of shape (n, m//2 + 1)."""
+        return values
 
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+        """field_out = inverse(forward(field_in) × table), patch by patch; may be the same field.
+
+        divide: ÷ instead, in single precision; modes where the table is 0 are left out.
+        """
         self.transforms += 1
         fft, side, shape, axes = self._fft, self._side, self._shape, (1, 2)
         values, result = (_cells(field.numpy(), side) for field in (field_in, field_out))
-        factor, real = table, np.float64
+        factor: Any = table
+        real: Any = np.float64
         if divide:
             factor = np.divide(1.0, table, out=np.zeros_like(table), where=table > 0.0).astype(np.float32)
             real = np.float32
@@ -125,7 +130,9 @@ class PatchInfluence:
     def visit(self, patches: int) -> None:
         """Leave out all but so many first patches: their pressures stay as they are, which must be 0."""
         self._near.patches = self._far.patches = patches
-        self.chunks = self._executor.share(np.full(patches, self._executor.grid.ny))
+        self.chunks: list[tuple[int, int]] | None = self._executor.share(
+            np.full(patches, self._executor.grid.ny)
+        )
 
     def set_bulk(self, flexibility: float) -> None:
         """1/K_N of the spring behind every patch [mm³/N]; it yields to the patch's mean pressure."""

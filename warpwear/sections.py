@@ -209,8 +209,8 @@ class Contact(Section):
     )
     boundary: Literal["free", "periodic"] | None = key(
         None,
-        "half-space: nothing beyond the domain, or the domain repeated; if not given free under a sphere, "
-        "periodic under a flat",
+        "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; "
+        "if not given free under a sphere, periodic under a flat and for patches",
     )
     stiffness: Stiffness = key(
         "inf N/mm^3",
@@ -495,8 +495,8 @@ class Macro(Section):
     )
     bulk: Literal["foundation", "none"] = key(
         "foundation",
-        "spring behind each patch: foundation is K_N, the elastic bulk of both bodies, in series with "
-        "asperities that only flow and wear; none where the patch's own law carries that compliance",
+        "spring behind each patch: foundation is K_N, the elastic bulk of both bodies, in series; none where "
+        "the patch's own law carries that compliance, as free patches of the half-space do",
         assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
     )
     coupling: Literal["approach", "load"] = key(
