@@ -20,51 +20,39 @@ def gaps(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     shift: wp.int32,
+    passing_in: wp.array2d(dtype=Cells),
+    wear_sphere_in: wp.array2d(dtype=Cells),
     sphere_in: wp.array2d(dtype=Cells),
     disc_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
 ):
-    """Sphere − disc, the disc displaced by so many rows."""
+    """Gap that a cell of the disc meets, displaced by so many rows, on its way through a step.
+
+    passing_in: mean of the sphere's wear along that way, instead of the wear at its middle; one row where it
+    is the same along x.
+    """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     under = beneath(row, shift, disc_in.shape[0])
+    passing_row = wp.min(row, passing_in.shape[0] - 1)
     for k in range(slot % slots_per_row, gap_out.shape[1], slots_per_row):
-        gap_out[row, k] = sphere_in[row, k] - disc_in[under, k]
-
-
-@wp.kernel
-def carry(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    moved: wp.int32,
-    rows: wp.int32,
-    pressure_in: wp.array2d(dtype=Cells),
-    pressure_out: wp.array2d(dtype=Cells),
-):
-    """A pressure where a disc of so many rows has carried it that moved by 0 ≤ moved < rows; else 0."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    before = beneath(row, moved, rows)
-    for k in range(slot % slots_per_row, pressure_out.shape[1], slots_per_row):
-        p = Cells(ZERO)
-        if before < pressure_in.shape[0]:
-            p = pressure_in[before, k]
-        pressure_out[row, k] = p
+        worn_more = passing_in[passing_row, k] - wear_sphere_in[row, k]
+        gap_out[row, k] = (sphere_in[row, k] + worn_more) - disc_in[under, k]
 
 
 @wp.kernel
 def mean_of_lines(
     first_column: wp.int32,
     slots_per_row: wp.int32,
-    pressure_in: wp.array2d(dtype=Cells),
+    field_in: wp.array2d(dtype=Cells),
     mean_out: wp.array2d(dtype=Cells),
 ):
-    """Mean of the pressure along x, in one row. A thread is a column of vectors."""
+    """Mean of a field along x, in one row. A thread is a column of vectors."""
     k = first_column + wp.tid()
     total = Cells(ZERO)
-    for row in range(pressure_in.shape[0]):
-        total += pressure_in[row, k]
-    mean_out[0, k] = total / wp.float64(pressure_in.shape[0])
+    for row in range(field_in.shape[0]):
+        total += field_in[row, k]
+    mean_out[0, k] = total / wp.float64(field_in.shape[0])
 
 
 @wp.kernel
@@ -72,16 +60,16 @@ def mean_passing(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     window: wp.int32,
-    pressure_in: wp.array2d(dtype=Cells),
+    field_in: wp.array2d(dtype=Cells),
     mean_out: wp.array2d(dtype=Cells),
 ):
-    """Mean of the pressure over a window of so many rows; of an even one the row at either end counts half.
+    """Mean of a field over a window of so many rows; of an even one the row at either end counts half.
 
-    At the first and the last row the pressure is mirrored, so that its sum is kept there too.
+    At the first and the last row the field is mirrored, so that its sum is kept there too.
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
-    rows = pressure_in.shape[0]
+    rows = field_in.shape[0]
     half = window // 2
     end = wp.where(window % 2 == 0, wp.float64(0.5), ONE)
     for k in range(slot % slots_per_row, mean_out.shape[1], slots_per_row):
@@ -89,7 +77,7 @@ def mean_passing(
         for i in range(row - half, row + half + 1):
             inside = wp.where(i < 0, -1 - i, wp.where(i < rows, i, 2 * rows - 1 - i))
             weight = wp.where(i == row - half or i == row + half, end, ONE)
-            total += weight * pressure_in[inside, k]
+            total += weight * field_in[inside, k]
         mean_out[row, k] = total / wp.float64(window)
 
 

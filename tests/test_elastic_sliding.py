@@ -85,13 +85,14 @@ class Dense:
         window = round(SHARE * increment / CELL) if self.boundary == "free" else None
         matrix = self.elastic + of_disc * np.eye(GRID.cells)
         matrix += of_sphere * test_half_space.dense_streak(GRID, self.boundary, window)
-        gap, hardness = self.sphere - self.disc[beneath], self.study.hardness
+        hardness = self.study.hardness
+        met = self.wear_sphere if window is None else averaged(self.wear_sphere, window)
+        gap = self.sphere + met - self.disc[beneath]
         p = test_half_space.bounded(matrix, gap, approach, hardness)
         below = approach - gap - (matrix @ p.ravel()).reshape(GRID.shape)
         at_cap = p >= hardness * (1.0 - 1e-12)  # the active sets leave it by a digit
         beyond = np.where(at_cap, np.maximum(below, 0.0), 0.0)
         passing = np.broadcast_to(p.mean(axis=0), p.shape) if window is None else averaged(p, window)
-        self.sphere = self.sphere + of_sphere * passing
         self.wear_sphere += of_sphere * passing
         self.disc[beneath] -= of_disc * p + beyond
         self.wear_disc[beneath] += of_disc * p
@@ -130,9 +131,10 @@ def test_every_step_is_that_of_the_dense_matrix(changes: dict[str, Any], device:
             assert expected.sum() * CELL**2 == pytest.approx(study.contact.load, rel=1e-6)
             assert 0.0 < step.row["area_plastic"] < step.row["area_contact"] < GRID.area
         fields = fields_of(contact, executor)
-        for name in ("sphere", "disc", "wear_sphere", "wear_disc", "plastic_disc"):
+        for name in ("disc", "wear_sphere", "wear_disc", "plastic_disc"):
             asked = getattr(dense, name)
             assert_allclose(fields[name], asked, atol=1e-6 * dense.wear_sphere.max(), err_msg=name)
+        assert_allclose(fields["sphere"], dense.sphere + fields["wear_sphere"], atol=1e-15)
         assert dense.plastic_disc.max() > dense.wear_disc.max() > 0.0
         assert step.row["wear_volume_disc"] == pytest.approx(fields["wear_disc"].sum() * CELL**2 / SHARE)
         assert step.row["plastic_volume_disc"] == pytest.approx(
@@ -194,6 +196,22 @@ def test_every_step_conserves_both_bodies(changes: dict[str, Any], device: str) 
             assert np.ptp(now["wear_sphere"], axis=1).max() > 0.0
 
 
+def test_waves_on_the_sphere_do_not_grow() -> None:
+    """Of a length between half the window and the window S is negative: worn where they are low."""
+    grid, amplitude = Grid(24, 24, CELL), 1e-5
+    wave = amplitude * np.cos(2.0 * np.pi * np.arange(24) / 3.0)[:, None] * np.ones(24)
+    lost = []
+    for start in (np.zeros(grid.shape), wave):
+        with Executor(grid) as executor:
+            contact = contact_of(study_of(), np.zeros(grid.shape), executor, periodic=True, share=SHARE)
+            for field in (contact.state.wear_sphere, contact.state.sphere):
+                executor.fill(field, executor.to_numpy(field) + start)
+            for step in range(8):
+                contact.step(4 * step, 4 * CELL / SHARE)
+            lost.append(executor.to_numpy(contact.state.wear_sphere).copy())
+    assert np.abs(lost[1] - lost[0]).max() <= 1.05 * amplitude
+
+
 @pytest.mark.parametrize("window", [1, 2, 3, 6, 9])
 def test_the_mean_that_passes_keeps_the_sum(window: int, device: str) -> None:
     """At the edges too."""
@@ -206,31 +224,15 @@ def test_the_mean_that_passes_keeps_the_sum(window: int, device: str) -> None:
         assert_allclose(found, averaged(p, window), rtol=1e-13)
 
 
-@pytest.mark.parametrize(("periodic", "shifts"), [(True, (20, 3)), (True, (3, 21)), (False, (1, 7))], ids=str)
-def test_the_disc_carries_the_pressure_along(periodic: bool, shifts: tuple[int, int], device: str) -> None:
-    """A disc cell keeps its pressure while it is under the sphere; what comes in has none."""
-    with Executor(GRID, device=device) as executor:
-        contact = contact_of(study_of(**FLAT), heights(), executor, periodic=periodic)
-        under = contact.step(shifts[0], 0.0, with_pressure=True).pressure
-        of_disc = np.zeros((ROWS, GRID.ny))
-        of_disc[(np.arange(GRID.nx) + shifts[0]) % ROWS] = under
-        contact._carry_pressure(shifts[1])
-        expected = of_disc[(np.arange(GRID.nx) + shifts[1]) % ROWS]
-        assert_array_equal(contact._half_space.pressure, expected)
-        assert 0.0 < expected.mean() < under.mean()  # type: ignore[union-attr]
-
-
 def test_a_flat_on_a_lap_of_its_own_length_feels_no_displacement() -> None:
-    """The domain repeats as the disc does, so that the pressure carried along is the solution."""
+    """The domain repeats as the disc does."""
     unworn = {"wear.sphere": "0 mm^3/N/m", "wear.disc": "0 mm^3/N/m"}
     with Executor(GRID) as executor:
         study = study_of(**FLAT).replace(unworn)
         contact = contact_of(study, heights(GRID.nx), executor, periodic=True)
         first = contact.step(0, 0.02)
-        contact._half_space._tolerance = 1e-9
         for shift in (5, 14, 3):
             step = contact.step(shift, 0.02)
-            assert step.balance.evaluations == 1 < first.balance.evaluations
             assert step.row["area_contact"] == first.row["area_contact"]
             assert step.row["approach"] == pytest.approx(first.row["approach"], rel=1e-9)
 

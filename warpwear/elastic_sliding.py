@@ -25,11 +25,12 @@ class ElasticSliding:
     """Contact and wear of one study with contact.law = "half-space" while its disc moves under the sphere.
 
     A step finds the pressure p with which it ends (implicit Archard). During it the asperities, and p with
-    them, move on by w cells: a disc cell is worn by its own p, a sphere cell by S p, the mean over w cells
-    along x. Under p the bodies yield by (G + K_disc ΔL + K_sphere ΔL S²) p: S once more, because a disc cell
-    feels, while it passes, the mean of what the sphere has lost. Under a flat w is the whole line: its
-    contact goes on beyond the domain, while under a sphere a mean over the line would smear the contact's
-    outline, which does not move with the disc.
+    them, move on by w cells. A disc cell is worn by its own p, a sphere cell by S p, the mean over w cells
+    along x. On its way a disc cell meets S of what the sphere has lost, before the step as in it: the gap is
+    made with S of the sphere's wear, and p adds (G + K_disc ΔL + K_sphere ΔL S²) p to it. With the wear at
+    the middle of the way instead, waves of the sphere between w/2 and w, of which S is negative, would grow.
+    Under a flat w is the whole line: its contact goes on beyond the domain, while under a sphere a mean over
+    the line would smear the contact's outline, which does not move with the disc.
 
     disc, periodic, share: as of `sliding.SlidingContact`. Raises ValueError for the same discs.
     """
@@ -57,8 +58,8 @@ class ElasticSliding:
         self._half_space = WindowedHalfSpace(
             executor, modulus=study.effective_modulus, boundary=study.boundary, hardness=study.hardness
         )
-        #: The gap, and after the solve the mean pressure that passes; and that of whole lines.
-        self._work, self._lines = executor.zeros(), executor.zeros(1)
+        #: The gap, a mean along x by rows, and that of whole lines.
+        self._gap, self._means, self._lines = executor.zeros(), executor.zeros(), executor.zeros(1)
         self._sums, self._maxima = executor.partials(len(OF_STEP)), executor.partials(len(MAXIMA))
         rows = disc.shape[0]
         self._of_rows = {
@@ -66,7 +67,6 @@ class ElasticSliding:
             for name in ("wear_disc", "pressed_disc")
         }
         self._ledger = TrackLedger(study, executor.grid, share=share)
-        self._row: int | None = None  # of the disc, at the last step
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -79,16 +79,21 @@ class ElasticSliding:
         of_sphere, of_disc = (law.removal(distance, increment) for law in study.wear_laws)
         removal_disc = self._share * of_disc
         window = self._window(increment)
-        self._carry_pressure(shift)
-        executor.launch(passes.gaps, inputs=[shift, state.sphere, state.disc], outputs=[self._work])
+        met = self._mean_along(state.wear_sphere, window)
+        executor.launch(
+            passes.gaps,
+            inputs=[shift, met, state.wear_sphere, state.sphere, state.disc],
+            outputs=[self._gap],
+        )
+        # The last pressure is no better a start: neither where it was, nor carried along with the disc.
+        self._half_space.forget()
         contact = self._half_space.solve(
-            self._work,
+            self._gap,
             load=study.contact.load,
             compliance=removal_disc,
             streak_compliance=of_sphere,
             streak_window=window,
         )
-        self._row = shift
         pressure = contact.pressure.copy() if with_pressure else None
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
@@ -103,7 +108,7 @@ class ElasticSliding:
                 reference,
                 shift,
                 contact.pressure_field,
-                self._passing(contact.pressure_field, window),
+                self._mean_along(contact.pressure_field, window),
                 contact.gradient_field,
             ],
             outputs=[*vars(state).values(), self._sums, self._maxima],
@@ -134,22 +139,13 @@ class ElasticSliding:
             return grid.nx
         return min(max(round(self._share * increment / grid.cell), 1), grid.nx)
 
-    def _carry_pressure(self, shift: int) -> None:
-        """The search starts from the last pressure, where the disc has carried it."""
-        if self._row is None or shift == self._row:
-            return
-        rows, pressure = self.state.disc.shape[0], self._half_space.pressure_field
-        moved = (shift - self._row) % rows
-        self._executor.launch(passes.carry, inputs=[moved, rows, pressure], outputs=[self._work])
-        wp.copy(pressure, self._work)
-
-    def _passing(self, pressure: Field, window: int) -> Field:
-        """Mean pressure that passes over the cells of the sphere, by rows, or one row for all."""
+    def _mean_along(self, field: Field, window: int) -> Field:
+        """S of a field, by rows, or one row for all; it lasts until the next."""
         if window < self._executor.grid.nx:
-            self._executor.launch(passes.mean_passing, inputs=[window, pressure], outputs=[self._work])
-            return self._work
+            self._executor.launch(passes.mean_passing, inputs=[window, field], outputs=[self._means])
+            return self._means
         every = [(0, self._executor.vectors)]
-        self._executor.launch(passes.mean_of_lines, inputs=[pressure], outputs=[self._lines], chunks=every)
+        self._executor.launch(passes.mean_of_lines, inputs=[field], outputs=[self._lines], chunks=every)
         return self._lines
 
     def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -160,18 +156,13 @@ class ElasticSliding:
         band = self._ledger.columns
         arrays: dict[str, Any] = {**self.state.columns(self._executor, band)}
         arrays |= {f"{name}_in_rows": rows.numpy() for name, rows in self._of_rows.items()}
-        arrays["pressure"] = self._half_space.pressure[:, band]
-        numbers = {"columns": [band.start, band.stop], "at_row": self._row, "window": self._half_space.window}
+        numbers = {"columns": [band.start, band.stop], "window": self._half_space.window}
         return arrays, numbers | {"most": self._ledger.most, "row": self._ledger.row}
 
     def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
         """Go on from the state that another contact of the same study, disc and device saved."""
-        band = slice(*numbers["columns"])
-        self.state.restore(self._executor, band, arrays)
+        self.state.restore(self._executor, slice(*numbers["columns"]), arrays)
         for name, rows in self._of_rows.items():
             rows.assign(arrays[f"{name}_in_rows"])
-        pressure = self._half_space.pressure
-        pressure[:, band] = arrays["pressure"]
-        self._half_space.go_on_from(pressure, numbers["window"])
-        self._row = numbers["at_row"]
+        self._half_space.go_on_from(None, numbers["window"])
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])

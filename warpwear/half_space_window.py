@@ -103,28 +103,34 @@ class WindowedHalfSpace:
         self._executor, self._modulus, self._boundary = executor, modulus, boundary
         self._hardness, self._tolerance = hardness, tolerance
         wp.load_module(half_space_setup, device=executor.device)
-        #: Where the next solve starts, to be changed in place between 0 and H [MPa].
-        self.pressure_field = executor.zeros()
+        self._pressure = executor.zeros()
         self._gradient = executor.zeros()
         self._extents = executor.partials(4)
-        self._window: Window | None = None  # of the last solve
+        self._started = False  # whether there is a pressure to start from
+        self._window: Window | None = None  # to look at first
         self._solver: HalfSpace | None = None
         self._gap: Field = None  # of the solver's grid, as the solver is
 
     @property
     def pressure(self) -> FloatArray:
         """Where the next solve starts [MPa], shape (nx, ny)."""
-        return self._executor.to_numpy(self.pressure_field)
+        return self._executor.to_numpy(self._pressure)
 
     @property
     def window(self) -> list[int] | None:
         """Where it looks first, for `go_on_from`."""
         return None if self._window is None else [*vars(self._window).values()]
 
-    def go_on_from(self, pressure: FloatArray, window: Sequence[int]) -> None:
-        """Start the next solve from a pressure between 0 and H [MPa], shape (nx, ny), on a window."""
-        self._executor.fill(self.pressure_field, pressure)
+    def go_on_from(self, pressure: FloatArray | None, window: Sequence[int]) -> None:
+        """Start the next solve on a window, from a pressure between 0 and H [MPa], shape (nx, ny), if any."""
+        if pressure is not None:
+            self._executor.fill(self._pressure, pressure)
+        self._started = pressure is not None
         self._look_at(Window(*window))
+
+    def forget(self) -> None:
+        """Start the next solve from nothing."""
+        self._started = False
 
     def solve(
         self,
@@ -140,7 +146,6 @@ class WindowedHalfSpace:
         Fields are of the whole grid; the gradient is NaN beyond the window.
         """
         whole = self._executor.grid
-        started = self._window is not None
         # Of a mean along x, what reaches beyond the window must not be more than what it holds.
         rows = 2 * (streak_window or 1)
         if self._window is None:
@@ -153,9 +158,11 @@ class WindowedHalfSpace:
             assert window is not None
             assert solver is not None
             wp.copy(self._gap, window.of(gap))
-            wp.copy(solver.pressure_field, window.of(self.pressure_field))
-            if started:
+            wp.copy(solver.pressure_field, window.of(self._pressure))
+            if self._started:
                 solver.go_on()
+            else:
+                solver.forget()
             contact = solver.solve(
                 self._gap,
                 mean_pressure=load / window.grid(whole).area,
@@ -163,9 +170,9 @@ class WindowedHalfSpace:
                 streak_compliance=streak_compliance,
                 streak_window=streak_window,
             )
-            started = True
-            self.pressure_field.zero_()
-            wp.copy(window.of(self.pressure_field), contact.pressure_field)
+            self._started = True
+            self._pressure.zero_()
+            wp.copy(window.of(self._pressure), contact.pressure_field)
             transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
             reached = self._below(gap, contact.approach)
             if self._boundary == "periodic" or window.holds(reached):
@@ -182,7 +189,7 @@ class WindowedHalfSpace:
             mean_pressure=load / whole.area * (1.0 + contact.load_residual),
             transforms=transforms,
             iterations=iterations,
-            pressure_field=self.pressure_field,
+            pressure_field=self._pressure,
             gradient_field=self._gradient,
             executor=self._executor,
             cells=whole.cells,
