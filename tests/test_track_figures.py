@@ -129,6 +129,8 @@ def test_the_shape_of_a_course_is_that_of_its_passes(tmp_path: Path) -> None:
     of_nominal = areas[-1].mean() / of_steps["area_nominal"][-1]
     assert summary["area_real_over_nominal"] == pytest.approx(of_nominal, rel=1e-12)
     assert summary["pressure_MPa"]["mean"] == pytest.approx(of_steps["pressure_mean"][-15:].mean(), rel=1e-12)
+    assert summary["approach_um"] == pytest.approx(1e3 * of_steps["approach"][-15:].mean(), rel=1e-12)
+    assert summary["approach_um"] != pytest.approx(1e3 * of_steps["approach"][-1], rel=1e-3)
     assert summary["pressure_MPa"]["max"] == of_steps["pressure_max"][-15:].max()
     shutil.copytree(tmp_path / "one", tmp_path / "two")
     comparison = gather([tmp_path / "one", tmp_path / "two"])

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 #: Columns that change along a track: of a swept run the last step says little.
-OF_A_PASS = ("area_contact", "area_plastic", "pressure_mean", "pressure_std", "cof")
+OF_A_PASS = ("approach", "area_contact", "area_plastic", "pressure_mean", "pressure_std", "cof")
 #: A last pass shorter than this part of one is left out of a course: it has not seen the whole track.
 WHOLE = 0.9
 
@@ -22,8 +22,8 @@ WHOLE = 0.9
 def summarise(result: "Result") -> dict[str, Any]:
     """Scar, depths, volumes, areas, friction, residuals, conservation, assumptions. JSON-ready.
 
-    What goes up and down along a track (cof, areas in contact and at hardness, pressures) is of the last pass
-    of a swept run, as `end_values` says: the means, and the largest pressure.
+    What goes up and down along a track (approach, cof, areas in contact and at hardness, pressures) is of the
+    last pass of a swept run, as `end_values` says: the means, and the largest pressure.
     """
     study, history = result.study, result.history
     end = {name: float(values[-1]) for name, values in history.items()}
