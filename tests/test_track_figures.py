@@ -53,9 +53,14 @@ def test_the_groove_holds_what_the_disc_lost(result: Result) -> None:
 
 
 def test_passes_add_up(result: Result) -> None:
-    passes = by_pass(result)
+    passes = by_pass(result, "area_contact")
     assert passes["distance"] == pytest.approx([3.0, 3.0, 1.37])
     assert passes["wear_volume_sphere"][:2] == pytest.approx([9.4e-7 * 24.0] * 2, rel=1e-10)
+    areas, increments = result.history["area_contact"], result.history["increment"]
+    last = result.history["distance"] > 6.0 + 1e-9
+    assert increments[last][-1] < 0.6 * increments[last][0]  # counts as far as it slid
+    mean = np.average(areas[last], weights=increments[last])
+    assert passes["area_contact"][2] == pytest.approx(mean, rel=1e-12)
     assert passes["plastic_volume_disc"].sum() == pytest.approx(result.history["plastic_volume_disc"][-1])
     assert passes["plastic_volume_disc"][0] > 2.0 * passes["plastic_volume_disc"][1]  # dents are made once
 
@@ -133,13 +138,21 @@ def test_the_shape_of_a_course_is_that_of_its_passes(tmp_path: Path) -> None:
     assert summary["approach_um"] != pytest.approx(1e3 * of_steps["approach"][-1], rel=1e-3)
     assert summary["pressure_MPa"]["max"] == of_steps["pressure_max"][-15:].max()
     shutil.copytree(tmp_path / "one", tmp_path / "two")
-    comparison = gather([tmp_path / "one", tmp_path / "two"])
+    # An experiment that is the course of the passes differs from it by nothing, though steps scatter about it.
+    places, means = course(result, "cof")
+    assert_allclose(means, of_steps["cof"].reshape(80, 15).mean(axis=1), rtol=1e-12)
+    measured = zip(places.tolist(), means.tolist(), strict=True)
+    lines = ["distance [mm],cof", *(f"{place!r},{mean!r}" for place, mean in measured)]
+    (tmp_path / "test.csv").write_text("\n".join(lines))
+    comparison = gather([tmp_path / "one", tmp_path / "two"], [tmp_path / "test.csv"])
+    assert comparison.rms(comparison.runs[0], comparison.experiments[0]) == pytest.approx(0.0, abs=1e-9)
     told, values = to_text(comparison), next(iter(columns(comparison).values()))
     assert values["exponent_m"] == pytest.approx(summary["cof_shape"]["exponent_m"], rel=1e-12)
     assert values["levelling_lambda"] == pytest.approx(summary["cof_shape"]["levelling_lambda"], rel=1e-12)
     assert values["cof"] == pytest.approx(of_steps["cof"][-15:].mean(), rel=1e-12)
     assert f"{areas[-1].mean():.4g}" in told
     assert "means of the last pass" in told
+    assert "differences from an experiment (rms) are of the means of whole passes" in told
 
 
 def test_a_short_last_pass_is_left_out_of_a_course(tmp_path: Path) -> None:

@@ -36,7 +36,7 @@ class RunData:
     study: Study
     history: dict[str, FloatArray]
     summary: dict[str, Any]
-    course: tuple[FloatArray, FloatArray]  # distance [mm] and CoF, of a swept run the means of its passes
+    course: tuple[FloatArray, FloatArray]  # distance [mm] and CoF, of a swept run the means of whole passes
     across: FloatArray  # places across sliding [mm], shape (ny,)
     wear: dict[str, FloatArray]  # body -> depth over `across` at the end [mm]; empty without a snapshot
 
@@ -61,10 +61,13 @@ class Comparison:
     notes: tuple[str, ...]
 
     def rms(self, run: RunData, experiment: Experiment) -> float | None:
-        """Root mean square difference of the coefficients of friction over the distance that both have."""
+        """Root mean square difference of the coefficients of friction over the distance that both have.
+
+        Of a swept run that of the means of its passes: within a pass it goes up and down with the place.
+        """
         if run.cof is None:
             return None
-        return rms_difference(run.history["distance"], run.cof, experiment.distance, experiment.cof)
+        return rms_difference(*run.course, experiment.distance, experiment.cof)
 
 
 def gather(

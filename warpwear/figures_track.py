@@ -81,7 +81,7 @@ def track_map(data: FigureData) -> Figure:
 
 def wear_per_pass(data: FigureData) -> Figure:
     """Volumes that each pass takes off sphere and disc, and the depth that it adds to the groove."""
-    table = by_pass(data.result)
+    table = by_pass(data.result, "patch_across")
     stroke = Track.of(data.study).stroke
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():

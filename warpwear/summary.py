@@ -155,15 +155,15 @@ def course(result: "Result", name: str) -> tuple[FloatArray, FloatArray]:
     history, stroke = result.history, result.study.lap
     if stroke is None:
         return history["distance"], history[name]
-    from warpwear.track_data import pass_numbers
+    from warpwear.track_data import by_pass
 
-    number, increment = pass_numbers(result), history["increment"]
-    slid = np.bincount(number, increment)
-    if not slid.all():  # a static contact
+    if history["distance"][-1] == 0.0:  # a static contact
         return history["distance"], history[name]
-    places, means = np.cumsum(slid) - 0.5 * slid, np.bincount(number, increment * history[name]) / slid
+    passes = by_pass(result, name)
+    slid = passes["distance"]
+    places = np.cumsum(slid) - 0.5 * slid
     whole = slice(None, -1 if slid.size > 1 and slid[-1] < WHOLE * stroke else None)
-    return places[whole], means[whole]
+    return places[whole], passes[name][whole]
 
 
 def _shape(distance: FloatArray, values: FloatArray) -> dict[str, float] | None:
