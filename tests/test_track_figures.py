@@ -19,7 +19,7 @@ from warpwear.cli import commands
 from warpwear.comparison import gather
 from warpwear.comparison_table import columns, to_text
 from warpwear.summary import course
-from warpwear.track_data import blocks, by_pass, depth_along, groove, roughness_in_track
+from warpwear.track_data import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +138,7 @@ def test_the_shape_of_a_course_is_that_of_its_passes(tmp_path: Path) -> None:
     assert summary["approach_um"] != pytest.approx(1e3 * of_steps["approach"][-1], rel=1e-3)
     assert summary["pressure_MPa"]["max"] == of_steps["pressure_max"][-15:].max()
     shutil.copytree(tmp_path / "one", tmp_path / "two")
-    # An experiment that is the course of the passes differs from it by nothing, though steps scatter about it.
+    # An experiment that is the course of the passes differs from it by nothing, though steps scatter.
     places, means = course(result, "cof")
     assert_allclose(means, of_steps["cof"].reshape(80, 15).mean(axis=1), rtol=1e-12)
     measured = zip(places.tolist(), means.tolist(), strict=True)
@@ -182,3 +182,36 @@ def test_friction_is_calibrated_on_a_whole_pass(result: Result) -> None:
     initial = warpwear.run(study.replace({"friction.calibrate": "initial"})).history
     first = initial["distance"] < 3.0 + 1e-6
     assert np.average(initial["cof"][first], weights=initial["increment"][first]) == pytest.approx(0.6)
+
+
+def test_a_step_that_the_end_cuts_short_is_not_drawn(tmp_path: Path) -> None:
+    """Its compliance K ΔL is smaller, so its area and friction fall, whatever the track is like."""
+    passes = 40.0 + 2.001 / 5.0  # of 5 steps each
+    study = small("full", disc__synthetic__kind="flat", sliding__distance=f"{0.9 * passes!r} mm")
+    result = warpwear.run(study.replace({"sliding.shift": 9}), out=tmp_path / "run", plots=False)
+    history = result.history
+    assert history["cof"][-1] < 0.5 * history["cof"][-2]
+    assert np.flatnonzero(~whole_steps(result)).tolist() == [history["cof"].size - 1]
+    axes = result.plot.cof().axes[0]
+    assert_allclose(axes.lines[0].get_ydata(), history["cof"][:-1])
+    # Over its right axis 1 is the mean of the last pass, not what the last step says.
+    right = axes.child_axes[0]
+    axes.figure.canvas.draw()
+    assert "last pass" in right.get_ylabel()
+    top = axes.get_ylim()[1] / right.get_ylim()[1]
+    assert top == pytest.approx(result.summary["cof"]["end"], rel=1e-12)
+    for name in ("areas", "pressure", "contact_radius"):
+        for panel in getattr(result.plot, name)().axes:
+            ends = [float(np.asarray(line.get_xdata())[-1]) for line in panel.lines]
+            assert max((end for end in ends if end != 1.0), default=0.0) <= history["distance"][-2]
+    shutil.copytree(tmp_path / "run", tmp_path / "other")
+    compared = gather([tmp_path / "run", tmp_path / "other"]).runs[0]
+    assert compared.history["distance"][-1] == history["distance"][-2]
+    assert compared.summary["distance_mm"] == history["distance"][-1]
+
+
+def test_short_ends_of_passes_are_not_drawn() -> None:
+    """Where the shift does not divide the stroke the last step of each pass is short."""
+    result = warpwear.run(small("full", sliding__distance="2.7 mm"))  # 6 steps of 7 cells and one of 3
+    there, back = [True] * 6 + [False], [False] + [True] * 6
+    assert whole_steps(result).reshape(3, 7).tolist() == [there, back, there]
