@@ -17,6 +17,7 @@ from warpwear import ConvergenceError, InputError, Result, Study, load_shares, p
 from warpwear.balance import Found, newton_in_bracket
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
+from warpwear.models import executor_of
 from warpwear.patches import Patches
 from warpwear.render import to_marked_toml
 from warpwear.smooth_contact import SmoothContact
@@ -485,6 +486,20 @@ def test_a_contact_that_outgrows_the_macro_grid_stops_the_run() -> None:
     some = {"grid.extent": "0.9 mm", "macro.cell": "300 um", "macro.patch": "100 um"}
     with pytest.raises(InputError, match=r"the contact reached the domain's edge"):
         warpwear.run(quick(sliding__distance="100 mm").replace(some))
+
+
+def test_a_history_of_patches_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two tables of steps × patches, and both again for a checkpoint; beside six fields of their cells."""
+    study = Study.load("two-scale").replace({"macro.cell": "2 um"})
+    cells = Patches.of(study).grid.cells
+    tables, fields = 4 * 8 * 1099 * 750**2, 6 * 8 * cells
+    refused = r"macro\.cell = 2 µm makes 562500 patches, .* 1099 steps take 18\.4 GiB .* a larger macro\.cell"
+    monkeypatch.setattr("warpwear.models.free_memory", lambda device: {"the host": tables + fields - 1})
+    with pytest.raises(InputError, match=refused):
+        warpwear.run(study)
+    monkeypatch.setattr("warpwear.models.free_memory", lambda device: {"the host": tables + fields})
+    with executor_of(study, device="cpu", threads=1) as executor:
+        assert executor.grid.cells == cells
 
 
 def test_keys_without_a_use_are_told() -> None:
