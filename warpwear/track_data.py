@@ -181,8 +181,10 @@ def by_pass(result: Result, *means: str) -> dict[str, FloatArray]:
     """
     history, number, increment = result.history, pass_numbers(result), result.history["increment"]
     last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)
-    slid = np.bincount(number, increment)
+    slid = np.bincount(number, increment).astype(np.float64)
     lost = ("wear_volume_sphere", "wear_volume_disc", "plastic_volume_disc")
-    table = {"number": np.arange(1.0, last.size + 1.0), "distance": slid}
+    table: dict[str, FloatArray] = {"number": np.arange(1.0, last.size + 1.0), "distance": slid}
     table |= {name: np.diff(history[name][last], prepend=0.0) for name in lost}
-    return table | {name: np.bincount(number, increment * history[name]) / slid for name in means}
+    for name in means:
+        table[name] = np.bincount(number, increment * history[name]) / slid
+    return table
