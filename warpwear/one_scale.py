@@ -22,6 +22,7 @@ from warpwear.running_in import Logistic, Recession
 from warpwear.stiffness import Stiffness, Stiffnesses
 from warpwear.study import Study
 from warpwear.tiles import Tiles
+from warpwear.wear import removals_of
 from warpwear.worn_state import State
 
 #: Steps made on a device before their history is read.
@@ -171,12 +172,7 @@ class OneScaleModel:
                 implicit=self.study.stepping.scheme == "implicit",
                 share_changes=self._share_changes,
             )
-        ends = itertools.accumulate(increments, initial=self._ledger.row["distance"])
-        removals = [
-            (sphere, disc)
-            for start, increment in zip(ends, increments, strict=False)
-            for sphere, disc in [[law.removal(start, increment) for law in self._wear]]
-        ]
+        removals = removals_of(self._wear, self._ledger.row["distance"], increments)
         mean = self._ledger.row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
         self.ahead = len(made)

@@ -211,6 +211,7 @@ class Contact(Section):
         None,
         "half-space: nothing beyond the domain, or the domain repeated; if not given free under a sphere, "
         "periodic under a flat",
+        assumed="nothing beyond the domain under a sphere; under a flat the domain is repeated",
     )
     stiffness: Stiffness = key(
         "inf N/mm^3",
