@@ -298,6 +298,61 @@ def test_the_safeguards_hold_where_newton_leaps(flexibility: float) -> None:
     assert_allclose(at[carrying], found.approach, rtol=1e-11)
 
 
+class _Cells:
+    """Patches on a capped foundation, in NumPy."""
+
+    def __init__(self, gap: FloatArray, c: float, hardness: float) -> None:
+        self.gap, self._c, self._hardness = gap, c, hardness
+
+    def pressures(self, base: FloatArray, offset: FloatArray) -> FloatArray:
+        return np.clip(((base[:, None] - self.gap) + offset[:, None]) / self._c, 0.0, self._hardness)
+
+    def response(self, base: FloatArray, offset: FloatArray) -> load_shares.Answer:
+        p = self.pressures(base, offset)
+        overlap = (base[:, None] - self.gap) + offset[:, None]
+        between = (p > 0.0) & (p < self._hardness)
+        nearest = np.minimum(np.abs(overlap), np.abs(overlap - self._c * self._hardness))
+        return load_shares.Answer(p.mean(axis=1), between.mean(axis=1) / self._c, nearest.min(axis=1))
+
+
+def test_springs_behind_cells_that_are_almost_rigid() -> None:
+    """c H from far above to far below the spacing of numbers at the approaches, cold and after a worn step.
+
+    What is returned is put into the equations, which have one solution.
+    """
+    drawn = np.random.default_rng(1)
+    hardness, cell = 590.0, 1e-4
+    for _ in range(40):
+        count, cells = int(drawn.integers(2, 60)), int(drawn.integers(4, 400))
+        gap = drawn.normal(0.0, 3e-3, (count, cells)) + drawn.exponential(0.01, (count, 1))
+        gap = np.round(gap, 5) if drawn.random() < 0.3 else gap  # ties
+        area = cells * cell
+        load = count * area * hardness * 10.0 ** drawn.uniform(-3.5, -0.1)
+        spring = 10.0 ** drawn.uniform(2.0, 7.5)
+        task = load_shares.Task(load, area, 1.0 / spring, hardness, gap.min(axis=1))
+        last = None
+        for c in 10.0 ** drawn.uniform(-18.0, -6.0, 2):
+            of_cells = _Cells(gap, c, hardness)
+            last = load_shares.share(of_cells.response, task, last, step=0.5 * hardness * c)
+            pressures = of_cells.pressures(last.base, last.offset)
+            p = pressures.mean(axis=1)
+            assert area * p.sum() == pytest.approx(load, rel=2e-12)
+            deflection = (last.common_base - last.base) + (last.common_offset - last.offset)
+            allowed = 2e-12 * p.max() / spring + 1e-17  # and the rounding of lengths near 0.05 mm
+            assert np.abs(deflection - p / spring)[p > 0.0].max() <= allowed
+            assert (deflection[p == 0.0] <= allowed).all()
+            assert last.evaluations < 400
+            gap = gap + c * pressures
+
+
+@pytest.mark.parametrize("first", ["1e-6 mm", "1e-10 mm"])
+def test_a_run_may_begin_with_any_step(first: str) -> None:
+    changes = {"stepping.first": first, "stepping.growth": 10.0, "sliding.distance": "1 mm"}
+    with warpwear.run(quick().replace(changes)) as result:
+        assert np.abs(result.history["load_residual"]).max() <= 1e-12 * 8.0
+        assert max(map(abs, result.summary["conservation_relative"].values())) < 1e-10
+
+
 def test_a_smooth_contact_prescribes_the_loads() -> None:
     """Its shares are those of a capped Winkler foundation of its own, worn by itself (in NumPy)."""
     study = of_kind("load")
