@@ -22,6 +22,7 @@ from matplotlib.lines import Line2D
 
 import warpwear
 from warpwear.track import Track
+from warpwear.track_data import by_pass
 
 SURFACES: dict[str, dict[str, Any]] = {
     "self-affine": {},
@@ -30,15 +31,6 @@ SURFACES: dict[str, dict[str, Any]] = {
 }
 STIFFNESSES = {"∞": "inf N/mm^3", "2e5": "2e5 N/mm^3"}
 Curve = tuple[np.ndarray, np.ndarray]
-
-
-def by_pass(result: warpwear.Result) -> Curve:
-    """Middle of every pass [mm] and the mean area in contact over it [mm²]."""
-    history, stroke = result.history, Track.of(result.study).stroke
-    number = np.ceil(history["distance"] / stroke - 1e-9).astype(int) - 1
-    slid = np.bincount(number, history["increment"])
-    areas = np.bincount(number, history["area_contact"] * history["increment"]) / slid
-    return (np.arange(slid.size) + 0.5) * stroke, areas
 
 
 def shape(slid: np.ndarray, areas: np.ndarray) -> dict[str, float]:
@@ -84,7 +76,8 @@ def variant(
     started = time.perf_counter()
     result = warpwear.run(study)
     took = time.perf_counter() - started
-    curve = by_pass(result)
+    passes = by_pass(result, "area_contact")
+    curve = ((passes["number"] - 0.5) * Track.of(study).stroke, passes["area_contact"])
     history = result.history
     first = np.searchsorted(history["distance"], study.sliding.stroke)
     found = {

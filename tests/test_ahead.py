@@ -11,7 +11,7 @@ from warpwear.execution import Executor
 from warpwear.foresight import Foresight
 from warpwear.grid import Grid
 from warpwear.one_scale import OneScaleModel
-from warpwear.wear import WearLaw
+from warpwear.wear import WearLaw, removals_of
 
 SHAPE, CELL = (150, 203), 0.005  # a width that needs padding
 LAWS = {
@@ -137,3 +137,12 @@ def test_wear_that_dies_away() -> None:
     changes |= {"wear.law": "exponential", "wear.decay": "40 1/mm", "output.snapshots": []}
     history = run(Study.load("v3-fine").replace(changes)).history
     assert history["wear_volume_disc"][-1] == pytest.approx(12.7e-7 * 8.0 / 40.0, rel=1e-9)
+
+
+def test_removals_of_a_block_follow_each_other() -> None:
+    """Each begins where the last one ends, so that together they are those of the whole distance."""
+    laws = WearLaw(3e-6, decay=0.1), WearLaw(1e-6, initial=5e-6, running_in=2.0)
+    found = np.array(removals_of(laws, 4.0, [0.5, 1.0, 0.25]))
+    assert found.shape == (3, 2)
+    assert_allclose(found[1], [law.removal(4.5, 1.0) for law in laws], rtol=1e-14)
+    assert_allclose(found.sum(axis=0), [law.removal(4.0, 1.75) for law in laws], rtol=1e-14)

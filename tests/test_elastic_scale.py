@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import tomllib
 from typing import Any
 
@@ -15,6 +16,7 @@ from warpwear.elastic_scale import HalfSpaceModel
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.one_scale import OneScaleModel
+from warpwear.render import to_marked_toml
 
 LAW = {"contact.law": "half-space", "output.snapshots": []}
 RUNNING_IN = {
@@ -208,4 +210,11 @@ def test_keys_of_the_other_law_are_told() -> None:
     assert any("contact.boundary does not apply to contact.law = 'foundation'" in note for note in told)
     again = Study(**tomllib.loads(study().to_toml()))
     assert again.boundary == "free"
+    # Shown as assumed, and still open: a flat in the sphere's place gets its own.
+    for radius, boundary in (("3 mm", "free"), ("inf mm", "periodic")):
+        shown = to_marked_toml(again.replace({"sphere.radius": radius, "sliding.distance": "0 mm"}))
+        assert re.search(rf'^boundary = "{boundary}" +# ASSUMED: ', shown, re.MULTILINE)
+    given = study(contact__boundary="free")
+    assert re.search(r'^boundary = "free"$', to_marked_toml(given), re.MULTILINE)
+    assert "boundary" not in to_marked_toml(study(contact__law="foundation"))
     assert math.isinf(again.law().stiffness)

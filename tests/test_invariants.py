@@ -318,3 +318,19 @@ def test_the_wear_of_a_much_harder_body_is_no_difference_of_large_numbers() -> N
         assert abs(result.summary["conservation_relative"]["disc"]) < 1e-12
         last = result.snapshot(-1)
         np.testing.assert_allclose(last.wear_disc, 1e-8 * last.wear_sphere, rtol=1e-12)
+
+
+@pytest.mark.parametrize("law", ["foundation", "half-space"])
+@pytest.mark.parametrize("least", ["sphere", "disc"])
+def test_a_body_that_hardly_wears_has_its_own_digits(law: str, least: str) -> None:
+    """Its wear is no difference of two that are nearly equal."""
+    study = small(contact__law=law).replace({f"wear.{least}": "1e-12 mm^3/N/m"})
+    with warpwear.run(study) as result:
+        for body in ("sphere", "disc"):
+            worn = result.history[f"wear_volume_{body}"][-1]
+            assert worn == pytest.approx(result.history[f"archard_volume_{body}"][-1], rel=1e-12)
+        at_end = result.snapshot(-1)
+        k_sphere, k_disc = study.wear_coefficients
+        np.testing.assert_allclose(at_end.wear_disc, k_disc / k_sphere * at_end.wear_sphere, rtol=1e-14)
+        depths = [result.history[f"wear_depth_{body}"][-1] for body in ("sphere", "disc")]
+        assert depths[1] / depths[0] == pytest.approx(k_disc / k_sphere, rel=1e-14)

@@ -101,7 +101,9 @@ def steps_of(law: str, heights: FloatArray, increments: list[float], restart: in
                 model = OneScaleModel(study, heights.copy(), executor)
                 model.restore(arrays, json.loads(json.dumps(numbers)))
             rows.append(model.advance(increment).row)
-        return rows, [executor.to_numpy(field).copy() for field in vars(model.state).values()]
+        state = model.state
+        fields = (state.gap, state.unworn, state.share)
+        return rows, [executor.to_numpy(field).copy() for field in fields]
 
 
 @pytest.mark.parametrize("law", LAWS)

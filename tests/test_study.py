@@ -287,6 +287,7 @@ def test_the_hardness_defaults_to_the_softer_body() -> None:
     nested = softer.model_dump(exclude_unset=True)
     del nested["contact"]["hardness"]
     assert Study(**nested).hardness == pytest.approx(1800.0)
+    assert re.search(r'^hardness = "1800 MPa" ', to_marked_toml(Study(**nested)), re.MULTILINE)
 
 
 def test_a_surface_is_relative_to_its_study(tmp_path: Path) -> None:

@@ -124,6 +124,17 @@ def steps_of(study: Study, disc: FloatArray, device: str, *, restart: int | None
         return steps, snapshot, executor.to_numpy(model.contact.state.wear_disc).copy()
 
 
+@pytest.mark.parametrize("window", [30, 31])
+@pytest.mark.parametrize("track", TRACKS)
+def test_the_apex_is_over_the_middle_of_the_rows_beneath(track: str, window: int) -> None:
+    way = Track.of(small(track, grid__extent=f"{window * CELL:.9g} mm"))
+    assert way.window == window
+    for step in range(2 * way.steps_of_pass):
+        beneath = way.x[0] + CELL * (way.row(step) + np.arange(window))
+        laps = (way.place(step) - beneath.mean()) / (way.rows * CELL)
+        assert laps == pytest.approx(round(laps) if way.periodic else 0.0, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("track", "loses"),
     [*((track, "keeps") for track in TRACKS), ("full", "forgets"), ("representative", "springs back")],

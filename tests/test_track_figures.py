@@ -19,7 +19,7 @@ from warpwear.cli import commands
 from warpwear.comparison import gather
 from warpwear.comparison_table import columns, to_text
 from warpwear.summary import course
-from warpwear.track_data import blocks, by_pass, depth_along, groove, roughness_in_track
+from warpwear.track_data import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
 
 
 @pytest.fixture(scope="module")
@@ -53,9 +53,14 @@ def test_the_groove_holds_what_the_disc_lost(result: Result) -> None:
 
 
 def test_passes_add_up(result: Result) -> None:
-    passes = by_pass(result)
+    passes = by_pass(result, "area_contact")
     assert passes["distance"] == pytest.approx([3.0, 3.0, 1.37])
     assert passes["wear_volume_sphere"][:2] == pytest.approx([9.4e-7 * 24.0] * 2, rel=1e-10)
+    areas, increments = result.history["area_contact"], result.history["increment"]
+    last = result.history["distance"] > 6.0 + 1e-9
+    assert increments[last][-1] < 0.6 * increments[last][0]  # counts as far as it slid
+    mean = np.average(areas[last], weights=increments[last])
+    assert passes["area_contact"][2] == pytest.approx(mean, rel=1e-12)
     assert passes["plastic_volume_disc"].sum() == pytest.approx(result.history["plastic_volume_disc"][-1])
     assert passes["plastic_volume_disc"][0] > 2.0 * passes["plastic_volume_disc"][1]  # dents are made once
 
@@ -129,15 +134,25 @@ def test_the_shape_of_a_course_is_that_of_its_passes(tmp_path: Path) -> None:
     of_nominal = areas[-1].mean() / of_steps["area_nominal"][-1]
     assert summary["area_real_over_nominal"] == pytest.approx(of_nominal, rel=1e-12)
     assert summary["pressure_MPa"]["mean"] == pytest.approx(of_steps["pressure_mean"][-15:].mean(), rel=1e-12)
+    assert summary["approach_um"] == pytest.approx(1e3 * of_steps["approach"][-15:].mean(), rel=1e-12)
+    assert summary["approach_um"] != pytest.approx(1e3 * of_steps["approach"][-1], rel=1e-3)
     assert summary["pressure_MPa"]["max"] == of_steps["pressure_max"][-15:].max()
     shutil.copytree(tmp_path / "one", tmp_path / "two")
-    comparison = gather([tmp_path / "one", tmp_path / "two"])
+    # An experiment that is the course of the passes differs from it by nothing, though steps scatter.
+    places, means = course(result, "cof")
+    assert_allclose(means, of_steps["cof"].reshape(80, 15).mean(axis=1), rtol=1e-12)
+    measured = zip(places.tolist(), means.tolist(), strict=True)
+    lines = ["distance [mm],cof", *(f"{place!r},{mean!r}" for place, mean in measured)]
+    (tmp_path / "test.csv").write_text("\n".join(lines))
+    comparison = gather([tmp_path / "one", tmp_path / "two"], [tmp_path / "test.csv"])
+    assert comparison.rms(comparison.runs[0], comparison.experiments[0]) == pytest.approx(0.0, abs=1e-9)
     told, values = to_text(comparison), next(iter(columns(comparison).values()))
     assert values["exponent_m"] == pytest.approx(summary["cof_shape"]["exponent_m"], rel=1e-12)
     assert values["levelling_lambda"] == pytest.approx(summary["cof_shape"]["levelling_lambda"], rel=1e-12)
     assert values["cof"] == pytest.approx(of_steps["cof"][-15:].mean(), rel=1e-12)
     assert f"{areas[-1].mean():.4g}" in told
     assert "means of the last pass" in told
+    assert "differences from an experiment (rms) are of the means of whole passes" in told
 
 
 def test_a_short_last_pass_is_left_out_of_a_course(tmp_path: Path) -> None:
@@ -167,3 +182,36 @@ def test_friction_is_calibrated_on_a_whole_pass(result: Result) -> None:
     initial = warpwear.run(study.replace({"friction.calibrate": "initial"})).history
     first = initial["distance"] < 3.0 + 1e-6
     assert np.average(initial["cof"][first], weights=initial["increment"][first]) == pytest.approx(0.6)
+
+
+def test_a_step_that_the_end_cuts_short_is_not_drawn(tmp_path: Path) -> None:
+    """Its compliance K ΔL is smaller, so its area and friction fall, whatever the track is like."""
+    passes = 40.0 + 2.001 / 5.0  # of 5 steps each
+    study = small("full", disc__synthetic__kind="flat", sliding__distance=f"{0.9 * passes!r} mm")
+    result = warpwear.run(study.replace({"sliding.shift": 9}), out=tmp_path / "run", plots=False)
+    history = result.history
+    assert history["cof"][-1] < 0.5 * history["cof"][-2]
+    assert np.flatnonzero(~whole_steps(result)).tolist() == [history["cof"].size - 1]
+    axes = result.plot.cof().axes[0]
+    assert_allclose(axes.lines[0].get_ydata(), history["cof"][:-1])
+    # Over its right axis 1 is the mean of the last pass, not what the last step says.
+    right = axes.child_axes[0]
+    axes.figure.canvas.draw()
+    assert "last pass" in right.get_ylabel()
+    top = axes.get_ylim()[1] / right.get_ylim()[1]
+    assert top == pytest.approx(result.summary["cof"]["end"], rel=1e-12)
+    for name in ("areas", "pressure", "contact_radius"):
+        for panel in getattr(result.plot, name)().axes:
+            ends = [float(np.asarray(line.get_xdata())[-1]) for line in panel.lines]
+            assert max((end for end in ends if end != 1.0), default=0.0) <= history["distance"][-2]
+    shutil.copytree(tmp_path / "run", tmp_path / "other")
+    compared = gather([tmp_path / "run", tmp_path / "other"]).runs[0]
+    assert compared.history["distance"][-1] == history["distance"][-2]
+    assert compared.summary["distance_mm"] == history["distance"][-1]
+
+
+def test_short_ends_of_passes_are_not_drawn() -> None:
+    """Where the shift does not divide the stroke the last step of each pass is short."""
+    result = warpwear.run(small("full", sliding__distance="2.7 mm"))  # 6 steps of 7 cells and one of 3
+    there, back = [True] * 6 + [False], [False] + [True] * 6
+    assert whole_steps(result).reshape(3, 7).tolist() == [there, back, there]

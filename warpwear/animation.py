@@ -1,4 +1,7 @@
-"""The wear of a run as a film: the disc, the pressure and the coefficient of friction, a frame a snapshot."""
+"""The wear of a run as a film: the disc, the pressure and the coefficient of friction, a frame a snapshot.
+
+Of a sphere that slides over a track the whole track, the place of the sphere, and the pressure beneath it.
+"""
 
 import os
 from pathlib import Path
@@ -100,14 +103,19 @@ class _Film:
         self._disc = draw_map(
             self._disc_axes, disc[0], window, fs.HEIGHTS, label, low=float(low), high=float(high)
         )
+        self._apex = None
         if result.study.is_swept:  # the whole track, as wide as the panel
             self._disc.set_extent(blocks(result, 0, BLOCKS).extent)
             self._disc_axes.set_aspect("auto")
+            self._disc_axes.set_xlabel("along the track, x, mm (line: the sphere)")
+            self._apex = self._disc_axes.axvline(0.0, color=fs.SPHERE, lw=1.2)
         norm = self._norm()
         ends: dict[str, Any] = {"norm": norm} if norm else {"low": 0.0, "high": self._largest}
         self._pressure = draw_map(
             self._pressure_axes, _shown(first), window, fs.PRESSURES, "pressure, MPa", **ends
         )
+        if result.study.is_swept:
+            self._pressure_axes.set_xlabel("along sliding, from the sphere's apex, mm")
         self._line, self._point = self._course(friction)
 
     def show(self, index: int) -> None:
@@ -115,13 +123,16 @@ class _Film:
         view = self._read(index)
         self._disc.set_data(self._disc_at(index).T)
         self._pressure.set_data(_shown(view).T)
-        self._disc_axes.set_title(f"disc {fs.after(view.distance)}")
+        self._disc_axes.set_title(f"{'track' if self._apex else 'disc'} {fs.after(view.distance)}")
         history = self._data.history
+        if self._apex is not None:
+            self._apex.set_xdata([history["position"][view.row]] * 2)
         mean, scatter = (float(history[f"pressure_{name}"][view.row]) for name in ("mean", "std"))
         self._pressure_axes.set_title(f"{fs.with_scatter(mean, scatter)} MPa in contact")
-        so_far = slice(0, view.row + 1)
-        self._line.set_data(history["distance"][so_far], self._values[so_far])
-        self._point.set_data([history["distance"][view.row]], [self._values[view.row]])
+        course = self._data.course["distance"]
+        so_far = slice(0, max(int(np.searchsorted(course, view.distance, side="right")), 1))
+        self._line.set_data(course[so_far], self._values[so_far])
+        self._point.set_data(course[so_far][-1:], self._values[so_far][-1:])
 
     def _disc_at(self, index: int) -> FloatArray:
         """Heights of the disc [µm]: under the sphere, or of the whole track that it slides over."""
@@ -144,7 +155,7 @@ class _Film:
 
     def _course(self, axes: Axes) -> Any:
         """The third panel's line up to now and its end; the area where there is no friction yet."""
-        history = self._data.history
+        history = self._data.course
         known = bool(np.isfinite(history["cof"]).any())
         self._values = history["cof" if known else "area_contact"]
         axes.set_ylabel("coefficient of friction, –" if known else "area in contact, mm²")

@@ -17,6 +17,7 @@ from warpwear.quantities import POSITIVE, parse
 from warpwear.results import Result
 from warpwear.study import Study
 from warpwear.summary import course, shape_of_growth
+from warpwear.track_data import whole_steps
 
 BODIES = ("sphere", "disc")
 #: Length along sliding over which profiles are averaged, as a part of the scar's.
@@ -34,9 +35,9 @@ class RunData:
     name: str
     folder: Path
     study: Study
-    history: dict[str, FloatArray]
+    history: dict[str, FloatArray]  # without a swept run's steps that are cut short, see `whole_steps`
     summary: dict[str, Any]
-    course: tuple[FloatArray, FloatArray]  # distance [mm] and CoF, of a swept run the means of its passes
+    course: tuple[FloatArray, FloatArray]  # distance [mm] and CoF, of a swept run the means of whole passes
     across: FloatArray  # places across sliding [mm], shape (ny,)
     wear: dict[str, FloatArray]  # body -> depth over `across` at the end [mm]; empty without a snapshot
 
@@ -61,10 +62,13 @@ class Comparison:
     notes: tuple[str, ...]
 
     def rms(self, run: RunData, experiment: Experiment) -> float | None:
-        """Root mean square difference of the coefficients of friction over the distance that both have."""
+        """Root mean square difference of the coefficients of friction over the distance that both have.
+
+        Of a swept run that of the means of its passes: within a pass it goes up and down with the place.
+        """
         if run.cof is None:
             return None
-        return rms_difference(run.history["distance"], run.cof, experiment.distance, experiment.cof)
+        return rms_difference(*run.course, experiment.distance, experiment.cof)
 
 
 def gather(
@@ -167,7 +171,9 @@ def _shape(distance: FloatArray, cof: FloatArray) -> dict[str, float]:
 
 def _read_run(folder: Path) -> RunData:
     with Result.open(folder) as result:
-        history, study, summary = result.history, result.study, result.summary
+        whole = whole_steps(result)
+        history = {name: values[whole] for name, values in result.history.items()}
+        study, summary = result.study, result.summary
         wear: dict[str, FloatArray] = {}
         if result.snapshot_distances.size and not study.samples_area:
             last = result.snapshot(-1)
@@ -238,7 +244,7 @@ CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
 
 def _lengths(experiment: Experiment, runs: list[RunData]) -> list[str]:
     """Whether it is far shorter or longer than every run, as in a wrong unit."""
-    whole, totals = float(experiment.distance[-1]), [float(run.history["distance"][-1]) for run in runs]
+    whole, totals = float(experiment.distance[-1]), [float(run.summary["distance_mm"]) for run in runs]
     if not totals or any(0.5 * total <= whole <= 2.0 * total for total in totals):
         return []
     lengths = list(dict.fromkeys(f"{total:.4g}" for total in totals))

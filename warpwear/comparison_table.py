@@ -20,8 +20,8 @@ SHAPES = (
 )
 #: Said where a run is swept.
 PASSES = (
-    "Of swept runs area in contact, mean pressure and CoF at the end are means of the last pass; m and λ are "
-    "of the means of whole passes."
+    "Of swept runs area in contact, mean pressure and CoF at the end are means of the last pass; m, λ and "
+    "differences from an experiment (rms) are of the means of whole passes."
 )
 
 

@@ -67,7 +67,8 @@ def _patches(study: "Study") -> None:
     if macro.patch_width > macro.cell * (1.0 + SAME):
         raise ValueError(
             f"macro.patch = {1e3 * macro.patch_width:g} µm is larger than macro.cell = "
-            f"{1e3 * macro.cell:g} µm: patches would overlap; allowed is the macro cell or less"
+            f"{1e3 * macro.cell:g} µm: patches would overlap; allowed are a smaller macro.patch (by default "
+            "the macro cell) and a larger macro.cell"
         )
     if macro.cell > 0.5 * study.grid.extent * (1.0 + SAME):
         raise ValueError(
@@ -77,8 +78,8 @@ def _patches(study: "Study") -> None:
     cells = study.grid.extent / macro.cell
     if not _whole(cells):
         raise ValueError(
-            f"grid.extent = {study.grid.extent:g} mm is not a whole number of macro cells of "
-            f"{1e3 * macro.cell:g} µm; the nearest that is, is {round(cells) * macro.cell:.9g} mm"
+            f"grid.extent = {study.grid.extent:g} mm is not a whole number of cells of macro.cell = "
+            f"{1e3 * macro.cell:g} µm; the nearest extent that is, is {round(cells) * macro.cell:.9g} mm"
         )
     if study.uses_bearing_area:
         raise ValueError(

@@ -75,8 +75,8 @@ class HalfSpaceModel:
             ],
             outputs=[state.share, state.gap, self._sums, self._maxima],
         )
-        total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))
-        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
+        total = state.divide(dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True)))
+        most = state.divide(dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True)))
         residual = total["pressure"] * executor.grid.cell_area - load
         if not abs(residual) <= 2.0 * TOLERANCE * load:
             raise ConvergenceError(

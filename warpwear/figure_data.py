@@ -20,6 +20,7 @@ from warpwear.export import worn_heights
 from warpwear.grid import FloatArray
 from warpwear.results import Result, Snapshot
 from warpwear.surfaces.sphere import sag
+from warpwear.track_data import whole_steps
 
 #: Blocks along a side of a map, of a surface in 3-D; bins along a line of pressures; snapshots in one figure.
 MAP_BLOCKS, SURFACE_BLOCKS, BINS, SHOWN = 500, 70, 50, 4
@@ -98,6 +99,12 @@ class FigureData:
         self.history = result.history
         self.study = result.study
         self._views: dict[int, View] = {}
+
+    @cached_property
+    def course(self) -> dict[str, FloatArray]:
+        """The history's columns at the steps that are drawn over the distance: `track_data.whole_steps`."""
+        whole = whole_steps(self.result)
+        return {name: values[whole] for name, values in self.history.items()}
 
     @property
     def shown(self) -> list[int]:

@@ -28,7 +28,10 @@ LEGEND_ROW = 0.15
 
 
 def cof(comparison: Comparison) -> Figure:
-    """Coefficient of friction over the distance slid, as it is and over its mean in the last tenth of it."""
+    """Coefficient of friction over the distance slid, as it is and over its mean in the last tenth of it.
+
+    Of a swept run the means of its passes, if it made more than one.
+    """
 
     def draw(axes: Any) -> None:
         for experiment, line in _experiments(comparison):
@@ -37,11 +40,13 @@ def cof(comparison: Comparison) -> Figure:
                     _measured(panel, experiment, end, line)
         for run, line in _runs(comparison):
             if run.cof is not None:
-                distance = run.history["distance"]
-                fs.over_distance(axes[0], distance, run.cof, **line)
-                end = mean_of_last_tenth(distance, run.cof)
-                if run.cof.size > 1 and end > 0.0:
-                    fs.over_distance(axes[1], distance, run.cof / end, **line)
+                distance, values = run.course
+                if values.size < run.cof.size and values.size < 2:
+                    distance, values = run.history["distance"], run.cof
+                fs.over_distance(axes[0], distance, values, **line)
+                end = mean_of_last_tenth(distance, values)
+                if values.size > 1 and end > 0.0:
+                    fs.over_distance(axes[1], distance, values / end, **line)
         axes[0].set_ylabel("coefficient of friction, –")
         axes[1].set_ylabel("relative coefficient, –")
         axes[1].set_title("over its mean in the last tenth of the distance")

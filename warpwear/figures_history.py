@@ -1,4 +1,7 @@
-"""Figures of what a run's history says: one value a step, over distance or time."""
+"""Figures of what a run's history says: one value a step, over distance or time.
+
+Of a sphere that slides over a track, steps that are cut short are not drawn, except in volumes and depths.
+"""
 
 from typing import Any
 
@@ -9,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from warpwear import figure_style as fs
 from warpwear.figure_data import FigureData
+from warpwear.friction import mean_over
 from warpwear.grid import FloatArray
 
 AREAS: dict[str, tuple[str, dict[str, Any]]] = {
@@ -23,22 +27,22 @@ TIMES = ((36000.0, "h", 3600.0), (600.0, "min", 60.0), (0.0, "s", 1.0))
 
 
 def cof(data: FigureData) -> Figure:
-    """Coefficient of friction over the distance slid, and relative to its end value."""
+    """Coefficient of friction over the distance slid, and relative to its end: to a last pass's mean."""
 
     def draw(axes: Axes) -> None:
-        fs.over_distance(axes, data.history["distance"], data.history["cof"], color=fs.NEUTRAL)
+        fs.over_distance(axes, data.course["distance"], data.course["cof"], color=fs.NEUTRAL)
         _finish_cof(axes, data)
 
     return fs.new_figure(draw)
 
 
 def cof_time(data: FigureData) -> Figure:
-    """Coefficient of friction over the sliding time, and relative to its end value."""
+    """The same over the sliding time."""
 
     def draw(axes: Axes) -> None:
-        time = data.history["time"]
+        time = data.course["time"]
         unit, seconds = next((unit, s) for least, unit, s in TIMES if time[-1] >= least)
-        axes.plot(time / seconds, data.history["cof"], color=fs.NEUTRAL)
+        axes.plot(time / seconds, data.course["cof"], color=fs.NEUTRAL)
         axes.set_xlabel(f"sliding time, {unit}")
         axes.xaxis.set_major_locator(MaxNLocator(6))
         _finish_cof(axes, data)
@@ -50,26 +54,27 @@ def _finish_cof(axes: Axes, data: FigureData) -> None:
     axes.set_ylabel("coefficient of friction, –")
     axes.set_ylim(bottom=0.0)
     axes.set_xlim(left=0.0)
-    end = float(data.history["cof"][-1])
+    lap = data.study.lap
+    end = mean_over(data.history, data.history["cof"], "end", lap)
     if end > 0.0:
         to_relative: Any = (lambda v: v / end, lambda v: v * end)
         relative = axes.secondary_yaxis("right", functions=to_relative)
-        relative.set_ylabel("relative to its end value, –")
+        relative.set_ylabel(f"relative to {'its end value' if lap is None else 'the last pass’s mean'}, –")
         relative.spines["right"].set_visible(True)
     axes.set_title(f"area that shears: {AREAS[data.study.friction.area][0]}")
 
 
 def areas(data: FigureData) -> Figure:
     """The four areas and the nominal one over the distance slid."""
-    distance = data.history["distance"]
+    distance = data.course["distance"]
 
     def draw(axes: Axes) -> None:
         for name, (label, line) in AREAS.items():
-            values = _positive(data.history[f"area_{name}"])
+            values = _positive(data.course[f"area_{name}"])
             if np.isfinite(values).any():
                 fs.over_distance(axes, distance, values, label=label, **line)
         fs.scale_distance(axes, distance)
-        fs.scale_values(axes, *(data.history[f"area_{name}"] for name in AREAS))
+        fs.scale_values(axes, *(data.course[f"area_{name}"] for name in AREAS))
         axes.set_ylabel("area, mm²")
         fs.legend_above(axes, columns=3)
 
@@ -78,7 +83,7 @@ def areas(data: FigureData) -> Figure:
 
 def pressure(data: FigureData) -> Figure:
     """Mean and largest pressure of the cells in contact over the distance slid."""
-    history, hardness = data.history, data.study.hardness
+    history, hardness = data.course, data.study.hardness
     distance, mean, largest = history["distance"], history["pressure_mean"], history["pressure_max"]
 
     def draw(axes: Axes) -> None:
@@ -98,7 +103,7 @@ def pressure(data: FigureData) -> Figure:
 
 def contact_radius(data: FigureData) -> Figure:
     """Radius of the scar, radius of a circle of the area in contact, and mean pressure over the distance."""
-    history = data.history
+    history = data.course
     distance, mean = history["distance"], history["pressure_mean"]
     radii = {name: np.sqrt(history[f"area_{name}"] / np.pi) for name in ("nominal", "contact")}
 

@@ -95,7 +95,7 @@ def patch_zoom(data: FigureData) -> Figure:
 def _draw_macro(axes: Any, values: FloatArray, patches: Patches, window: Window, high: float) -> None:
     """Pressures of the patches, as macro cells."""
     square = values.reshape(patches.across, patches.across)
-    _draw(axes, square[window.x, window.y], window, high, "load over area, MPa")
+    _draw(axes, square[window.x, window.y], window, high, "load/area, MPa")
 
 
 def _draw(axes: Any, values: FloatArray, window: Window, high: float, label: str) -> None:

@@ -39,7 +39,7 @@ def setup(data: FigureData) -> Figure:
     axes.set_zlim(low, max(high, top) + 0.05 * (high - low))
     shape = f"sphere, R = {1.0 / curvature:.3g} mm," if curvature else "rigid flat"
     title = (
-        f"{shape} on the disc; domain {x1 - x0:.3g} × {y1 - y0:.3g} mm\n"
+        f"{shape} on the disc; domain {study.grid.extent:.4g} mm wide\n"
         f"{study.contact.load:.3g} N; heights drawn {exaggeration(axes, window):g} times as large"
     )
     finish_3d(axes, window, "height, µm", title)

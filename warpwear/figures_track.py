@@ -5,17 +5,20 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, NullLocator
 
 from warpwear import figure_style as fs
 from warpwear.figure_axes import ACROSS, ALONG
 from warpwear.figure_data import FigureData
 from warpwear.figures_evolution import PARAMETERS
+from warpwear.grid import FloatArray
 from warpwear.track import Track
 from warpwear.track_data import blocks, by_pass, depth_along, groove, roughness_in_track
 
 #: Bins along a track, blocks along a side of its map, passes in one figure.
 BINS, BLOCKS, SHOWN = 200, 600, 4
+#: More decades of passes than this have a number at each only.
+DECADES = 2.2
 
 
 def groove_figure(data: FigureData) -> Figure:
@@ -31,27 +34,29 @@ def groove_figure(data: FigureData) -> Figure:
             across.plot(section.y, -1e3 * section.depth, label=fs.after(section.distance), **line)
         if last.displaced.any():
             across.plot(last.y, -1e3 * last.worn, color=fs.NEUTRAL, lw=0.8, label="of which worn")
-        across.set(xlabel=ACROSS, ylabel="height lost, mean along x, µm", xlim=(-shown, shown))
-        across.set_title(f"mean depth {1e3 * last.mean_depth:.3g} µm over {last.width:.3g} mm")
+        across.set(xlabel=ACROSS, ylabel="change of height, µm", xlim=(-shown, shown))
+        across.set_title("mean along sliding")
         places, depths = depth_along(result, data.shown[-1], BINS)
         along.plot(places, -1e3 * depths, color=fs.shades(fs.DISC)(1.0), lw=0.9)
-        along.axhline(-1e3 * last.mean_depth, color=fs.NOMINAL, lw=0.6, ls="--")
-        along.set(xlabel=ALONG, ylabel=f"mean over {last.width:.3g} mm width, µm", ylim=(None, 0.0))
+        mean = {"color": fs.NOMINAL, "lw": 0.8, "ls": "--"}
+        along.axhline(-1e3 * last.mean_depth, label=f"mean depth {1e3 * last.mean_depth:.3g} µm", **mean)
+        along.set(xlabel=ALONG, ylabel="change of height, µm", ylim=(None, 0.0))
         along.set_ylim(bottom=1.15 * along.get_ylim()[0])
-        along.set_title(fs.after(last.distance))
+        along.set_title(f"mean over the groove's width of {last.width:.3g} mm")
         for panel in axes:
             panel.xaxis.set_major_locator(MaxNLocator(6))
-        fs.legend_above(across, columns=min(len(sections) + 1, 5))
+        fs.legend_above(across, along, columns=6)
 
     return fs.new_figure(draw, columns=2)
 
 
 def track_map(data: FigureData) -> Figure:
-    """The whole track at the end: its heights, and what is gone of them. Not to scale."""
+    """The whole track at the end: its heights, and what is gone of them; x and y not to one scale."""
     result = data.result
     track = blocks(result, data.shown[-1], BLOCKS)
     distance = float(result.snapshot_distances[data.shown[-1]])
-    titles = [f"track {fs.after(distance)}", "worn or displaced of it"]
+    scale = "x and y not to one scale"
+    titles = [f"track {fs.after(distance)} ({scale})", "what is gone of it, worn or pressed down"]
     fields = [1e3 * track.heights, np.where(track.loss > 0.0, 1e3 * track.loss, np.nan)]
     labels, colours = ["height, µm", "depth, µm"], [fs.HEIGHTS, fs.DEPTHS]
 
@@ -69,7 +74,8 @@ def track_map(data: FigureData) -> Figure:
                 vmax=high,
                 interpolation="nearest",
             )
-            panel.figure.colorbar(image, ax=panel, label=label, ticks=MaxNLocator(4), extend="both")
+            beyond = "both" if label[0] == "h" else "max"
+            panel.figure.colorbar(image, ax=panel, label=label, ticks=MaxNLocator(4), extend=beyond)
             panel.set_title(title)
             panel.set_ylabel(ACROSS)
             panel.yaxis.set_major_locator(MaxNLocator(4))
@@ -81,7 +87,7 @@ def track_map(data: FigureData) -> Figure:
 
 def wear_per_pass(data: FigureData) -> Figure:
     """Volumes that each pass takes off sphere and disc, and the depth that it adds to the groove."""
-    table = by_pass(data.result)
+    table = by_pass(data.result, "patch_across")
     stroke = Track.of(data.study).stroke
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():
@@ -117,7 +123,7 @@ def wear_per_pass(data: FigureData) -> Figure:
 
 def cof_stroke(data: FigureData) -> Figure:
     """Coefficient of friction over the position in the stroke, for some passes."""
-    history, stroke = data.history, Track.of(data.study).stroke
+    history, stroke = data.course, Track.of(data.study).stroke
     number = np.maximum(np.ceil(history["distance"] / stroke - 1e-9).astype(int), 1)
     passes = np.unique(number)
     places = np.linspace(0, passes.size - 1, min(SHOWN, passes.size)).round().astype(int)
@@ -142,12 +148,23 @@ def track_roughness(data: FigureData) -> Figure:
     def draw(axes: Axes) -> None:
         for name, (label, line) in PARAMETERS.items():
             axes.plot(table["passes"], table[name], label=label, ms=3, **line)
-        axes.set_xscale("symlog", linthresh=max(float(table["passes"][1]), 0.1))
-        axes.set_xlim(left=0.0)
+        _passes_from_none(axes, table["passes"])
         axes.set_ylim(bottom=0.0)
-        axes.set_xlabel("passes, –")
         axes.set_ylabel("roughness in the groove, µm")
-        axes.xaxis.set_major_formatter(fs.PlainNumbers())
         fs.legend_above(axes, columns=5)
 
     return fs.new_figure(draw)
+
+
+def _passes_from_none(axes: Axes, passes: FloatArray) -> None:
+    """A logarithmic axis of passes, before which 0, the unworn track, has a place of its own."""
+    first, last = np.log10(passes[1]), np.log10(passes[-1])
+    start = 10.0 ** np.floor(first)
+    axes.set_xscale("symlog", linthresh=start, linscale=0.5)
+    digits = (1.0, 2.0, 5.0) if last - first < DECADES else (1.0,)
+    ticks = [digit * 10.0**power for power in range(round(np.log10(start)), 10) for digit in digits]
+    axes.set_xticks([0.0, *(tick for tick in ticks if tick <= 1.05 * passes[-1])])
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}" if value else "unworn")
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xlim(0.0, 1.15 * passes[-1])
+    axes.set_xlabel("passes, –")

@@ -95,6 +95,11 @@ class BoundedPressure:
         self._started = True
 
     @property
+    def pressure_field(self) -> Field:
+        """Where the next solve starts after `go_on`, to be changed in place between 0 and H [MPa]."""
+        return self._iterate.pressure
+
+    @property
     def pressure(self) -> FloatArray:
         """Where the next solve starts [MPa], shape (nx, ny)."""
         return self._executor.to_numpy(self._iterate.pressure)

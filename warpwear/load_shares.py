@@ -17,21 +17,18 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from warpwear.balance import (
     DIGITS,
     FIRST_REACH,
     HOPELESS,
     MAX_EVALUATIONS,
-    MAX_ROUNDS,
     SURELY,
     TOLERANCE,
 )
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
-
-BoolArray = NDArray[np.bool_]
+from warpwear.share_brackets import BoolArray, Brackets
 
 
 class Answer(NamedTuple):
@@ -44,6 +41,8 @@ class Answer(NamedTuple):
 
 #: Of all patches at the approaches base + offset [mm].
 Response = Callable[[FloatArray, FloatArray], Answer]
+#: Searches, each from bases nearer the solution: where cells are almost rigid, patches get digits in turns.
+MAX_ROUNDS = 8
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
 JOINT = 12
 #: With a held approach or a given load, so often patches are bisected instead of following a slope.
@@ -149,25 +148,26 @@ class _Search:
         flexibility, load = task.flexibility, task.load
         x, high = guess, math.inf
         reach = abs(guess) or FIRST_REACH
-        width_before, rounds = math.inf, 0
+        width_before, rounds, waited = math.inf, 0, 0
         self.offset = np.full_like(self.base, guess) if offsets is None else offsets
-        brackets = _Brackets(self.base.size)
+        brackets = Brackets(self.base.size, task.hardness)
         for self.evaluations in range(1, MAX_EVALUATIONS):
             p, slope, straight = self._response(self.base, self.offset)
             self.residual, self.common = task.area * float(p.sum()) - load, x
+            residual = self.residual  # at x, as soon as the patches are there
             free = p == 0.0
             point = (self.offset - self._shift) + flexibility * p
             # A free patch is free up to its lowest cell: that point of its curve is known as well.
             point = np.where(free, np.maximum(point, self._floor), point)
             joined = slope / (1.0 + flexibility * slope)
             newton = math.nan
-            if (total := float(joined.sum())) > 0.0:
+            if (stiffness := float(joined.sum())) > 0.0:
                 missing = load / task.area - float(p.sum())
-                newton = x + (missing + float((joined * (point - x)).sum())) / total
+                newton = x + (missing + float((joined * (point - x)).sum())) / stiffness
             rigid = flexibility == 0.0
             held = not rigid and self.evaluations > JOINT
             common = x if rigid or held or math.isnan(newton) else newton
-            self._measure(p, point, free, common)
+            apart = self._measure(p, point, free, common)
             solved = self.spring_residual <= self.spring_allowed
             if solved and abs(self.residual) <= TOLERANCE * load:
                 return self._found(p, common)
@@ -176,14 +176,23 @@ class _Search:
                 return sure
             if not abs(x) < HOPELESS:
                 return None
+            at_point = np.where(free, point + self._shift, self.offset)
+            met = np.stack([at_point, point, p])
+            if held and not solved:
+                brackets.enter(x, met)
+                total = brackets.total(x, p, far=apart > self.spring_allowed, wanted=load / task.area)
+                if not math.isnan(total):
+                    solved, residual = True, task.area * total - load
             # No curve falls, so beyond the range of these points the common approach cannot lie.
-            if self.residual < 0.0:
+            if residual < 0.0:
                 low = max(low, x if held and solved else float(point.min()))
             else:
                 high = min(high, x if held and solved else float(point[~free].max()))
+            waited += 1
             if not held or solved:
+                waited = 0
                 if math.isinf(low) or math.isinf(high):
-                    limit = x + math.copysign(reach, -self.residual)
+                    limit = x + math.copysign(reach, -residual)
                     x = newton if abs(newton - x) <= reach else limit
                     reach *= 4.0
                 else:
@@ -195,16 +204,18 @@ class _Search:
                     x = newton if low < newton < high and not stalled else 0.5 * (low + high)
                     if (rigid or held) and not low < x < high:  # down to neighbouring numbers
                         return None
-            at_point = np.where(free, point + self._shift, self.offset)
-            brackets.enter(x, point, at_point)
+            brackets.enter(x, met)
             # Where nothing is carried, and where the hardness is.
             bound = x + self._shift
-            highest = np.minimum(brackets.high, bound)
+            highest = np.minimum(brackets.high[0], bound)
             lowest = np.maximum(task.lowest - self.base, bound - flexibility * task.hardness)
-            lowest = np.minimum(np.maximum(brackets.low, lowest), highest)
+            lowest = np.minimum(np.maximum(brackets.low[0], lowest), highest)
             guesses = at_point + (x - point) / (1.0 + flexibility * slope)
+            # A step too short for another number goes to the next one, so that brackets close.
+            beside = np.nextafter(at_point, np.where(x == point, at_point, np.copysign(math.inf, x - point)))
+            guesses = np.where(guesses == at_point, beside, guesses)
             outside = (guesses < lowest) | (guesses > highest)
-            if held and self.evaluations % BISECT_EVERY == 0:
+            if held and waited % BISECT_EVERY == BISECT_EVERY - 1:
                 outside |= np.abs(point - x) > self.spring_allowed
             self.offset = np.where(outside, 0.5 * (lowest + highest), guesses)
         return None
@@ -214,13 +225,16 @@ class _Search:
     ) -> Shares | None:
         """Newton's step, where no patch leaves its straight line on the way: it needs no second look."""
         flexibility, load = self._task.flexibility, self._task.load
-        if math.isnan(newton) or self._task.area * float(slope.sum()) * abs(newton) > DIGITS * load:
+        if math.isnan(newton):
             return None
         point = (self.offset - self._shift) + flexibility * p
         move = (newton - point) / (1.0 + flexibility * slope)
         if np.any((np.abs(move) >= SURELY * straight) & ~(free & (move <= 0.0))):
             return None
-        self.offset = self.offset + move
+        after = self.offset + move
+        if self._task.area * float((slope * np.abs(after)).sum()) > DIGITS * load:
+            return None
+        self.offset = after
         p = p + slope * move
         self.residual = self._task.area * float(p.sum()) - load
         self._measure(p, (self.offset - self._shift) + flexibility * p, free, newton)
@@ -228,11 +242,12 @@ class _Search:
             return None
         return self._found(p, newton)
 
-    def _measure(self, p: FloatArray, point: FloatArray, free: BoolArray, common: float) -> None:
+    def _measure(self, p: FloatArray, point: FloatArray, free: BoolArray, common: float) -> FloatArray:
         """How far patches are from a common approach, those aside that it does not reach."""
         apart = np.where(free & (point >= common), 0.0, np.abs(point - common))
         self.spring_residual = float(apart.max())
         self.spring_allowed = TOLERANCE * self._task.flexibility * float(p.max())
+        return apart
 
     def _found(self, p: FloatArray, common: float) -> Shares:
         return Shares(
@@ -245,27 +260,3 @@ class _Search:
             self.spring_residual,
             self.evaluations,
         )
-
-
-class _Brackets:
-    """Of every patch, the nearest approaches whose points on its curve lie below and above a common one."""
-
-    def __init__(self, count: int) -> None:
-        self.low, self.high = np.full(count, -math.inf), np.full(count, math.inf)
-        self._below, self._above = self.low.copy(), self.high.copy()  # their points
-
-    def enter(self, common: float, point: FloatArray, at: FloatArray) -> None:
-        """Keep new points, at patches' approaches, for another common one; all are offsets [mm]."""
-        fallen, risen = self._below > common, self._above <= common
-        self._above, self._below = (
-            np.where(fallen, self._below, np.where(risen, math.inf, self._above)),
-            np.where(risen, self._above, np.where(fallen, -math.inf, self._below)),
-        )
-        self.high, self.low = (
-            np.where(fallen, self.low, np.where(risen, math.inf, self.high)),
-            np.where(risen, self.high, np.where(fallen, -math.inf, self.low)),
-        )
-        nearer = (point <= common) & (point >= self._below)
-        self._below, self.low = np.where(nearer, point, self._below), np.where(nearer, at, self.low)
-        nearer = (point > common) & (point <= self._above)
-        self._above, self.high = np.where(nearer, point, self._above), np.where(nearer, at, self.high)

@@ -14,7 +14,7 @@ from warpwear.execution import FIELDS_NEEDED, Executor, free_memory
 from warpwear.grid import FloatArray, Grid
 from warpwear.ledger import Step
 from warpwear.one_scale import OneScaleModel
-from warpwear.patch_book import PatchBook
+from warpwear.patch_book import PatchBook, bytes_of_book
 from warpwear.patch_width import refuse_unsuitable
 from warpwear.patches import Patches
 from warpwear.results import Snapshot
@@ -79,8 +79,11 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
         return Executor(study.cells, device=device, threads=threads)
     # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
     fields += 5.0 * (study.wear.distance_factor == "radial")
-    grid = Patches.of(study).grid if study.study.model == "two-scale" else study.cells
-    return Executor(grid, device=device, threads=threads, fields_needed=fields)
+    if study.study.model == "two-scale":
+        patches = Patches.of(study)
+        _check_memory_of_book(study, patches, device)
+        return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
+    return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
 
 
 def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
@@ -156,6 +159,21 @@ def _check_memory(study: Study, rows: int, fields: float, device: str) -> None:
                 f"which takes {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB free, "
                 "so a representative track, such as sliding.track = '3.2 mm', or larger cells are needed."
             )
+
+
+def _check_memory_of_book(study: Study, patches: Patches, device: str) -> None:
+    """Raises InputError for a history of patches that the host does not hold beside the fields."""
+    steps = sum(1 for _ in increments(study.stepping.plan, study.sliding.total, study.output.snapshots))
+    tables = bytes_of_book(steps, patches.count)
+    fields = 8.0 * FIELDS_NEEDED * patches.grid.cells * (device == "cpu")
+    free = free_memory(device)["the host"]
+    if fields <= free < fields + tables:  # fields that are too many are told by their cells
+        raise InputError(
+            f"macro.cell = {1e3 * study.macro.cell:g} µm makes {patches.count} patches, whose loads and "
+            f"areas over {steps} steps take {tables / 2**30:.1f} GiB of memory beside "
+            f"{fields / 2**30:.1f} GiB of fields; the host has {free / 2**30:.1f} GiB free, so a larger "
+            "macro.cell is needed."
+        )
 
 
 def _roughness_on(grid: Grid, heights: FloatArray) -> dict[str, float]:

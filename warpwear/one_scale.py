@@ -22,6 +22,7 @@ from warpwear.running_in import Logistic, Recession
 from warpwear.stiffness import Stiffness, Stiffnesses
 from warpwear.study import Study
 from warpwear.tiles import Tiles
+from warpwear.wear import removals_of
 from warpwear.worn_state import State
 
 #: Steps made on a device before their history is read.
@@ -171,12 +172,7 @@ class OneScaleModel:
                 implicit=self.study.stepping.scheme == "implicit",
                 share_changes=self._share_changes,
             )
-        ends = itertools.accumulate(increments, initial=self._ledger.row["distance"])
-        removals = [
-            (sphere, disc)
-            for start, increment in zip(ends, increments, strict=False)
-            for sphere, disc in [[law.removal(start, increment) for law in self._wear]]
-        ]
+        removals = removals_of(self._wear, self._ledger.row["distance"], increments)
         mean = self._ledger.row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
         self.ahead = len(made)
@@ -185,7 +181,8 @@ class OneScaleModel:
             self._last, self._ahead = step.balance, None
             self._foresight.note(step.balance.approach, sum(removed))
             reference = self._ledger.row["pressure_mean"]
-            yield self._ledger.enter(step.balance, increment, removed, reference, step.totals, step.most)
+            total, most = self.state.divide(step.totals), self.state.divide(step.most)
+            yield self._ledger.enter(step.balance, increment, removed, reference, total, most)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -266,8 +263,8 @@ class OneScaleModel:
             self._ahead = Ahead(stiffness_next.made_for, step_next, carried)
         if self._recession is not None:
             self._recession.recede(self._wear_of_disc(), self.state.gap, self.state.unworn)
-        total = dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True))
-        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
+        total = self.state.divide(dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True)))
+        most = self.state.divide(dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True)))
         if not self._rigid:
             balance = self._carried(balance, total["pressure"])
         self._last = balance

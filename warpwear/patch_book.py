@@ -16,6 +16,11 @@ COLUMNS = (
 )
 
 
+def bytes_of_book(steps: int, patches: int) -> int:
+    """What the tables take of memory at most: as they grow and, for a checkpoint, as they are written."""
+    return 2 * len(COLUMNS) * 8 * steps * patches
+
+
 class PatchBook:
     """Grows by a row of each table a step."""
 

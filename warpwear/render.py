@@ -16,9 +16,15 @@ if TYPE_CHECKING:
 
 
 def to_toml(study: "Study") -> str:
-    """Every key that applies, after defaults, as TOML that `Study.load` reads back without loss."""
+    """Every key that applies, after defaults, as TOML that `Study.load` reads back without loss.
+
+    Keys that were left open stay open: they follow from the others, also when those are changed later.
+    """
     nested: dict[str, Any] = {}
+    left_open = study.resolved
     for name, value in _applicable(study):
+        if name in left_open:
+            continue
         *parents, key = name.split(".")
         section = nested
         for parent in parents:
@@ -53,7 +59,7 @@ def assumptions(study: "Study") -> dict[str, str]:
         body, _, constant = name.partition(".")
         if name in study.assumed:
             found[name] = study.assumed[name]
-        elif name not in given and constant in CONSTANTS:
+        elif name not in given and body != "contact" and constant in CONSTANTS:
             known = material(getattr(study, body).material)
             found[name] = f"{known.name}, {known.condition}: {known.sources[constant]}"
         elif name not in given:
@@ -67,7 +73,11 @@ def assumptions(study: "Study") -> dict[str, str]:
 def _applicable(study: "Study") -> Iterator[tuple[str, Any]]:
     """Dotted names and values of the keys that something uses."""
     skipped = study.inapplicable()
-    nested = _without_nothing(study.model_dump(exclude={"assumed"}))
+    content = study.model_dump(exclude={"assumed"})
+    for name, value in study.resolved.items():
+        section, _, key = name.partition(".")
+        content[section][key] = value
+    nested = _without_nothing(content)
 
     def walk(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         for key, value in sorted(content.items(), key=lambda item: isinstance(item[1], dict)):

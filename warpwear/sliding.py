@@ -1,6 +1,5 @@
 """One grid in motion: a disc displaced by whole cells under a wearing sphere, step by step."""
 
-import itertools
 import math
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,6 +18,7 @@ from warpwear.ledger import Step, TrackLedger
 from warpwear.sliding_state import State, keeps_dents
 from warpwear.sliding_tiles import PerTile, SlidingTiles
 from warpwear.study import Study
+from warpwear.wear import removals_of
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 1.25
@@ -171,12 +171,7 @@ class SlidingContact:
                 keeps=self.keeps_dents,
             )
         assert self._approach is not None
-        ends = itertools.accumulate(increments, initial=self._ledger.row["distance"])
-        removals = [
-            (sphere, disc)
-            for start, increment in zip(ends, increments, strict=False)
-            for sphere, disc in [[law.removal(start, increment) for law in self._wear]]
-        ]
+        removals = removals_of(self._wear, self._ledger.row["distance"], increments)
         made = self._loop.run(
             [shift % self._rows for shift in shifts],
             [(sphere, self._share * disc) for sphere, disc in removals],

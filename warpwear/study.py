@@ -19,6 +19,7 @@ from warpwear.grid import Grid
 from warpwear.hertz import Hertz, effective_modulus
 from warpwear.junctions import critical_junction, junction_strength
 from warpwear.messages import sentence
+from warpwear.quantities import text
 from warpwear.schema import given_keys
 from warpwear.sections import (
     About,
@@ -174,6 +175,17 @@ class Study(Section):
         """Of the half-space, or of every patch: "free" or "periodic"."""
         whole_sphere = self.sphere.curvature and self.study.model != "two-scale"
         return self.contact.boundary or ("free" if whole_sphere else "periodic")
+
+    @property
+    def resolved(self) -> dict[str, str]:
+        """Keys that were left open -> what they come to under the choices made, as text."""
+        found = {
+            "contact.hardness": text(self.hardness, "MPa"),
+            "contact.boundary": self.boundary,
+            "macro.patch": text(self.macro.patch_width, "mm"),
+        }
+        values = self.model_dump()
+        return {name: value for name, value in found.items() if _value(values, name) is None}
 
     @property
     def hertz(self) -> Hertz | None:

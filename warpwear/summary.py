@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 #: Columns that change along a track: of a swept run the last step says little.
-OF_A_PASS = ("area_contact", "area_plastic", "pressure_mean", "pressure_std", "cof")
+OF_A_PASS = ("approach", "area_contact", "area_plastic", "pressure_mean", "pressure_std", "cof")
 #: A last pass shorter than this part of one is left out of a course: it has not seen the whole track.
 WHOLE = 0.9
 
@@ -22,8 +22,8 @@ WHOLE = 0.9
 def summarise(result: "Result") -> dict[str, Any]:
     """Scar, depths, volumes, areas, friction, residuals, conservation, assumptions. JSON-ready.
 
-    What goes up and down along a track (cof, areas in contact and at hardness, pressures) is of the last pass
-    of a swept run, as `end_values` says: the means, and the largest pressure.
+    What goes up and down along a track (approach, cof, areas in contact and at hardness, pressures) is of the
+    last pass of a swept run, as `end_values` says: the means, and the largest pressure.
     """
     study, history = result.study, result.history
     end = {name: float(values[-1]) for name, values in history.items()}
@@ -155,15 +155,15 @@ def course(result: "Result", name: str) -> tuple[FloatArray, FloatArray]:
     history, stroke = result.history, result.study.lap
     if stroke is None:
         return history["distance"], history[name]
-    from warpwear.track_data import pass_numbers
+    from warpwear.track_data import by_pass
 
-    number, increment = pass_numbers(result), history["increment"]
-    slid = np.bincount(number, increment)
-    if not slid.all():  # a static contact
+    if history["distance"][-1] == 0.0:  # a static contact
         return history["distance"], history[name]
-    places, means = np.cumsum(slid) - 0.5 * slid, np.bincount(number, increment * history[name]) / slid
+    passes = by_pass(result, name)
+    slid = passes["distance"]
+    places = np.cumsum(slid) - 0.5 * slid
     whole = slice(None, -1 if slid.size > 1 and slid[-1] < WHOLE * stroke else None)
-    return places[whole], means[whole]
+    return places[whole], passes[name][whole]
 
 
 def _shape(distance: FloatArray, values: FloatArray) -> dict[str, float] | None:

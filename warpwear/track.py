@@ -86,7 +86,8 @@ class Track:
         """Of the sphere's apex over the disc at a step, on the scale of `x` [mm]."""
         start, cells = self._covered(step)
         first = 0 if self.periodic else self.window // 2
-        return (start + cells // 2 + first - 0.5 * self.rows) * self.cell
+        middle = 0.5 * (self.window % 2)  # of an odd window the middle of a cell, of an even one an edge
+        return (start + cells // 2 + first + middle - 0.5 * self.rows) * self.cell
 
     def beneath(self, disc: FloatArray, row: int) -> FloatArray:
         """Of a field of the disc, shape (rows, ny), what lies under a sphere whose first row is on `row`."""

@@ -19,6 +19,8 @@ MIDDLE = 0.5
 FORM_DEGREE = 2
 #: A part of fewer cells has no roughness worth a number.
 FEWEST_CELLS = 100
+#: Of its length, what a step may lack and count as whole.
+SHORT = 1.0e-3
 PARAMETERS = ("sa", "sq", "sk", "spk", "svk")
 
 
@@ -159,17 +161,30 @@ def pass_numbers(result: Result) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":
     return np.maximum(np.ceil(passes - 1.0e-9).astype(int), 1) - 1
 
 
-def by_pass(result: Result) -> dict[str, FloatArray]:
+def whole_steps(result: Result) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+    """Which steps are as long as the others: not those that the end of a pass or of the run cuts short.
+
+    A step that is implicit in the wear yields by K p ΔL: a short one has less area, so less friction, and
+    higher pressures, which say nothing of the track. All steps of a sphere that does not slide over one.
+    """
+    increment = result.history["increment"]
+    if not result.study.is_swept:
+        return np.ones(increment.size, dtype=bool)
+    return increment > (1.0 - SHORT) * increment.max() if increment.any() else increment == 0.0
+
+
+def by_pass(result: Result, *means: str) -> dict[str, FloatArray]:
     """One value a pass, of which the last may be short.
 
-    `number` (from 1), `distance` slid in it [mm], volumes lost in it [mm³], means of the area in contact
-    [mm²] and of the width of the patch [mm].
+    `number` (from 1), `distance` slid in it [mm], volumes lost in it [mm³], and means over its distance of
+    the columns of the history that are asked for.
     """
-    history, number = result.history, pass_numbers(result)
+    history, number, increment = result.history, pass_numbers(result), result.history["increment"]
     last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)
-    distance = np.bincount(number, history["increment"])
-    steps = np.bincount(number)
-    names = ("wear_volume_sphere", "wear_volume_disc", "plastic_volume_disc")
-    table = {name: np.diff(history[name][last], prepend=0.0) for name in names}
-    means = {name: np.bincount(number, history[name]) / steps for name in ("area_contact", "patch_across")}
-    return {"number": np.arange(1.0, last.size + 1.0), "distance": distance, **table, **means}
+    slid = np.bincount(number, increment).astype(np.float64)
+    lost = ("wear_volume_sphere", "wear_volume_disc", "plastic_volume_disc")
+    table: dict[str, FloatArray] = {"number": np.arange(1.0, last.size + 1.0), "distance": slid}
+    table |= {name: np.diff(history[name][last], prepend=0.0) for name in lost}
+    for name in means:
+        table[name] = np.bincount(number, increment * history[name]) / slid
+    return table

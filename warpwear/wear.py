@@ -1,6 +1,8 @@
 """Wear laws: how much of each body a pressure removes between two sliding distances."""
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -40,6 +42,18 @@ class WearLaw:
         if self.running_in is not None and self.initial is not None:
             found += (self.initial - self.steady) * _of_decay(start, increment, self.running_in)
         return found
+
+
+def removals_of(
+    laws: tuple[WearLaw, WearLaw], start: float, increments: Sequence[float]
+) -> list[tuple[float, float]]:
+    """Of sphere and disc [mm³/N] over increments that follow each other from a distance [mm]."""
+    sphere, disc = laws
+    starts = itertools.accumulate(increments, initial=start)
+    return [
+        (sphere.removal(at, increment), disc.removal(at, increment))
+        for at, increment in zip(starts, increments, strict=False)
+    ]
 
 
 def _of_decay(start: float, increment: float, length: float) -> float:
