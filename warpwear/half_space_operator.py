@@ -20,8 +20,8 @@ class Operator(Protocol):
     def rigid_mean(self) -> bool:
         """Whether a uniform pressure displaces nothing."""
 
-    def set_compliance(self, own: float, streak: float) -> None:
-        """What adds to the elastic response [mm/MPa]: own pressure of the cell, mean of its line along x."""
+    def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
+        """What adds to the elastic response [mm/MPa]: to a cell's own pressure, and to means along x."""
 
     def respond(self, pressure: Field, displacement: Field) -> None:
         """Displacement [mm] under a pressure [MPa], compliances included."""

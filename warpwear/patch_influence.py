@@ -142,7 +142,7 @@ class PatchInfluence:
             self._bulk = flexibility
             self._make_tables()
 
-    def set_compliance(self, own: float, streak: float) -> None:
+    def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
         """What adds to the elastic response to the own pressure of a cell [mm/MPa]; no streaks here."""
         assert streak == 0.0
         if own != self._own:

@@ -211,8 +211,8 @@ class Contact(Section):
         None,
         "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; "
         "if not given free under a sphere, periodic under a flat and for patches",
-        assumed="nothing beyond the domain under a sphere; under a flat the domain is repeated, and so is each "
-        "patch of the two-scale model",
+        assumed="nothing beyond the domain under a sphere; under a flat the domain is repeated, and in the "
+        "two-scale model each patch",
     )
     stiffness: Stiffness = key(
         "inf N/mm^3",
