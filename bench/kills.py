@@ -50,7 +50,23 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
         },
     ),
     "half-space": ("v3-fine", SMALL | {"contact.law": "half-space", "sliding.distance": "3 mm"}),
+    "swept, half-space": (
+        "v3-fine",
+        SMALL
+        | {
+            "contact.law": "half-space",
+            "sliding.distance": "3 mm",
+            "sliding.kinematics": "swept",
+            "sliding.track": "3.2 mm",
+            "sliding.shift": 1,
+            "sliding.plastic": "keep",
+        },
+    ),
     "two-scale": ("two-scale", SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm"}),
+    "two-scale, half-space": (
+        "two-scale",
+        SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm", "contact.law": "half-space"},
+    ),
     "two-scale, load": (
         "two-scale",
         SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm", "macro.coupling": "load"},

@@ -1,4 +1,4 @@
-"""The passes over all cells of the half-space solver, each with the sums that the next one needs.
+"""The passes over all cells of a search of the half-space solver, each with the sums that the next one needs.
 
 Symbols: p pressure, t = Gp + g its gradient (gap after deformation, from the mean planes), λ the rigid
 approach, H the cap. At the solution t = λ on cells with 0 < p < H, t ≥ λ where p = 0, t ≤ λ where p = H.
@@ -7,13 +7,13 @@ A cell is free if it may move: p > 0 or t < λ, and p < H or t > λ.
 
 import warp as wp
 
-from warpwear.kernels.reductions import sum_of
-from warpwear.kernels.types import ABSENT, LANES, ONE, ZERO, Cells
+from warpwear.kernels.reductions import largest_of, sum_of
+from warpwear.kernels.types import LANES, NONE, ONE, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 
-#: Stands for "no cell" in partial maxima, and for a step without limit.
-NONE = wp.constant(wp.float64(1.0e300))
+#: Of a sum of two numbers, relatively.
+EPSILON = wp.constant(wp.float64(4.0e-16))
 
 
 @wp.func
@@ -23,96 +23,17 @@ def clipped(x: wp.float64, cap: wp.float64):
 
 
 @wp.func
-def free(p: wp.float64, t: wp.float64, approach: wp.float64, cap: wp.float64):
-    """1 where the pressure of a cell may change, else 0."""
-    return wp.where((p > ZERO or t < approach) and (p < cap or t > approach), ONE, ZERO)
+def shifted(x: wp.float64, shift: wp.float64, cap: wp.float64):
+    """x + shift between 0 and the cap; at a bound where it is off it by the rounding of the sum alone."""
+    y = x + shift
+    rounding = EPSILON * wp.abs(shift)
+    return wp.where(y < rounding, ZERO, wp.where(y > cap - rounding, cap, y))
 
 
 @wp.func
-def largest_of(v: Cells):
-    """Largest of the lanes."""
-    return wp.max(
-        wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])),
-        wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])),
-    )
-
-
-@wp.kernel
-def moments(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    columns: wp.int32,
-    level: wp.float64,
-    gap_in: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-    maxima_out: wp.array2d(dtype=wp.float64),
-):
-    """Where there is a surface, sums of cells, g − level and its square. Maximum: −g."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    count = Cells(ZERO)
-    first = Cells(ZERO)
-    second = Cells(ZERO)
-    lowest = Cells(-NONE)
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        g = gap_in[row, k]
-        there = Cells(ZERO)
-        above = Cells(ZERO)
-        squared = Cells(ZERO)
-        for j in range(LANES):
-            there[j] = wp.where(k * LANES + j < columns and g[j] < ABSENT, ONE, ZERO)
-            above[j] = wp.where(there[j] > ZERO, g[j] - level, ZERO)
-            squared[j] = above[j] * above[j]
-            lowest[j] = wp.max(lowest[j], wp.where(there[j] > ZERO, -g[j], -NONE))
-        count += there
-        first += above
-        second += squared
-    sums_out[0, slot] = sum_of(count)
-    sums_out[1, slot] = sum_of(first)
-    sums_out[2, slot] = sum_of(second)
-    maxima_out[0, slot] = largest_of(lowest)
-
-
-@wp.kernel
-def spring(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    columns: wp.int32,
-    stiffness: wp.float64,
-    level: wp.float64,
-    gap_in: wp.array2d(dtype=Cells),
-    trial_out: wp.array2d(dtype=Cells),
-):
-    """Trial pressure of a foundation, (level − g) × stiffness; far below zero in the padding."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        g = gap_in[row, k]
-        x = Cells(ZERO)
-        for j in range(LANES):
-            x[j] = wp.where(k * LANES + j < columns, (level - g[j]) * stiffness, -NONE)
-        trial_out[row, k] = x
-
-
-@wp.kernel
-def gradient(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    columns: wp.int32,
-    gap_in: wp.array2d(dtype=Cells),
-    response_in: wp.array2d(dtype=Cells),
-    gradient_out: wp.array2d(dtype=Cells),
-):
-    """t = Gp + g; without end in the padding, which therefore stays open."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        g = gap_in[row, k]
-        u = response_in[row, k]
-        t = Cells(ZERO)
-        for j in range(LANES):
-            t[j] = wp.where(k * LANES + j < columns, g[j] + u[j], NONE)
-        gradient_out[row, k] = t
+def free(p: wp.float64, t: wp.float64, approach: wp.float64, cap: wp.float64):
+    """1 where the pressure of a cell may change, else 0."""
+    return wp.where((p > ZERO or t < approach) and (p < cap or t > approach), ONE, ZERO)
 
 
 @wp.kernel
@@ -155,7 +76,7 @@ def advance(
         up = Cells(ZERO)
         down = Cells(ZERO)
         for j in range(LANES):
-            p[j] = clipped(wp.where(whole, x[j] + shift, p[j] + length * s[j]), cap)
+            p[j] = wp.where(whole, shifted(x[j], shift, cap), clipped(p[j] + length * s[j], cap))
             t[j] += length * y[j]
             touch[j] = wp.where(p[j] > ZERO, ONE, ZERO)
             inside[j] = wp.where(p[j] < cap, touch[j], ZERO)
@@ -343,9 +264,8 @@ def carried(
         q = Cells(ZERO)
         inside = Cells(ZERO)
         for j in range(LANES):
-            shifted = x[j] + shift
-            q[j] = clipped(shifted, cap)
-            inside[j] = wp.where(shifted > ZERO and shifted < cap, ONE, ZERO)
+            q[j] = shifted(x[j], shift, cap)
+            inside[j] = wp.where(q[j] > ZERO and q[j] < cap, ONE, ZERO)
         total += q
         between += inside
     sums_out[0, slot] = sum_of(total)
@@ -379,7 +299,7 @@ def step(
         sr = Cells(ZERO)
         share = Cells(ZERO)
         for j in range(LANES):
-            s[j] = clipped(x[j] + shift, cap) - p[j]
+            s[j] = shifted(x[j], shift, cap) - p[j]
             sr[j] = wp.where(s[j] == ZERO, ZERO, s[j] * (t[j] - approach))
             room = wp.where(s[j] < ZERO, p[j], cap - p[j])
             share[j] = wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room)
@@ -388,136 +308,3 @@ def step(
         used = wp.max(used, share)
     sums_out[0, slot] = sum_of(slope)
     maxima_out[0, slot] = largest_of(used)
-
-
-@wp.kernel
-def product(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    first_in: wp.array2d(dtype=Cells),
-    second_in: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-):
-    """Sum of the products of two fields."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    total = Cells(ZERO)
-    for k in range(slot % slots_per_row, first_in.shape[1], slots_per_row):
-        a = first_in[row, k]
-        b = second_in[row, k]
-        ab = Cells(ZERO)
-        for j in range(LANES):
-            ab[j] = a[j] * b[j]
-        total += ab
-    sums_out[0, slot] = sum_of(total)
-
-
-@wp.kernel
-def between(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    cap: wp.float64,
-    pressure_in: wp.array2d(dtype=Cells),
-    indicator_out: wp.array2d(dtype=Cells),
-):
-    """1 on the cells with 0 < p < H, 0 elsewhere."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
-        p = pressure_in[row, k]
-        f = Cells(ZERO)
-        for j in range(LANES):
-            f[j] = wp.where(p[j] > ZERO and p[j] < cap, ONE, ZERO)
-        indicator_out[row, k] = f
-
-
-@wp.kernel
-def conjugate(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    memory: wp.float64,
-    cap: wp.float64,
-    pressure_in: wp.array2d(dtype=Cells),
-    descent_in: wp.array2d(dtype=Cells),
-    direction_out: wp.array2d(dtype=Cells),
-):
-    """direction = descent + memory × direction on the cells with 0 < p < H, 0 elsewhere."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
-        p = pressure_in[row, k]
-        z = descent_in[row, k]
-        d = direction_out[row, k]
-        for j in range(LANES):
-            d[j] = wp.where(p[j] > ZERO and p[j] < cap, z[j] + memory * d[j], ZERO)
-        direction_out[row, k] = d
-
-
-@wp.kernel
-def relax(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    length: wp.float64,
-    cap: wp.float64,
-    pressure_in: wp.array2d(dtype=Cells),
-    direction_in: wp.array2d(dtype=Cells),
-    response_in: wp.array2d(dtype=Cells),
-    solution_out: wp.array2d(dtype=Cells),
-    residual_out: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-):
-    """solution += length × direction, residual −= length × response on the cells with 0 < p < H.
-
-    Sums: solution, residual squared.
-    """
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    total = Cells(ZERO)
-    squared = Cells(ZERO)
-    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
-        p = pressure_in[row, k]
-        d = direction_in[row, k]
-        y = response_in[row, k]
-        v = solution_out[row, k]
-        r = residual_out[row, k]
-        rr = Cells(ZERO)
-        for j in range(LANES):
-            v[j] += length * d[j]
-            r[j] = wp.where(p[j] > ZERO and p[j] < cap, r[j] - length * y[j], ZERO)
-            rr[j] = r[j] * r[j]
-        solution_out[row, k] = v
-        residual_out[row, k] = r
-        total += v
-        squared += rr
-    sums_out[0, slot] = sum_of(total)
-    sums_out[1, slot] = sum_of(squared)
-
-
-@wp.kernel
-def fold(
-    first_thread: wp.int32,
-    slots_per_row: wp.int32,
-    width: wp.int32,
-    sums: wp.int32,
-    sums_in: wp.array2d(dtype=wp.float64),
-    maxima_in: wp.array2d(dtype=wp.float64),
-    folded_out: wp.array2d(dtype=wp.float64),
-):
-    """So many first rows of the table of sums, then rows of that of maxima, each reduced to width columns.
-
-    A thread is a row of the result and a column of it.
-    """
-    thread = first_thread + wp.tid()
-    row = thread // width
-    column = thread % width
-    slots = sums_in.shape[1]
-    if row < sums:
-        total = wp.float64(0.0)
-        for slot in range(column, slots, width):
-            total += sums_in[row, slot]
-        folded_out[row, column] = total
-    else:
-        largest = -NONE
-        for slot in range(column, slots, width):
-            largest = wp.max(largest, maxima_in[row - sums, slot])
-        folded_out[row, column] = largest

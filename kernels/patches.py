@@ -13,12 +13,9 @@ from warpwear.kernels.contact import pressure_of
 from warpwear.kernels.gap import sag
 from warpwear.kernels.patch_loop import wear
 from warpwear.kernels.reductions import lowest_of, sum_of
-from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
+from warpwear.kernels.types import ABSENT, LANES, NOWHERE, ONE, WIDTH, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
-
-#: Stands for "no cell" among first and last indices.
-NOWHERE = wp.constant(wp.float64(-1.0e9))
 
 
 @wp.kernel

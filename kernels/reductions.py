@@ -23,3 +23,12 @@ def lowest_of(v: Cells):
         wp.min(wp.min(v[0], v[1]), wp.min(v[2], v[3])),
         wp.min(wp.min(v[4], v[5]), wp.min(v[6], v[7])),
     )
+
+
+@wp.func
+def largest_of(v: Cells):
+    """Largest of the lanes, pair by pair."""
+    return wp.max(
+        wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])),
+        wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])),
+    )

@@ -14,6 +14,10 @@ Cells = wp.types.vector(LANES, wp.float64)
 #: Gap of a place where there is no surface (padding, beyond the sphere's edge) [mm].
 PADDING = 1.0e30
 ABSENT = wp.constant(wp.float64(PADDING))
+#: Stands for "no cell" in partial maxima, and for a step without limit.
+NONE = wp.constant(wp.float64(1.0e300))
+#: Stands for "no cell" among first and last indices.
+NOWHERE = wp.constant(wp.float64(-1.0e9))
 #: Vectors of a tile, see `tiles`.
 WIDTH = wp.constant(wp.int32(4))
 ZERO = wp.constant(wp.float64(0.0))

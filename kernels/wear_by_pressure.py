@@ -2,14 +2,10 @@
 
 import warp as wp
 
-from warpwear.kernels.half_space import largest_of
-from warpwear.kernels.reductions import sum_of
-from warpwear.kernels.types import LANES, ONE, ZERO, Cells
+from warpwear.kernels.reductions import largest_of, sum_of
+from warpwear.kernels.types import LANES, NOWHERE, ONE, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
-
-#: Stands for "no cell" among first and last indices.
-NOWHERE = wp.constant(wp.float64(-1.0e9))
 
 
 @wp.kernel

@@ -23,7 +23,9 @@ import warpwear
 from warpwear import InputError, Result, Study, checkpoint, cli, run_lock
 from warpwear.checkpoint import FILE_NAME, HEADER
 from warpwear.device_loop import DeviceLoop
+from warpwear.elastic_patches import ElasticPatchesModel
 from warpwear.elastic_scale import HalfSpaceModel
+from warpwear.elastic_sliding import ElasticSliding
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.one_scale import OneScaleModel
@@ -35,8 +37,10 @@ KILLS = ROOT / "bench" / "kills.py"
 _kills = runpy.run_path(str(KILLS))
 CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["study_of"]
 
-MODELS = (OneScaleModel, TwoScaleModel, HalfSpaceModel)
-ADVANCE: dict[Any, Callable[..., Any]] = {model: model.advance for model in MODELS}
+#: What makes a step of a model that lies still, or of a contact that slides.
+MODELS = (OneScaleModel, TwoScaleModel, HalfSpaceModel, ElasticPatchesModel)
+ADVANCE: dict[tuple[Any, str], Callable[..., Any]] = {(model, "advance"): model.advance for model in MODELS}
+ADVANCE |= {(ElasticSliding, "step"): ElasticSliding.step}
 
 SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
 
@@ -60,8 +64,8 @@ def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], None]) -
 
         return stopped
 
-    for model, advance in ADVANCE.items():
-        monkeypatch.setattr(model, "advance", stopping(advance))
+    for (model, name), advance in ADVANCE.items():
+        monkeypatch.setattr(model, name, stopping(advance))
 
 
 def killed() -> None:

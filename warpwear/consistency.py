@@ -138,10 +138,8 @@ def _half_space(study: "Study") -> None:
     if study.contact.law != "half-space":
         return
     named = "contact.law = 'half-space'"
-    if study.study.model != "micro":
-        raise ValueError(f"{named} is for study.model = 'micro', not '{study.study.model}'")
-    if study.is_swept:
-        raise ValueError(f"{named} needs sliding.kinematics = 'stationary'")
+    if study.study.model == "macro":
+        raise ValueError(f"{named} is for study.model = 'micro' and 'two-scale', not 'macro'")
     if study.effective_modulus is None:
         raise ValueError(
             f"{named} needs Young's modulus and Poisson's ratio of both bodies: sphere.material or "
@@ -149,14 +147,29 @@ def _half_space(study: "Study") -> None:
         )
     if study.stepping.scheme == "explicit":
         raise ValueError(f"{named} needs stepping.scheme = 'implicit'")
-    if study.wear.distance_factor != "none":
+    if study.wear.distance_factor != "none" and not study.is_swept:
         raise ValueError(
             f"wear.distance_factor = '{study.wear.distance_factor}' does not go with {named}: allowed is none"
         )
-    if study.boundary == "periodic" and study.sphere.curvature != 0.0:
+    if study.study.model == "two-scale":
+        _elastic_patches(study)
+    elif study.boundary == "periodic" and study.sphere.curvature != 0.0:
         raise ValueError(
             "contact.boundary = 'periodic' would repeat the sphere beside itself: allowed is 'free', or a "
             "flat, sphere.radius = 'inf mm'"
+        )
+
+
+def _elastic_patches(study: "Study") -> None:
+    if study.macro.coupling == "load":
+        raise ValueError(
+            "macro.coupling = 'load' does not go with contact.law = 'half-space', whose patches share one "
+            "approach; allowed is 'approach'"
+        )
+    if study.boundary == "free" and study.macro.bulk == "foundation":
+        raise ValueError(
+            "contact.boundary = 'free' of patches needs macro.bulk = 'none': a free patch contains the "
+            "displacement of its mean, which a bulk behind it would count twice"
         )
 
 

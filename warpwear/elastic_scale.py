@@ -9,8 +9,8 @@ from warpwear.balance import TOLERANCE, Balance
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray
-from warpwear.half_space import HalfSpace
 from warpwear.half_space_iterate import NO_CAP
+from warpwear.half_space_window import WindowedHalfSpace
 from warpwear.kernels import wear_by_pressure
 from warpwear.kernels.types import MAXIMA, SUMS
 from warpwear.ledger import Ledger, Step
@@ -37,7 +37,7 @@ class HalfSpaceModel:
         sphere, disc = self._wear = study.wear_laws
         self._share_changes = not sphere.in_proportion_to(disc)
         self.state = State.of(executor, heights, self._wear, curvature=study.sphere.curvature)
-        self._half_space = HalfSpace(
+        self._half_space = WindowedHalfSpace(
             executor, modulus=study.effective_modulus, boundary=study.boundary, hardness=study.hardness
         )
         self._sums, self._maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
@@ -57,9 +57,7 @@ class HalfSpaceModel:
         """
         executor, state, load = self._executor, self.state, self.study.contact.load
         sphere, disc = (law.removal(self._ledger.row["distance"], increment) for law in self._wear)
-        contact = self._half_space.solve(
-            state.gap, mean_pressure=load / executor.grid.area, compliance=sphere + disc
-        )
+        contact = self._half_space.solve(state.gap, load=load, compliance=sphere + disc)
         pressure = contact.pressure.copy() if with_pressure else None
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
@@ -105,12 +103,16 @@ class HalfSpaceModel:
         arrays = {"gap": self._executor.to_numpy(self.state.gap), "pressure": self._half_space.pressure}
         if self._share_changes:
             arrays["share"] = self._executor.to_numpy(self.state.share)
-        return arrays, {"most": self._ledger.most, "row": self._ledger.row}
+        return arrays, {
+            "most": self._ledger.most,
+            "row": self._ledger.row,
+            "window": self._half_space.window,
+        }
 
     def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
         """Go on from the state that another model of the same study, surface and device saved."""
         self._executor.fill(self.state.gap, arrays["gap"])
         if self._share_changes:
             self._executor.fill(self.state.share, arrays["share"])
-        self._half_space.go_on_from(arrays["pressure"])
+        self._half_space.go_on_from(arrays["pressure"], numbers["window"])
         self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])

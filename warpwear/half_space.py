@@ -13,6 +13,7 @@ from warpwear.errors import ConvergenceError, InputError
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.half_space_iterate import Iterate
+from warpwear.half_space_operator import Operator
 from warpwear.half_space_search import Search
 from warpwear.influence import Influence
 
@@ -40,6 +41,7 @@ class HalfSpaceContact:
     pressure_field: Field
     gradient_field: Field  # gap after deformation and wear, from the mean planes [mm]
     executor: Executor
+    cells: int  # of the surface
 
     @property
     def pressure(self) -> FloatArray:
@@ -49,7 +51,7 @@ class HalfSpaceContact:
     @property
     def area_fraction(self) -> float:
         """Contact area over nominal area."""
-        return self.cells_in_contact / self.executor.grid.cells
+        return self.cells_in_contact / self.cells
 
     @property
     def separation(self) -> FloatArray:
@@ -57,20 +59,19 @@ class HalfSpaceContact:
         return np.asarray(self.executor.to_numpy(self.gradient_field) - self.approach)
 
 
-class HalfSpace:
-    """Solves contacts of one grid; each solve starts from the last one's pressure.
+class BoundedPressure:
+    """Solves contacts under one operator; each solve starts from the last one's pressure.
 
-    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free". hardness: H [MPa]. tolerance: of the
-    largest violation of complementarity (|t − λ| where 0 < p < H, λ − t where p = 0, t − λ where p = H; t gap
-    after deformation, λ approach), over the rms height of the gap. The load is met to 1e-12.
+    hardness: H [MPa]. tolerance: of the largest violation of complementarity (|t − λ| where 0 < p < H, λ − t
+    where p = 0, t − λ where p = H; t gap after deformation, λ approach), over the rms height of the gap. The
+    load is met to 1e-12.
     """
 
     def __init__(
         self,
         executor: Executor,
+        influence: Operator,
         *,
-        modulus: float,
-        boundary: str = "periodic",
         hardness: float = math.inf,
         tolerance: float = TOLERANCE,
         max_iterations: int = MAX_ITERATIONS,
@@ -78,17 +79,25 @@ class HalfSpace:
         if not hardness > 0.0:
             raise InputError(f"contact.hardness = {hardness:g} MPa is not possible; it must be positive.")
         self._executor = executor
-        self._modulus = modulus
         self._hardness = hardness
         self._tolerance = tolerance
         self._max_iterations = max_iterations
-        self._influence = Influence(executor, modulus=modulus, boundary=boundary)
-        self._iterate = Iterate(executor, self._influence, hardness)
+        self._influence = influence
+        self._iterate = Iterate(executor, influence, hardness)
         self._started = False
 
     def forget(self) -> None:
         """Start the next solve from nothing."""
         self._started = False
+
+    def go_on(self) -> None:
+        """Start the next solve from what `pressure_field` holds."""
+        self._started = True
+
+    @property
+    def pressure_field(self) -> Field:
+        """Where the next solve starts after `go_on`, to be changed in place between 0 and H [MPa]."""
+        return self._iterate.pressure
 
     @property
     def pressure(self) -> FloatArray:
@@ -108,22 +117,24 @@ class HalfSpace:
         approach: float | None = None,
         compliance: float = 0.0,
         streak_compliance: float = 0.0,
+        streak_window: int | None = None,
     ) -> HalfSpaceContact:
         """The contact at a mean pressure [MPa] or at an approach [mm].
 
         gap: from the mean planes [mm]. compliance: c of every cell beside the half-space's [mm/MPa]: K ΔL of
-        both bodies for an implicit step of wear. streak_compliance: the same under the mean pressure of the
-        cell's line along x: K ΔL of a body that the other slides over.
+        both bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides
+        over, under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the
+        whole line.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
         """
-        cells = self._executor.grid.cells
+        cells = self._influence.cells
         asked = self._asked(mean_pressure, approach)
-        self._influence.set_compliance(compliance, streak_compliance)
+        self._influence.set_compliance(compliance, streak_compliance, streak_window)
         done = self._influence.transforms
         moments = self._iterate.moments(gap)
-        response = self._shortest_response() + compliance
+        response = self._influence.shortest_response + compliance
         stiffness = 1.0 / response
         if not self._started:
             level = moments.mean if approach is None else approach
@@ -155,6 +166,7 @@ class HalfSpace:
                     pressure_field=self._iterate.pressure,
                     gradient_field=self._iterate.gradient,
                     executor=self._executor,
+                    cells=cells,
                 )
             moved = search.move(state, level, loaded=abs(off) <= LOAD_TOLERANCE)
             if moved is None:
@@ -172,7 +184,7 @@ class HalfSpace:
         Cells at their bounds stay there. Infinite where every cell of a periodic surface follows. Raises
         ConvergenceError.
         """
-        cells = self._executor.grid.cells
+        cells = self._influence.cells
         if contact.cells_between == 0:
             return 0.0
         if contact.cells_between == cells and self._influence.rigid_mean:
@@ -197,8 +209,29 @@ class HalfSpace:
                 f"a mean pressure of {mean_pressure:g} MPa is not possible; it must be positive and at most "
                 f"the hardness, {self._hardness:g} MPa."
             )
-        return mean_pressure * self._executor.grid.cells
+        return mean_pressure * self._influence.cells
 
-    def _shortest_response(self) -> float:
-        """Displacement under a pressure that alternates from cell to cell [mm/MPa]."""
-        return 2.0 * self._executor.grid.cell / (math.pi * self._modulus)
+
+class HalfSpace(BoundedPressure):
+    """Solves contacts of one grid, as `BoundedPressure` says.
+
+    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free".
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        *,
+        modulus: float,
+        boundary: str = "periodic",
+        hardness: float = math.inf,
+        tolerance: float = TOLERANCE,
+        max_iterations: int = MAX_ITERATIONS,
+    ) -> None:
+        super().__init__(
+            executor,
+            Influence(executor, modulus=modulus, boundary=boundary),
+            hardness=hardness,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+        )

@@ -8,8 +8,9 @@ import warp as wp
 from warpwear.balance import Carried, newton_in_bracket
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
-from warpwear.influence import Influence
+from warpwear.half_space_operator import Operator
 from warpwear.kernels import half_space as passes
+from warpwear.kernels import half_space_setup, half_space_sums
 
 #: Stands for no cap: kernels compare with it.
 NO_CAP = 1.0e300
@@ -55,11 +56,12 @@ class Moments(NamedTuple):
 class Iterate:
     """Pressure p, gradient t = Gp + g, trial pressure, step and its response, on the grid of an executor."""
 
-    def __init__(self, executor: Executor, influence: Influence, hardness: float) -> None:
+    def __init__(self, executor: Executor, influence: Operator, hardness: float) -> None:
         self._executor = executor
         self._influence = influence
         self._cap = min(hardness, NO_CAP)
-        wp.load_module(passes, device=executor.device)
+        for module in (passes, half_space_setup, half_space_sums):
+            wp.load_module(module, device=executor.device)
         self.pressure = executor.zeros()
         self.gradient = executor.zeros()
         self._trial = executor.zeros()
@@ -79,20 +81,22 @@ class Iterate:
         mean, variance, lowest = 0.0, 0.0, 0.0
         for _ in range(2):  # about 0, then about the mean
             inputs = [self._executor.grid.ny, mean, gap]
-            count, first, second, deepest, _unused = self._pass(passes.moments, inputs, [], sums=3, maxima=2)
+            count, first, second, deepest, _unused = self._pass(
+                half_space_setup.moments, inputs, [], sums=3, maxima=2
+            )
             mean += first / count
             variance, lowest = second / count - (first / count) ** 2, -deepest
         return Moments(mean, math.sqrt(max(variance, 0.0)), lowest)
 
     def foundation(self, gap: Field, *, stiffness: float, level: float) -> tuple[float, float]:
         """Trial pressure of a foundation [N/mm³] at an approach [mm]; what it carries, as `carried`."""
-        self._pass(passes.spring, [self._executor.grid.ny, stiffness, level, gap], [self._trial])
+        self._pass(half_space_setup.spring, [self._executor.grid.ny, stiffness, level, gap], [self._trial])
         return self.carried(0.0)
 
     def begin(self, gap: Field) -> State:
         """Gradient of the present pressure."""
         self._influence.respond(self.pressure, self._response)
-        self._pass(passes.gradient, [self._executor.grid.ny, gap, self._response], [self.gradient])
+        self._pass(half_space_setup.gradient, [self._executor.grid.ny, gap, self._response], [self.gradient])
         return self.advance(0.0)
 
     def take_trial(self, shift: float) -> None:
@@ -146,7 +150,7 @@ class Iterate:
         ConvergenceError.
         """
         at_zero = total, between
-        unit = max(unit, total / between if between > 0.0 else 0.0, asked / self._executor.grid.cells)
+        unit = max(unit, total / between if between > 0.0 else 0.0, asked / self._influence.cells)
 
         def carried(shift: float) -> Carried:
             total, slope = at_zero if shift == 0.0 else self.carried(shift * unit)
@@ -180,27 +184,27 @@ class Iterate:
         residual, descent = self._executor.zeros(), self._executor.zeros()
         direction, solution = self._step, self._trial
         solution.zero_()
-        self._pass(passes.between, [self._cap, self.pressure], [residual])
+        self._pass(half_space_setup.between, [self._cap, self.pressure], [residual])
         allowed = tolerance**2 * self._product(residual, residual)
         total, memory, reduced = 0.0, 0.0, 1.0
         for _ in range(max_iterations):
             self._influence.invert(residual, descent)
             before, reduced = reduced, self._product(residual, descent)
             memory = reduced / before if memory else 0.0
-            self._pass(passes.conjugate, [memory, self._cap, self.pressure, descent], [direction])
+            self._pass(half_space_setup.conjugate, [memory, self._cap, self.pressure, descent], [direction])
             self._influence.respond(direction, self._response)
             curvature = self._product(direction, self._response)
             if not curvature > 0.0:
                 break
             inputs = [reduced / curvature, self._cap, self.pressure, direction, self._response]
-            total, left = self._pass(passes.relax, inputs, [solution, residual], sums=2)
+            total, left = self._pass(half_space_setup.relax, inputs, [solution, residual], sums=2)
             if left <= allowed:
                 return total
             memory = 1.0
         raise ConvergenceError("the slope of the half-space contact did not converge.")
 
     def _product(self, first: Field, second: Field) -> float:
-        (total,) = self._pass(passes.product, [first, second], [], sums=1)
+        (total,) = self._pass(half_space_sums.product, [first, second], [], sums=1)
         return total
 
     def _pass(
@@ -208,14 +212,16 @@ class Iterate:
     ) -> list[float]:
         """Launch, and reduce the first rows of the tables that the kernel fills."""
         tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
-        self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables])
+        chunks = self._influence.chunks
+        self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables], chunks=chunks)
+        slots = chunks[-1][1] if chunks else self._executor.slots
         if self._folded is None:
-            table, largest = self._sums[:sums].numpy(), self._maxima[:maxima].numpy()
+            table, largest = self._sums.numpy()[:sums, :slots], self._maxima.numpy()[:maxima, :slots]
         else:  # one short table to read back
             both = sums + maxima
             self._executor.launch(
-                passes.fold,
-                inputs=[FOLDED, sums, self._sums, self._maxima],
+                half_space_sums.fold,
+                inputs=[FOLDED, sums, slots, self._sums, self._maxima],
                 outputs=[self._folded],
                 chunks=[(0, both * FOLDED)],
             )

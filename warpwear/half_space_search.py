@@ -8,6 +8,7 @@ Tribol. Int. 40, 574 added the cap, Vollebregt 2014, J. Comput. Phys. 257, 333 t
 
 import math
 
+from warpwear.balance import TOLERANCE
 from warpwear.half_space_iterate import Iterate, Products, State
 
 #: With a smaller share of the cells in contact below the cap |q| is no guide: steps along the plain gradient.
@@ -45,7 +46,7 @@ class Search:
             return self._approach or 0.0
         if state.between > 0.0:
             return state.level / state.between
-        if state.total == self._asked:
+        if abs(state.total - self._asked) <= TOLERANCE * self._asked:
             return 0.5 * (state.highest + state.lowest)
         return state.lowest if state.total < self._asked else state.highest
 

@@ -153,14 +153,14 @@ class CupyTransforms(Transforms):
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         self.transforms += 1
         cupy, fft = self._cupy, self._cupy.fft
-        nx, ny = self._executor.grid.shape
         with self._device, self._stream:
-            values = self._cells(field_in)
+            values, result = self._cells(field_in), self._cells(field_out)
+            nx, ny = result.shape[-2:]
             if divide:
                 values, table = values.astype(cupy.float32), self._reciprocals(table)
             spectrum = fft.rfft2(values, s=self._shape)
             spectrum *= table
-            self._cells(field_out)[:] = fft.irfft2(spectrum, s=self._shape)[:nx, :ny]
+            result[:] = fft.irfft2(spectrum, s=self._shape)[..., :nx, :ny]
 
     def _reciprocals(self, table: Any) -> Any:
         """1/table, 0 where it is 0."""
@@ -205,6 +205,10 @@ class Influence:
             )
         self._boundary = boundary
         self._streak_cells = grid.nx
+        self.cells = grid.cells
+        self.shortest_response = shortest_response(grid.cell, modulus)
+        #: Of slots for the threads: all, by whole rows.
+        self.chunks: list[tuple[int, int]] | None = None
         make: Callable[..., Transforms] = ScipyTransforms if executor.device.is_cpu else CupyTransforms
         self._near = make(executor, grid.shape)
         elastic = periodic_spectrum(grid, modulus)
@@ -218,7 +222,7 @@ class Influence:
             padded = padded_shape(grid)
             self._far = make(executor, padded)
             self._elastic = self._far.table(free_spectrum(grid, modulus, padded))
-        self._compliance: tuple[float, float] | None = None
+        self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)
 
     @property
@@ -229,25 +233,35 @@ class Influence:
     @property
     def rigid_mean(self) -> bool:
         """Whether a uniform pressure displaces nothing."""
-        return self._boundary == "periodic" and self._compliance == (0.0, 0.0)
+        return self._boundary == "periodic" and self._compliance is not None and not any(self._compliance[:2])
 
-    def set_compliance(self, own: float, streak: float) -> None:
-        """What adds to the elastic response [mm/MPa]: own pressure of the cell, mean of its line along x."""
-        if self._compliance == (own, streak):
+    def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
+        """What adds to the elastic response [mm/MPa]: own × p of the cell, and streak × S S p.
+
+        S is a mean along x over so many cells, around each of them: of an even number the cell at either end
+        counts half. None, or as many cells as the grid has rows: S is the mean of the line, and so is S S.
+        """
+        line = self._streak_cells
+        asked = own, streak, line if window is None else min(window, line)
+        if self._compliance == asked:
             return
-        self._compliance = own, streak
-        self._response = self._with(self._far, self._elastic, own, streak)
+        self._compliance = asked
+        self._response = self._with(self._far, self._elastic, *asked)
         self._nearby = self._response
         if self._near is not self._far:
-            self._nearby = self._with(self._near, self._near_elastic, own, streak)
+            self._nearby = self._with(self._near, self._near_elastic, *asked)
 
-    def _with(self, transforms: Transforms, elastic: Any, own: float, streak: float) -> Any:
+    def _with(self, transforms: Transforms, elastic: Any, own: float, streak: float, window: int) -> Any:
         if own == 0.0 and streak == 0.0:
             return elastic
-        # The mean over the cells of a line, as the spectrum of its coefficients.
-        rows, nx = elastic.shape[0], self._streak_cells
+        # The spectrum of a mean is that of its coefficients.
+        rows = elastic.shape[0]
         distance = np.minimum(np.arange(rows), rows - np.arange(rows))
-        line = np.fft.fft(np.where(distance < nx, 1.0 / nx, 0.0)).real
+        if window == self._streak_cells:
+            line = np.fft.fft(np.where(distance < window, 1.0 / window, 0.0)).real
+        else:
+            inside = np.where(2 * distance < window, 1.0, np.where(2 * distance == window, 0.5, 0.0))
+            line = np.fft.fft(inside / window).real ** 2
         return transforms.added(elastic, own, streak * line)
 
     def respond(self, pressure: Field, displacement: Field) -> None:
@@ -270,6 +284,11 @@ def periodic_spectrum(grid: Grid, modulus: float) -> FloatArray:
     q = np.hypot(q_x[:, np.newaxis], q_y)
     spectrum: FloatArray = np.divide(2.0 / modulus, q, out=np.zeros_like(q), where=q > 0.0)
     return spectrum
+
+
+def shortest_response(cell: float, modulus: float) -> float:
+    """Displacement under a pressure that alternates from cell to cell [mm/MPa]."""
+    return 2.0 * cell / (math.pi * modulus)
 
 
 def padded_shape(grid: Grid) -> tuple[int, int]:

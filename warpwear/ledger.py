@@ -45,6 +45,12 @@ class Ledger:
             0.0,
         )
 
+    @property
+    def columns(self) -> slice:
+        """Columns between the first and the last that were ever touched; none before the first step."""
+        first, last = (self.most[name] for name in ("first_column", "last_column"))
+        return slice(int(-first), int(last) + 1) if math.isfinite(first) else slice(0, 0)
+
     def enter(
         self,
         balance: Balance,
@@ -111,3 +117,35 @@ class Ledger:
         reach = max(-self._x[first_row], self._x[last_row], -self._y[first_column], self._y[last_column])
         beyond_sphere = bool((reach + 1.5 * grid.cell) * self._study.sphere.curvature >= 1.0)
         return Step(balance, self.row, at_edge, beyond_sphere, pressure)
+
+
+class TrackLedger(Ledger):
+    """Of a disc that slides: its volumes count 1/share times, as those of the stroke that it stands for.
+
+    Its rows have one column more, `plastic_volume_disc`, from the total "pressed_disc".
+    """
+
+    def __init__(self, study: Study, grid: Grid, *, share: float) -> None:
+        super().__init__(study, grid)
+        self._share = share
+
+    def enter(
+        self,
+        balance: Balance,
+        increment: float,
+        removal: tuple[float, float],
+        reference: float,
+        total: Mapping[str, float],
+        most: Mapping[str, float],
+        *,
+        pressure: FloatArray | None = None,
+        bearing: float | None = None,
+    ) -> Step:
+        """As of any contact."""
+        of_stroke = {name: total[name] / self._share for name in ("wear_disc", "pressed_disc")}
+        total = {**total, **of_stroke}
+        step = super().enter(
+            balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
+        )
+        step.row["plastic_volume_disc"] = total["pressed_disc"] * self._grid.cell_area
+        return step

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from warpwear.checkpoint import checksum
+from warpwear.elastic_patches import ElasticPatchesModel
 from warpwear.elastic_scale import HalfSpaceModel
 from warpwear.errors import InputError
 from warpwear.execution import FIELDS_NEEDED, Executor, free_memory
@@ -28,6 +29,8 @@ from warpwear.two_scale import TwoScaleModel
 
 #: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 15.0, "free": 20.0}, 12.0
+#: More where the disc slides: sphere, its wear, gap and a mean along x, of which one at rest has two gaps.
+SLIDING_FIELDS = 3.0
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
 
@@ -64,20 +67,22 @@ class Made:
 
 def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     """What the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
+    fields = FIELDS_NEEDED
+    elastic = study.contact.law == "half-space"
+    if elastic:
+        fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu")
+    if study.is_swept:
+        rows = Track.of(study).rows
+        fields += SLIDING_FIELDS * elastic
+        fields += (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
+        _check_memory(study, rows, fields, device)
+        return Executor(study.cells, device=device, threads=threads)
+    # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
+    fields += 5.0 * (study.wear.distance_factor == "radial")
     if study.study.model == "two-scale":
         patches = Patches.of(study)
         _check_memory_of_book(study, patches, device)
-        return Executor(patches.grid, device=device, threads=threads)
-    if study.is_swept:
-        rows = Track.of(study).rows
-        fields = FIELDS_NEEDED + (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
-        _check_memory(study, rows, fields, device)
-        return Executor(study.cells, device=device, threads=threads)
-    if study.contact.law == "half-space":
-        fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu")
-        return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
-    # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
-    fields = FIELDS_NEEDED + 5.0 * (study.wear.distance_factor == "radial")
+        return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
     return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
 
 
@@ -93,13 +98,14 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
         return Made(swept, found, record, heights)
     heights = surface.heights(grid.x, grid.y)
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
-    if study.contact.law == "half-space":
-        return Made(HalfSpaceModel(study, heights, executor), checksum(heights), record)
     if study.study.model == "two-scale":
         patches = Patches.of(study)
         refuse_unsuitable(study, patches, heights)
-        of_patches = TwoScaleModel(study, patches, heights, executor)
+        make = ElasticPatchesModel if study.contact.law == "half-space" else TwoScaleModel
+        of_patches = make(study, patches, heights, executor)
         return Made(of_patches, checksum(heights), record, book=of_patches.book)
+    if study.contact.law == "half-space":
+        return Made(HalfSpaceModel(study, heights, executor), checksum(heights), record)
     curve = None
     if study.wear.law == "bearing-curve":
         curve = bearing_curve_of(study)

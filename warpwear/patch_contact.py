@@ -39,6 +39,43 @@ class Ahead:
     answer: Answer
 
 
+def places(patches: Patches, executor: Executor) -> tuple[Field, Field]:
+    """First row and first column of every patch, as kernels read them."""
+    device = executor.device
+    first_row: Field = wp.array(patches.first_row, dtype=wp.int32, device=device)
+    first_column: Field = wp.array(patches.first_column, dtype=wp.int32, device=device)
+    return first_row, first_column
+
+
+def unworn(
+    patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float
+) -> tuple[Field, Field]:
+    """Gap of the fine cells before any wear [mm], and its lowest in the tiles of each patch.
+
+    executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
+    """
+    wp.load_module(kernels, device=executor.device)
+    domain = patches.domain
+    tiles = patches.side * -(-patches.vectors // int(WIDTH))
+    gap = executor.zeros()
+    lowest = wp.zeros((patches.count, tiles), dtype=wp.float64, device=executor.device)
+    executor.launch(
+        kernels.gap,
+        inputs=[
+            patches.vectors,
+            patches.side,
+            domain.cell,
+            float(domain.x[0]),
+            float(domain.y[0]),
+            curvature,
+            *places(patches, executor),
+            executor.field(patches.stored(heights)),
+        ],
+        outputs=[gap, lowest],
+    )
+    return gap, lowest
+
+
 class PatchContact:
     """The gap of every fine cell on a capped foundation, patch by patch: the micro law of two scales.
 
@@ -49,28 +86,9 @@ class PatchContact:
         self, patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float, hardness: float
     ) -> None:
         self.patches, self._executor, self._hardness = patches, executor, hardness
-        wp.load_module(kernels, device=executor.device)
-        tiles = patches.side * -(-patches.vectors // int(WIDTH))
-        count, device, domain = patches.count, executor.device, patches.domain
-        self._lowest_of_tiles = wp.zeros((count, tiles), dtype=wp.float64, device=device)
-        self._first_row: Field = wp.array(patches.first_row, dtype=wp.int32, device=device)
-        self._first_column: Field = wp.array(patches.first_column, dtype=wp.int32, device=device)
-        self.initial: Field = executor.zeros()
-        executor.launch(
-            kernels.gap,
-            inputs=[
-                patches.vectors,
-                patches.side,
-                domain.cell,
-                float(domain.x[0]),
-                float(domain.y[0]),
-                curvature,
-                self._first_row,
-                self._first_column,
-                executor.field(patches.stored(heights)),
-            ],
-            outputs=[self.initial, self._lowest_of_tiles],
-        )
+        count, device = patches.count, executor.device
+        self._first_row, self._first_column = places(patches, executor)
+        self.initial, self._lowest_of_tiles = unworn(patches, heights, executor, curvature=curvature)
         self.gap: Field = wp.clone(self.initial)
         #: Lowest gap of each patch before any wear [mm]: below that approach it carries nothing.
         self.lowest: FloatArray = self._lowest_of_tiles.numpy().min(axis=1)

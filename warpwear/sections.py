@@ -209,9 +209,10 @@ class Contact(Section):
     )
     boundary: Literal["free", "periodic"] | None = key(
         None,
-        "half-space: nothing beyond the domain, or the domain repeated; if not given free under a sphere, "
-        "periodic under a flat",
-        assumed="nothing beyond the domain under a sphere; under a flat the domain is repeated",
+        "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; "
+        "if not given free under a sphere, periodic under a flat and for patches",
+        assumed="nothing beyond the domain under a sphere; under a flat the domain is repeated, and in the "
+        "two-scale model each patch",
     )
     stiffness: Stiffness = key(
         "inf N/mm^3",
@@ -496,8 +497,8 @@ class Macro(Section):
     )
     bulk: Literal["foundation", "none"] = key(
         "foundation",
-        "spring behind each patch: foundation is K_N, the elastic bulk of both bodies, in series with "
-        "asperities that only flow and wear; none where the patch's own law carries that compliance",
+        "spring behind each patch: foundation is K_N, the elastic bulk of both bodies, in series; none where "
+        "the patch's own law carries that compliance, as free patches of the half-space do",
         assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
     )
     coupling: Literal["approach", "load"] = key(

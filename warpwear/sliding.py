@@ -3,7 +3,6 @@
 import math
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,9 +12,10 @@ from warpwear.balance import RIGID, Balance, Balancer
 from warpwear.device_sliding import DeviceSliding
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
-from warpwear.kernels import contact, gap, sliding
-from warpwear.kernels.types import LANES, PADDING, STEP, STEP_MAXIMA
-from warpwear.ledger import Ledger, Step
+from warpwear.kernels import contact, sliding
+from warpwear.kernels.types import LANES, STEP, STEP_MAXIMA
+from warpwear.ledger import Step, TrackLedger
+from warpwear.sliding_state import State, keeps_dents
 from warpwear.sliding_tiles import PerTile, SlidingTiles
 from warpwear.study import Study
 from warpwear.wear import removals_of
@@ -30,18 +30,6 @@ KEPT = ("touched", "worn_sphere", "worn_disc", "pressed_disc")
 NO_ROWS = {"first_row": -math.inf, "last_row": -math.inf}
 #: What the approach may change by when nothing is known of it, and at least [mm].
 FIRST_SCATTER, LEAST_SCATTER = 1.0e-4, 1.0e-6
-
-
-@dataclass
-class State:
-    """Fields [mm] on the executor's device: of nx × ny cells, and of the disc's rows × ny cells."""
-
-    sphere: Field  # height over the unworn apex, as worn
-    disc: Field  # height over the mean plane, as worn
-    wear_sphere: Field
-    wear_disc: Field
-    plastic_disc: Field  # displaced for good where a cell was at the hardness; one row where none is kept
-    reached: Field  # 1 where the sphere was in contact; one row where its wear shows that
 
 
 class SlidingContact:
@@ -70,8 +58,7 @@ class SlidingContact:
         share: float = 1.0,
     ) -> None:
         grid = executor.grid
-        if disc.shape[0] < grid.nx or disc.shape[1] != grid.ny:
-            raise ValueError(f"a disc of {disc.shape} cells does not fit under a grid of {grid.shape}")
+        self.state = State.of(study, executor, disc, sphere=sphere)
         self.study = study
         self.periodic = periodic
         self._executor = executor
@@ -79,16 +66,8 @@ class SlidingContact:
         self._share = share
         self._wear, self._elastic = study.wear_laws, study.law().compliance
         self._implicit = study.stepping.scheme == "implicit"
-        self.keeps_dents = study.sliding.plastic == "keep" and math.isfinite(study.hardness)
+        self.keeps_dents = keeps_dents(study)
         self._balancer = Balancer(executor)
-        self.state = State(
-            _padded(executor, sphere, PADDING) if sphere is not None else self._sphere(),
-            _padded(executor, disc, -PADDING),
-            executor.zeros(),
-            executor.zeros(self._rows),
-            executor.zeros(self._rows if self.keeps_dents else 1),
-            executor.zeros(grid.nx if self._wear[0].fastest == 0.0 else 1),
-        )
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
         columns, device = executor.tiles_per_row, executor.device
@@ -102,7 +81,7 @@ class SlidingContact:
         self._stiffness: tuple[float, Field] | None = None  # with the compliance that it was made for
         self._approach: float | None = None
         self._changes: deque[float] = deque(maxlen=CHANGES)
-        self._ledger = Ledger(study, executor.grid)
+        self._ledger = TrackLedger(study, executor.grid, share=share)
         self._loop: DeviceSliding | None = None
         #: Whether the device can make steps by itself: those of a contact with compliance.
         self.blocks_allowed = executor.device.is_cuda and not study.uses_bearing_area
@@ -115,10 +94,7 @@ class SlidingContact:
         Raises ConvergenceError when the load cannot be balanced, ValueError when a disc that is not periodic
         would leave a part of the sphere without one.
         """
-        if self.periodic:
-            shift %= self._rows
-        if not 0 <= shift <= self._rows - (0 if self.periodic else self._executor.grid.nx):
-            raise ValueError(f"a shift of {shift} rows leaves the disc of {self._rows} rows")
+        shift = self.state.row_of(shift, periodic=self.periodic)
         self.tiles.displace(shift)
         distance = self._ledger.row["distance"]
         of_sphere, of_disc = (law.removal(distance, increment) for law in self._wear)
@@ -130,7 +106,7 @@ class SlidingContact:
         reference = near_mean if math.isfinite(near_mean) else 0.0
         pressure = self._pressures(balance, stiffness) if with_pressure else None
         state, tiles = self.state, self.tiles
-        columns = self._touched_columns()
+        columns = self._ledger.columns
         known = (columns.start, columns.stop - 1) if columns.stop else (self._executor.grid.ny, -1)
         self._executor.launch(
             sliding.remove,
@@ -207,15 +183,15 @@ class SlidingContact:
             self._changes.append(abs(step.balance.approach - self._approach))
             self._approach = step.balance.approach
             reference = self._ledger.row["pressure_mean"]
-            yield self._booked(step.balance, increment, removal, reference, step.totals, step.most)
+            yield self._ledger.enter(step.balance, increment, removal, reference, step.totals, step.most)
 
     def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Arrays and numbers that the steps so far have changed: all that `restore` needs.
 
         Of fields only the columns that were ever touched: beyond them they are as they were made.
         """
-        band = self._touched_columns()
-        arrays = {name: self._executor.to_numpy(field)[:, band] for name, field in vars(self.state).items()}
+        band = self._ledger.columns
+        arrays: dict[str, Any] = {**self.state.columns(self._executor, band)}
         arrays |= {name: array.numpy() for name, array in self._of_tiles().items()}
         return arrays, {
             "columns": [band.start, band.stop],
@@ -227,11 +203,7 @@ class SlidingContact:
 
     def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
         """Go on from the state that another contact of the same study, disc and device saved."""
-        band = slice(*numbers["columns"])
-        for name, field in vars(self.state).items():
-            values = self._executor.to_numpy(field)
-            values[:, band] = arrays[name]
-            self._executor.fill(field, values)
+        self.state.restore(self._executor, slice(*numbers["columns"]), arrays)
         for name, array in self._of_tiles().items():
             array.assign(arrays[name])
         self._approach = numbers["approach"]
@@ -244,10 +216,6 @@ class SlidingContact:
         kept |= {f"{name}_in_tiles": kept.numbers for name, kept in zip(KEPT, self._kept, strict=True)}
         return kept | {f"{name}_in_rows": totals for name, totals in zip(KEPT, self._totals, strict=True)}
 
-    def _touched_columns(self) -> slice:
-        first, last = (self._ledger.most[name] for name in ("first_column", "last_column"))
-        return slice(int(-first), int(last) + 1) if math.isfinite(first) else slice(0, 0)
-
     def _pressures(self, balance: Balance, stiffness: Field) -> FloatArray:
         """The pressure field of a solved contact [MPa]."""
         field = self._executor.zeros()
@@ -258,24 +226,6 @@ class SlidingContact:
             over=self.tiles,
         )
         return self._executor.to_numpy(field)
-
-    def _sphere(self) -> Field:
-        """Heights of the study's sphere, by the kernel that makes the gap of a smooth disc."""
-        grid = self._executor.grid
-        heights = self._executor.zeros()
-        self._executor.launch(
-            gap.gap,
-            inputs=[
-                grid.ny,
-                grid.cell,
-                float(grid.x[0]),
-                float(grid.y[0]),
-                self.study.sphere.curvature,
-                self._executor.zeros(),
-            ],
-            outputs=[heights, heights],
-        )
-        return heights
 
     def _compliance(self, removal: float) -> float:
         """c of a step that removes so much [mm³/N]."""
@@ -336,29 +286,4 @@ class SlidingContact:
         }
         rows = np.flatnonzero(touched)
         most |= {"first_row": -float(rows[0]), "last_row": float(rows[-1])} if rows.size else NO_ROWS
-        return self._booked(balance, increment, removal, reference, total, most, pressure=pressure)
-
-    def _booked(
-        self,
-        balance: Balance,
-        increment: float,
-        removal: tuple[float, float],
-        reference: float,
-        total: dict[str, float],
-        most: dict[str, float],
-        *,
-        pressure: FloatArray | None = None,
-    ) -> Step:
-        """What the disc lost counts for the whole stroke."""
-        total = total | {"wear_disc": total["wear_disc"] / self._share}
-        step = self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
-        pressed = total["pressed_disc"] / self._share
-        step.row["plastic_volume_disc"] = pressed * self._executor.grid.cell_area
-        return step
-
-
-def _padded(executor: Executor, heights: FloatArray, padding: float) -> Field:
-    """A field of its own, with a height beyond the last column that never touches."""
-    values = np.full((heights.shape[0], executor.vectors * LANES), padding)
-    values[:, : heights.shape[1]] = heights
-    return executor.field(values)
+        return self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)

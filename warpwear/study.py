@@ -172,8 +172,9 @@ class Study(Section):
 
     @property
     def boundary(self) -> str:
-        """Of the half-space: "free" or "periodic"."""
-        return self.contact.boundary or ("free" if self.sphere.curvature else "periodic")
+        """Of the half-space, or of every patch: "free" or "periodic"."""
+        whole_sphere = self.sphere.curvature and self.study.model != "two-scale"
+        return self.contact.boundary or ("free" if whole_sphere else "periodic")
 
     @property
     def resolved(self) -> dict[str, str]:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from warpwear.device_sliding import LONGEST_BLOCK
+from warpwear.elastic_sliding import ElasticSliding
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray
 from warpwear.ledger import Step
@@ -24,7 +25,8 @@ class SweptModel:
 
     def __init__(self, study: Study, track: Track, heights: FloatArray, executor: Executor) -> None:
         self._track, self._executor = track, executor
-        self.contact = SlidingContact(study, heights, executor, periodic=track.periodic, share=track.share)
+        law = ElasticSliding if study.contact.law == "half-space" else SlidingContact
+        self.contact = law(study, heights, executor, periodic=track.periodic, share=track.share)
         self._keeps = self.contact.keeps_dents
         self._done = 0
         #: Steps that the state is ahead of the last one given, in a block.
@@ -52,6 +54,7 @@ class SweptModel:
         """Steps made on the device in one go."""
         if not increments:
             return
+        assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
         first = self._done
         rows = [self._track.row(first + i) for i in range(len(increments))]
         steps = self.contact.steps(rows, increments)

@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.balance import RIGID, TOLERANCE, Balance
-from warpwear.errors import ConvergenceError
+from warpwear.balance import RIGID
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray
-from warpwear.ledger import Ledger, Step
+from warpwear.ledger import Step
 from warpwear.load_shares import Answer, Shares, Task, share
-from warpwear.patch_book import PatchBook
-from warpwear.patch_contact import Ahead, PatchContact, Worn
+from warpwear.patch_contact import Ahead, PatchContact
 from warpwear.patch_foresight import PatchForesight
+from warpwear.patch_ledger import PatchLedger
 from warpwear.patches import Patches
 from warpwear.prescribed_loads import press
 from warpwear.results import Snapshot
@@ -35,19 +34,13 @@ class TwoScaleModel:
     def __init__(self, study: Study, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.study, self.patches = study, patches
         self._executor = executor
-        self._wear = study.wear_laws
         curvature, hardness = study.sphere.curvature, study.hardness
         self.contact = PatchContact(patches, heights, executor, curvature=curvature, hardness=hardness)
-        # In the outermost macro cells, what a patch touches may stand for the domain's edge.
-        margin = 1 if patches.cover_everything else patches.pitch
-        self._ledger = Ledger(study, patches.domain, weight=patches.weight, margin=margin)
-        self.book = PatchBook(patches)
+        self._ledger = PatchLedger(study, patches)
+        self.book = self._ledger.book
         self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
         self._last: Shares | None = None
         self._foresight = PatchForesight()
-        steady = [law.steady for law in self._wear]
-        #: Of what both bodies lose, the parts of sphere and disc: a small one is no difference of large ones.
-        self._parts = [k / sum(steady) for k in steady] if sum(steady) else [0.5, 0.5]
         self.ahead = 0
 
     def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
@@ -67,7 +60,7 @@ class TwoScaleModel:
         Raises ConvergenceError when the load cannot be shared.
         """
         study, row = self.study, self._ledger.row
-        removals = self._removals(0.0, increment)
+        removals = self._ledger.removals(0.0, increment)
         removal = sum(removals)
         self.contact.stiffness = self._stiffness(removal)
         evaluations = self.contact.evaluations
@@ -81,7 +74,7 @@ class TwoScaleModel:
         reference = row["pressure_mean"] or (study.hardness if math.isfinite(study.hardness) else 0.0)
         foreseen = None
         if then is not None and self._smooth is None:
-            removal_next = sum(self._removals(increment, then))
+            removal_next = sum(self._ledger.removals(increment, then))
             step, steps = self._foresight.expected(removal_next)
             if step is not None:
                 offset = np.full_like(shares.base, step) if steps is None else steps
@@ -94,33 +87,19 @@ class TwoScaleModel:
             known=self._ledger.most,
             foreseen=foreseen,
         )
-        return self._entered(shares, worn, increment, removals, reference, pressure, evaluations)
+        approach = shares.common_base, shares.common_offset
+        return self._ledger.enter(worn, approach, increment, removals, reference, pressure, evaluations)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
-        """The fields after the last step given, which was asked for its pressure, at its distance [mm].
-
-        Over the whole domain; what no patch covers has neither pressure nor wear, and no gap (NaN).
-        """
-        assert step.pressure is not None
+        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         gap, initial = (self._executor.to_numpy(f) for f in (self.contact.gap, self.contact.initial))
-        worn = self.patches.on_domain(gap - initial)
-        return Snapshot(
-            distance,
-            pressure=step.pressure,
-            wear_sphere=self._parts[0] * worn,
-            wear_disc=self._parts[1] * worn,
-            gap=self.patches.on_domain(gap, beside=math.nan),
-        )
+        return self._ledger.snapshot(step, distance, self.patches, gap=gap, initial=initial)
 
     def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-        arrays = {"gap": self._executor.to_numpy(self.contact.gap), "reached": self.contact.reached}
-        numbers: dict[str, Any] = {
-            "most": self._ledger.most,
-            "row": self._ledger.row,
-            "last": None,
-            "ahead_stiffness": None,
-        }
+        arrays, numbers = self._ledger.saved_state()
+        arrays |= {"gap": self._executor.to_numpy(self.contact.gap), "reached": self.contact.reached}
+        numbers |= {"last": None, "ahead_stiffness": None}
         foreseen, numbers["foresight"] = self._foresight.saved_state()
         arrays |= foreseen
         if (ahead := self.contact.ahead) is not None:
@@ -134,13 +113,13 @@ class TwoScaleModel:
         if self._smooth is not None:
             arrays["smooth_worn"] = self._smooth.worn
             numbers["smooth_approach"] = self._smooth.approach
-        return arrays | self.book.saved_state(), numbers
+        return arrays, numbers
 
     def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
         """Go on from the state that another model of the same study, surface and device saved."""
         self._executor.fill(self.contact.gap, arrays["gap"])
         self.contact.reached = arrays["reached"]
-        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
+        self._ledger.restore(arrays, numbers)
         self._foresight.restore(arrays, numbers["foresight"])
         if numbers["ahead_stiffness"] is not None:
             answer = Answer(*(arrays[f"ahead_{name}"] for name in Answer._fields))
@@ -151,16 +130,10 @@ class TwoScaleModel:
             self._last = Shares(**of_patches, **numbers["last"])
         if self._smooth is not None:
             self._smooth.worn, self._smooth.approach = arrays["smooth_worn"], numbers["smooth_approach"]
-        self.book.restore(arrays)
 
     def _share(self, removal: float) -> Shares:
         study, row = self.study, self._ledger.row
-        nominal = row.get("area_nominal", 0.0)
-        foundation = (
-            study.foundation(radius=math.sqrt(nominal / math.pi) or None)
-            if study.uses_foundation
-            else math.inf
-        )
+        foundation = self._ledger.foundation
         step, steps = self._foresight.expected(removal)
         if step is None:
             step = removal * row["pressure_mean"]
@@ -189,12 +162,6 @@ class TwoScaleModel:
             return share(self.contact.response, task, None, step=self._first)
         return share(self.contact.response, task, self._last, step=step, steps=steps)
 
-    def _removals(self, later: float, increment: float) -> tuple[float, float]:
-        """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
-        start = self._ledger.row["distance"] + later
-        sphere, disc = (law.removal(start, increment) for law in self._wear)
-        return sphere, disc
-
     def _stiffness(self, removal: float) -> float:
         """1/c of a step that removes so much of both bodies [N/mm³]."""
         implicit = self.study.stepping.scheme == "implicit"
@@ -206,37 +173,3 @@ class TwoScaleModel:
         """First step of a search from the lowest cell [mm]."""
         pressure = min(self.study.hardness, self.study.contact.load / self.patches.domain.cell_area)
         return 0.5 * pressure / self.contact.stiffness
-
-    def _entered(
-        self,
-        shares: Shares,
-        worn: Worn,
-        increment: float,
-        removals: tuple[float, float],
-        reference: float,
-        pressure: FloatArray | None,
-        evaluations: int,
-    ) -> Step:
-        sums, most = worn.sums, dict(worn.most)
-        total = {name: float(values.sum()) for name, values in sums.items()}
-        total["pressure_times_factor"] = total["pressure"]
-        deepest = most.pop("worn")
-        for body, part in zip(("sphere", "disc"), self._parts, strict=True):
-            total[f"wear_{body}"] = part * total["worn"]
-            most[f"wear_{body}"] = part * deepest
-        of_cell = self.patches.domain.cell_area * self.patches.weight
-        load = self.study.contact.load
-        residual = total["pressure"] * of_cell - load  # of the pressures that wore
-        if not abs(residual) <= 2.0 * TOLERANCE * load:
-            raise ConvergenceError(
-                f"{residual:.3g} N of {load:.6g} N are left at an approach of {shares.approach:.9g} mm."
-            )
-        self.book.enter(load_share=sums["pressure"] * of_cell, area_patch=sums["contact"] * of_cell)
-        balance = Balance(
-            shares.common_base,
-            shares.common_offset,
-            self.study.hardness,
-            residual,
-            evaluations=evaluations,
-        )
-        return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)

@@ -1,0 +1,198 @@
+"""The passes of the half-space solver over all cells before a search, and those of its slope after it.
+
+Symbols as in `half_space`: p pressure, t = Gp + g its gradient, H the cap.
+"""
+
+import warp as wp
+
+from warpwear.kernels.reductions import largest_of, sum_of
+from warpwear.kernels.types import ABSENT, LANES, NONE, ONE, ZERO, Cells
+
+wp.set_module_options({"enable_backward": False})
+
+
+@wp.kernel
+def moments(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    columns: wp.int32,
+    level: wp.float64,
+    gap_in: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """Where there is a surface, sums of cells, g − level and its square. Maximum: −g."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    count = Cells(ZERO)
+    first = Cells(ZERO)
+    second = Cells(ZERO)
+    lowest = Cells(-NONE)
+    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
+        g = gap_in[row, k]
+        there = Cells(ZERO)
+        above = Cells(ZERO)
+        squared = Cells(ZERO)
+        for j in range(LANES):
+            there[j] = wp.where(k * LANES + j < columns and g[j] < ABSENT, ONE, ZERO)
+            above[j] = wp.where(there[j] > ZERO, g[j] - level, ZERO)
+            squared[j] = above[j] * above[j]
+            lowest[j] = wp.max(lowest[j], wp.where(there[j] > ZERO, -g[j], -NONE))
+        count += there
+        first += above
+        second += squared
+    sums_out[0, slot] = sum_of(count)
+    sums_out[1, slot] = sum_of(first)
+    sums_out[2, slot] = sum_of(second)
+    maxima_out[0, slot] = largest_of(lowest)
+
+
+@wp.kernel
+def extents(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    columns: wp.int32,
+    level: wp.float64,
+    gap_in: wp.array2d(dtype=Cells),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """First and last row, first and last column of the cells with g ≤ level; the first ones negated."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    first = Cells(-NONE)
+    last = Cells(-NONE)
+    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
+        g = gap_in[row, k]
+        for j in range(LANES):
+            column = wp.float64(k * LANES + j)
+            below = k * LANES + j < columns and g[j] <= level
+            first[j] = wp.max(first[j], wp.where(below, -column, -NONE))
+            last[j] = wp.max(last[j], wp.where(below, column, -NONE))
+    furthest = largest_of(last)
+    maxima_out[0, slot] = wp.where(furthest >= ZERO, -wp.float64(row), -NONE)
+    maxima_out[1, slot] = wp.where(furthest >= ZERO, wp.float64(row), -NONE)
+    maxima_out[2, slot] = largest_of(first)
+    maxima_out[3, slot] = furthest
+
+
+@wp.kernel
+def spring(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    columns: wp.int32,
+    stiffness: wp.float64,
+    level: wp.float64,
+    gap_in: wp.array2d(dtype=Cells),
+    trial_out: wp.array2d(dtype=Cells),
+):
+    """Trial pressure of a foundation, (level − g) × stiffness; far below zero in the padding."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
+        g = gap_in[row, k]
+        x = Cells(ZERO)
+        for j in range(LANES):
+            x[j] = wp.where(k * LANES + j < columns, (level - g[j]) * stiffness, -NONE)
+        trial_out[row, k] = x
+
+
+@wp.kernel
+def gradient(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    columns: wp.int32,
+    gap_in: wp.array2d(dtype=Cells),
+    response_in: wp.array2d(dtype=Cells),
+    gradient_out: wp.array2d(dtype=Cells),
+):
+    """t = Gp + g; without end in the padding, which therefore stays open."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
+        g = gap_in[row, k]
+        u = response_in[row, k]
+        t = Cells(ZERO)
+        for j in range(LANES):
+            t[j] = wp.where(k * LANES + j < columns, g[j] + u[j], NONE)
+        gradient_out[row, k] = t
+
+
+@wp.kernel
+def between(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    cap: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    indicator_out: wp.array2d(dtype=Cells),
+):
+    """1 on the cells with 0 < p < H, 0 elsewhere."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        f = Cells(ZERO)
+        for j in range(LANES):
+            f[j] = wp.where(p[j] > ZERO and p[j] < cap, ONE, ZERO)
+        indicator_out[row, k] = f
+
+
+@wp.kernel
+def conjugate(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    memory: wp.float64,
+    cap: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    descent_in: wp.array2d(dtype=Cells),
+    direction_out: wp.array2d(dtype=Cells),
+):
+    """direction = descent + memory × direction on the cells with 0 < p < H, 0 elsewhere."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        z = descent_in[row, k]
+        d = direction_out[row, k]
+        for j in range(LANES):
+            d[j] = wp.where(p[j] > ZERO and p[j] < cap, z[j] + memory * d[j], ZERO)
+        direction_out[row, k] = d
+
+
+@wp.kernel
+def relax(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    length: wp.float64,
+    cap: wp.float64,
+    pressure_in: wp.array2d(dtype=Cells),
+    direction_in: wp.array2d(dtype=Cells),
+    response_in: wp.array2d(dtype=Cells),
+    solution_out: wp.array2d(dtype=Cells),
+    residual_out: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """solution += length × direction, residual −= length × response on the cells with 0 < p < H.
+
+    Sums: solution, residual squared.
+    """
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    total = Cells(ZERO)
+    squared = Cells(ZERO)
+    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
+        p = pressure_in[row, k]
+        d = direction_in[row, k]
+        y = response_in[row, k]
+        v = solution_out[row, k]
+        r = residual_out[row, k]
+        rr = Cells(ZERO)
+        for j in range(LANES):
+            v[j] += length * d[j]
+            r[j] = wp.where(p[j] > ZERO and p[j] < cap, r[j] - length * y[j], ZERO)
+            rr[j] = r[j] * r[j]
+        solution_out[row, k] = v
+        residual_out[row, k] = r
+        total += v
+        squared += rr
+    sums_out[0, slot] = sum_of(total)
+    sums_out[1, slot] = sum_of(squared)

@@ -1,0 +1,354 @@
+"""Patches on the half-space: against dense matrices, the solver of one grid, and the local law."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from test_figures import drawn
+from test_half_space import MODULUS, bounded, dense_free, dense_periodic, rough
+
+import warpwear
+from warpwear import InputError, Study, patch_influence
+from warpwear.elastic_patches import ElasticPatchesModel
+from warpwear.execution import Executor
+from warpwear.grid import FloatArray, Grid
+from warpwear.half_space import BoundedPressure, HalfSpace, HalfSpaceContact
+from warpwear.kernels.types import PADDING
+from warpwear.patch_influence import PatchInfluence
+from warpwear.patches import Patches
+from warpwear.surface_of import surface_in
+from warpwear.two_scale import TwoScaleModel
+
+SIDE, ACROSS = 5, 2  # neither a multiple of the lanes of a vector
+ONE = Grid(SIDE, SIDE, 0.5)
+DOMAIN = Grid(SIDE * ACROSS, SIDE * ACROSS, 0.5)
+CORNERS = [SIDE * c.ravel().astype(np.int32) for c in np.indices((ACROSS, ACROSS))]
+PATCHES = Patches(DOMAIN, SIDE, SIDE, CORNERS[0], CORNERS[1])
+#: Gaps of all patches, shape (patches, SIDE, SIDE); the mean planes differ by as much as the roughness.
+GAPS = np.array([1.2 * k + rough(ONE, seed=k, shortest=2) for k in range(PATCHES.count)])
+BOUNDARIES = {"periodic": dense_periodic(ONE), "free": dense_free(ONE)}
+
+
+@pytest.fixture
+def device(device: str) -> str:
+    """On a GPU the transforms need their library."""
+    if device != "cpu":
+        pytest.importorskip("cupy")
+    return device
+
+
+class Solved:
+    """The solver on the patches above."""
+
+    def __init__(self, boundary: str, bulk: float, hardness: float, *, device: str = "cpu") -> None:
+        self.executor = Executor(PATCHES.grid, device=device)
+        self.influence = PatchInfluence(self.executor, PATCHES, modulus=MODULUS, boundary=boundary)
+        self.influence.set_bulk(bulk)
+        self.solver = BoundedPressure(self.executor, self.influence, hardness=hardness, tolerance=1e-11)
+        rows = np.full((PATCHES.count, SIDE, 8), PADDING)
+        rows[:, :, :SIDE] = GAPS
+        self.gap = self.executor.field(rows.reshape(PATCHES.count, -1))
+
+    def at(self, **asked: float) -> tuple[HalfSpaceContact, FloatArray]:
+        """The contact, and its pressures of shape (patches, SIDE²)."""
+        contact = self.solver.solve(self.gap, **asked)
+        rows = contact.pressure.reshape(PATCHES.count, SIDE, -1)
+        assert not rows[:, :, SIDE:].any()
+        return contact, rows[:, :, :SIDE].reshape(PATCHES.count, -1).copy()
+
+
+@pytest.mark.parametrize("hardness", [math.inf, 1.5, 0.2])
+@pytest.mark.parametrize(
+    ("boundary", "bulk", "compliance"),
+    [
+        ("periodic", 0.7, 0.0),
+        ("periodic", 0.7, 0.3),
+        ("periodic", 0.0, 0.3),
+        ("periodic", 0.0, 0.0),
+        ("free", 0.0, 0.0),
+        ("free", 0.0, 0.3),
+    ],
+)
+def test_against_a_dense_block_diagonal_matrix(
+    boundary: str, bulk: float, compliance: float, hardness: float, device: str
+) -> None:
+    block = BOUNDARIES[boundary] + bulk / ONE.cells + compliance * np.eye(ONE.cells)
+    matrix = np.kron(np.eye(PATCHES.count), block)
+    mean = min(0.15, 0.3 * hardness)
+    solved = Solved(boundary, bulk, hardness, device=device)
+    contact, pressure = solved.at(mean_pressure=mean, compliance=compliance)
+    assert pressure.mean() == pytest.approx(mean, rel=1e-12)
+    assert contact.area_fraction == pytest.approx((pressure > 0.0).mean())
+    assert 0 < np.count_nonzero(pressure.sum(axis=1)) < PATCHES.count
+    # The conditions of complementarity, which make it the minimum.
+    apart = (matrix @ pressure.ravel()).reshape(pressure.shape) + GAPS.reshape(pressure.shape)
+    apart -= contact.approach
+    assert apart[pressure == 0.0].min() >= -1e-9
+    assert apart[pressure > 0.0].max() <= 1e-9
+    assert apart[pressure < hardness].min() >= -1e-9
+    if bulk or compliance or boundary == "free":  # so that the matrix is definite
+        expected = bounded(matrix, GAPS.reshape(pressure.shape), contact.approach, hardness)
+        if contact.cells_between:
+            assert_allclose(pressure, expected, atol=1e-8 * expected.max())
+        solved.solver.forget()
+        moved, found = solved.at(approach=contact.approach + 1e-6, compliance=compliance)
+        expected = bounded(matrix, GAPS.reshape(pressure.shape), contact.approach + 1e-6, hardness)
+        assert_allclose(found, expected, atol=1e-8 * expected.max())
+        between = ((expected > 1e-9) & (expected < hardness * (1 - 1e-9))).ravel()
+        slope = np.linalg.solve(matrix[np.ix_(between, between)], np.ones(between.sum())).sum()
+        assert solved.solver.slope(moved) == pytest.approx(slope / between.size, rel=1e-6)
+
+
+@pytest.mark.parametrize("compliance", [0.0, 0.05])
+@pytest.mark.parametrize(("boundary", "bulk"), [("periodic", 0.7), ("periodic", 0.0), ("free", 0.0)])
+def test_every_patch_is_a_contact_of_its_own(boundary: str, bulk: float, compliance: float) -> None:
+    """u_k + p_k/K_N = δ with the approach u_k of a grid that the solver of one grid presses by itself."""
+    hardness, mean = 3.0, 0.3
+    solved = Solved(boundary, bulk, hardness)
+    contact, pressure = solved.at(mean_pressure=mean, compliance=compliance)
+    means = pressure.mean(axis=1)
+    assert 1 < np.count_nonzero(means) < PATCHES.count
+    joined = 0.0
+    with Executor(ONE) as executor:
+        for gap, p_k in zip(GAPS, means, strict=True):
+            if p_k == 0.0:
+                assert gap.min() >= contact.approach - 1e-10
+                continue
+            alone = HalfSpace(
+                executor, modulus=MODULUS, boundary=boundary, hardness=hardness, tolerance=1e-11
+            )
+            pressed = alone.solve(executor.field(gap), mean_pressure=p_k, compliance=compliance)
+            assert pressed.approach + bulk * p_k == pytest.approx(contact.approach, abs=1e-9)
+            alone.forget()
+            approach = contact.approach - bulk * p_k
+            moved = alone.solve(executor.field(gap), approach=approach, compliance=compliance)
+            assert moved.mean_pressure == pytest.approx(p_k, rel=1e-7)
+            slope = alone.slope(moved)
+            joined += slope / (1.0 + bulk * slope) / PATCHES.count
+    assert solved.solver.slope(contact) == pytest.approx(joined, rel=1e-6)
+    step = 1e-4 * mean
+    ends = [solved.at(mean_pressure=mean + s, compliance=compliance)[0].approach for s in (-step, step)]
+    assert 2.0 * step / (ends[1] - ends[0]) == pytest.approx(joined, rel=1e-4)
+
+
+def test_threads_change_nothing(threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(patch_influence, "MODES_PER_THREAD", 1)
+    monkeypatch.setattr(patch_influence, "BLOCK", 40)
+    found = []
+    for count in (1, threads):
+        model = Stepped(quick(), threads=count).model
+        found.append([model.advance(increment).row for increment in (0.003, 0.3, 3.0)])
+        assert (model._influence._near._pool is None) == (count == 1)
+    assert found[0] == found[1]
+
+
+QUICK = {
+    "contact.law": "half-space",
+    "grid.cell": "10 um",
+    "grid.extent": "1 mm",
+    "disc.synthetic.cut_off": "20 um",  # what such cells resolve
+    "sliding.distance": "10 mm",
+    "output.snapshots": [],
+}
+KINDS: dict[str, dict[str, Any]] = {
+    "bulk": {},
+    "no bulk": {"macro.bulk": "none"},
+    "free": {"macro.bulk": "none", "contact.boundary": "free"},
+    "bulk that follows, no cap": {
+        "contact.foundation_update": "updated",
+        "contact.hardness": "inf MPa",
+    },
+    "some of the area": {"grid.extent": "1.8 mm", "macro.cell": "300 um", "macro.patch": "100 um"},
+}
+
+
+def quick(**changes: Any) -> Study:
+    return Study.load("two-scale").replace(QUICK | {k.replace("__", "."): v for k, v in changes.items()})
+
+
+class Stepped:
+    """A model, to be advanced step by step."""
+
+    def __init__(self, study: Study, *, device: str = "cpu", threads: int | None = None) -> None:
+        self.executor = Executor(Patches.of(study).grid, device=device, threads=threads)
+        heights = surface_in(study).heights(study.cells.x, study.cells.y)
+        self.model = ElasticPatchesModel(study, Patches.of(study), heights, self.executor)
+
+    def gap(self) -> FloatArray:
+        """Of every patch as the model has them, shape (patches, side, side)."""
+        patches = self.model.patches
+        rows = self.executor.to_numpy(self.model.gap)
+        return rows.reshape(patches.count, patches.side, -1)[:, :, : patches.side].copy()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_conserved_in_every_step(kind: str, device: str) -> None:
+    """The load, each patch's mean wear, the volumes, what was ever touched, and what was left out."""
+    study = quick().replace(KINDS[kind])
+    stepped = Stepped(study, device=device)
+    model, patches = stepped.model, stepped.model.patches
+    wear, load = sum(study.wear_coefficients), study.contact.load
+    unworn = before = stepped.gap()
+    slid = 0.0
+    for increment in (3e-3, 0.01, 0.3, 3.0, 0.1):
+        row = model.advance(increment).row
+        slid += increment
+        share = model.book.table("load_share")[-1]
+        assert share.sum() == pytest.approx(load, rel=1e-12)
+        assert abs(row["load_residual"]) <= 1e-12 * load
+        after = stepped.gap()
+        asked = wear * share[model._order] / patches.area * increment
+        # What is taken off a gap of 0.1 mm is rounded to 1e-17 mm.
+        assert_allclose((after - before).mean(axis=(1, 2)), asked, rtol=1e-12, atol=1e-12 * asked.max())
+        for body, k in zip(("sphere", "disc"), study.wear_coefficients, strict=True):
+            assert row[f"wear_volume_{body}"] == pytest.approx(k * load * slid, rel=1e-10)
+            assert row[f"archard_volume_{body}"] == pytest.approx(k * load * slid, rel=1e-12)
+        patch, line, column = np.nonzero(after > unworn)
+        of_cell = patches.weight * study.grid.cell**2
+        assert row["area_touched"] == pytest.approx(patch.size * of_cell, rel=1e-12)
+        along = np.ptp(patches.first_row[patch] + line) + 1
+        across = np.ptp(patches.first_column[patch] + column) + 1
+        assert row["patch_along"] == pytest.approx(along * study.grid.cell, rel=1e-12)
+        assert row["patch_across"] == pytest.approx(across * study.grid.cell, rel=1e-12)
+        worn = after - before > 0.0
+        in_contact = np.zeros(patches.count)
+        in_contact[model._order] = worn.sum(axis=(1, 2)) * of_cell
+        assert_allclose(model.book.table("area_patch")[-1], in_contact, rtol=1e-12)
+        assert row["area_contact"] == pytest.approx(in_contact.sum(), rel=1e-12)
+        assert 0 < model.visited < patches.count
+        assert unworn[model.visited :].min() >= row["approach"]
+        before = after
+
+
+def test_patches_that_are_left_out_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From a first guess of the patches that is too few, too."""
+    study = quick()
+    some, every = Stepped(study).model, Stepped(study).model
+    monkeypatch.setattr(every, "_below", lambda approach: every.patches.count)
+    some._solver._tolerance = every._solver._tolerance = 1e-10
+    for increment in (0.003, 0.1, 3.0):
+        guess = some._below(some._reached)
+        row, expected = some.advance(increment).row, every.advance(increment).row
+        assert guess < some.visited < every.visited
+        for name, value in row.items():
+            if name != "evaluations":
+                assert value == pytest.approx(expected[name], rel=1e-6, abs=1e-12), name
+        shares = [model.book.table("load_share")[-1] for model in (some, every)]
+        assert_allclose(*shares, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("bulk", ["none", "foundation"])
+def test_stiff_bodies_are_on_the_capped_foundation(bulk: str) -> None:
+    """What is left of a cell's compliance is K ΔL, as with the local law."""
+    study = quick(**{"sphere.young": "1e9 GPa", "disc.young": "1e9 GPa", "macro.bulk": bulk})
+    study = study.replace({"contact.foundation": "2e5 N/mm^3"})
+    one = Stepped(study)
+    local = study.replace({"contact.law": "foundation"})
+    heights = surface_in(study).heights(study.cells.x, study.cells.y)
+    with Executor(Patches.of(study).grid) as executor:
+        other = TwoScaleModel(local, Patches.of(study), heights, executor)
+        for increment in (0.03, 0.3, 3.0, 3.0):
+            row, expected = one.model.advance(increment).row, other.advance(increment).row
+            assert row["approach"] == pytest.approx(expected["approach"], abs=1e-8)
+            for name in ("area_contact", "area_plastic", "wear_volume_sphere", "wear_depth_disc"):
+                assert row[name] == pytest.approx(expected[name], rel=1e-3), name
+            found, wanted = (model.book.table("load_share")[-1] for model in (one.model, other))
+            assert 0.5 * np.abs(found - wanted).sum() < 1e-3 * study.contact.load
+
+
+def test_soft_cells_are_those_below_a_cut() -> None:
+    """With bodies that hardly yield but flow at H, cells in contact are the lowest, F/H of them."""
+    study = quick(**{"sphere.young": "1e6 GPa", "disc.young": "1e6 GPa", "macro.bulk": "none"})
+    stepped = Stepped(study)
+    gap = stepped.gap()
+    row = stepped.model.advance(0.0, with_pressure=True).row
+    cells = study.contact.load / (study.hardness * study.cells.cell_area)
+    assert row["cells_in_contact"] == math.ceil(cells)
+    assert row["area_plastic"] == pytest.approx(math.floor(cells) * study.cells.cell_area)
+    assert row["approach"] == pytest.approx(np.sort(gap.ravel())[math.ceil(cells) - 1], abs=1e-8)
+
+
+@pytest.mark.parametrize("bulk", ["none", "foundation"])
+def test_flat_bodies_share_the_load_evenly(bulk: str) -> None:
+    """Also where nothing but the choice of the patches visited says so."""
+    flat = {"sphere.radius": "inf mm", "contact.foundation": "2e6 N/mm^3", "macro.bulk": bulk}
+    model = Stepped(quick(disc__synthetic={"kind": "flat"}).replace(flat)).model
+    for increment in (0.0, 3.0):
+        model.advance(increment)
+        assert_allclose(model.book.table("load_share")[-1], 8.0 / 400.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["bulk", "bulk that follows, no cap"])
+def test_a_model_goes_on_from_any_step(kind: str) -> None:
+    study = quick().replace(KINDS[kind])
+    increments = (0.003, 0.1, 3.0, 0.01, 1.0)
+
+    def rows(restart: int | None) -> tuple[list[dict[str, float]], FloatArray, FloatArray]:
+        stepped, found = Stepped(study), []
+        for number, increment in enumerate(increments):
+            if number == restart:
+                arrays, numbers = stepped.model.saved_state()
+                stepped = Stepped(study)
+                stepped.model.restore(arrays, json.loads(json.dumps(numbers)))
+            found.append(stepped.model.advance(increment).row)
+        return found, stepped.gap(), stepped.model.book.table("load_share")
+
+    alone = rows(None)
+    for restart in (1, 3):
+        again = rows(restart)
+        assert again[0] == alone[0]
+        assert_array_equal(again[1], alone[1])
+        assert_array_equal(again[2], alone[2])
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"macro.coupling": "load"}, "macro.coupling = 'load' does not go with contact.law = 'half-space'"),
+        ({"contact.boundary": "free"}, "contact.boundary = 'free' of patches needs macro.bulk = 'none'"),
+        ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
+        ({"sliding.kinematics": "swept"}, "sliding.kinematics"),
+        ({"sphere.material": None}, "needs Young's modulus and Poisson's ratio of both bodies"),
+        ({"macro.patch": "12 um"}, "macro.patch = 12 µm is not a whole number of cells"),
+        ({"contact.hardness": "1 MPa"}, "more than the domain under the sphere carries"),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_one_sentence(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError) as refused:
+        quick().replace(changes)
+    assert words in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_patches_are_periodic_unless_it_is_said_otherwise() -> None:
+    assert quick().boundary == "periodic"
+    assert quick(**KINDS["free"]).boundary == "free"
+    assert quick(study__model="micro").boundary == "free"
+
+
+def test_a_whole_run(tmp_path: Path, device: str) -> None:
+    with warpwear.run(
+        quick(output__snapshots=["0.3 mm"]), device=device, out=tmp_path, plots=False
+    ) as result:
+        area = result.study.cells.cell_area
+        assert_allclose(result.load_share.sum(axis=1), 8.0, rtol=1e-12)
+        assert_allclose(result.area_patch.sum(axis=1), result.history["area_contact"], rtol=1e-12)
+        assert max(map(abs, result.summary["conservation_relative"].values())) < 1e-10
+        for index in range(2):
+            snapshot = result.snapshot(index)
+            row = int(np.searchsorted(result.history["distance"], snapshot.distance))
+            n = round(result.study.cells.nx / result.study.macro.cell * result.study.cells.cell)
+            of_patches = snapshot.pressure.reshape(n, -1, n, 5).sum(axis=(1, 3)) * area
+            assert_allclose(of_patches.ravel(), result.load_share[row], atol=1e-12)
+            assert snapshot.wear_disc.sum() * area == pytest.approx(
+                result.history["wear_volume_disc"][row], rel=1e-10
+            )
+        figure, _ = drawn(result, "load_share")
+        for axes in figure.axes:
+            shown = np.ma.filled(axes.images[0].get_array(), np.nan)
+            assert np.nansum(shown) * result.study.macro.cell**2 == pytest.approx(8.0, rel=1e-9)
+        assert drawn(result, "patch_zoom")[0].axes

@@ -1,0 +1,324 @@
+"""The half-space under a sphere that slides: against dense matrices, closed forms and the local law."""
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+import reference
+import test_half_space
+from numpy.testing import assert_allclose, assert_array_equal
+from test_swept import CELL as TRACK_CELL
+from test_swept import TRACKS, WINDOW, rough, small
+
+import warpwear
+from warpwear import Study
+from warpwear.elastic_sliding import ElasticSliding
+from warpwear.errors import InvariantError
+from warpwear.execution import Executor
+from warpwear.grid import FloatArray, Grid
+from warpwear.kernels import sliding_by_pressure as passes
+from warpwear.models import plan_of
+from warpwear.sliding import SlidingContact
+from warpwear.swept import SweptModel
+from warpwear.track import Track
+
+CELL, ROWS = 0.02, 24
+GRID = Grid(16, 9, CELL)
+SHARE = 0.2
+KEEPS = {"sliding.plastic": "keep"}
+FLAT = {"sphere.radius": "inf mm", "contact.hardness": "200 MPa"}
+#: Almost to the last digit, so that it is not the search which differs.
+TIGHT = 1.0e-11
+
+
+@pytest.fixture
+def device(device: str) -> str:
+    """On a GPU the transforms need their library."""
+    if device != "cpu":
+        pytest.importorskip("cupy")
+    return device
+
+
+def study_of(**changes: Any) -> Study:
+    base = {"contact.law": "half-space", "contact.load": "2 N", "contact.hardness": "600 MPa"}
+    dotted = {name.replace("__", "."): value for name, value in changes.items()}
+    return Study.load("v3-fine").replace(base | {"grid.cell": "20 um"} | dotted)
+
+
+def heights(rows: int = ROWS) -> FloatArray:
+    return np.random.default_rng(5).normal(0.0, 4e-4, (rows, GRID.ny))
+
+
+def contact_of(study: Study, disc: FloatArray, executor: Executor, **options: Any) -> ElasticSliding:
+    contact = ElasticSliding(study, disc.copy(), executor, **options)
+    contact._half_space._tolerance = TIGHT
+    return contact
+
+
+def fields_of(contact: Any, executor: Executor) -> dict[str, FloatArray]:
+    return {name: executor.to_numpy(field).copy() for name, field in vars(contact.state).items()}
+
+
+@dataclass
+class Dense:
+    """The same contact by a dense matrix and active sets; its bodies are worn in NumPy."""
+
+    study: Study
+    disc: FloatArray
+
+    def __post_init__(self) -> None:
+        self.boundary = self.study.boundary
+        modulus = self.study.effective_modulus
+        assert modulus is not None
+        of_unit = {"free": test_half_space.dense_free, "periodic": test_half_space.dense_periodic}
+        self.elastic = of_unit[self.boundary](GRID) * test_half_space.MODULUS / modulus
+        self.sphere = reference.sphere_gap(GRID.x, GRID.y, self.study.sphere.radius or np.inf)
+        self.wear_sphere, self.wear_disc = np.zeros(GRID.shape), np.zeros_like(self.disc)
+        self.plastic_disc = np.zeros_like(self.disc)
+
+    def step(self, shift: int, increment: float, approach: float) -> FloatArray:
+        """Pressure at an approach, and the wear by it."""
+        beneath = (np.arange(GRID.nx) + shift) % ROWS
+        of_sphere, of_disc = 9.4e-7 * increment, SHARE * 12.7e-7 * increment
+        window = round(SHARE * increment / CELL) if self.boundary == "free" else None
+        matrix = self.elastic + of_disc * np.eye(GRID.cells)
+        matrix += of_sphere * test_half_space.dense_streak(GRID, self.boundary, window)
+        hardness = self.study.hardness
+        met = self.wear_sphere if window is None else averaged(self.wear_sphere, window)
+        gap = self.sphere + met - self.disc[beneath]
+        p = test_half_space.bounded(matrix, gap, approach, hardness)
+        below = approach - gap - (matrix @ p.ravel()).reshape(GRID.shape)
+        at_cap = p >= hardness * (1.0 - 1e-12)  # the active sets leave it by a digit
+        beyond = np.where(at_cap, np.maximum(below, 0.0), 0.0)
+        passing = np.broadcast_to(p.mean(axis=0), p.shape) if window is None else averaged(p, window)
+        self.wear_sphere += of_sphere * passing
+        self.disc[beneath] -= of_disc * p + beyond
+        self.wear_disc[beneath] += of_disc * p
+        self.plastic_disc[beneath] += beyond
+        return p
+
+
+def averaged(p: FloatArray, window: int) -> FloatArray:
+    """Mean over the places of a window that moves by as many cells, at midpoints of its cells or between."""
+    half = window // 2
+    padded = np.pad(p, ((half + 1, half + 1), (0, 0)), mode="symmetric")
+    cumulative = np.cumsum(np.vstack([np.zeros((1, p.shape[1])), padded]), axis=0)
+
+    def integral(edge: FloatArray) -> FloatArray:
+        low = np.floor(edge).astype(int)
+        return np.asarray(cumulative[low] + (edge - low)[:, None] * (cumulative[low + 1] - cumulative[low]))
+
+    middle = np.arange(p.shape[0]) + half + 1.5
+    return (integral(middle + 0.5 * window) - integral(middle - 0.5 * window)) / window
+
+
+@pytest.mark.parametrize("changes", [KEEPS, KEEPS | FLAT], ids=["sphere", "flat"])
+def test_every_step_is_that_of_the_dense_matrix(changes: dict[str, Any], device: str) -> None:
+    """Windows of one to five cells under a sphere, of the line under a flat; dents are kept."""
+    study = study_of().replace(changes)
+    disc = heights()
+    dense = Dense(study, disc.copy())
+    with Executor(GRID, device=device) as executor:
+        contact = contact_of(study, disc, executor, periodic=True, share=SHARE)
+        for shift, window in ((3, 3), (7, 4), (9, 1), (22, 2), (4, 5)):
+            increment = window * CELL / SHARE
+            step = contact.step(shift, increment, with_pressure=True)
+            expected = dense.step(shift, increment, step.row["approach"])
+            assert step.pressure is not None
+            assert_allclose(step.pressure, expected, atol=1e-6 * study.hardness)
+            assert expected.sum() * CELL**2 == pytest.approx(study.contact.load, rel=1e-6)
+            assert 0.0 < step.row["area_plastic"] < step.row["area_contact"] < GRID.area
+        fields = fields_of(contact, executor)
+        for name in ("disc", "wear_sphere", "wear_disc", "plastic_disc"):
+            asked = getattr(dense, name)
+            assert_allclose(fields[name], asked, atol=1e-6 * dense.wear_sphere.max(), err_msg=name)
+        assert_allclose(fields["sphere"], dense.sphere + fields["wear_sphere"], atol=1e-15)
+        assert dense.plastic_disc.max() > dense.wear_disc.max() > 0.0
+        assert step.row["wear_volume_disc"] == pytest.approx(fields["wear_disc"].sum() * CELL**2 / SHARE)
+        assert step.row["plastic_volume_disc"] == pytest.approx(
+            fields["plastic_disc"].sum() * CELL**2 / SHARE
+        )
+        assert step.row["wear_depth_sphere"] == pytest.approx(fields["wear_sphere"].max())
+        assert step.row["area_touched"] == pytest.approx(np.count_nonzero(fields["wear_sphere"]) * CELL**2)
+
+
+@pytest.mark.parametrize("changes", [{}, KEEPS], ids=["forgets", "keeps"])
+def test_stiff_bodies_wear_as_by_the_local_law(changes: dict[str, Any]) -> None:
+    """Where a step covers one cell, cell by cell: what is left of the compliance is K ΔL."""
+    stiff = {"sphere.young": "2e11 GPa", "disc.young": "2e11 GPa", "contact.load": "1 N"}
+    study = study_of().replace(stiff | changes)
+    disc = heights()
+    moves = [(0, 0.02), (1, 0.02), (2, 0.02), (1, 0.02), (8, 0.01)]
+    with Executor(GRID) as executor:
+        elastic = contact_of(study, disc, executor, periodic=True)
+        local_law = study.replace({"contact.law": "foundation"})
+        local = SlidingContact(local_law, disc.copy(), executor, periodic=True)
+        for move in moves:
+            found, expected = elastic.step(*move, with_pressure=True), local.step(*move, with_pressure=True)
+            assert found.pressure is not None
+            assert expected.pressure is not None
+            assert_allclose(found.pressure, expected.pressure, atol=1e-4)
+            assert found.balance.approach == pytest.approx(expected.balance.approach, abs=1e-11)
+            for name in ("area_contact", "wear_volume_sphere", "wear_volume_disc", "plastic_volume_disc"):
+                assert found.row[name] == pytest.approx(expected.row[name], rel=1e-6), name
+        fields, asked = (fields_of(contact, executor) for contact in (elastic, local))
+        for name, field in fields.items():
+            assert_allclose(field, asked[name], atol=1e-11, err_msg=name)
+        assert (asked["plastic_disc"].max() > 1e-5) == bool(changes)
+
+
+@pytest.mark.parametrize("changes", [{}, KEEPS, FLAT, FLAT | KEEPS], ids=str)
+def test_every_step_conserves_both_bodies(changes: dict[str, Any], device: str) -> None:
+    """K F ΔL off each, by the fields, whatever is displaced beside it."""
+    study = study_of().replace(changes)
+    with Executor(GRID, device=device) as executor:
+        contact = contact_of(study, heights(), executor, periodic=True, share=SHARE)
+        before = fields_of(contact, executor)
+        for shift, window in ((3, 3), (7, 2), (12, 4)):
+            increment = window * CELL / SHARE
+            row = contact.step(shift, increment).row
+            now = fields_of(contact, executor)
+            worn = [(now[name] - before[name]).sum() * CELL**2 for name in ("wear_sphere", "wear_disc")]
+            asked = [9.4e-7 * 2.0 * increment, SHARE * 12.7e-7 * 2.0 * increment]
+            assert worn == pytest.approx(asked, rel=1e-12)
+            lost = before["disc"] - now["disc"]
+            displaced = (now["plastic_disc"] - before["plastic_disc"]).sum()
+            assert lost.sum() == pytest.approx(asked[1] / CELL**2 + displaced, rel=1e-10)
+            assert (displaced > 0.0) == ("sliding.plastic" in changes)
+            for body in ("sphere", "disc"):
+                of_body = row[f"wear_volume_{body}"], row[f"archard_volume_{body}"]
+                assert of_body[0] == pytest.approx(of_body[1], rel=1e-12)
+            before = now
+        if changes.keys() >= FLAT.keys():
+            assert_array_equal(now["wear_sphere"], now["wear_sphere"][:1].repeat(GRID.nx, axis=0))
+            assert np.ptp(now["wear_sphere"], axis=1).max() > 0.0
+
+
+def test_waves_on_the_sphere_do_not_grow() -> None:
+    """Of a length between half the window and the window S is negative: worn where they are low."""
+    grid, amplitude = Grid(24, 24, CELL), 1e-5
+    wave = amplitude * np.cos(2.0 * np.pi * np.arange(24) / 3.0)[:, None] * np.ones(24)
+    lost = []
+    for start in (np.zeros(grid.shape), wave):
+        with Executor(grid) as executor:
+            contact = contact_of(study_of(), np.zeros(grid.shape), executor, periodic=True, share=SHARE)
+            for field in (contact.state.wear_sphere, contact.state.sphere):
+                executor.fill(field, executor.to_numpy(field) + start)
+            for step in range(8):
+                contact.step(4 * step, 4 * CELL / SHARE)
+            lost.append(executor.to_numpy(contact.state.wear_sphere).copy())
+    assert np.abs(lost[1] - lost[0]).max() <= 1.05 * amplitude
+
+
+@pytest.mark.parametrize("window", [1, 2, 3, 6, 9])
+def test_the_mean_that_passes_keeps_the_sum(window: int, device: str) -> None:
+    """At the edges too."""
+    p = np.random.default_rng(2).random((10, 21))
+    with Executor(Grid(10, 21, 1.0), device=device) as executor:
+        mean = executor.zeros()
+        executor.launch(passes.mean_passing, inputs=[window, executor.field(p)], outputs=[mean])
+        found = executor.to_numpy(mean)
+        assert_allclose(found.sum(axis=0), p.sum(axis=0), rtol=1e-13)
+        assert_allclose(found, averaged(p, window), rtol=1e-13)
+
+
+def test_a_flat_on_a_lap_of_its_own_length_feels_no_displacement() -> None:
+    """The domain repeats as the disc does."""
+    unworn = {"wear.sphere": "0 mm^3/N/m", "wear.disc": "0 mm^3/N/m"}
+    with Executor(GRID) as executor:
+        study = study_of(**FLAT).replace(unworn)
+        contact = contact_of(study, heights(GRID.nx), executor, periodic=True)
+        first = contact.step(0, 0.02)
+        for shift in (5, 14, 3):
+            step = contact.step(shift, 0.02)
+            assert step.row["area_contact"] == first.row["area_contact"]
+            assert step.row["approach"] == pytest.approx(first.row["approach"], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("track", "wears"), [("full", True), ("representative", True), ("rotating", False)], ids=str
+)
+def test_a_track_goes_on_from_any_step(track: str, wears: bool, threads: int) -> None:
+    """In every number of every row and in every cell, on one thread and on two; dents are kept."""
+    study = small(track, contact__law="half-space", sliding__plastic="keep", sliding__distance="0.9 mm")
+    study = study if wears else study.replace({"wear.sphere": "0 mm^3/N/m"})
+    path = Track.of(study)
+    plan = [(increment, True) for increment, _, _ in plan_of(study)]
+
+    def outcome(threads: int, restart: int | None) -> tuple[Any, ...]:
+        with Executor(study.cells, threads=threads) as executor:
+            model = SweptModel(study, path, rough(path.rows), executor)
+            steps = list(model.steps(plan[:restart]))
+            if restart is not None:
+                arrays, numbers = model.saved_state()
+                arrays = {name: values.copy() for name, values in arrays.items()}
+                model = SweptModel(study, path, rough(path.rows), executor)
+                model.restore(arrays, json.loads(json.dumps(numbers)))
+                steps += model.steps(plan[restart:])
+            gap = model.snapshot(steps[-1], 0.9).gap
+            return [step.row for step in steps], gap, *fields_of(model.contact, executor).values()
+
+    rows, *fields = outcome(1, None)
+    touched = fields[-1] if not wears else fields[3]  # reached, or the sphere's wear
+    assert rows[-1]["area_touched"] == pytest.approx(np.count_nonzero(touched) * TRACK_CELL**2)
+    for restart in (None, 2):
+        again, *fields_again = outcome(threads, restart)
+        assert again == rows
+        for one, other in zip(fields_again, fields, strict=True):
+            assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("track", TRACKS)
+def test_a_run_on_every_kind_of_track(track: str, device: str) -> None:
+    """Volumes of both bodies, dents, and an area near that of the local law."""
+    changes = {"sliding.distance": "2.17 mm", "contact.law": "half-space", "sliding.plastic": "keep"}
+    study = small(track).replace(changes)
+    result = warpwear.run(study, device=device)
+    local = warpwear.run(study.replace({"contact.law": "foundation"}), device="cpu").history
+    history, last = result.history, result.snapshot(-1)
+    area = TRACK_CELL**2
+    assert history["wear_volume_sphere"][-1] == pytest.approx(9.4e-7 * 8.0 * 2.17, rel=1e-9)
+    assert history["wear_volume_disc"][-1] == pytest.approx(12.7e-7 * 8.0 * 2.17, rel=1e-9)
+    assert last.wear_sphere.sum() * area == pytest.approx(history["wear_volume_sphere"][-1])
+    assert last.plastic_disc is not None
+    displaced = last.plastic_disc.sum() * area / Track.of(study).share
+    assert history["plastic_volume_disc"][-1] == pytest.approx(displaced) != 0.0
+    assert np.abs(history["load_residual"]).max() <= 2e-12 * 8.0
+    assert_allclose(history["position"], local["position"])
+    assert history["area_contact"].mean() == pytest.approx(local["area_contact"].mean(), rel=0.15)
+    assert last.pressure.shape == (WINDOW, WINDOW)
+    assert not [note for note in result.summary["warnings"] if "Archard" in note or "extent" in note]
+
+
+def test_the_first_contact_of_a_smooth_sphere_is_hertz_s() -> None:
+    smooth = {"disc.synthetic": {"kind": "flat"}, "contact.hardness": "inf MPa", "grid.cell": "2.5 um"}
+    smooth |= {"grid.extent": "0.16 mm", "sliding.kinematics": "swept", "sliding.stroke": "0.3 mm"}
+    study = Study.load("v3-fine").replace(smooth | {"contact.law": "half-space", "sliding.distance": "0 mm"})
+    row = {name: values[-1] for name, values in warpwear.run(study).history.items()}
+    assert row["pressure_max"] == pytest.approx(1255.0, rel=2e-3)
+    assert row["approach"] == pytest.approx(1.0143e-3, rel=2e-3)
+    assert row["area_contact"] == pytest.approx(0.00956, rel=2.0 * 2.5e-3 / 0.0552)
+
+
+def test_a_contact_at_the_edge_stops_the_run() -> None:
+    """Volumes hold there, so that it is the extent which is named."""
+    study = small("representative", contact__law="half-space", grid__extent="0.38 mm")
+    with pytest.raises(InvariantError, match=r"grid\.extent = 0\.38 mm is too small: the contact"):
+        warpwear.run(study)
+
+
+def test_what_does_not_apply_is_told_and_what_does_not_fit_refused() -> None:
+    swept = small("full", contact__law="half-space", wear__distance_factor="across")
+    assert any("wear.distance_factor does not apply to sliding.kinematics" in n for n in swept.notices())
+    with pytest.raises(warpwear.InputError, match=r"needs stepping\.scheme = 'implicit'"):
+        swept.replace({"stepping.scheme": "explicit", "stepping.force": True})
+
+
+def test_memory_is_looked_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """More of it than by the local law."""
+    monkeypatch.setattr("warpwear.models.free_memory", lambda device: {"the host": 200_000})
+    warpwear.run(small("full", sliding__distance="0 mm"))
+    with pytest.raises(warpwear.InputError, match=r"sliding\.track = 'full' makes a disc of"):
+        warpwear.run(small("full", sliding__distance="0 mm", contact__law="half-space"))

@@ -1,0 +1,119 @@
+"""A contact solved on a part of its grid is that of the whole grid."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from warpwear.errors import InputError
+from warpwear.execution import Executor
+from warpwear.grid import FloatArray, Grid
+from warpwear.half_space import HalfSpace
+from warpwear.half_space_window import Window, WindowedHalfSpace
+
+GRID = Grid(93, 101, 0.01)
+MODULUS, LOAD = 1.0e5, 4.0
+
+
+@pytest.fixture
+def device(device: str) -> str:
+    """On a GPU the transforms need their library."""
+    if device != "cpu":
+        pytest.importorskip("cupy")
+    return device
+
+
+def ball(x: float = 0.0, y: float = 0.0, *, rough: float = 0.0, seed: int = 1) -> FloatArray:
+    """Gap under a ball of 3 mm with its apex at a place [mm], on a disc of so much roughness [mm]."""
+    squared = np.add.outer((GRID.x - x) ** 2, (GRID.y - y) ** 2)
+    heights = np.random.default_rng(seed).normal(0.0, rough, GRID.shape)
+    return np.asarray(squared / 6.0 + heights)
+
+
+CASES: dict[str, tuple[FloatArray, dict[str, Any]]] = {
+    "smooth": (ball(), {}),
+    "rough": (ball(rough=1e-3), {}),
+    "capped": (ball(rough=1e-3), {"hardness": 600.0}),
+    "at a corner": (ball(0.3, -0.45, rough=3e-4), {"hardness": 2000.0}),
+    "one cell far out": (np.where(np.indices(GRID.shape).sum(axis=0) == 20, -2e-3, ball()), {}),
+    "all of it": (ball(rough=1e-3) * 1e-3, {}),
+}
+
+IMPLICIT = {"compliance": 3e-7, "streak_compliance": 3e-7, "streak_window": 17}
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "implicit", [{}, {"compliance": 3e-7, "streak_compliance": 3e-7, "streak_window": 17}]
+)
+def test_a_window_changes_nothing(case: str, implicit: dict[str, Any], device: str) -> None:
+    gap, law = CASES[case]
+    with Executor(GRID, device=device) as executor:
+        whole = HalfSpace(executor, modulus=MODULUS, boundary="free", tolerance=1e-10, **law)
+        expected = whole.solve(executor.field(gap), mean_pressure=LOAD / GRID.area, **implicit)
+        solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free", tolerance=1e-10, **law)
+        for _ in range(3):  # the second and the third from the one before
+            found = solver.solve(executor.field(gap), load=LOAD, **implicit)
+            assert found.approach == pytest.approx(expected.approach, rel=1e-8)
+            assert_allclose(found.pressure, expected.pressure, atol=1e-6 * expected.pressure.max())
+            assert found.cells_in_contact == expected.cells_in_contact
+            assert found.mean_pressure == pytest.approx(LOAD / GRID.area, rel=1e-12)
+            assert found.area_fraction == expected.area_fraction
+            there = np.isfinite(found.separation)
+            assert_allclose(found.separation[there], expected.separation[there], atol=1e-9)
+            assert not found.pressure[~there].any()
+        assert (solver.window == [0, 93, 0, 13]) == (case == "all of it")
+
+
+def test_a_contact_that_moves_is_followed(device: str) -> None:
+    """From a window where it no longer is; the carried pressure lies beside it, in part."""
+    with Executor(GRID, device=device) as executor:
+        solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free", hardness=2000.0)
+        whole = HalfSpace(executor, modulus=MODULUS, boundary="free", hardness=2000.0)
+        windows = []
+        for place in (-0.33, -0.3, 0.1, 0.4):
+            gap = executor.field(ball(place, 0.5 * place, rough=2e-4))
+            found = solver.solve(gap, load=LOAD)
+            whole.forget()
+            expected = whole.solve(gap, mean_pressure=LOAD / GRID.area)
+            assert found.approach == pytest.approx(expected.approach, rel=1e-4)
+            assert_allclose(found.pressure, expected.pressure, atol=2e-3 * expected.pressure.max())
+            windows.append(solver.window)
+        assert len({str(window) for window in windows}) == len(windows) - 1  # one served twice
+
+
+def test_a_window_gives_way_to_a_smaller_one() -> None:
+    with Executor(GRID) as executor:
+        solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free")
+        solver.go_on_from(np.zeros(GRID.shape), [0, 93, 0, 13])
+        gap = executor.field(ball())
+        solver.solve(gap, load=LOAD)
+        window = solver.window
+        assert window is not None
+        assert (window[1] - window[0]) * (window[3] - window[2]) < 0.25 * 93 * 13
+        assert solver.solve(gap, load=LOAD).iterations <= 1
+
+
+def test_a_load_that_no_window_carries_is_refused() -> None:
+    with Executor(GRID) as executor:
+        solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free", hardness=1.0)
+        with pytest.raises(InputError, match="at most the hardness, 1 MPa"):
+            solver.solve(executor.field(ball()), load=LOAD)
+
+
+def test_windows_lie_on_whole_vectors_and_hold_what_they_are_made_for() -> None:
+    dice = np.random.default_rng(5)
+    for _ in range(2000):
+        grid = Grid(*dice.integers(1, 90, 2).tolist(), 1.0)
+        rows, columns = (sorted(dice.integers(0, n, 2).tolist()) for n in grid.shape)
+        box = (*rows, *columns)
+        window = Window.around(box, grid, pieces=int(dice.integers(1, 9)))
+        assert window.holds(box)
+        assert 0 <= window.first_row < window.end_row <= grid.nx
+        assert 0 <= window.first < window.end <= math.ceil(grid.ny / 8)
+        part = window.grid(grid)
+        assert part.nx == window.end_row - window.first_row
+        assert 8 * (window.end - window.first - 1) < part.ny <= 8 * (window.end - window.first)
+        assert window.first * 8 + part.ny <= grid.ny
