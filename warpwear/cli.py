@@ -132,7 +132,8 @@ def run(
 @commands.command()
 def studies() -> None:
     """List the presets."""
-    from warpwear.study import Study, presets
+    from warpwear.study import Study
+    from warpwear.study_file import presets
 
     for name in presets():
         click.echo(f"{name:<10} {Study.load(name).study.description}")

@@ -6,7 +6,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.running_in import Logistic
-from warpwear.sections import Disc
+from warpwear.sections_bodies import Disc
 from warpwear.study import Study
 from warpwear.surfaces.base import Surface
 
