@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from warpwear.balance import STEPS_AHEAD, TOLERANCE, Ahead, Balance, Balancer, Carried
+from warpwear.bearing_area import BearingArea
 from warpwear.device_loop import DeviceLoop
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
@@ -48,7 +49,7 @@ class OneScaleModel:
         #: 1/k of the foundation [mm³/N], None where it follows the contact.
         updated = study.study.model == "macro" and study.contact.foundation_update == "updated"
         self._compliance = None if updated else study.law().compliance
-        self._balancer = Balancer(executor)
+        self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
         self._sums = executor.partials(len(SUMS))
         self._maxima = executor.partials(len(MAXIMA))
         curvature = study.sphere.curvature
@@ -74,7 +75,7 @@ class OneScaleModel:
         grid = executor.grid
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = Tiles(executor, self.state.gap, self.state.unworn, self.state.share, least=SPARE * fully)
-        self._highest = self._balancer.bounds(self.state.gap, self.tiles)[1]
+        self._highest = self._bearing_area.bounds(self.state.gap, self.tiles)[1]
         #: Whether 1/c of a step is known before it.
         self._foreseen = not self._rigid and self._recession is None and self._compliance is not None
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
@@ -291,7 +292,7 @@ class OneScaleModel:
     def _balance(self, stiffness: Stiffness, removal: float) -> Balance:
         load = self.study.contact.load
         if self._rigid:
-            return self._balancer.bearing(
+            return self._bearing_area.solve(
                 self.state.gap,
                 self.tiles,
                 highest=self._highest,
