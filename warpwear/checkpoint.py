@@ -35,7 +35,7 @@ from warpwear.study import Study
 
 FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
-FORMAT = 3
+FORMAT = 4
 MAGIC = "warpwear checkpoint"
 #: Sections and keys that no result depends on.
 LABELS = ("study.name", "study.description", "run", "checks", "assumed")

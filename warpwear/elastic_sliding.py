@@ -78,7 +78,7 @@ class ElasticSliding:
         distance = self._ledger.row["distance"]
         of_sphere, of_disc = (law.removal(distance, increment) for law in study.wear_laws)
         removal_disc = self._share * of_disc
-        window = self._window(increment)
+        window = self.cells_passing(increment)
         met = self._mean_along(state.wear_sphere, window)
         executor.launch(
             passes.gaps,
@@ -132,7 +132,7 @@ class ElasticSliding:
             balance, increment, (of_sphere, of_disc), reference, total, most, pressure=pressure
         )
 
-    def _window(self, increment: float) -> int:
+    def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
         grid = self._executor.grid
         if self.study.sphere.curvature == 0.0:

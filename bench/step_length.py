@@ -1,0 +1,76 @@
+"""What the length of a step does where the ball slides: the local law and the half-space, by shift.
+
+    python bench/step_length.py [--cell "10 um"] [--extent "0.9 mm"] [--passes 12] [--hardness "590 MPa"]
+        [--shifts 8 4 2 1] [--json FILE]
+
+prints, for every shift, the mean area in contact over the first and the last pass of the preset `track`
+[mm²], pairs of Fourier transforms and milliseconds a step; "no mean" is the half-space whose ball is worn by
+the pressures at the middle of a step, not by the mean of those that pass. About ten minutes.
+"""
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+from machine import machine
+
+import warpwear
+from warpwear import Study
+from warpwear.elastic_sliding import ElasticSliding
+from warpwear.track_data import by_pass
+
+KINDS: dict[str, tuple[str, Callable[..., int]]] = {
+    "local law": ("foundation", ElasticSliding.cells_passing),
+    "half-space": ("half-space", ElasticSliding.cells_passing),
+    "half-space, no mean": ("half-space", lambda *_: 1),
+}
+
+
+def run(study: Study, cells_passing: Callable[..., int]) -> dict[str, Any]:
+    """Areas of the first and the last pass [mm²], and what a step costs."""
+    with patch.object(ElasticSliding, "cells_passing", cells_passing):
+        start = time.perf_counter()
+        result = warpwear.run(study)
+        seconds = time.perf_counter() - start
+    areas = by_pass(result, "area_contact")["area_contact"]
+    pairs = result.history["evaluations"]
+    return {
+        "first": float(areas[0]),
+        "last": float(areas[-1]),
+        "pairs": float(pairs.mean()),
+        "step_ms": 1e3 * seconds / pairs.size,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--cell", default="10 um")
+    parser.add_argument("--extent", default="0.9 mm")
+    parser.add_argument("--passes", type=int, default=12)
+    parser.add_argument("--hardness", default="590 MPa")
+    parser.add_argument("--shifts", type=int, nargs="+", default=[8, 4, 2, 1])
+    parser.add_argument("--json", type=Path)
+    options = parser.parse_args()
+    base = {"grid.cell": options.cell, "grid.extent": options.extent, "output.snapshots": []}
+    base |= {"contact.hardness": options.hardness, "sliding.distance": f"{30 * options.passes} mm"}
+    print(f"{'law':22}{'shift':>6}{'first pass':>12}{'last pass':>12}{'pairs':>8}{'ms a step':>11}")
+    table = []
+    for name, (law, cells_passing) in KINDS.items():
+        for shift in options.shifts:
+            study = Study.load("track").replace(base | {"contact.law": law, "sliding.shift": shift})
+            row = run(study, cells_passing)
+            table.append({"law": name, "shift": shift} | row)
+            pairs = f"{row['pairs']:8.1f}" if law == "half-space" else f"{'–':>8}"
+            areas = f"{row['first']:12.5f}{row['last']:12.5f}"
+            print(f"{name:22}{shift:6}{areas}{pairs}{row['step_ms']:11.1f}", flush=True)
+    if options.json:
+        record = {"machine": machine(), "options": {**vars(options), "json": None}, "runs": table}
+        options.json.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+
+
+if __name__ == "__main__":
+    main()
