@@ -75,6 +75,19 @@ class Balance:
         return self.base, self.offset, self.cap, self.tie_width, self.tie_pressure
 
 
+def residual_of(carried: float, load: float, *, approach: float) -> float:
+    """What the pressures that wore carry beyond the load [N]. approach: theirs [mm].
+
+    Raises ConvergenceError where it is more than a balance and its rounding leave.
+    """
+    residual = carried - load
+    if not abs(residual) <= 2.0 * TOLERANCE * load:
+        raise ConvergenceError(
+            f"{residual:.3g} N of {load:.6g} N are left at an approach of {approach:.9g} mm."
+        )
+    return residual
+
+
 class Balancer:
     """Solves the load balance on gaps of one grid. Holds the tables that the reductions write."""
 

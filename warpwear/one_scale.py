@@ -6,10 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-from warpwear.balance import STEPS_AHEAD, TOLERANCE, Ahead, Balance, Balancer, Carried
+from warpwear.balance import STEPS_AHEAD, Ahead, Balance, Balancer, Carried, residual_of
 from warpwear.bearing_area import BearingArea
 from warpwear.device_loop import DeviceLoop
-from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.foresight import Foresight
 from warpwear.grid import FloatArray
@@ -267,21 +266,13 @@ class OneScaleModel:
         total = self.state.divide(dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True)))
         most = self.state.divide(dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True)))
         if not self._rigid:
-            balance = self._carried(balance, total["pressure"])
+            force = total["pressure"] * self._executor.grid.cell_area
+            residual = residual_of(force, self.study.contact.load, approach=balance.approach)
+            balance = replace(balance, load_residual=residual)
         self._last = balance
         return self._ledger.enter(
             balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
         )
-
-    def _carried(self, balance: Balance, pressure: float) -> Balance:
-        """With the residual of the pressures that wore. ConvergenceError where they do not carry the load."""
-        load = self.study.contact.load
-        residual = pressure * self._executor.grid.cell_area - load
-        if not abs(residual) <= 2.0 * TOLERANCE * load:
-            raise ConvergenceError(
-                f"{residual:.3g} N of {load:.6g} N are left at an approach of {balance.approach:.9g} mm."
-            )
-        return replace(balance, load_residual=residual)
 
     def _removal(self, later: float, increment: float) -> tuple[float, float]:
         """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
