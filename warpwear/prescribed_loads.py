@@ -39,14 +39,13 @@ def press(
     allowed = PART * TOLERANCE * target
     evaluations = 0
     for _ in range(MAX_ROUNDS):
-        found = find_offsets(
-            lambda offset, base=base: response(base, offset)[:2],
-            target,
-            allowed,
-            offset,
-            np.maximum(np.abs(offset), FIRST_REACH),
-        )
-        offset, p, done = found
+
+        def carried(offset: FloatArray, base: FloatArray = base) -> tuple[FloatArray, FloatArray]:
+            p, slope, _ = response(base, offset)
+            return p, slope
+
+        reach = np.maximum(np.abs(offset), FIRST_REACH)
+        offset, p, done = find_offsets(carried, target, allowed, offset, reach)
         evaluations += done
         if np.all(np.abs(p - target) <= allowed):
             return Shares(base, offset, common, 0.0, p, area * float(p.sum()) - load, 0.0, evaluations)
