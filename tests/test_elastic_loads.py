@@ -151,14 +151,17 @@ def test_the_loads_are_those_of_the_local_law(kind: str) -> None:
 
 
 def test_a_patch_may_let_go_of_its_load(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It then carries nothing, is not worn, and takes load again."""
-    stepped = Stepped(quick(macro__coupling="load"))
+    """It then carries nothing, is not worn, and takes load again; also in the first step after a restart."""
+    study = quick(macro__coupling="load")
+    begun, stepped = Stepped(study), Stepped(study)
+    begun.model.advance(3.0)
+    stepped.model.restore(*begun.model.saved_state())
     model, smooth = stepped.model, stepped.model._smooth
     assert smooth is not None
-    model.advance(3.0)
     press = type(smooth).press
-    last = model._order[model.visited - 1]
-    before, number = stepped.gap()[model.visited - 1], model.visited
+    last = model._order[begun.model.visited - 1]
+    number = begun.model.visited
+    before = stepped.gap()[number - 1]
 
     def without(self: object, **options: float) -> FloatArray:
         loads = press(smooth, **options)
