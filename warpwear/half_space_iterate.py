@@ -68,6 +68,7 @@ class Iterate:
         self._influence = influence
         self._cap = min(hardness, NO_CAP)
         self.parts, self.cells = 1, influence.cells
+        self._arguments = self._for_parts()
         for module in (passes, half_space_setup, half_space_sums):
             wp.load_module(module, device=executor.device)
         self.pressure = executor.zeros()
@@ -87,7 +88,9 @@ class Iterate:
     def divide(self, rows: int | None) -> None:
         """Into so many rows from now on, which must be all that are visited; None: one part."""
         assert rows is None or rows * self._executor.slots_per_row == self._slots
-        self.parts = rows or 1
+        if self.parts != (rows or 1):
+            self.parts = rows or 1
+            self._arguments = self._for_parts()
         self.cells = self._influence.cells // (self._executor.grid.nx if rows else 1)
         width = FOLDED if self.parts == 1 else self.parts
         if self._folded is not None and self._folded.shape[1] != width:
@@ -124,7 +127,9 @@ class Iterate:
     def advance(self, length: float, *, shift: FloatArray | None = None) -> State:
         """Go so much of the step; all of it, exact at the bounds, where the trial's shift is given."""
         whole = shift is not None
-        return self._advance(whole=whole, length=length, shift=np.zeros(1) if shift is None else shift)
+        return self._advance(
+            whole=whole, length=length, shift=np.zeros(self.parts) if shift is None else shift
+        )
 
     def _advance(self, *, whole: bool, length: float, shift: FloatArray) -> State:
         inputs = [whole, length, shift, self._cap, self._trial, self._step, self._response]
@@ -248,7 +253,8 @@ class Iterate:
         self, kernel: Any, inputs: list[Any], outputs: list[Field], *, sums: int = 0, maxima: int = 0
     ) -> list[FloatArray]:
         """Launch, and reduce the first rows of the tables that the kernel fills to a number for each part."""
-        inputs = [self._on_device(value) if isinstance(value, np.ndarray) else value for value in inputs]
+        places = iter(self._arguments)
+        inputs = [self._placed(v, *next(places)) if isinstance(v, np.ndarray) else v for v in inputs]
         tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
         chunks = self._influence.chunks
         self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables], chunks=chunks)
@@ -267,9 +273,12 @@ class Iterate:
             )
             folded = self._folded.numpy()
             table, largest = folded[:sums], folded[sums:both]
-        each = table.shape[1] // self.parts
-        of_parts = table.reshape(sums, self.parts, each).sum(axis=2)
-        return [*of_parts, *largest.reshape(maxima, self.parts, each).max(axis=2, initial=-NO_CAP)]
+        found: list[FloatArray] = []
+        if sums:
+            found.extend(table.reshape(sums, self.parts, -1).sum(axis=2))
+        if maxima:
+            found.extend(largest.reshape(maxima, self.parts, -1).max(axis=2))
+        return found
 
     @property
     def _slots(self) -> int:
@@ -277,6 +286,14 @@ class Iterate:
         chunks = self._influence.chunks
         return chunks[-1][1] if chunks else self._executor.slots
 
-    def _on_device(self, values: FloatArray) -> Any:
+    def _for_parts(self) -> list[tuple[Any, FloatArray]]:
+        """Where a pass reads numbers of each part, two at most, and the same on the host."""
         device = self._executor.device
-        return wp.array(values, dtype=wp.float64, device=device, copy=not device.is_cpu)
+        hosts = np.zeros(self.parts), np.zeros(self.parts)
+        return [(wp.array(h, dtype=wp.float64, device=device, copy=not device.is_cpu), h) for h in hosts]
+
+    def _placed(self, values: FloatArray, place: Any, host: FloatArray) -> Any:
+        host[:] = values
+        if not self._executor.device.is_cpu:
+            place.assign(host)
+        return place

@@ -50,6 +50,8 @@ class Search:
         """
         if self._approach is not None or self._asked is None:
             return np.full(1, self._approach or 0.0)
+        if state.between.all():
+            return state.level / state.between
         # Where no cell touches, or all carry the hardness, one of the two is missing.
         highest = np.where(state.highest > -NO_CAP, state.highest, state.lowest)
         lowest = np.where(state.lowest < NO_CAP, state.lowest, state.highest)
