@@ -295,6 +295,57 @@ def test_flat_bodies_share_the_load_evenly(bulk: str) -> None:
         assert_allclose(model.book.table("load_share")[-1], 8.0 / 400.0, rtol=1e-9)
 
 
+#: Static, of a smooth ball on a smooth disc; patches yield in no way to their means.
+SMOOTH: dict[str, Any] = {
+    "contact.law": "half-space",
+    "macro.bulk": "none",
+    "disc.synthetic.kind": "flat",
+    "sliding.distance": "0 mm",
+    "output.snapshots": ["0 mm"],
+}
+
+
+def test_patches_that_do_not_resist_fill_in_the_order_of_their_gaps() -> None:
+    """From one patch to another load goes for nothing: no length of a step is the best, and none too long."""
+    study = Study.load("two-scale").replace(
+        SMOOTH
+        | {
+            "sphere.radius": "30 mm",
+            "grid.cell": "5 um",
+            "grid.extent": "50 um",
+            "macro.cell": "10 um",
+            "contact.load": "0.1 N",
+            "checks.strict": False,  # the contact is as wide as the domain
+        }
+    )
+    result = warpwear.run(study)
+    pressure = result.snapshot(0).pressure
+    assert_allclose(pressure[4:6, 4:6], 590.0)  # the one beneath the apex is full
+    share = result.load_share[0].reshape(5, 5)
+    beside = [share[1, 2], share[3, 2], share[2, 1], share[2, 3]]
+    assert math.fsum(beside) == pytest.approx(0.1 - 590.0 * 1e-4, rel=1e-9)
+
+
+def test_a_load_near_what_the_sphere_can_carry_asks_for_more_patches() -> None:
+    """Cells beyond its rim carry nothing."""
+    study = Study.load("two-scale").replace(
+        SMOOTH
+        | {
+            "sphere.radius": "0.2 mm",
+            "contact.hardness": "100 MPa",
+            "contact.load": "11.8 N",  # of 12.57
+            "grid.cell": "10 um",
+            "grid.extent": "0.42 mm",
+            "macro.cell": "70 um",
+            "macro.bulk": "foundation",
+            "checks.strict": False,  # the contact is as wide as the sphere
+        }
+    )
+    result = warpwear.run(study)
+    assert result.history["load_residual"][0] == pytest.approx(0.0, abs=1e-10)
+    assert result.history["area_plastic"][0] > 0.9 * 0.118
+
+
 @pytest.mark.parametrize("kind", ["bulk", "bulk that follows, no cap", *(k for k in KINDS if "loads" in k)])
 def test_a_model_goes_on_from_any_step(kind: str) -> None:
     study = quick().replace(KINDS[kind])

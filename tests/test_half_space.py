@@ -209,6 +209,23 @@ def test_a_load_that_whole_cells_carry_at_the_hardness(hardness: float, cells: i
         assert _violation(contact.pressure, contact.separation, hardness) <= 1e-9 * (1 + 1e-6)
 
 
+@pytest.mark.parametrize("lower", [1e-6, 1e-5, 1e-4])
+def test_a_pressure_that_rounding_left_on_the_wrong_cell_gives_way(lower: float) -> None:
+    """Four cells carry the load at the hardness; of the two that follow, the lower one shall have the rest."""
+    grid, hardness = Grid(8, 8, 0.01), 590.0
+    gap, pressure = np.full(grid.shape, 1e-2), np.zeros(grid.shape)
+    gap[3:5, 3:5], pressure[3:5, 3:5] = -1e-2, hardness
+    gap[0, 0], gap[7, 0] = 0.0, -lower
+    for rest in 10.0 ** np.arange(-17.0, -9.0):
+        pressure[0, 0] = rest
+        with Executor(grid) as executor:
+            solver = HalfSpace(executor, modulus=1e5, boundary="free", hardness=hardness)
+            solver.go_on_from(pressure)
+            found = solver.solve(executor.field(gap), mean_pressure=4.0 / 64.0 * hardness)
+        assert found.pressure[0, 0] == 0.0
+        assert (found.pressure[3:5, 3:5] > hardness * (1.0 - 1e-12)).all()
+
+
 def test_full_contact_is_rigid_in_the_mean() -> None:
     grid = Grid(32, 32, 1.0 / 32)
     gap = rough(grid, rms=1e-3)

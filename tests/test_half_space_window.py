@@ -1,12 +1,14 @@
 """A contact solved on a part of its grid is that of the whole grid."""
 
 import math
+import weakref
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from warpwear import half_space_window
 from warpwear.errors import InputError
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
@@ -45,9 +47,7 @@ IMPLICIT = {"compliance": 3e-7, "streak_compliance": 3e-7, "streak_window": 17}
 
 
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize(
-    "implicit", [{}, {"compliance": 3e-7, "streak_compliance": 3e-7, "streak_window": 17}]
-)
+@pytest.mark.parametrize("implicit", [{}, IMPLICIT])
 def test_a_window_changes_nothing(case: str, implicit: dict[str, Any], device: str) -> None:
     gap, law = CASES[case]
     with Executor(GRID, device=device) as executor:
@@ -94,6 +94,24 @@ def test_a_window_gives_way_to_a_smaller_one() -> None:
         assert window is not None
         assert (window[1] - window[0]) * (window[3] - window[2]) < 0.25 * 93 * 13
         assert solver.solve(gap, load=LOAD).iterations <= 1
+
+
+def test_a_window_goes_before_the_next_takes_its_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[weakref.ref[HalfSpace]] = []
+
+    class Watched(HalfSpace):
+        def __init__(self, *args: Any, **options: Any) -> None:
+            assert all(other() is None for other in made)
+            made.append(weakref.ref(self))
+            super().__init__(*args, **options)
+
+    monkeypatch.setattr(half_space_window, "HalfSpace", Watched)
+    with Executor(GRID) as executor:
+        solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free")
+        solver.solve(executor.field(ball()), load=LOAD)
+        solver.solve(executor.field(CASES["all of it"][0]), load=LOAD)
+        assert solver.window == [0, 93, 0, 13]
+    assert len(made) >= 2
 
 
 def test_a_load_that_no_window_carries_is_refused() -> None:

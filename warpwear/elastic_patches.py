@@ -21,7 +21,7 @@ from warpwear.grid import FloatArray
 from warpwear.half_space import BoundedPressure, HalfSpaceContact
 from warpwear.half_space_iterate import NO_CAP
 from warpwear.kernels import patches_by_pressure
-from warpwear.kernels.types import PATCH_MAXIMA, PATCH_SUMS
+from warpwear.kernels.types import PADDING, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.ledger import Step
 from warpwear.patch_contact import Worn, places, unworn
 from warpwear.patch_influence import PatchInfluence
@@ -65,6 +65,9 @@ class ElasticPatchesModel:
         self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
         self.initial, _ = unworn(self.patches, heights, executor, curvature=curvature)
         self.gap = wp.clone(self.initial)
+        there = (executor.to_numpy(self.initial) < PADDING).sum(axis=1)
+        #: Cells where there is a surface, in so many first patches.
+        self._cells = np.cumsum(there)
         self._places = places(self.patches, executor)
         assert study.effective_modulus is not None  # checked with the study
         self._influence = PatchInfluence(
@@ -147,7 +150,8 @@ class ElasticPatchesModel:
         load = self.study.contact.load / (self.patches.count * self.patches.area)
         needed = self._below(self._reached + AHEAD * removal * self._ledger.row["pressure_mean"])
         # As many as carry the load at the hardness.
-        needed = max(needed, int(load / self.study.hardness * self.patches.count) + 1)
+        carriers = load / self.study.hardness * self._influence.cells
+        needed = max(needed, int(np.searchsorted(self._cells, carriers, side="right")) + 1)
         while True:
             self.visited = min(needed, self.patches.count)
             self._influence.visit(self.visited)

@@ -78,7 +78,10 @@ class Search:
                     return self._go(plain, aimed, best, used, loaded)
             # The step leads up. Without memory and preconditioner it cannot, but for rounding.
             if plain and not remembers:
-                return None
+                # A pressure off its bound by the last digit of the load hides where the others want to go.
+                return (
+                    self._go(plain, aimed, 1.0, used, loaded) if aimed is not None and used == 1.0 else None
+                )
             self._last, self._plain_left = None, PLAIN_STEPS
 
     def _aim(self, level: FloatArray, plain: bool) -> FloatArray | None:
@@ -113,7 +116,8 @@ class Search:
             return state
         if not plain and best <= NOWHERE:
             self._plain_left = PLAIN_STEPS
-        factor = min(max(best, 0.5), 2.0) if self._measured[plain] else best
+        # Of a step cut short by the bounds the best length may say nothing.
+        factor = min(max(best, 0.5), 2.0) if self._measured[plain] else min(best, 2.0)
         self._length[plain] *= factor
         self._measured[plain] = True
         self._last = plain

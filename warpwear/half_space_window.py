@@ -178,6 +178,7 @@ class WindowedHalfSpace:
             if self._boundary == "periodic" or window.holds(reached):
                 break
             # Of too few cells the approach is too large: what lies below it holds the contact of them all.
+            del solver, contact  # and their memory, before others take theirs
             self._look_at(Window.around(reached, whole, rows=rows))
         self._gradient.fill_(Cells(math.nan))
         wp.copy(window.of(self._gradient), contact.gradient_field)
@@ -200,6 +201,7 @@ class WindowedHalfSpace:
         executor = self._executor
         grid = window.grid(executor.grid)
         if self._window is None or grid != self._window.grid(executor.grid):
+            self._solver = self._gap = None
             part = Executor(grid, device=str(executor.device), threads=executor.threads)
             self._solver = HalfSpace(
                 part,

@@ -38,11 +38,15 @@ def refuse_unsuitable(study: "Study", patches: Patches, heights: FloatArray) -> 
 
 
 def _refuse_wide(study: "Study", heights: FloatArray) -> None:
-    """The contact ends 2 √(a² + 2 R R_p) wide, with a of smooth bodies and the highest peak R_p."""
+    """The contact ends 2 √(a² + 2 R R_p) wide, with a of smooth bodies and the highest peak R_p.
+
+    a is that of the worn patch, Hertz's, or that of a load at the hardness.
+    """
     curvature = study.sphere.curvature
     if curvature == 0.0:
         return
-    smooth = max(0.5 * worn_patch(study), study.hertz.radius if study.hertz else 0.0)
+    hertz = study.hertz.radius if study.hertz else 0.0
+    smooth = max(0.5 * worn_patch(study), hertz, math.sqrt(study.contact.load / (math.pi * study.hardness)))
     width = 2.0 * math.sqrt(smooth**2 + 2.0 * max(float(heights.max()), 0.0) / curvature)
     if study.macro.cell > width:
         raise InputError(
