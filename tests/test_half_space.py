@@ -211,7 +211,7 @@ def test_a_load_that_whole_cells_carry_at_the_hardness(hardness: float, cells: i
 
 @pytest.mark.parametrize("lower", [1e-6, 1e-5, 1e-4])
 def test_a_pressure_that_rounding_left_on_the_wrong_cell_gives_way(lower: float) -> None:
-    """Four cells carry the load at the hardness; of the two that follow, the lower one shall have the rest."""
+    """Four cells carry the load at the hardness; of two more, the lower one shall have the rest."""
     grid, hardness = Grid(8, 8, 0.01), 590.0
     gap, pressure = np.full(grid.shape, 1e-2), np.zeros(grid.shape)
     gap[3:5, 3:5], pressure[3:5, 3:5] = -1e-2, hardness

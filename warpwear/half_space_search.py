@@ -68,8 +68,10 @@ class Search:
                     return self._go(plain, aimed, best, used, loaded)
             # The step leads up. Without memory and preconditioner it cannot, but for rounding.
             if plain and not remembers:
+                if aimed is None or used < 1.0:
+                    return None
                 # A pressure off its bound by the last digit of the load hides where the others want to go.
-                return self._go(plain, aimed, 1.0, used, loaded) if aimed is not None and used == 1.0 else None
+                return self._go(plain, aimed, 1.0, used, loaded)
             self._last, self._plain_left = None, PLAIN_STEPS
 
     def _aim(self, level: float, plain: bool) -> float | None:
