@@ -27,7 +27,7 @@ from machine import machine
 
 from warpwear.grid import Grid
 from warpwear.influence import periodic_spectrum
-from warpwear.surfaces.synthetic import SelfAffine
+from warpwear.surfaces.self_affine import SelfAffine
 
 HURST, SLOPE = 0.8, 0.1
 MEAN_PRESSURE = 0.005 * MODULUS

@@ -16,7 +16,6 @@ from warpwear.kernels.device_steps import (
     INFINITE,
     LOW,
     MEAN,
-    NOWHERE,
     OFFSET,
     REACH,
     ROUND,
@@ -25,7 +24,7 @@ from warpwear.kernels.device_steps import (
 )
 from warpwear.kernels.reductions import lowest_of, sum_of
 from warpwear.kernels.sliding import beneath
-from warpwear.kernels.types import ABSENT, LANES, ONE, ZERO, Cells
+from warpwear.kernels.types import ABSENT, LANES, NOWHERE, ONE, ZERO, Cells
 from warpwear.kernels.types import WIDTH as VECTORS
 
 wp.set_module_options({"enable_backward": False})

@@ -9,7 +9,7 @@ numbers. What a search knows lies in `search`, in the order of `SEARCH`; the rul
 import warp as wp
 
 from warpwear.kernels.device_wear_loop import wear
-from warpwear.kernels.types import ABSENT, ONE, ZERO
+from warpwear.kernels.types import ABSENT, NOWHERE, ONE, ZERO
 
 wp.set_module_options({"enable_backward": False})
 
@@ -38,7 +38,6 @@ INFINITE = wp.constant(wp.float64(1.0e300))
 #: Cells that a thread loads at once.
 FOUR = 4
 HALF = wp.constant(wp.float64(0.5))
-NOWHERE = wp.constant(wp.float64(-1.0e9))
 
 
 @wp.kernel

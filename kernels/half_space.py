@@ -2,12 +2,13 @@
 
 Symbols: p pressure, t = Gp + g its gradient (gap after deformation, from the mean planes), λ the rigid
 approach, H the cap. At the solution t = λ on cells with 0 < p < H, t ≥ λ where p = 0, t ≤ λ where p = H.
-A cell is free if it may move: p > 0 or t < λ, and p < H or t > λ.
+A cell is free if it may move: p > 0 or t < λ, and p < H or t > λ. Levels and shifts are one for all rows, or
+one a row.
 """
 
 import warp as wp
 
-from warpwear.kernels.reductions import largest_of, sum_of
+from warpwear.kernels.reductions import largest_of, of_row, sum_of
 from warpwear.kernels.types import LANES, NONE, ONE, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
@@ -42,7 +43,7 @@ def advance(
     slots_per_row: wp.int32,
     whole: wp.bool,
     length: wp.float64,
-    shift: wp.float64,
+    shift_in: wp.array(dtype=wp.float64),
     cap: wp.float64,
     trial_in: wp.array2d(dtype=Cells),
     step_in: wp.array2d(dtype=Cells),
@@ -58,6 +59,7 @@ def advance(
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    shift = of_row(shift_in, row)
     total = Cells(ZERO)
     touching = Cells(ZERO)
     between = Cells(ZERO)
@@ -103,7 +105,7 @@ def advance(
 def residual(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    approach: wp.float64,
+    approach_in: wp.array(dtype=wp.float64),
     cap: wp.float64,
     pressure_in: wp.array2d(dtype=Cells),
     gradient_in: wp.array2d(dtype=Cells),
@@ -112,6 +114,7 @@ def residual(
     """t − λ on the free cells, 0 elsewhere."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    approach = of_row(approach_in, row)
     for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
         p = pressure_in[row, k]
         t = gradient_in[row, k]
@@ -125,9 +128,9 @@ def residual(
 def products(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    approach: wp.float64,
+    approach_in: wp.array(dtype=wp.float64),
     cap: wp.float64,
-    descent_level: wp.float64,
+    descent_level_in: wp.array(dtype=wp.float64),
     pressure_in: wp.array2d(dtype=Cells),
     gradient_in: wp.array2d(dtype=Cells),
     descent_in: wp.array2d(dtype=Cells),
@@ -142,6 +145,8 @@ def products(
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    approach = of_row(approach_in, row)
+    descent_level = of_row(descent_level_in, row)
     count = Cells(ZERO)
     descent = Cells(ZERO)
     gradient = Cells(ZERO)
@@ -201,9 +206,9 @@ def products(
 def direction(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    approach: wp.float64,
+    approach_in: wp.array(dtype=wp.float64),
     cap: wp.float64,
-    descent_level: wp.float64,
+    descent_level_in: wp.array(dtype=wp.float64),
     memory: wp.float64,
     length: wp.float64,
     outward: wp.float64,
@@ -221,6 +226,8 @@ def direction(
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    approach = of_row(approach_in, row)
+    descent_level = of_row(descent_level_in, row)
     total = Cells(ZERO)
     between = Cells(ZERO)
     for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
@@ -249,7 +256,7 @@ def direction(
 def carried(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    shift: wp.float64,
+    shift_in: wp.array(dtype=wp.float64),
     cap: wp.float64,
     trial_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
@@ -257,6 +264,7 @@ def carried(
     """Sums of the trial pressures, shifted and clipped, and of the cells between the bounds."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    shift = of_row(shift_in, row)
     total = Cells(ZERO)
     between = Cells(ZERO)
     for k in range(slot % slots_per_row, trial_in.shape[1], slots_per_row):
@@ -276,8 +284,8 @@ def carried(
 def step(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    approach: wp.float64,
-    shift: wp.float64,
+    approach_in: wp.array(dtype=wp.float64),
+    shift_in: wp.array(dtype=wp.float64),
     cap: wp.float64,
     trial_in: wp.array2d(dtype=Cells),
     pressure_in: wp.array2d(dtype=Cells),
@@ -289,6 +297,8 @@ def step(
     """Feasible step to the trial. Sum: step × (t − λ). Maximum: share of the room to a bound that is used."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    approach = of_row(approach_in, row)
+    shift = of_row(shift_in, row)
     slope = Cells(ZERO)
     used = Cells(ZERO)
     for k in range(slot % slots_per_row, trial_in.shape[1], slots_per_row):

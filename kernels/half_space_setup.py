@@ -5,7 +5,7 @@ Symbols as in `half_space`: p pressure, t = Gp + g its gradient, H the cap.
 
 import warp as wp
 
-from warpwear.kernels.reductions import largest_of, sum_of
+from warpwear.kernels.reductions import largest_of, of_row, sum_of
 from warpwear.kernels.types import ABSENT, LANES, NONE, ONE, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
@@ -16,7 +16,7 @@ def moments(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     columns: wp.int32,
-    level: wp.float64,
+    level_in: wp.array(dtype=wp.float64),
     gap_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
@@ -24,6 +24,7 @@ def moments(
     """Where there is a surface, sums of cells, g − level and its square. Maximum: −g."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    level = of_row(level_in, row)
     count = Cells(ZERO)
     first = Cells(ZERO)
     second = Cells(ZERO)
@@ -81,13 +82,14 @@ def spring(
     slots_per_row: wp.int32,
     columns: wp.int32,
     stiffness: wp.float64,
-    level: wp.float64,
+    level_in: wp.array(dtype=wp.float64),
     gap_in: wp.array2d(dtype=Cells),
     trial_out: wp.array2d(dtype=Cells),
 ):
     """Trial pressure of a foundation, (level − g) × stiffness; far below zero in the padding."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    level = of_row(level_in, row)
     for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
         g = gap_in[row, k]
         x = Cells(ZERO)

@@ -37,24 +37,30 @@ def fold(
     width: wp.int32,
     sums: wp.int32,
     slots: wp.int32,
+    apart: wp.int32,
+    stride: wp.int32,
+    span: wp.int32,
     sums_in: wp.array2d(dtype=wp.float64),
     maxima_in: wp.array2d(dtype=wp.float64),
     folded_out: wp.array2d(dtype=wp.float64),
 ):
     """So many first rows of the table of sums, then rows of that of maxima, each reduced to width columns.
 
-    slots: so many first columns count. A thread is a row of the result and a column of it.
+    slots: so many first columns count. A column of the result takes every stride-th one of a span of them;
+    these spans begin so far apart. A thread is a row of the result and a column of it.
     """
     thread = first_thread + wp.tid()
     row = thread // width
     column = thread % width
+    first = column * apart
+    end = wp.min(slots, first + span)
     if row < sums:
         total = wp.float64(0.0)
-        for slot in range(column, slots, width):
+        for slot in range(first, end, stride):
             total += sums_in[row, slot]
         folded_out[row, column] = total
     else:
         largest = -NONE
-        for slot in range(column, slots, width):
+        for slot in range(first, end, stride):
             largest = wp.max(largest, maxima_in[row - sums, slot])
         folded_out[row, column] = largest

@@ -1,4 +1,7 @@
-"""Within a slot: from the lanes of a vector to one number. Across slots the executor's tables are reduced."""
+"""Within a slot: from the lanes of a vector to one number. Across slots the executor's tables are reduced.
+
+And the other way round: what a row has from a table of rows.
+"""
 
 import warp as wp
 
@@ -32,3 +35,9 @@ def largest_of(v: Cells):
         wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])),
         wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])),
     )
+
+
+@wp.func
+def of_row(values: wp.array(dtype=wp.float64), row: wp.int32):
+    """The value of a row, or the one value that all rows share."""
+    return values[wp.min(row, values.shape[0] - 1)]

@@ -7,13 +7,10 @@ Both bodies open one gap. What is worn of them together is the gap less the gap 
 import warp as wp
 
 from warpwear.kernels.contact import pressure_of
-from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells, Kept
+from warpwear.kernels.types import ABSENT, LANES, NOWHERE, ONE, WIDTH, ZERO, Cells, Kept
 from warpwear.kernels.wear_loop import wear
 
 wp.set_module_options({"enable_backward": False})
-
-#: Stands for "no cell" among first and last indices.
-NOWHERE = wp.constant(wp.float64(-1.0e9))
 
 
 @wp.kernel

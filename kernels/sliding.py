@@ -10,8 +10,7 @@ import warp as wp
 
 from warpwear.kernels.contact import pressure_of
 from warpwear.kernels.reductions import lowest_of, sum_of
-from warpwear.kernels.removal import NOWHERE
-from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
+from warpwear.kernels.types import ABSENT, LANES, NOWHERE, ONE, WIDTH, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 

@@ -6,11 +6,9 @@ worn by its own pressure, one of the sphere by the mean of those that pass over 
 
 import warp as wp
 
-from warpwear.kernels.half_space import largest_of
-from warpwear.kernels.reductions import sum_of
+from warpwear.kernels.reductions import largest_of, sum_of
 from warpwear.kernels.sliding import beneath
-from warpwear.kernels.types import LANES, ONE, ZERO, Cells
-from warpwear.kernels.wear_by_pressure import NOWHERE
+from warpwear.kernels.types import LANES, NOWHERE, ONE, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 

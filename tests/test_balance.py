@@ -10,6 +10,7 @@ from reference import FloatArray
 
 from warpwear import Study
 from warpwear.balance import RIGID, Balance, Balancer
+from warpwear.bearing_area import BearingArea
 from warpwear.execution import Executor
 from warpwear.grid import Grid
 from warpwear.kernels import contact
@@ -68,7 +69,7 @@ class Solver:
 
     def __init__(self, executor: Executor, gap: FloatArray) -> None:
         self._executor = executor
-        self._balancer = Balancer(executor)
+        self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
         padded = np.full((gap.shape[0], executor.vectors * LANES), PADDING)
         padded[:, : gap.shape[1]] = gap
         self._gap = executor.field(padded)
@@ -90,7 +91,7 @@ class Solver:
 
     def bearing(self, load: float, hardness: float, tolerance: float) -> Balance:
         self._stiffness = self._executor.field(np.full((1, self.shape[1]), RIGID))
-        return self._balancer.bearing(
+        return self._bearing_area.solve(
             self._gap,
             self.tiles(load, hardness),
             highest=self._highest,

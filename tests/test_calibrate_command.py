@@ -13,8 +13,8 @@ import warpwear
 from warpwear.cli import commands
 from warpwear.cli_calibrate import calibrate as command
 from warpwear.errors import InputError
+from warpwear.surfaces.self_affine import SelfAffine
 from warpwear.surfaces.sphere import sag
-from warpwear.surfaces.synthetic import SelfAffine
 
 TEST = ("--load", "8 N", "--distance", "2400 mm")
 GIVEN = ("--pixel", "3 um", "--height-unit", "um")

@@ -135,12 +135,13 @@ def test_every_patch_is_a_contact_of_its_own(boundary: str, bulk: float, complia
     assert 2.0 * step / (ends[1] - ends[0]) == pytest.approx(joined, rel=1e-4)
 
 
-def test_threads_change_nothing(threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("coupling", ["approach", "load"])
+def test_threads_change_nothing(threads: int, coupling: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(patch_influence, "MODES_PER_THREAD", 1)
     monkeypatch.setattr(patch_influence, "BLOCK", 40)
     found = []
     for count in (1, threads):
-        model = Stepped(quick(), threads=count).model
+        model = Stepped(quick(macro__coupling=coupling), threads=count).model
         found.append([model.advance(increment).row for increment in (0.003, 0.3, 3.0)])
         assert (model._influence._near._pool is None) == (count == 1)
     assert found[0] == found[1]
@@ -163,6 +164,15 @@ KINDS: dict[str, dict[str, Any]] = {
         "contact.hardness": "inf MPa",
     },
     "some of the area": {"grid.extent": "1.8 mm", "macro.cell": "300 um", "macro.patch": "100 um"},
+    "loads": {"macro.coupling": "load"},
+    "loads of free patches": {"macro.coupling": "load", "contact.boundary": "free"},
+    "loads of some of the area, by a foundation that follows": {
+        "macro.coupling": "load",
+        "contact.foundation_update": "updated",
+        "grid.extent": "1.8 mm",
+        "macro.cell": "300 um",
+        "macro.patch": "100 um",
+    },
 }
 
 
@@ -220,7 +230,9 @@ def test_what_is_conserved_in_every_step(kind: str, device: str) -> None:
         assert_allclose(model.book.table("area_patch")[-1], in_contact, rtol=1e-12)
         assert row["area_contact"] == pytest.approx(in_contact.sum(), rel=1e-12)
         assert 0 < model.visited < patches.count
-        assert unworn[model.visited :].min() >= row["approach"]
+        assert not share[model._order[model.visited :]].any()
+        if study.macro.coupling == "approach":
+            assert unworn[model.visited :].min() >= row["approach"]
         before = after
 
 
@@ -241,10 +253,11 @@ def test_patches_that_are_left_out_change_nothing(monkeypatch: pytest.MonkeyPatc
         assert_allclose(*shares, rtol=0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("bulk", ["none", "foundation"])
-def test_stiff_bodies_are_on_the_capped_foundation(bulk: str) -> None:
+@pytest.mark.parametrize("behind", [{"bulk": "none"}, {"bulk": "foundation"}, {"coupling": "load"}])
+def test_stiff_bodies_are_on_the_capped_foundation(behind: dict[str, str]) -> None:
     """What is left of a cell's compliance is K ΔL, as with the local law."""
-    study = quick(**{"sphere.young": "1e9 GPa", "disc.young": "1e9 GPa", "macro.bulk": bulk})
+    study = quick(**{"sphere.young": "1e9 GPa", "disc.young": "1e9 GPa"})
+    study = study.replace({f"macro.{key}": value for key, value in behind.items()})
     study = study.replace({"contact.foundation": "2e5 N/mm^3"})
     one = Stepped(study)
     local = study.replace({"contact.law": "foundation"})
@@ -333,7 +346,7 @@ def test_a_load_near_what_the_sphere_can_carry_asks_for_more_patches() -> None:
     assert result.history["area_plastic"][0] > 0.9 * 0.118
 
 
-@pytest.mark.parametrize("kind", ["bulk", "bulk that follows, no cap"])
+@pytest.mark.parametrize("kind", ["bulk", "bulk that follows, no cap", *(k for k in KINDS if "loads" in k)])
 def test_a_model_goes_on_from_any_step(kind: str) -> None:
     study = quick().replace(KINDS[kind])
     increments = (0.003, 0.1, 3.0, 0.01, 1.0)
@@ -359,7 +372,7 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"macro.coupling": "load"}, "macro.coupling = 'load' does not go with contact.law = 'half-space'"),
+        ({"macro.coupling": "load", "contact.hardness": "inf MPa"}, "needs a finite contact.hardness"),
         ({"contact.boundary": "free"}, "contact.boundary = 'free' of patches needs macro.bulk = 'none'"),
         ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
         ({"sliding.kinematics": "swept"}, "sliding.kinematics"),

@@ -16,10 +16,11 @@ import warp as wp
 from fuzzing import check_sentence
 
 import warpwear
-from warpwear import InputError, Result, Study, cli, run_folder, runner
+from warpwear import InputError, Result, Study, cli, run_folder, run_tables, step_loop
 from warpwear.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.figures import Plotter
 from warpwear.one_scale import OneScaleModel
+from warpwear.result_writer import ResultWriter
 
 ROOT = Path(__file__).parents[1]
 ENVIRONMENT = os.environ | {
@@ -188,12 +189,12 @@ def test_a_second_process_in_the_same_folder(
 
 PHASES: dict[str, tuple[Any, str, int]] = {
     "compile": (wp, "load_module", 0),
-    "surface": (runner, "surface_in", 0),
+    "surface": (step_loop, "surface_in", 0),
     "first step": (OneScaleModel, "advance", 0),
     "step": (OneScaleModel, "advance", 8),
-    "snapshot": (warpwear.results.ResultWriter, "add_snapshot", 0),  # type: ignore[attr-defined]
-    "end of the history": (warpwear.results.ResultWriter, "finish", 0),  # type: ignore[attr-defined]
-    "tables": (runner, "_write_table", 1),
+    "snapshot": (ResultWriter, "add_snapshot", 0),
+    "end of the history": (ResultWriter, "finish", 0),
+    "tables": (run_tables, "_write_table", 1),
     "moving": (run_folder, "move_into_place", 0),
     "figures": (Plotter, "save", 1),
 }
@@ -331,6 +332,6 @@ def test_a_changed_study_is_refused_before_the_surface_is_made(
         during(patch, OneScaleModel, "advance", stop, 6)
         with pytest.raises(SystemExit):
             warpwear.run(small(), out=tmp_path / "out", plots=False)
-    during(monkeypatch, runner, "surface_in", lambda: pytest.fail("the surface was made"))
+    during(monkeypatch, step_loop, "surface_in", lambda: pytest.fail("the surface was made"))
     with pytest.raises(InputError, match=r"is of another study \(contact\.load\)"):
         warpwear.run(small(contact__load="9 N"), out=tmp_path / "out", resume=True)

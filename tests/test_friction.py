@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from warpwear import friction
-from warpwear.sections import Friction
+from warpwear.sections_contact import Friction
 
 HISTORY = {
     "distance": np.array([1.0, 50.0, 100.0]),

@@ -20,7 +20,7 @@ from warpwear.cli import main
 from warpwear.render import to_marked_toml
 from warpwear.schema import all_keys
 from warpwear.stepping import increments
-from warpwear.study import presets
+from warpwear.study_file import presets
 
 PRESETS = {
     name: (resources.files("warpwear") / "presets" / f"{name}.toml").read_text(encoding="utf-8")

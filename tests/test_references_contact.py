@@ -10,7 +10,7 @@ from warpwear.execution import Executor
 from warpwear.grid import Grid
 from warpwear.half_space import HalfSpace
 from warpwear.references_contact import SpectralMoments, greenwood_williamson_area, persson_area
-from warpwear.surfaces.synthetic import SelfAffine
+from warpwear.surfaces.self_affine import SelfAffine
 
 
 def test_moments_of_a_wave() -> None:

@@ -21,7 +21,7 @@ from test_tiles import CELL, LAWS, SHAPE, SURFACES
 
 import warpwear
 from warpwear import InputError, Result, Study, checkpoint, cli, run_lock
-from warpwear.checkpoint import FILE_NAME, HEADER
+from warpwear.checkpoint import FILE_NAME
 from warpwear.device_loop import DeviceLoop
 from warpwear.elastic_patches import ElasticPatchesModel
 from warpwear.elastic_scale import HalfSpaceModel
@@ -29,6 +29,7 @@ from warpwear.elastic_sliding import ElasticSliding
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.one_scale import OneScaleModel
+from warpwear.seal import HEADER
 from warpwear.tiles import Tiles
 from warpwear.two_scale import TwoScaleModel
 

@@ -10,7 +10,7 @@ import pytest
 
 from warpwear import InputError, Study
 from warpwear.render import assumptions, to_marked_toml
-from warpwear.study import presets
+from warpwear.study_file import presets
 
 BAD = [
     ({"contact.hardnes": "3 MPa"}, r"'contact\.hardnes' .*did you mean 'contact\.hardness'"),

@@ -11,8 +11,8 @@ from click.testing import CliRunner, Result
 
 from warpwear.cli import commands
 from warpwear.errors import InputError
+from warpwear.surfaces.self_affine import SelfAffine
 from warpwear.surfaces.sphere import sag
-from warpwear.surfaces.synthetic import SelfAffine
 
 ROOT = Path(__file__).parents[1]
 SHARED = ROOT.parent / "shared" / "surfaces"

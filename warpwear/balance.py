@@ -1,8 +1,7 @@
 """Load balance: the approach at which the pressures carry the load.
 
 The load rises monotonically with the approach, and piecewise linearly where the contact has a compliance.
-Two cases of one law are solved here: c > 0 by Newton's method inside a bracket, c = 0 (bearing area) by
-bisection.
+That case is solved here, by Newton's method inside a bracket; without compliance see `bearing_area`.
 """
 
 import math
@@ -10,17 +9,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
-from warpwear.kernels import contact, gap
+from warpwear.kernels import contact
 from warpwear.tiles import TileList
 
 #: Residual of the balance of a contact with compliance, relative to the load.
 TOLERANCE = 1.0e-12
-#: Gaps that differ by less are tied [mm]: a picometre-thousandth, below anything a surface has.
-TIE = 1.0e-12
 #: Stands for 1/c where c = 0: any overlap reaches the cap.
 RIGID = 1.0e300
 MAX_EVALUATIONS = 400
@@ -80,6 +75,19 @@ class Balance:
         return self.base, self.offset, self.cap, self.tie_width, self.tie_pressure
 
 
+def residual_of(carried: float, load: float, *, approach: float) -> float:
+    """What the pressures that wore carry beyond the load [N]. approach: theirs [mm].
+
+    Raises ConvergenceError where it is more than a balance and its rounding leave.
+    """
+    residual = carried - load
+    if not abs(residual) <= 2.0 * TOLERANCE * load:
+        raise ConvergenceError(
+            f"{residual:.3g} N of {load:.6g} N are left at an approach of {approach:.9g} mm."
+        )
+    return residual
+
+
 class Balancer:
     """Solves the load balance on gaps of one grid. Holds the tables that the reductions write."""
 
@@ -89,12 +97,6 @@ class Balancer:
         #: Where a pass that wears leaves what `evaluated` reads, as `contact.carried` does.
         self.ahead = executor.partials(3)
         self._cell_area = executor.grid.cell_area
-
-    def bounds(self, gap_field: Field, tiles: TileList) -> tuple[float, float]:
-        """Smallest and largest gap of the tiles listed [mm]."""
-        self._executor.launch(gap.bounds, inputs=[gap_field], outputs=[self._sums], over=tiles, often=True)
-        extremes = self._sums.numpy()
-        return float(extremes[0].min()), float(extremes[1].max())
 
     def foundation(
         self,
@@ -185,123 +187,6 @@ class Balancer:
             base, step, low, scatter = base + found.offset, 0.0, -math.inf, 0.0
         return found, base
 
-    def bearing(
-        self,
-        gap_field: Field,
-        tiles: TileList,
-        *,
-        highest: float,
-        load: float,
-        hardness: float,
-        tolerance: float,
-        step: float = 0.0,
-    ) -> Balance:
-        """Balance of the bearing area, area × hardness = load, by bisection (thesis eqs 4.8–4.11).
-
-        The first approach that meets the tolerance [N] is taken and the pressure is load/area. Where cells
-        tie, so that no approach meets it, the tied cells share what is missing. highest: gap before wear
-        [mm]. step: by which a step opens the gap of a cell in contact [mm].
-        """
-        per_cell = hardness * self._cell_area
-        tiles.begin()
-        # What is listed may be worn beyond the limit of the list, where lower tiles that are not may lie.
-        low = min(self.bounds(gap_field, tiles)[0], tiles.limit)
-        high = highest + 2.0 * TIE  # so that the highest cell counts
-        if self._count(gap_field, tiles, high) * per_cell < load:  # all cells are worn beyond it
-            tiles.reach(math.inf)
-            high = self.bounds(gap_field, tiles)[1] + 2.0 * TIE
-        for evaluation in range(1, MAX_EVALUATIONS):
-            approach = 0.5 * (low + high)
-            count = self._count(gap_field, tiles, approach)
-            if approach > tiles.limit and count * per_cell - load < tolerance:  # others may touch as well
-                tiles.reach(approach, ahead=STEPS_AHEAD * step)
-                count = self._count(gap_field, tiles, approach)
-            residual = count * per_cell - load
-            if abs(residual) < tolerance and count > 0:
-                cap = load / (count * self._cell_area)
-                return Balance(approach, 0.0, cap, residual, evaluations=evaluation)
-            if high - low <= TIE:
-                return self._tied(gap_field, tiles, approach, load, hardness, evaluation)
-            if residual > 0.0:
-                high = approach
-            else:
-                low = approach
-        raise ConvergenceError(f"the bisection of the bearing area stopped with {high - low:.3g} mm to go.")
-
-    def bearing_near(
-        self,
-        gap_field: Field,
-        tiles: TileList,
-        *,
-        start: float,
-        scatter: float,
-        load: float,
-        hardness: float,
-        tolerance: float,
-    ) -> Balance:
-        """Balance of the bearing area from an approach near the solution [mm], which may be off by `scatter`.
-
-        A bracket is looked for in growing steps, then interpolated and halved in turns.
-        """
-        needed = load / (hardness * self._cell_area)
-        allowed = tolerance / (hardness * self._cell_area)
-        low, below = -math.inf, 0.0
-        high, above = math.inf, math.inf
-        approach, reach = start, scatter
-        for evaluation in range(1, MAX_EVALUATIONS):
-            tiles.reach(approach, ahead=scatter)
-            count = self._count(gap_field, tiles, approach)
-            if abs(count - needed) < allowed and count > 0:
-                return Balance(
-                    approach,
-                    0.0,
-                    load / (count * self._cell_area),
-                    (count - needed) * hardness * self._cell_area,
-                    evaluations=evaluation,
-                )
-            if count > needed:
-                high, above = approach, count
-            else:
-                low, below = approach, count
-            if math.isinf(low) or math.isinf(high):
-                approach += math.copysign(reach, needed - count)
-                reach *= DEEPER
-                if not reach < HOPELESS:
-                    break
-                continue
-            if high - low <= TIE:
-                return self._tied(gap_field, tiles, approach, load, hardness, evaluation)
-            share = (needed - below) / (above - below) if evaluation % 3 else 0.5
-            approach = low + share * (high - low)
-            if not low < approach < high:
-                approach = 0.5 * (low + high)
-        raise ConvergenceError(f"the bearing area has no balance near an approach of {start:.9g} mm.")
-
-    def _tied(
-        self, gap_field: Field, tiles: TileList, approach: float, load: float, hardness: float, done: int
-    ) -> Balance:
-        above = float(np.nextafter(approach + TIE, math.inf))
-        tiles.reach(above)
-        below = self._count(gap_field, tiles, approach - TIE)
-        tied = self._count(gap_field, tiles, above) - below
-        needed = load / (hardness * self._cell_area)
-        share = (needed - below) / tied if tied else math.nan
-        if not 0.0 <= share <= 1.0:
-            raise ConvergenceError(
-                f"the bearing area has no balance near an approach of {approach:.9g} mm: {below:.0f} cells "
-                f"lie below it, {tied:.0f} are tied with it, and the load asks for {needed:.3f}."
-            )
-        # The full cells carry the hardness, so the load is met without a rescaling of the pressure.
-        return Balance(
-            approach,
-            0.0,
-            hardness,
-            (below + share * tied) * hardness * self._cell_area - load,
-            tie_width=TIE,
-            tie_pressure=share * hardness,
-            evaluations=done + 2,
-        )
-
     def _carried(
         self, gap_field: Field, stiffness: Field, tiles: TileList, base: float, offset: float, cap: float
     ) -> Carried:
@@ -320,13 +205,6 @@ class Balancer:
         table = partials.numpy()
         force, slope = table[:2].sum(axis=1) * self._cell_area
         return Carried(float(force), float(slope), float(table[2].min()))
-
-    def _count(self, gap_field: Field, tiles: TileList, approach: float) -> float:
-        """Cells in contact at an approach, of the tiles listed."""
-        self._executor.launch(
-            contact.bearing, inputs=[approach, gap_field], outputs=[self._sums], over=tiles, often=True
-        )
-        return float(self._sums.numpy()[0].sum())
 
 
 class Found(NamedTuple):

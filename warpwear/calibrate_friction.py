@@ -99,7 +99,7 @@ def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[dict[s
 def _of_run(folder: Path, cof: float, ploughing: float, area: str | None) -> tuple[dict[str, Any], str]:
     from warpwear import friction
     from warpwear.results import Result
-    from warpwear.sections import Friction
+    from warpwear.sections_contact import Friction
 
     with Result.open(folder) as result:
         load, history, finished = result.study.contact.load, result.history, result.finished

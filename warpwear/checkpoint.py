@@ -1,7 +1,6 @@
 """Checkpoints: one HDF5 file in the run folder, from which a run goes on as if it had never stopped.
 
-The file opens with a user block of `HEADER` bytes, a line "warpwear checkpoint FORMAT DIGEST": the digest of
-everything behind it is checked before the HDF5 library sees any of it. Then:
+The file is sealed (see `seal`) with the mark "warpwear checkpoint FORMAT". Then:
 
 - /model/NAME        arrays of the model (fields, lists of tiles)
 - /rows              the history so far, (steps, columns), names in the attribute `columns`
@@ -30,12 +29,13 @@ from warpwear.disk_space import make_sure_of
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history import Rows
-from warpwear.results import HEADER, SPACE_FOR_THE_REST, ResultWriter, digest_of
+from warpwear.result_writer import SPACE_FOR_THE_REST, ResultWriter
+from warpwear.seal import HEADER, digest_of, has_mark, seal, words_of
 from warpwear.study import Study
 
 FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
-FORMAT = 3
+FORMAT = 4
 MAGIC = "warpwear checkpoint"
 #: Sections and keys that no result depends on.
 LABELS = ("study.name", "study.description", "run", "checks", "assumed")
@@ -95,9 +95,7 @@ class Checkpoints:
                 }
                 file["about"] = json.dumps(about)
             with self._new.open("r+b") as whole:
-                digest = digest_of(whole)
-                whole.seek(0)
-                whole.write(f"{MAGIC} {FORMAT} {digest}\n".encode())
+                seal(whole, f"{MAGIC} {FORMAT}")
                 whole.flush()
                 os.fsync(whole.fileno())
             self._new.replace(self.path)
@@ -178,7 +176,7 @@ def opened(path: Path) -> Iterator[Found | None]:
         return
     damaged = f"{path} is damaged: it is not what was written; --overwrite starts anew."
     with path.open("rb") as whole:
-        words = whole.readline(HEADER).decode(errors="replace").split()
+        words = words_of(whole)
         if len(words) != 4 or " ".join(words[:2]) != MAGIC:
             raise InputError(damaged)
         if words[2] != str(FORMAT):
@@ -194,11 +192,7 @@ def opened(path: Path) -> Iterator[Found | None]:
 
 def is_one(path: Path) -> bool:
     """Whether a file calls itself a checkpoint of warpwear."""
-    try:
-        with path.open("rb") as file:
-            return file.read(len(MAGIC)) == MAGIC.encode()
-    except OSError:
-        return False
+    return has_mark(path, MAGIC)
 
 
 def checksum(heights: FloatArray) -> int:

@@ -161,12 +161,8 @@ def _half_space(study: "Study") -> None:
 
 
 def _elastic_patches(study: "Study") -> None:
-    if study.macro.coupling == "load":
-        raise ValueError(
-            "macro.coupling = 'load' does not go with contact.law = 'half-space', whose patches share one "
-            "approach; allowed is 'approach'"
-        )
-    if study.boundary == "free" and study.macro.bulk == "foundation":
+    shared = study.macro.coupling == "approach"
+    if shared and study.boundary == "free" and study.macro.bulk == "foundation":
         raise ValueError(
             "contact.boundary = 'free' of patches needs macro.bulk = 'none': a free patch contains the "
             "displacement of its mean, which a bulk behind it would count twice"

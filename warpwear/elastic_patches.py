@@ -6,6 +6,7 @@ Every patch is a half-space of its own, behind which the bulk yields to its mean
 
 with u_k the patch's approach from its own mean plane. All patches are one convex problem for the pressures of
 all cells, whose one multiplier is δ: see `patch_influence` for its operator and `half_space` for the search.
+Where a smooth contact prescribes each p_k, on springs K_N of its own, each u_k is a multiplier of its own.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -27,6 +28,7 @@ from warpwear.patch_influence import PatchInfluence
 from warpwear.patch_ledger import PatchLedger
 from warpwear.patches import Patches
 from warpwear.results import Snapshot
+from warpwear.smooth_contact import SmoothContact
 from warpwear.study import Study
 
 #: Before a step the approach is thought to grow by so much of what the last mean pressure would wear off.
@@ -38,7 +40,7 @@ class ElasticPatchesModel:
 
     A step finds the pressure with which it ends (implicit Archard), from the last one's pressure. Only
     patches that the approach may reach are visited: they lie in the order of their lowest points before any
-    wear, so that those are the first ones.
+    wear, or of their smooth gaps where a smooth contact prescribes the loads, so that those are the first.
 
     patches: in the order of the macro cells. executor: on `patches.grid`. heights: of the disc over its mean
     plane [mm], shape of the domain.
@@ -51,7 +53,9 @@ class ElasticPatchesModel:
         curvature = study.sphere.curvature
         _, lowest = unworn(patches, heights, executor, curvature=curvature)
         of_patches = lowest.numpy().min(axis=1)
-        self._order = np.argsort(of_patches, kind="stable")
+        self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
+        reached = of_patches if self._smooth is None else self._smooth.initial
+        self._order = np.argsort(reached, kind="stable")
         #: As they are stored here.
         self.patches = replace(
             patches,
@@ -73,7 +77,7 @@ class ElasticPatchesModel:
         #: Patches visited in the last solve; the others have not been touched.
         self.visited = 0
         #: Largest approach so far [mm].
-        self._reached = float(self.lowest[0])
+        self._reached = float(of_patches.min())
         wp.load_module(patches_by_pressure, device=executor.device)
         self._sums, self._maxima = executor.partials(len(PATCH_SUMS)), executor.partials(len(PATCH_MAXIMA))
         #: No step is made before the one that is asked for.
@@ -91,15 +95,19 @@ class ElasticPatchesModel:
         """
         removals = self._ledger.removals(0.0, increment)
         before = self._influence.transforms
-        self._influence.set_bulk(1.0 / self._ledger.foundation)
-        contact = self._solve(sum(removals))
+        if self._smooth is None:
+            self._influence.set_bulk(1.0 / self._ledger.foundation)
+            contact = self._share(sum(removals))
+            approach = contact.approach
+        else:
+            contact = self._press(self._smooth, sum(removals))
+            approach = self._smooth.approach
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
         worn = self._remove(contact, sum(removals), reference)
         transforms = self._influence.transforms - before
-        approach = contact.approach, 0.0
-        return self._ledger.enter(worn, approach, increment, removals, reference, pressure, transforms)
+        return self._ledger.enter(worn, (approach, 0.0), increment, removals, reference, pressure, transforms)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -110,17 +118,32 @@ class ElasticPatchesModel:
         """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
         arrays, numbers = self._ledger.saved_state()
         arrays |= {"gap": self._executor.to_numpy(self.gap), "pressure": self._solver.pressure}
-        return arrays, numbers | {"reached": self._reached}
+        numbers["reached"] = self._reached
+        if self._smooth is not None:
+            of_patches, approach = self._smooth.saved_state()
+            arrays, numbers = arrays | of_patches, numbers | approach | {"visited": self.visited}
+        return arrays, numbers
 
     def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
         """Go on from the state that another model of the same study, surface and device saved."""
         self._executor.fill(self.gap, arrays["gap"])
         self._solver.go_on_from(arrays["pressure"])
         self._reached = numbers["reached"]
+        if self._smooth is not None:
+            self._smooth.restore(arrays, numbers)
+            self.visited = numbers["visited"]
         self._ledger.restore(arrays, numbers)
 
-    def _solve(self, removal: float) -> HalfSpaceContact:
-        """The contact at the end of a step that removes so much of both bodies [mm³/N].
+    def _press(self, smooth: SmoothContact, removal: float) -> HalfSpaceContact:
+        """The contact at the end of a step that removes so much [mm³/N], by loads that are prescribed."""
+        loads = smooth.press(foundation=self._ledger.foundation, removal=removal)[self._order]
+        # One that has carried a load is visited for good, which is how it can let go of it.
+        self.visited = max(self.visited, int(np.flatnonzero(loads)[-1]) + 1)
+        self._influence.visit(self.visited)
+        return self._solver.solve(self.gap, mean_pressure=loads[: self.visited], compliance=removal)
+
+    def _share(self, removal: float) -> HalfSpaceContact:
+        """The same by loads that patches share through one approach.
 
         It is solved once no patch that was left out lies below its approach: those carry nothing then.
         """

@@ -5,8 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from warpwear.balance import TOLERANCE, Balance
-from warpwear.errors import ConvergenceError
+from warpwear.balance import Balance, residual_of
 from warpwear.execution import Executor
 from warpwear.grid import FloatArray
 from warpwear.half_space_iterate import NO_CAP
@@ -77,11 +76,8 @@ class HalfSpaceModel:
         )
         total = state.divide(dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True)))
         most = state.divide(dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True)))
-        residual = total["pressure"] * executor.grid.cell_area - load
-        if not abs(residual) <= 2.0 * TOLERANCE * load:
-            raise ConvergenceError(
-                f"{residual:.3g} N of {load:.6g} N are left at an approach of {contact.approach:.9g} mm."
-            )
+        carried = total["pressure"] * executor.grid.cell_area
+        residual = residual_of(carried, load, approach=contact.approach)
         balance = Balance(contact.approach, 0.0, cap, residual, evaluations=contact.transforms)
         return self._ledger.enter(
             balance, increment, (sphere, disc), reference, total, most, pressure=pressure

@@ -5,8 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from warpwear.balance import TOLERANCE, Balance
-from warpwear.errors import ConvergenceError
+from warpwear.balance import Balance, residual_of
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.half_space_iterate import NO_CAP
@@ -121,12 +120,8 @@ class ElasticSliding:
         total = dict(zip(OF_STEP, self._sums.numpy().sum(axis=1).tolist(), strict=True))
         total |= {name: float(rows.numpy().sum()) for name, rows in self._of_rows.items()}
         most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
-        residual = total["pressure"] * executor.grid.cell_area - study.contact.load
-        if not abs(residual) <= 2.0 * TOLERANCE * study.contact.load:
-            raise ConvergenceError(
-                f"{residual:.3g} N of {study.contact.load:.6g} N are left at an approach of "
-                f"{contact.approach:.9g} mm."
-            )
+        carried = total["pressure"] * executor.grid.cell_area
+        residual = residual_of(carried, study.contact.load, approach=contact.approach)
         balance = Balance(contact.approach, 0.0, cap, residual, evaluations=contact.transforms)
         return self._ledger.enter(
             balance, increment, (of_sphere, of_disc), reference, total, most, pressure=pressure

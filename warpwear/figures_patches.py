@@ -52,7 +52,7 @@ def load_share(data: FigureData) -> Figure:
 
     if columns == 1:  # beside each other
         return fs.new_figure(draw, columns=len(found), height=2.6)
-    return fs.new_figure(draw, rows=len(found), columns=columns, height=0.75 * fs.PAGE / columns + 0.35)
+    return fs.new_figure(draw, rows=len(found), columns=columns, height=0.66 * fs.PAGE / columns + 0.4)
 
 
 def patch_zoom(data: FigureData) -> Figure:

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.sections import Friction
+from warpwear.sections_contact import Friction
 
 WHEN: tuple[Literal["initial"], Literal["end"]] = ("initial", "end")
 

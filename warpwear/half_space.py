@@ -30,10 +30,10 @@ SLOPE_TOLERANCE = 1.0e-8
 class HalfSpaceContact:
     """A solved contact. The fields are the solver's own and last until its next solve."""
 
-    approach: float  # rigid approach from the mean planes [mm]
+    approaches: FloatArray  # rigid, from the mean planes: of all cells, or row by row [mm]
     mean_pressure: float  # [MPa]
     violation: float  # largest violation of complementarity, over the rms height
-    load_residual: float  # mean pressure over the one asked for, − 1; 0 under approach control
+    load_residual: float  # mean pressure over the one asked for, − 1, furthest from 0; 0 at an approach
     cells_in_contact: int  # with p > 0
     cells_between: int  # with 0 < p < H
     iterations: int
@@ -42,6 +42,11 @@ class HalfSpaceContact:
     gradient_field: Field  # gap after deformation and wear, from the mean planes [mm]
     executor: Executor
     cells: int  # of the surface
+
+    @property
+    def approach(self) -> float:
+        """Of all cells [mm], where they share one."""
+        return float(self.approaches.item())
 
     @property
     def pressure(self) -> FloatArray:
@@ -113,7 +118,7 @@ class BoundedPressure:
         self,
         gap: Field,
         *,
-        mean_pressure: float | None = None,
+        mean_pressure: float | FloatArray | None = None,
         approach: float | None = None,
         compliance: float = 0.0,
         streak_compliance: float = 0.0,
@@ -121,61 +126,65 @@ class BoundedPressure:
     ) -> HalfSpaceContact:
         """The contact at a mean pressure [MPa] or at an approach [mm].
 
-        gap: from the mean planes [mm]. compliance: c of every cell beside the half-space's [mm/MPa]: K ΔL of
-        both bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides
-        over, under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the
-        whole line.
+        mean_pressure: of all cells; or an array, of each row visited, under an operator that ties no rows to
+        each other: each then has an approach and an rms height of its own, and may carry nothing. gap: from
+        the mean planes [mm]. compliance: c of every cell beside the half-space's [mm/MPa]: K ΔL of both
+        bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
+        under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
+        line.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
         """
-        cells = self._influence.cells
         asked = self._asked(mean_pressure, approach)
+        cells = self._iterate.cells
         self._influence.set_compliance(compliance, streak_compliance, streak_window)
         done = self._influence.transforms
         moments = self._iterate.moments(gap)
         response = self._influence.shortest_response + compliance
         stiffness = 1.0 / response
         if not self._started:
-            level = moments.mean if approach is None else approach
+            level = moments.mean if approach is None else np.full(1, approach)
             unit = stiffness * (moments.mean - moments.lowest)
             carried = self._iterate.foundation(gap, stiffness=stiffness, level=level)
             self._iterate.take_trial(
-                0.0 if asked is None else self._iterate.balance(asked, *carried, unit=unit)
+                np.zeros(1) if asked is None else self._iterate.balance(asked, *carried, unit=unit)
             )
             self._started = True
         search = Search(self._iterate, asked, approach, stiffness)
         state = self._iterate.begin(gap)
         for iteration in range(self._max_iterations + 1):
             level = search.level(state)
-            violation = max(state.highest - level, level - state.lowest, 0.0)
-            yielded = abs(level) + response * state.total / cells
-            scale = moments.rms or yielded
-            allowed = max(self._tolerance * scale, ROUNDING * yielded)
-            off = 0.0 if asked is None else state.total / asked - 1.0
-            if violation <= allowed and abs(off) <= LOAD_TOLERANCE:
+            violation = np.maximum(np.maximum(state.highest - level, level - state.lowest), 0.0)
+            yielded = np.abs(level) + response * state.total / cells
+            scale = np.where(moments.rms > 0.0, moments.rms, yielded)
+            allowed = np.maximum(self._tolerance * scale, ROUNDING * yielded)
+            off = _off(state.total, asked)
+            loaded = abs(off) <= LOAD_TOLERANCE
+            if loaded and (violation <= allowed).all():
                 return HalfSpaceContact(
-                    approach=level,
-                    mean_pressure=state.total / cells,
-                    violation=violation / scale if violation > 0.0 else 0.0,
+                    approaches=level,
+                    mean_pressure=float(state.total.sum()) / self._influence.cells,
+                    violation=_worst(violation, scale),
                     load_residual=off,
-                    cells_in_contact=round(state.touching),
-                    cells_between=round(state.between),
+                    cells_in_contact=round(float(state.touching.sum())),
+                    cells_between=round(float(state.between.sum())),
                     iterations=iteration,
                     transforms=self._influence.transforms - done,
                     pressure_field=self._iterate.pressure,
                     gradient_field=self._iterate.gradient,
                     executor=self._executor,
-                    cells=cells,
+                    cells=self._influence.cells,
                 )
-            moved = search.move(state, level, loaded=abs(off) <= LOAD_TOLERANCE)
+            moved = search.move(state, level, loaded=loaded)
             if moved is None:
                 break
             state = moved
         self._started = False
         raise ConvergenceError(
             f"the half-space contact did not converge in {iteration} iterations: complementarity is violated "
-            f"by {violation:.3g} mm, {violation / scale:.3g} of the rms height (allowed {self._tolerance:g})."
+            f"by {violation.max():.3g} mm, {_worst(violation, scale):.3g} of the rms height "
+            f"(allowed {self._tolerance:g})."
         )
 
     def slope(self, contact: HalfSpaceContact) -> float:
@@ -198,18 +207,34 @@ class BoundedPressure:
         self._influence.respond_elastically(self._iterate.pressure, field)
         return self._executor.to_numpy(field)
 
-    def _asked(self, mean_pressure: float | None, approach: float | None) -> float | None:
-        """Sum of the pressures of all cells [MPa]; None under approach control."""
+    def _asked(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
+        """Sums of the pressures of the parts that have loads of their own [MPa]; None at an approach."""
         if (mean_pressure is None) == (approach is None):
             raise InputError("a half-space contact needs either a mean pressure or an approach.")
+        self._iterate.divide(mean_pressure.size if isinstance(mean_pressure, np.ndarray) else None)
         if mean_pressure is None:
             return None
-        if not 0.0 < mean_pressure <= self._hardness:
+        means = np.atleast_1d(mean_pressure)
+        wrong = means if not means.any() else means[~((means >= 0.0) & (means <= self._hardness))]
+        if wrong.size:
             raise InputError(
-                f"a mean pressure of {mean_pressure:g} MPa is not possible; it must be positive and at most "
-                f"the hardness, {self._hardness:g} MPa."
+                f"a mean pressure of {wrong[0]:g} MPa is not possible; it must be positive and at most the "
+                f"hardness, {self._hardness:g} MPa."
             )
-        return mean_pressure * self._influence.cells
+        return means * self._iterate.cells
+
+
+def _off(total: FloatArray, asked: FloatArray | None) -> float:
+    """What is carried over what is asked for, − 1, where that is furthest from 0; 0 at an approach."""
+    if asked is None:
+        return 0.0
+    over = np.divide(total, asked, out=1.0 + total, where=asked > 0.0) - 1.0
+    return float(over[np.argmax(np.abs(over))])
+
+
+def _worst(violation: FloatArray, scale: FloatArray) -> float:
+    """The largest violation over the scale of its part."""
+    return float(np.divide(violation, scale, out=np.zeros_like(scale), where=violation > 0.0).max())
 
 
 class HalfSpace(BoundedPressure):

@@ -4,12 +4,18 @@ A trial step is clipped to 0 ≤ p ≤ H and shifted to the load, then the minim
 so that every iterate is feasible, none is worse than the last, and an iteration costs one pair of transforms,
 two with the preconditioner |q| E*/2. The root is Polonsky and Keer 1999, Wear 231, 206; Almqvist et al. 2007,
 Tribol. Int. 40, 574 added the cap, Vollebregt 2014, J. Comput. Phys. 257, 333 the preconditioner.
+
+Parts with loads of their own have levels and shifts of their own, and the length and the memory of a step in
+common: together they are one problem, whose matrix has a block for each.
 """
 
 import math
 
+import numpy as np
+
 from warpwear.balance import TOLERANCE
-from warpwear.half_space_iterate import Iterate, Products, State
+from warpwear.grid import FloatArray
+from warpwear.half_space_iterate import NO_CAP, Iterate, Products, State
 
 #: With a smaller share of the cells in contact below the cap |q| is no guide: steps along the plain gradient.
 ELASTIC_SHARE = 0.3
@@ -25,7 +31,7 @@ class Search:
     """The iterations of one solve: what the next step remembers of the last."""
 
     def __init__(
-        self, iterate: Iterate, asked: float | None, approach: float | None, stiffness: float
+        self, iterate: Iterate, asked: FloatArray | None, approach: float | None, stiffness: float
     ) -> None:
         self._iterate = iterate
         self._asked = asked
@@ -37,26 +43,30 @@ class Search:
         self._last: bool | None = None  # kind of the last step; None: nothing to remember
         self._plain_left = 0
 
-    def level(self, state: State) -> float:
-        """The approach λ: given, or the mean gap of the cells between the bounds.
+    def level(self, state: State) -> FloatArray:
+        """The approach λ of each part: given, or the mean gap of the cells between the bounds.
 
         Where there are none, that of the cell which is next to take load, or to give it.
         """
         if self._approach is not None or self._asked is None:
-            return self._approach or 0.0
-        if state.between > 0.0:
+            return np.full(1, self._approach or 0.0)
+        if state.between.all():
             return state.level / state.between
-        if abs(state.total - self._asked) <= TOLERANCE * self._asked:
-            return 0.5 * (state.highest + state.lowest)
-        return state.lowest if state.total < self._asked else state.highest
+        # Where no cell touches, or all carry the hardness, one of the two is missing.
+        highest = np.where(state.highest > -NO_CAP, state.highest, state.lowest)
+        lowest = np.where(state.lowest < NO_CAP, state.lowest, state.highest)
+        loaded = np.abs(state.total - self._asked) <= TOLERANCE * self._asked
+        following = np.where(state.total < self._asked, lowest, highest)
+        following = np.where(loaded, 0.5 * (highest + lowest), following)
+        return np.where(state.between > 0.0, state.level / np.maximum(state.between, 1.0), following)
 
-    def move(self, state: State, level: float, *, loaded: bool) -> State | None:
+    def move(self, state: State, level: FloatArray, *, loaded: bool) -> State | None:
         """One iteration; None where no step leads on.
 
         loaded: whether the pressure carries the load. Else the step brings it there, all of it.
         """
         while True:
-            plain = self._plain_left > 0 or state.between <= ELASTIC_SHARE * state.touching
+            plain = self._plain_left > 0 or state.between.sum() <= ELASTIC_SHARE * state.touching.sum()
             self._plain_left = max(self._plain_left - 1, 0)
             remembers = self._last is plain
             aimed = self._aim(level, plain)
@@ -74,16 +84,16 @@ class Search:
                 return self._go(plain, aimed, 1.0, used, loaded)
             self._last, self._plain_left = None, PLAIN_STEPS
 
-    def _aim(self, level: float, plain: bool) -> float | None:
-        """Make the trial pressure. Returns the shift that restores its load, None where it leads up."""
+    def _aim(self, level: FloatArray, plain: bool) -> FloatArray | None:
+        """Make the trial pressure. Returns the shifts that restore its load, None where it leads up."""
         z, z_level = self._iterate.descent(level, plain=plain)
         sums = self._iterate.products(level, z, z_level)
-        mean = sums.z / sums.cells if self._asked is not None and sums.cells else 0.0
+        mean = np.zeros_like(level) if self._asked is None else sums.z / np.maximum(sums.cells, 1.0)
         memory = 0.0
         if self._last is plain:
-            memory = max(0.0, (sums.zy - mean * sums.y) / self._curvature)
-        downhill = sums.zr - mean * sums.r
-        if memory * sums.sr >= downhill:
+            memory = max(0.0, float((sums.zy - mean * sums.y).sum()) / self._curvature)
+        downhill = float((sums.zr - mean * sums.r).sum())
+        if memory * float(sums.sr.sum()) >= downhill:
             memory = 0.0
         if not plain and not downhill > 0.0:
             return None
@@ -92,11 +102,11 @@ class Search:
             level, z, z_level + mean, memory=memory, length=self._length[plain], outward=outward
         )
         if self._asked is None:
-            return 0.0
-        unit = self._length[plain] * max(sums.largest_z, sums.largest_r * outward)
+            return np.zeros_like(level)
+        unit = self._length[plain] * np.maximum(sums.largest_z, sums.largest_r * outward)
         return self._iterate.balance(self._asked, *carried, unit=unit)
 
-    def _go(self, plain: bool, shift: float, best: float, used: float, loaded: bool) -> State:
+    def _go(self, plain: bool, shift: FloatArray, best: float, used: float, loaded: bool) -> State:
         """Take the step as far as is best."""
         if not loaded or WHOLE_STEP < best <= 1.0 or (best > 1.0 and best * used > 1.0):
             state = self._iterate.advance(1.0, shift=shift)
@@ -116,4 +126,5 @@ class Search:
 
 def _ratio(sums: Products) -> float:
     """How far the descent goes for a gradient, by the largest of both [MPa/mm]."""
-    return sums.largest_z / sums.largest_r if sums.largest_r > 0.0 else 0.0
+    largest_z, largest_r = float(sums.largest_z.max()), float(sums.largest_r.max())
+    return largest_z / largest_r if largest_r > 0.0 else 0.0

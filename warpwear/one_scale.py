@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-from warpwear.balance import STEPS_AHEAD, TOLERANCE, Ahead, Balance, Balancer, Carried
+from warpwear.balance import STEPS_AHEAD, Ahead, Balance, Balancer, Carried, residual_of
+from warpwear.bearing_area import BearingArea
 from warpwear.device_loop import DeviceLoop
-from warpwear.errors import ConvergenceError
 from warpwear.execution import Executor, Field
 from warpwear.foresight import Foresight
 from warpwear.grid import FloatArray
@@ -48,7 +48,7 @@ class OneScaleModel:
         #: 1/k of the foundation [mm³/N], None where it follows the contact.
         updated = study.study.model == "macro" and study.contact.foundation_update == "updated"
         self._compliance = None if updated else study.law().compliance
-        self._balancer = Balancer(executor)
+        self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
         self._sums = executor.partials(len(SUMS))
         self._maxima = executor.partials(len(MAXIMA))
         curvature = study.sphere.curvature
@@ -74,7 +74,7 @@ class OneScaleModel:
         grid = executor.grid
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = Tiles(executor, self.state.gap, self.state.unworn, self.state.share, least=SPARE * fully)
-        self._highest = self._balancer.bounds(self.state.gap, self.tiles)[1]
+        self._highest = self._bearing_area.bounds(self.state.gap, self.tiles)[1]
         #: Whether 1/c of a step is known before it.
         self._foreseen = not self._rigid and self._recession is None and self._compliance is not None
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
@@ -266,21 +266,13 @@ class OneScaleModel:
         total = self.state.divide(dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True)))
         most = self.state.divide(dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True)))
         if not self._rigid:
-            balance = self._carried(balance, total["pressure"])
+            force = total["pressure"] * self._executor.grid.cell_area
+            residual = residual_of(force, self.study.contact.load, approach=balance.approach)
+            balance = replace(balance, load_residual=residual)
         self._last = balance
         return self._ledger.enter(
             balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
         )
-
-    def _carried(self, balance: Balance, pressure: float) -> Balance:
-        """With the residual of the pressures that wore. ConvergenceError where they do not carry the load."""
-        load = self.study.contact.load
-        residual = pressure * self._executor.grid.cell_area - load
-        if not abs(residual) <= 2.0 * TOLERANCE * load:
-            raise ConvergenceError(
-                f"{residual:.3g} N of {load:.6g} N are left at an approach of {balance.approach:.9g} mm."
-            )
-        return replace(balance, load_residual=residual)
 
     def _removal(self, later: float, increment: float) -> tuple[float, float]:
         """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
@@ -291,7 +283,7 @@ class OneScaleModel:
     def _balance(self, stiffness: Stiffness, removal: float) -> Balance:
         load = self.study.contact.load
         if self._rigid:
-            return self._balancer.bearing(
+            return self._bearing_area.solve(
                 self.state.gap,
                 self.tiles,
                 highest=self._highest,

@@ -4,8 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from warpwear.balance import TOLERANCE, Balance
-from warpwear.errors import ConvergenceError
+from warpwear.balance import Balance, residual_of
 from warpwear.grid import FloatArray
 from warpwear.ledger import Ledger, Step
 from warpwear.patch_book import PatchBook
@@ -80,12 +79,8 @@ class PatchLedger:
             total[f"wear_{body}"] = part * total["worn"]
             most[f"wear_{body}"] = part * deepest
         of_cell = self._patches.domain.cell_area * self._patches.weight
-        load = self._study.contact.load
-        residual = total["pressure"] * of_cell - load  # of the pressures that wore
-        if not abs(residual) <= 2.0 * TOLERANCE * load:
-            raise ConvergenceError(
-                f"{residual:.3g} N of {load:.6g} N are left at an approach of {sum(approach):.9g} mm."
-            )
+        carried = total["pressure"] * of_cell
+        residual = residual_of(carried, self._study.contact.load, approach=sum(approach))
         self.book.enter(load_share=sums["pressure"] * of_cell, area_patch=sums["contact"] * of_cell)
         balance = Balance(*approach, self._study.hardness, residual, evaluations=evaluations)
         return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)

@@ -10,6 +10,7 @@ import tomli_w
 from warpwear.defaults import CONSTANTS
 from warpwear.materials import material
 from warpwear.schema import given_keys, key_of
+from warpwear.unused_keys import inapplicable
 
 if TYPE_CHECKING:
     from warpwear.study import Study
@@ -72,7 +73,7 @@ def assumptions(study: "Study") -> dict[str, str]:
 
 def _applicable(study: "Study") -> Iterator[tuple[str, Any]]:
     """Dotted names and values of the keys that something uses."""
-    skipped = study.inapplicable()
+    skipped = inapplicable(study)
     content = study.model_dump(exclude={"assumed"})
     for name, value in study.resolved.items():
         section, _, key = name.partition(".")

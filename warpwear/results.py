@@ -1,13 +1,11 @@
-"""Results: one HDF5 file a run, written step by step, read by `Result`."""
+"""Results: one HDF5 file a run, read by `Result`."""
 
-import hashlib
 import json
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
-from io import BufferedIOBase
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -15,17 +13,14 @@ from typing import TYPE_CHECKING, Any, Self
 import h5py
 import numpy as np
 
-from warpwear import __version__
-from warpwear.disk_space import make_sure_of
 from warpwear.errors import InputError
-from warpwear.grid import FloatArray, Grid
-from warpwear.history import columns_of
+from warpwear.grid import FloatArray
+from warpwear.seal import digest_of, has_mark, words_of
 from warpwear.study import Study
 
 if TYPE_CHECKING:
     from warpwear.evolution import SurfaceEvolution
     from warpwear.figures import Plotter
-    from warpwear.patch_book import PatchBook
 
 FIELDS = {
     "pressure": "MPa",
@@ -35,13 +30,8 @@ FIELDS = {
     "plastic_disc": "mm",  # of a swept disc that keeps its dents
 }
 FILE_NAME = "result.h5"
-#: The file opens with a user block of so many bytes, a line "warpwear result DIGEST" of all behind it.
+#: What the seal of the file begins with.
 MAGIC = "warpwear result"
-HEADER = 512
-#: For attributes, tables and the log beside what is counted [B].
-SPACE_FOR_THE_REST = 2 * 2**20
-#: Cells along a side of a compressed block.
-CHUNK = 256
 
 
 @dataclass(frozen=True)
@@ -87,125 +77,11 @@ class Snapshot:
         return np.asarray(field[rows])
 
 
-class ResultWriter:
-    """Writes a run into an open HDF5 file.
-
-    Raises OSError before it writes what the disk may not hold: the HDF5 library does not survive a full disk.
-    """
-
-    def __init__(self, file: h5py.File, study: Study, grid: Grid, *, device: str, threads: int) -> None:
-        self._file, self._study = file, study
-        self._check_space(0)
-        file.attrs.update(
-            version=__version__,
-            study=study.to_toml(),
-            device=device,
-            threads=threads,
-            precision="float64",
-            finished=False,
-        )
-        for name, centres in (("x", grid.x), ("y", grid.y)):
-            file.create_dataset(f"grid/{name}", data=centres).attrs["units"] = "mm"
-        file.create_group("snapshots")
-
-    def add_snapshot(self, snapshot: Snapshot) -> None:
-        """Keep the fields of one distance."""
-        fields = {name: values for name in FIELDS if (values := getattr(snapshot, name)) is not None}
-        self._check_space(sum(values.nbytes for values in fields.values()))
-        snapshots = self._file["snapshots"]
-        group = snapshots.create_group(f"{len(snapshots):04d}")
-        group.attrs["distance"] = snapshot.distance
-        if snapshot.row is not None:
-            group.attrs["row"] = snapshot.row
-        for name, values in fields.items():
-            chunks = tuple(min(CHUNK, n) for n in values.shape)
-            dataset = group.create_dataset(
-                name, data=values, chunks=chunks, compression="gzip", compression_opts=1, shuffle=True
-            )
-            dataset.attrs["units"] = FIELDS[name]
-
-    def add_track(self, x: FloatArray, heights: FloatArray) -> None:
-        """Keep the disc of a swept run: places of its rows [mm], heights before any wear [mm]."""
-        self._check_space(heights.nbytes)
-        group = self._file.create_group("track")
-        for name, centres in (("x", x), ("y", self._file["grid/y"][()])):
-            group.create_dataset(name, data=centres).attrs["units"] = "mm"
-        # As it is: roughness gains a tenth by compression, at many times the time.
-        group.create_dataset("heights", data=heights).attrs["units"] = "mm"
-
-    @property
-    def snapshot_bytes(self) -> int:
-        """What the snapshots so far take in a file [B]."""
-        groups = self._file["snapshots"].values()
-        return sum(dataset.id.get_storage_size() for group in groups for dataset in group.values())
-
-    def copy_snapshots_to(self, file: h5py.File) -> None:
-        """Keep the snapshots so far in another file, compressed as they are."""
-        self._file.copy("snapshots", file)
-
-    def take_snapshots_from(self, file: h5py.File) -> None:
-        """Begin with the snapshots of another file."""
-        self._check_space(Path(file.filename).stat().st_size)
-        del self._file["snapshots"]
-        file.copy("snapshots", self._file)
-
-    def finish(self, history: Mapping[str, FloatArray], record: Mapping[str, Any], *, finished: bool) -> None:
-        """Keep the history and what else the run recorded, and mark it as finished or interrupted."""
-        self._check_space(sum(values.nbytes for values in history.values()))
-        group = self._file.create_group("history")
-        for column in columns_of(self._study):
-            dataset = group.create_dataset(
-                column.name,
-                data=history[column.name],
-                compression="gzip",
-                shuffle=True,
-                chunks=True,
-            )
-            dataset.attrs["units"] = column.units
-            dataset.attrs["meaning"] = column.meaning
-        self._file.attrs["record"] = json.dumps(record)
-        self._file.attrs["finished"] = finished
-        self._file.flush()
-
-    def add_patches(self, book: "PatchBook") -> None:
-        """Keep what each patch did, after the history is finished, and where the macro cells lie."""
-        from warpwear.patch_book import COLUMNS as OF_PATCHES
-
-        for column in OF_PATCHES:
-            table = book.table(column.name)
-            self._check_space(table.nbytes)
-            dataset = self._file.create_dataset(
-                f"history/{column.name}", data=table, compression="gzip", shuffle=True, chunks=True
-            )
-            dataset.attrs["units"], dataset.attrs["meaning"] = column.units, column.meaning
-        for name, centres in zip(("x", "y"), book.patches.centres, strict=True):
-            self._file.create_dataset(f"macro/{name}", data=centres).attrs["units"] = "mm"
-        self._file.flush()
-
-    def _check_space(self, size: int) -> None:
-        """For so many bytes before compression [B]."""
-        if self._file.driver == "core":
-            return
-        path = Path(self._file.filename)
-        make_sure_of(size + SPACE_FOR_THE_REST, path.parent, offset=path.stat().st_size)
-
-
-def seal(path: Path) -> None:
-    """Write the digest of a finished file into the room before its HDF5 part."""
-    with path.open("r+b") as file:
-        digest = digest_of(file)
-        file.seek(0)
-        file.write(f"{MAGIC} {digest}\n".encode())
-
-
 def check_seal(path: Path) -> None:
-    """Raises InputError for a sealed file that is not what was written. One made by hand may be anything.
-
-    Before HDF5 sees it: its library takes lost blocks for zeros, and does not survive every damage.
-    """
+    """Raises InputError for a sealed file that is not what was written. One made by hand may be anything."""
     try:
         with path.open("rb") as file:
-            words = file.readline(HEADER).decode(errors="replace").split()
+            words = words_of(file)
             sealed = " ".join(words[:2]) == MAGIC
             if sealed and words[2:] != [digest_of(file)]:
                 raise InputError(
@@ -219,17 +95,7 @@ def check_seal(path: Path) -> None:
 
 def is_one(path: Path) -> bool:
     """Whether a file calls itself a result of warpwear, damaged or not."""
-    try:
-        with path.open("rb") as file:
-            return file.read(len(MAGIC)) == MAGIC.encode()
-    except OSError:
-        return False
-
-
-def digest_of(file: BufferedIOBase) -> str:
-    """Of everything behind the header."""
-    file.seek(HEADER)
-    return hashlib.file_digest(file, "blake2b").hexdigest()
+    return has_mark(path, MAGIC)
 
 
 @contextmanager

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from warpwear import checkpoint, results, run_lock
 from warpwear.errors import InputError
-from warpwear.results import FILE_NAME, Result, seal
+from warpwear.results import FILE_NAME, MAGIC, Result
+from warpwear.seal import seal
 from warpwear.study import Study
 
 #: Work folders, inside the run folder; of a killed run they stay until the next.
@@ -119,7 +120,8 @@ def move_into_place(work: Path, folder: Path) -> None:
     for figure in (folder / "figures").glob("*"):
         if figure.stem in Plotter.NAMES:  # of the run that is replaced
             figure.unlink()
-    seal(work / FILE_NAME)
+    with (work / FILE_NAME).open("r+b") as file:
+        seal(file, MAGIC)
     for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
         item.replace(folder / item.name)
 

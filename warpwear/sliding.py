@@ -9,6 +9,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.balance import RIGID, Balance, Balancer
+from warpwear.bearing_area import BearingArea
 from warpwear.device_sliding import DeviceSliding
 from warpwear.execution import Executor, Field
 from warpwear.grid import FloatArray
@@ -67,7 +68,7 @@ class SlidingContact:
         self._wear, self._elastic = study.wear_laws, study.law().compliance
         self._implicit = study.stepping.scheme == "implicit"
         self.keeps_dents = keeps_dents(study)
-        self._balancer = Balancer(executor)
+        self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
         columns, device = executor.tiles_per_row, executor.device
@@ -256,7 +257,7 @@ class SlidingContact:
         if not math.isfinite(hardness):
             raise ValueError("a contact without compliance needs a hardness")
         # Without an approach the search starts at the lowest cell, which is not far from the level sought.
-        return self._balancer.bearing_near(
+        return self._bearing_area.solve_near(
             self.tiles.gap,
             self.tiles,
             start=self.tiles.smallest if self._approach is None else self._approach,

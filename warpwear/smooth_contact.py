@@ -1,6 +1,8 @@
 """The smooth macro contact that prescribes the load of each patch (coupling = "load")."""
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -25,9 +27,9 @@ class SmoothContact:
         curvature = study.sphere.curvature
         heights = sag(patches.domain.x, patches.domain.y, radius=1.0 / curvature if curvature else np.inf)
         stored = patches.stored(heights).reshape(patches.count, patches.side, -1)[:, :, : patches.side]
-        self._initial: FloatArray = stored.mean(axis=(1, 2))
+        self.initial: FloatArray = stored.mean(axis=(1, 2))  # gap before any wear [mm]
         self.worn = np.zeros(patches.count)  # by both bodies [mm]
-        self.approach = float(self._initial.min())  # [mm]
+        self.approach = float(self.initial.min())  # [mm]
 
     def press(self, *, foundation: float, removal: float) -> FloatArray:
         """Pressures [MPa] that carry the load, then worn by removal [mm³/N] times them, implicitly.
@@ -36,7 +38,7 @@ class SmoothContact:
         """
         base = self.approach
         stiffness = 1.0 / (1.0 / foundation + removal)
-        overlap = base - (self._initial + self.worn)
+        overlap = base - (self.initial + self.worn)
 
         def pressure(offset: float) -> FloatArray:
             return np.clip((overlap + offset) * stiffness, 0.0, self._hardness)
@@ -57,6 +59,13 @@ class SmoothContact:
         self.approach = base + found.offset
         self.worn = self.worn + removal * p
         return p
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that `restore` takes back."""
+        return {"smooth_worn": self.worn}, {"smooth_approach": self.approach}
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        self.worn, self.approach = arrays["smooth_worn"], numbers["smooth_approach"]
 
     def _adding_up(self, p: FloatArray) -> FloatArray:
         """Without what the search left of the load: that of the patches comes on top of it."""

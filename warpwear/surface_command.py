@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from warpwear.errors import InputError
 from warpwear.messages import sentence
 from warpwear.quantities import POSITIVE, parse
-from warpwear.sections import Disc
+from warpwear.sections_bodies import Disc
 from warpwear.surface_of import surface_of
 
 if TYPE_CHECKING:

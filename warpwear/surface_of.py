@@ -6,7 +6,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.running_in import Logistic
-from warpwear.sections import Disc
+from warpwear.sections_bodies import Disc
 from warpwear.study import Study
 from warpwear.surfaces.base import Surface
 
@@ -37,7 +37,9 @@ def bearing_curve_of(study: Study) -> Logistic:
 def surface_of(disc: Disc) -> Surface:
     """The disc's surface. Raises InputError for a file that cannot be used."""
     if disc.synthetic is not None:
-        from warpwear.surfaces.synthetic import Flat, Milled, SelfAffine
+        from warpwear.surfaces.milled import Milled
+        from warpwear.surfaces.self_affine import SelfAffine
+        from warpwear.surfaces.synthetic import Flat
 
         given: dict[str, Any] = {
             name: getattr(disc.synthetic, name)

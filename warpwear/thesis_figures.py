@@ -1,6 +1,7 @@
 """The table of all figures of the report of the thesis, each with the caption that stands below it.
 
-Figures of a single run come from its `plot`, those of several from `thesis_curves` and `thesis_maps`.
+Figures of a single run come from its `plot`, those of several from `thesis_curves`, `thesis_bars` and
+`thesis_maps`.
 """
 
 from collections.abc import Callable
@@ -8,7 +9,7 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
-from warpwear import thesis_curves, thesis_maps
+from warpwear import thesis_bars, thesis_curves, thesis_maps
 from warpwear.thesis_numbers import Numbers
 from warpwear.thesis_runs import Runs
 
@@ -95,19 +96,19 @@ FIGURES: dict[str, Entry] = {
         thesis_maps.sphere_patches,
         "Wear depth of the sphere at the end (µm); the extents along and across are of touched cells.",
     ),
-    "disc_volumes": Entry(thesis_curves.disc_volumes, "Worn volume of the disc (mm³) and against V1 (%)."),
+    "disc_volumes": Entry(thesis_bars.disc_volumes, "Worn volume of the disc (mm³) and against V1 (%)."),
     "cof_of_all": Entry(
         thesis_curves.cof_of_all,
         "Coefficient of friction (–) with one shear strength for all: V3, which sums its areas, is off the "
         "scale of the others.",
     ),
     "disc_depths": Entry(
-        thesis_curves.disc_depths,
+        thesis_bars.disc_depths,
         "Deepest cell of the disc (µm) of the models on a stationary footprint, and the groove that Table "
         "4.1's K_d makes of 30 mm × 0.80 mm.",
     ),
     "patch_bars": Entry(
-        thesis_curves.patch_bars, "Diameter of the sphere's worn patch (mm) as printed and of our runs."
+        thesis_bars.patch_bars, "Diameter of the sphere's worn patch (mm) as printed and of our runs."
     ),
     "relative_cof": Entry(
         thesis_curves.relative_cof,

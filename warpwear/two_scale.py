@@ -111,8 +111,8 @@ class TwoScaleModel:
             arrays |= {f"shares_{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
             numbers["last"] = {k: v for k, v in state.items() if not isinstance(v, np.ndarray)}
         if self._smooth is not None:
-            arrays["smooth_worn"] = self._smooth.worn
-            numbers["smooth_approach"] = self._smooth.approach
+            worn, approach = self._smooth.saved_state()
+            arrays, numbers = arrays | worn, numbers | approach
         return arrays, numbers
 
     def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
@@ -129,7 +129,7 @@ class TwoScaleModel:
             of_patches = {k: arrays[f"shares_{k}"] for k in ("base", "offset", "pressure")}
             self._last = Shares(**of_patches, **numbers["last"])
         if self._smooth is not None:
-            self._smooth.worn, self._smooth.approach = arrays["smooth_worn"], numbers["smooth_approach"]
+            self._smooth.restore(arrays, numbers)
 
     def _share(self, removal: float) -> Shares:
         study, row = self.study, self._ledger.row

@@ -7,7 +7,7 @@ from scipy.stats import norm
 
 from warpwear.surfaces.bearing import bearing_parameters, material_ratio_curve
 from warpwear.surfaces.parameters import roughness
-from warpwear.surfaces.synthetic import SelfAffine
+from warpwear.surfaces.self_affine import SelfAffine
 
 
 def gaussian():

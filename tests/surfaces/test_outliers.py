@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from warpwear.surfaces.measured import read_measured
+from warpwear.surfaces.milled import Milled
 from warpwear.surfaces.outliers import outliers
-from warpwear.surfaces.synthetic import Milled, SelfAffine
+from warpwear.surfaces.self_affine import SelfAffine
 
 PIXEL = 0.002
 SPIKE = 0.05

@@ -10,7 +10,8 @@ import pytest
 from warpwear.errors import InputError
 from warpwear.surfaces.fourier import half_plane_draws
 from warpwear.surfaces.parameters import rms_slope, roughness
-from warpwear.surfaces.synthetic import Flat, SelfAffine
+from warpwear.surfaces.self_affine import SelfAffine
+from warpwear.surfaces.synthetic import Flat
 
 PERIOD, CUT_OFF = 2.0, 0.008
 PINNED = [0.00865286921888097, 0.005101489513130521]  # mm

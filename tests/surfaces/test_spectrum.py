@@ -7,13 +7,13 @@ import pytest
 
 from warpwear.errors import InputError
 from warpwear.surfaces.parameters import profile_roughness, roughness
+from warpwear.surfaces.self_affine import SelfAffine
 from warpwear.surfaces.spectrum import (
     autocorrelation_length,
     power_spectrum,
     slope_against_cut_off,
     suggested_roll_off,
 )
-from warpwear.surfaces.synthetic import SelfAffine
 
 CELL = 0.002
 

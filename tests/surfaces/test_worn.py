@@ -8,8 +8,8 @@ import pytest
 
 from warpwear.errors import InputError
 from warpwear.surface_report import ball_page, ball_record, track_page, track_record
+from warpwear.surfaces.self_affine import SelfAffine
 from warpwear.surfaces.sphere_fit import Sphere, places
-from warpwear.surfaces.synthetic import SelfAffine
 from warpwear.surfaces.track import find_track
 from warpwear.surfaces.worn_ball import cap_of_diagonals, find_worn_ball
 

@@ -11,7 +11,7 @@ from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.half_space import HalfSpace
 from warpwear.hertz import Hertz
-from warpwear.surfaces.synthetic import SelfAffine
+from warpwear.surfaces.self_affine import SelfAffine
 
 
 def sphere(grid: Grid, radius: float) -> FloatArray:
