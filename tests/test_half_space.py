@@ -20,6 +20,7 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.half_space import HalfSpace
 from warpwear.half_space_iterate import FOLDED
 from warpwear.influence import CupyTransforms, _stream_of
+from warpwear.kernels.types import PADDING
 
 MODULUS = 3.0
 GRID = Grid(10, 7, 0.5)  # a width that is no multiple of the lanes of a vector
@@ -207,6 +208,23 @@ def test_a_load_that_whole_cells_carry_at_the_hardness(hardness: float, cells: i
         asked = {"mean_pressure": hardness * cells / GRID.cells, "compliance": 0.3}
         contact = solver.solve(executor.field(rough(GRID, seed=seed)), **asked)
         assert _violation(contact.pressure, contact.separation, hardness) <= 1e-9 * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("beyond_the_rim", [0, 2])
+def test_where_every_cell_carries_the_hardness_the_last_one_sets_the_approach(
+    boundary: str, beyond_the_rim: int
+) -> None:
+    gap, hardness = rough(GRID), 0.05
+    gap[:beyond_the_rim] = PADDING
+    approaches = []
+    with Executor(GRID) as executor:
+        solver = HalfSpace(executor, modulus=MODULUS, boundary=boundary, hardness=hardness, tolerance=1e-9)
+        for share in (1.0 - 1e-9, 1.0):
+            carried = share * hardness * (1.0 - beyond_the_rim / GRID.nx)
+            found = solver.solve(executor.field(gap), mean_pressure=carried, compliance=0.3)
+            approaches.append(found.approach)
+    assert approaches[1] == pytest.approx(approaches[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("lower", [1e-6, 1e-5, 1e-4])
