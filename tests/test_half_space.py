@@ -20,6 +20,7 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.half_space import HalfSpace
 from warpwear.half_space_iterate import FOLDED
 from warpwear.influence import CupyTransforms, _stream_of
+from warpwear.kernels.types import PADDING
 
 MODULUS = 3.0
 GRID = Grid(10, 7, 0.5)  # a width that is no multiple of the lanes of a vector
@@ -209,9 +210,26 @@ def test_a_load_that_whole_cells_carry_at_the_hardness(hardness: float, cells: i
         assert _violation(contact.pressure, contact.separation, hardness) <= 1e-9 * (1 + 1e-6)
 
 
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("beyond_the_rim", [0, 2])
+def test_where_every_cell_carries_the_hardness_the_last_one_sets_the_approach(
+    boundary: str, beyond_the_rim: int
+) -> None:
+    gap, hardness = rough(GRID), 0.05
+    gap[:beyond_the_rim] = PADDING
+    approaches = []
+    with Executor(GRID) as executor:
+        solver = HalfSpace(executor, modulus=MODULUS, boundary=boundary, hardness=hardness, tolerance=1e-9)
+        for share in (1.0 - 1e-9, 1.0):
+            carried = share * hardness * (1.0 - beyond_the_rim / GRID.nx)
+            found = solver.solve(executor.field(gap), mean_pressure=carried, compliance=0.3)
+            approaches.append(found.approach)
+    assert approaches[1] == pytest.approx(approaches[0], rel=1e-6)
+
+
 @pytest.mark.parametrize("lower", [1e-6, 1e-5, 1e-4])
 def test_a_pressure_that_rounding_left_on_the_wrong_cell_gives_way(lower: float) -> None:
-    """Four cells carry the load at the hardness; of the two that follow, the lower one has the rest."""
+    """Four cells carry the load at the hardness; of two more, the lower one shall have the rest."""
     grid, hardness = Grid(8, 8, 0.01), 590.0
     gap, pressure = np.full(grid.shape, 1e-2), np.zeros(grid.shape)
     gap[3:5, 3:5], pressure[3:5, 3:5] = -1e-2, hardness

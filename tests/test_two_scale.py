@@ -78,19 +78,20 @@ class Stepped:
 
 
 @pytest.mark.parametrize(
-    ("macro", "stiffness", "distance"),
+    ("macro", "stiffness", "hardness", "distance"),
     [
-        ("50 um", "inf N/mm^3", "300 mm"),
-        ("250 um", "inf N/mm^3", "3 mm"),
-        ("30 um", "1.9e6 N/mm^3", "3 mm"),
+        ("50 um", "inf N/mm^3", "590 MPa", "300 mm"),
+        ("250 um", "inf N/mm^3", "590 MPa", "3 mm"),
+        ("30 um", "1.9e6 N/mm^3", "590 MPa", "3 mm"),
+        ("30 um", "1.9e6 N/mm^3", "inf MPa", "3 mm"),
     ],
 )
 def test_full_tiling_without_bulk_is_the_one_scale_run(
-    macro: str, stiffness: str, distance: str, device: str
+    macro: str, stiffness: str, hardness: str, distance: str, device: str
 ) -> None:
     """To 1e-12 in approach, pressures and wear, in every step of a worn run."""
     study = quick(macro__cell=macro, macro__patch=None, macro__bulk="none", contact__stiffness=stiffness)
-    study = study.replace({"sliding.distance": distance})
+    study = study.replace({"sliding.distance": distance, "contact.hardness": hardness})
     with (
         warpwear.run(study.replace({"study.model": "micro"}), device=device) as one,
         warpwear.run(study, device=device) as two,
@@ -516,6 +517,13 @@ def test_a_patch_narrower_than_the_roughness_cannot_stand_for_more() -> None:
         InputError, match=r"macro\.patch = 50 µm is narrower than the roll-off .*about 10\d\.\d"
     ):
         warpwear.run(quick().replace(narrow))
+
+
+def test_loads_that_are_prescribed_need_macro_cells_wholly_under_the_sphere() -> None:
+    study = quick(macro__coupling="load", sphere__radius="0.2 mm", contact__hardness="100 MPa")
+    study = study.replace({"contact.load": "12 N"})  # all of the sphere would carry 12.6 N
+    with pytest.raises(InputError, match=r"contact\.load = 12 N is more than the \d+ macro cells that lie"):
+        warpwear.run(study)
 
 
 def test_patches_are_as_wide_as_the_macro_cell_that_is_set() -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from warpwear.balance import TOLERANCE
 from warpwear.grid import FloatArray
 from warpwear.half_space_iterate import NO_CAP, Iterate, Products, State
+from warpwear.kernels.types import PADDING
 
 #: With a smaller share of the cells in contact below the cap |q| is no guide: steps along the plain gradient.
 ELASTIC_SHARE = 0.3
@@ -52,9 +53,9 @@ class Search:
             return np.full(1, self._approach or 0.0)
         if state.between.all():
             return state.level / state.between
-        # Where no cell touches, or all carry the hardness, one of the two is missing.
+        # Where no cell touches, or all that there are carry the hardness, one of the two is missing.
         highest = np.where(state.highest > -NO_CAP, state.highest, state.lowest)
-        lowest = np.where(state.lowest < NO_CAP, state.lowest, state.highest)
+        lowest = np.where(state.lowest < PADDING, state.lowest, state.highest)
         loaded = np.abs(state.total - self._asked) <= TOLERANCE * self._asked
         following = np.where(state.total < self._asked, lowest, highest)
         following = np.where(loaded, 0.5 * (highest + lowest), following)
@@ -78,10 +79,10 @@ class Search:
                     return self._go(plain, aimed, best, used, loaded)
             # The step leads up. Without memory and preconditioner it cannot, but for rounding.
             if plain and not remembers:
+                if aimed is None or used < 1.0:
+                    return None
                 # A pressure off its bound by the last digit of the load hides where the others want to go.
-                return (
-                    self._go(plain, aimed, 1.0, used, loaded) if aimed is not None and used == 1.0 else None
-                )
+                return self._go(plain, aimed, 1.0, used, loaded)
             self._last, self._plain_left = None, PLAIN_STEPS
 
     def _aim(self, level: FloatArray, plain: bool) -> FloatArray | None:

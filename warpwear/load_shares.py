@@ -207,8 +207,9 @@ class _Search:
             brackets.enter(x, met)
             # Where nothing is carried, and where the hardness is.
             bound = x + self._shift
+            deepest = flexibility * task.hardness if flexibility else 0.0  # there may be no hardness
             highest = np.minimum(brackets.high[0], bound)
-            lowest = np.maximum(task.lowest - self.base, bound - flexibility * task.hardness)
+            lowest = np.maximum(task.lowest - self.base, bound - deepest)
             lowest = np.minimum(np.maximum(brackets.low[0], lowest), highest)
             guesses = at_point + (x - point) / (1.0 + flexibility * slope)
             # A step too short for another number goes to the next one, so that brackets close.

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.balance import Carried, newton_in_bracket
-from warpwear.errors import ConvergenceError
+from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
 from warpwear.patches import Patches
 from warpwear.study import Study
@@ -18,7 +18,9 @@ class SmoothContact:
     """A Winkler foundation of smooth bodies on the macro cells, capped at the hardness, with its own wear.
 
     Uncapped it would ask more of the first patches than all their cells carry at the hardness. Its gap is the
-    mean over each patch of the sphere's.
+    mean over each patch of the sphere's; patches that reach beyond its rim have none and carry nothing.
+
+    Raises InputError for a load that the others do not carry.
     """
 
     def __init__(self, study: Study, patches: Patches) -> None:
@@ -28,6 +30,13 @@ class SmoothContact:
         heights = sag(patches.domain.x, patches.domain.y, radius=1.0 / curvature if curvature else np.inf)
         stored = patches.stored(heights).reshape(patches.count, patches.side, -1)[:, :, : patches.side]
         self.initial: FloatArray = stored.mean(axis=(1, 2))  # gap before any wear [mm]
+        whole = int(np.isfinite(self.initial).sum())
+        if whole * self.area * self._hardness < self._load:
+            raise InputError(
+                f"contact.load = {self._load:g} N is more than the {whole} macro cells that lie wholly under "
+                f"the sphere carry at the hardness ({whole * self.area * self._hardness:.4g} N), as "
+                "macro.coupling = 'load' needs it; allowed are smaller loads or smaller ones of macro.cell."
+            )
         self.worn = np.zeros(patches.count)  # by both bodies [mm]
         self.approach = float(self.initial.min())  # [mm]
 
