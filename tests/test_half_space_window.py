@@ -47,7 +47,7 @@ IMPLICIT = {"compliance": 3e-7, "streak_compliance": 3e-7, "streak_window": 17}
 
 
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("implicit", [{}, IMPLICIT])
+@pytest.mark.parametrize("implicit", [{}, IMPLICIT, {"streak_compliance": 3e-7}])
 def test_a_window_changes_nothing(case: str, implicit: dict[str, Any], device: str) -> None:
     gap, law = CASES[case]
     with Executor(GRID, device=device) as executor:

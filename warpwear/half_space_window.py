@@ -147,7 +147,7 @@ class WindowedHalfSpace:
         """
         whole = self._executor.grid
         # Of a mean along x, what reaches beyond the window must not be more than what it holds.
-        rows = 2 * (streak_window or 1)
+        rows = 2 * (streak_window or (whole.nx if streak_compliance else 1))
         if self._window is None:
             self._look_at(self._first(gap, load, rows))
         elif self._window.end_row - self._window.first_row < min(rows, whole.nx):
