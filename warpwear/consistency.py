@@ -146,7 +146,7 @@ def _half_space(study: "Study") -> None:
             "sphere.young and sphere.poisson, and the same of the disc"
         )
     if study.stepping.scheme == "explicit":
-        raise ValueError(f"{named} needs stepping.scheme = 'implicit'")
+        raise ValueError(f"{named} needs stepping.scheme = 'implicit', not 'explicit'")
     if study.wear.distance_factor != "none" and not study.is_swept:
         raise ValueError(
             f"wear.distance_factor = '{study.wear.distance_factor}' does not go with {named}: allowed is none"

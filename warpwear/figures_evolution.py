@@ -66,6 +66,6 @@ def islands(data: FigureData) -> Figure:
         sizes.set_xlim(0.8 * 10.0 ** everything.min(), 10.0 ** np.floor(everything.max() + 1.0))
         sizes.tick_params(axis="x", which="minor", labelbottom=False)
         sizes.set_ylabel("islands at least as large, –")
-        sizes.legend(loc="lower left")
+        fs.legend_above(sizes, columns=5)
 
     return fs.new_figure(draw, columns=2)

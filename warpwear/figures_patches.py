@@ -44,6 +44,8 @@ def load_share(data: FigureData) -> Figure:
             if line == 1:
                 apart = load_share_error(found[name][column], found["patches"][column])
                 title = f"{100.0 * apart:.2g} % of the load\non other patches"
+                if data.study.macro.coupling == "load":
+                    title = "as prescribed"
             panel.set_title(title)
             below = line == len(found) - 1 or columns == 1
             panel.set_xlabel("x, mm" if below else "")

@@ -152,12 +152,14 @@ def _swept_plan(study: Study, stops: list[float]) -> list[tuple[float, float, bo
 def _check_memory(study: Study, rows: int, fields: float, device: str) -> None:
     """Raises InputError for a track that the host or the device does not hold."""
     needed = 8.0 * fields * study.cells.cells
+    whole = study.sliding.track == "full"
+    instead = "a representative track, such as sliding.track = '3.2 mm', or " if whole else ""
     for place, free in free_memory(device).items():
         if needed > free:
             raise InputError(
                 f"sliding.track = {study.sliding.track!r} makes a disc of {rows} × {study.cells.ny} cells, "
                 f"which takes {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB free, "
-                "so a representative track, such as sliding.track = '3.2 mm', or larger cells are needed."
+                f"so {instead}larger cells are needed."
             )
 
 

@@ -75,6 +75,7 @@ def summarise(result: "Result") -> dict[str, Any]:
         "foundation_N_per_mm3": _finite(
             study.foundation() if study.uses_foundation else study.law().stiffness
         ),
+        "half_space": _half_space(result),
         "patches": _patches(result),
         "junctions": {
             "critical_diameter_um": 1.0e3 * study.critical_junction if study.critical_junction else None,
@@ -205,6 +206,18 @@ def _patches(result: "Result") -> dict[str, Any] | None:
         "bulk": study.macro.bulk if study.macro.coupling == "approach" else "foundation",
         "carrying_at_the_end": int(np.count_nonzero(result.load_share[-1])),
         "evaluations": {"median": float(np.median(evaluations)), "most": float(evaluations.max())},
+    }
+
+
+def _half_space(result: "Result") -> dict[str, Any] | None:
+    """What contacts of half-spaces were solved with; None for another law."""
+    study = result.study
+    if study.contact.law != "half-space":
+        return None
+    return {
+        "effective_modulus_MPa": study.effective_modulus,
+        "boundary": study.boundary,
+        "transforms": {"median": float(np.median(result.history["evaluations"]))},
     }
 
 

@@ -29,8 +29,13 @@ def summary_text(summary: dict[str, Any]) -> str:
             f"{t['plastic_volume_mm3']:.4g} mm³; area {areas['first']:.4g} mm² in the first pass, "
             f"{areas['last']:.4g} in the last"
         )
+    if h := s["half_space"]:
+        lines.append(
+            f"  half-space        E* = {1e-3 * h['effective_modulus_MPa']:.4g} GPa, {h['boundary']}; "
+            f"{h['transforms']['median']:g} pairs of Fourier transforms a step in the median"
+        )
     if s["patches"]:
-        lines.append(_patches(s["patches"]))
+        lines.append(_patches(s["patches"], of_half_space=s["half_space"] is not None))
     if s["model"] == "macro" or (s["patches"] and s["patches"]["bulk"] == "foundation"):
         stiffness = s["foundation_N_per_mm3"]
         lines.append(f"  foundation        {stiffness:.4g} N/mm³ to begin with{_beside_hertz(s)}")
@@ -55,13 +60,14 @@ def summary_text(summary: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _patches(p: dict[str, Any]) -> str:
+def _patches(p: dict[str, Any], *, of_half_space: bool) -> str:
     covered = "all" if p["cover"] == 1.0 else f"{100.0 * p['cover']:.3g} %"
     spring = "a bulk spring each" if p["bulk"] == "foundation" else "no bulk spring"
     shared = f"one approach, {spring}" if p["coupling"] == "approach" else "loads as a smooth contact says"
+    iterations = "" if of_half_space else f"; {p['evaluations']['median']:g} iterations in the median"
     return (
         f"  patches           {p['number']} of {p['width_um']:g} µm in macro cells of {p['macro_cell_um']:g} "
-        f"µm ({covered} of the area), {shared}; {p['evaluations']['median']:g} iterations in the median"
+        f"µm ({covered} of the area), {shared}{iterations}"
     )
 
 
