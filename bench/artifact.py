@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 from scipy import ndimage
 
 import warpwear
-from warpwear.summary import shape_of_growth
-from warpwear.surface_of import surface_of
+from warpwear.results.summary import shape_of_growth
+from warpwear.study.surface import surface_of
 
 Table = list[dict[str, Any]]
 

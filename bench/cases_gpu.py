@@ -12,7 +12,7 @@ from loops import plan_of
 from timing import Row, Unit, measure
 
 from warpwear import Study
-from warpwear.execution import Executor
+from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 
 #: Where the package's steps are compared with NumPy's.

@@ -9,7 +9,7 @@ from timing import Row, Unit, measure, ratio_note
 
 import warpwear
 from warpwear import Study
-from warpwear.execution import Executor
+from warpwear.engine.executor import Executor
 
 #: Of Archard's volumes, relative.
 EXACT = 1.0e-9

@@ -1,4 +1,4 @@
-"""What the checks of every step (`warpwear.invariants`) cost beside the step, on the CPU.
+"""What the checks of every step (`warpwear.runs.invariants`) cost beside the step, on the CPU.
 
 python bench/checks.py [CELL in µm]...      (default: 1 10)
 """
@@ -8,9 +8,9 @@ import sys
 import time
 
 from warpwear import Study
-from warpwear.invariants import Invariants
-from warpwear.models import executor_of, model_of, plan_of
-from warpwear.surface_of import surface_in
+from warpwear.runs.invariants import Invariants
+from warpwear.runs.make import executor_of, model_of, plan_of
+from warpwear.study.surface import surface_in
 
 
 def measure(cell: str) -> None:

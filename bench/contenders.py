@@ -17,11 +17,11 @@ from published import PublishedLoop
 from timing import Row, Unit, measure
 
 from warpwear import Study
-from warpwear.execution import Executor
+from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
-from warpwear.ledger import Step
-from warpwear.one_scale import OneScaleModel
-from warpwear.surface_of import surface_in
+from warpwear.history.recorder import Step
+from warpwear.models.rest.local import OneScaleModel
+from warpwear.study.surface import surface_in
 
 #: Relative difference allowed between contenders, in approach, volumes and area.
 AGREEMENT = 1.0e-9

@@ -12,8 +12,8 @@ from phases import kernel_times
 from timing import Row, Unit, measure
 
 from warpwear import Study
-from warpwear.execution import Executor
-from warpwear.sliding import SlidingContact
+from warpwear.engine.executor import Executor
+from warpwear.models.track.local import SlidingContact
 
 SHIFT = 8  # cells a step
 EXTENT = 2.048  # [mm]: 2048 cells of 1 µm

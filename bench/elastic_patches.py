@@ -17,9 +17,9 @@ import numpy as np
 from machine import machine
 
 from warpwear import Study
-from warpwear.load_share_error import load_share_error
-from warpwear.models import executor_of, model_of, plan_of
-from warpwear.surface_of import surface_in
+from warpwear.figures.patches import load_share_error
+from warpwear.runs.make import executor_of, model_of, plan_of
+from warpwear.study.surface import surface_in
 
 AT = (0.01, 0.3, 3.0, 30.0, 240.0, 2400.0)  # [mm]
 SQUARE = 0.05  # [mm]

@@ -25,9 +25,9 @@ import numpy as np
 from half_space_contenders import MODULUS
 from machine import machine
 
+from warpwear.contact.influence import periodic_spectrum
 from warpwear.grid import Grid
-from warpwear.influence import periodic_spectrum
-from warpwear.surfaces.self_affine import SelfAffine
+from warpwear.surfaces.made.self_affine import SelfAffine
 
 HURST, SLOPE = 0.8, 0.1
 MEAN_PRESSURE = 0.005 * MODULUS

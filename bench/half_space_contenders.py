@@ -60,9 +60,9 @@ def contact_mechanics(heights: Any, case: dict[str, Any]) -> tuple[Any, int]:
 
 def warpwear(heights: Any, case: dict[str, Any]) -> tuple[Any, int]:
     """Ours, with the operator and the fields made anew."""
-    from warpwear.execution import Executor
+    from warpwear.contact.half_space import HalfSpace
+    from warpwear.engine.executor import Executor
     from warpwear.grid import Grid
-    from warpwear.half_space import HalfSpace
 
     n = heights.shape[0]
     with Executor(Grid(n, n, 1.0 / n), device=case["device"], threads=THREADS) as executor:
@@ -73,9 +73,9 @@ def warpwear(heights: Any, case: dict[str, Any]) -> tuple[Any, int]:
 
 def wear_steps(heights: Any, case: dict[str, Any]) -> list[float]:
     """Seconds of implicit steps of wear by warpwear, each a hundredth of the rms height."""
-    from warpwear.execution import Executor
+    from warpwear.contact.half_space import HalfSpace
+    from warpwear.engine.executor import Executor
     from warpwear.grid import Grid
-    from warpwear.half_space import HalfSpace
 
     n = heights.shape[0]
     gap = -heights

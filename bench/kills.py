@@ -22,7 +22,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from warpwear import Study, execution, run
+from warpwear import Study, run
+from warpwear.engine import executor as execution
 
 SMALL = {"grid.cell": "20 um", "output.snapshots": ["0.5 mm", "3 mm"]}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {

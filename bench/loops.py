@@ -13,7 +13,7 @@ from published import PublishedLoop
 from timing import Row, Unit, measure
 
 from warpwear import Study
-from warpwear.stepping import increments
+from warpwear.laws.track import increments
 
 #: Steps timed in a row at each place of a sampled run.
 IN_A_ROW = 2

@@ -10,9 +10,9 @@ from contenders import Package, Setting, Trace, check, heights_of, study_on
 from timing import Row, Unit, measure, ratio_note
 
 from warpwear import Study
-from warpwear.execution import Executor
-from warpwear.patches import Patches
-from warpwear.two_scale import TwoScaleModel
+from warpwear.engine.executor import Executor
+from warpwear.laws.patches import Patches
+from warpwear.models.patches.local import TwoScaleModel
 
 EXTENT = 1.5  # [mm]: 30 macro cells of 50 µm
 EARLY, LATE = [3.0e-3] * 10, [2400.0, 3.0, 3.0]  # steps before the timed ones [mm]
@@ -35,7 +35,7 @@ class Patched:
 def _models(study: Study, setting: Setting) -> Iterator[dict[str, Any]]:
     """One scale, patches without a bulk spring, patches with one, fresh."""
     threads = max(setting.threads)
-    patches = Patches.of(study)
+    patches = study.patch_layout
     with ExitStack() as stack:
         whole, *parts = (
             stack.enter_context(Executor(grid, device=setting.device, threads=threads))

@@ -26,8 +26,9 @@ from machine import machine
 from timing import Row
 
 import warpwear
+from warpwear.engine.device import find_device
+from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError
-from warpwear.execution import Executor, find_device
 from warpwear.grid import Grid
 
 SIZES = (1024, 2048, 4096, 8192, 16384)

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import warpwear
-from warpwear.surfaces.self_affine import SelfAffine
+from warpwear.surfaces.made.self_affine import SelfAffine
 
 PIXEL, SIDE = 0.002, 0.8  # [mm]
 PLACE = 0.25  # of the spike, from the middle along sliding [mm]

@@ -20,8 +20,8 @@ from machine import machine
 
 import warpwear
 from warpwear import Study
-from warpwear.elastic_sliding import ElasticSliding
-from warpwear.track_data import by_pass
+from warpwear.models.track.half_space import ElasticSliding
+from warpwear.results.track import by_pass
 
 KINDS: dict[str, tuple[str, Callable[..., int]]] = {
     "local law": ("foundation", ElasticSliding.cells_passing),

@@ -21,8 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import warpwear
-from warpwear.track import Track
-from warpwear.track_data import by_pass
+from warpwear.results.track import by_pass
 
 SURFACES: dict[str, dict[str, Any]] = {
     "self-affine": {},
@@ -77,7 +76,7 @@ def variant(
     result = warpwear.run(study)
     took = time.perf_counter() - started
     passes = by_pass(result, "area_contact")
-    curve = ((passes["number"] - 0.5) * Track.of(study).stroke, passes["area_contact"])
+    curve = ((passes["number"] - 0.5) * study.track.stroke, passes["area_contact"])
     history = result.history
     first = np.searchsorted(history["distance"], study.sliding.stroke)
     found = {

@@ -18,10 +18,10 @@ from machine import machine
 from matplotlib.figure import Figure
 
 import warpwear
-from warpwear import figure_style as fs
-from warpwear.load_share_error import load_share_error
-from warpwear.models import executor_of, model_of, plan_of
-from warpwear.surface_of import surface_in
+from warpwear.figures import style as fs
+from warpwear.figures.patches import load_share_error
+from warpwear.runs.make import executor_of, model_of, plan_of
+from warpwear.study.surface import surface_in
 
 Table = list[dict[str, Any]]
 #: Distances of the tables [mm], and those at which the couplings' loads are compared.

@@ -6,8 +6,7 @@ contact by more than 1e-12 of it; `base − gap` is exact near contact, so the o
 
 import warp as wp
 
-from warpwear.kernels.reductions import sum_of
-from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
+from warpwear.kernels.cells import ABSENT, LANES, ONE, WIDTH, ZERO, Cells, sum_of
 
 wp.set_module_options({"enable_backward": False})
 

@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
+from warpwear.kernels.cells import ABSENT, LANES, ONE, WIDTH, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 

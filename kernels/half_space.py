@@ -8,8 +8,7 @@ one a row.
 
 import warp as wp
 
-from warpwear.kernels.reductions import largest_of, of_row, sum_of
-from warpwear.kernels.types import LANES, NONE, ONE, ZERO, Cells
+from warpwear.kernels.cells import LANES, NONE, ONE, ZERO, Cells, largest_of, of_row, sum_of
 
 wp.set_module_options({"enable_backward": False})
 

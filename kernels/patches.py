@@ -9,11 +9,10 @@ skipped.
 
 import warp as wp
 
+from warpwear.kernels.cells import ABSENT, LANES, NOWHERE, ONE, WIDTH, ZERO, Cells, lowest_of, sum_of
 from warpwear.kernels.contact import pressure_of
 from warpwear.kernels.gap import sag
-from warpwear.kernels.patch_loop import wear
-from warpwear.kernels.reductions import lowest_of, sum_of
-from warpwear.kernels.types import ABSENT, LANES, NOWHERE, ONE, WIDTH, ZERO, Cells
+from warpwear.kernels.wear_loops import wear_patches
 
 wp.set_module_options({"enable_backward": False})
 
@@ -182,7 +181,7 @@ def remove(
     base = base_in[patch]
     offset = offset_in[patch]
     reached = reached_in[patch]
-    wear(
+    wear_patches(
         slot,
         slots_per_row,
         patch,

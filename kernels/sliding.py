@@ -8,9 +8,8 @@ the cells of a field; their difference bounds the gap of a pair of tiles from be
 
 import warp as wp
 
+from warpwear.kernels.cells import ABSENT, LANES, NOWHERE, ONE, WIDTH, ZERO, Cells, lowest_of, sum_of
 from warpwear.kernels.contact import pressure_of
-from warpwear.kernels.reductions import lowest_of, sum_of
-from warpwear.kernels.types import ABSENT, LANES, NOWHERE, ONE, WIDTH, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 

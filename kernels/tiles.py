@@ -8,8 +8,7 @@ every approach up to that limit.
 
 import warp as wp
 
-from warpwear.kernels.reductions import sum_of
-from warpwear.kernels.types import ABSENT, LANES, ONE, WIDTH, ZERO, Cells, Kept
+from warpwear.kernels.cells import ABSENT, LANES, ONE, WIDTH, ZERO, Cells, Kept, sum_of
 
 wp.set_module_options({"enable_backward": False})
 

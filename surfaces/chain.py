@@ -10,11 +10,10 @@ import numpy.typing as npt
 
 from warpwear.errors import InputError
 from warpwear.surfaces.base import FloatArray
-from warpwear.surfaces.filtering import areal_low_pass
-from warpwear.surfaces.levelling import filled, without_polynomial
+from warpwear.surfaces.levelling import areal_low_pass, filled, without_polynomial
 from warpwear.surfaces.outliers import outliers
 from warpwear.surfaces.reading import Reading
-from warpwear.surfaces.sphere_fit import NoSphere, fit_sphere, places
+from warpwear.surfaces.sphere import NoSphere, fit_sphere, places
 
 HIGHEST_DEGREE = 12
 LARGEST_SQ = 1.0  # mm: above it a unit is wrong

@@ -5,9 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.surfaces.point_cloud import gridded, units_in
-from warpwear.surfaces.text_table import Table, read_table
+from warpwear.surfaces.text import Table, gridded, read_table, units_in
+
+h5py = lazy.module("h5py")
 
 READABLE = (
     "allowed is an areal height map that SurfaceTopography reads (.al3d, .sur, .x3p, .opd, .plu, .mnt, .sdf "
@@ -139,8 +141,6 @@ def _read_matrix(path: Path, table: Table, given: tuple[float, float] | None) ->
 
 def _refuse_results(path: Path) -> None:
     """A result of ours holds many fields, none of them a measurement."""
-    import h5py
-
     try:
         with h5py.File(path, "r") as file:
             is_result = "snapshots" in file and "study" in file.attrs
@@ -152,7 +152,7 @@ def _refuse_results(path: Path) -> None:
 
 def _read_instrument(path: Path, given: tuple[float, float] | None) -> Raw:
     try:
-        from SurfaceTopography import open_topography  # 2 s, so only when needed
+        open_topography = lazy.load("SurfaceTopography").open_topography  # 2 s, so only when needed
     except ImportError as error:
         raise InputError(
             f"disc.surface '{path}' needs SurfaceTopography, which is not installed: allowed without it is "

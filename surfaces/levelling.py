@@ -4,7 +4,10 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
+from warpwear import lazy
 from warpwear.surfaces.base import FloatArray
+
+fft = lazy.module("scipy.fft")
 
 ROWS = 64  # of a block: the terms of a polynomial at every point at once would be many fields
 SWEEPS = 8  # of the relaxation at each scale; more changes a filled height by less than its neighbours differ
@@ -77,3 +80,39 @@ def _from_coarse(heights: FloatArray, missing: npt.NDArray[np.bool_]) -> FloatAr
 def _neighbour_mean(field: FloatArray) -> FloatArray:
     framed = np.pad(field, 1, mode="edge")
     return 0.25 * (framed[2:, 1:-1] + framed[:-2, 1:-1] + framed[1:-1, 2:] + framed[1:-1, :-2])
+
+
+def low_pass(
+    field: FloatArray, *, axis: int, pixel: float, cut_off: float, edge: str = "reflect"
+) -> FloatArray:
+    """Gaussian low-pass of heights [mm], shape (nx, ny), along an axis; pixel and cut-off in mm.
+
+    ISO 16610-21: transmission exp(−π (α λc/λ)²), α² = ln 2/π, that is 2^−(λc/λ)²: half at the cut-off.
+    Applied to the waves themselves, since weights sampled at pixels are off where the cut-off is only a few
+    of them. edge: "reflect" goes on beyond the ends in the mirror, "grid-wrap" repeats the field.
+    """
+    count = field.shape[axis]
+    if edge == "grid-wrap":
+        frequency, shape = fft.rfftfreq(count, pixel), [1, 1]
+        waves = fft.rfft(field, axis=axis)
+    else:
+        # the cosine transform is the Fourier transform of the field reflected at its outer edge
+        frequency, shape = np.arange(count) / (2.0 * count * pixel), [1, 1]
+        waves = fft.dct(field, type=2, axis=axis)
+    shape[axis] = frequency.size
+    waves *= np.exp2(-np.square(cut_off * frequency)).reshape(shape)
+    if edge == "grid-wrap":
+        smooth: FloatArray = fft.irfft(waves, n=count, axis=axis, overwrite_x=True)
+    else:
+        smooth = fft.idct(waves, type=2, axis=axis, overwrite_x=True)
+    return smooth
+
+
+def areal_low_pass(field: FloatArray, *, pixel: tuple[float, float], cut_off: float) -> FloatArray:
+    """Areal Gaussian low-pass (ISO 16610-61) of complete heights [mm], shape (nx, ny); pixel, cut-off [mm].
+
+    Isotropic: the product of the filters along both axes. Beyond its edges the field is mirrored, so that no
+    height is lost there; within half a cut-off of them the result knows only one side.
+    """
+    along = low_pass(field, axis=0, pixel=pixel[0], cut_off=cut_off)
+    return low_pass(along, axis=1, pixel=pixel[1], cut_off=cut_off)

@@ -6,16 +6,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.ndimage
-import scipy.sparse
 
+from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.surfaces.base import FloatArray, spacing
 from warpwear.surfaces.chain import Chain, prepare
-from warpwear.surfaces.filtering import low_pass
-from warpwear.surfaces.parameters import roughness
+from warpwear.surfaces.levelling import low_pass
 from warpwear.surfaces.reading import Reading, read
+from warpwear.surfaces.roughness import roughness
 from warpwear.surfaces.spectrum import slope_against_cut_off
+
+ndimage = lazy.module("scipy.ndimage")
+sparse = lazy.module("scipy.sparse")
 
 EXTENSIONS = ("refuse", "mirror", "periodic")
 CUT_OFF_CELLS = 2.0  # cut-off wavelength of the filter against aliasing: the shortest wave cells can carry
@@ -66,7 +68,7 @@ class Measured:
         for axis, cut_off in enumerate(self._cut_offs(x, y)):
             if cut_off is not None:
                 field = low_pass(field, axis=axis, pixel=self.pixel[axis], cut_off=cut_off, edge=edge)
-        knots = scipy.ndimage.spline_filter(field, order=3, mode=edge)
+        knots = ndimage.spline_filter(field, order=3, mode=edge)
         along = _spline_rows(x, count=knots.shape[0], pixel=self.pixel[0], edge=edge)
         across = _spline_rows(y, count=knots.shape[1], pixel=self.pixel[1], edge=edge)
         sampled = np.empty((x.size, y.size))
@@ -259,7 +261,7 @@ def _sampling(pixel: float, cell: float, cut_off: float | None) -> list[str]:
     return []
 
 
-def _spline_rows(points: FloatArray, *, count: int, pixel: float, edge: str) -> scipy.sparse.csr_array:
+def _spline_rows(points: FloatArray, *, count: int, pixel: float, edge: str) -> sparse.csr_array:
     """Matrix that takes spline coefficients along an axis to values at the points [mm]: (points.size, count).
 
     Four weights of the cubic B-spline a row, their places folded back into the measurement.
@@ -277,9 +279,7 @@ def _spline_rows(points: FloatArray, *, count: int, pixel: float, edge: str) -> 
         columns %= 2 * count
         columns = np.minimum(columns, 2 * count - 1 - columns)
     starts = np.arange(0, columns.size + 1, 4)
-    return scipy.sparse.csr_array(
-        (weights.ravel() / 6.0, columns.ravel(), starts), shape=(points.size, count)
-    )
+    return sparse.csr_array((weights.ravel() / 6.0, columns.ravel(), starts), shape=(points.size, count))
 
 
 def _um(length: float) -> str:

@@ -6,10 +6,12 @@ from itertools import product
 
 import numpy as np
 import numpy.typing as npt
-import scipy.ndimage
 
+from warpwear import lazy
 from warpwear.surfaces.base import FloatArray
 from warpwear.surfaces.levelling import filled
+
+ndimage = lazy.module("scipy.ndimage")
 
 WINDOW = 5  # pixels of the local median: outvotes spikes of up to 12 pixels
 HALF = WINDOW // 2
@@ -39,7 +41,7 @@ class Outliers:
     @property
     def groups(self) -> int:
         """Number of connected groups, corners counted as connections."""
-        return int(scipy.ndimage.label(self.where, structure=np.ones((3, 3)))[1])
+        return int(ndimage.label(self.where, structure=np.ones((3, 3)))[1])
 
 
 def outliers(heights: FloatArray, *, deviations: float) -> Outliers:
@@ -67,7 +69,7 @@ def outliers(heights: FloatArray, *, deviations: float) -> Outliers:
     limits = _limits(original, valid, deviations)
     field = original.copy()
     core = (slice(HALF, -HALF),) * 2
-    median = np.ascontiguousarray(scipy.ndimage.median_filter(field, size=WINDOW)[core])
+    median = np.ascontiguousarray(ndimage.median_filter(field, size=WINDOW)[core])
     where = np.zeros(field.shape, dtype=np.bool_)
     within = np.zeros(field.shape, dtype=np.bool_)
     within[core] = True
@@ -103,12 +105,12 @@ def _continued(inner: FloatArray) -> FloatArray:
 
 def _mean(field: FloatArray) -> FloatArray:
     """Means of the windows that fit."""
-    return scipy.ndimage.uniform_filter(field, size=WINDOW)[HALF:-HALF, HALF:-HALF]
+    return ndimage.uniform_filter(field, size=WINDOW)[HALF:-HALF, HALF:-HALF]
 
 
 def _update(median: FloatArray, field: FloatArray, changed: BoolArray) -> None:
     """Bring the medians, of the windows that fit, up to date where the field changed."""
-    near = scipy.ndimage.binary_dilation(changed, structure=np.ones((WINDOW, WINDOW)))
+    near = ndimage.binary_dilation(changed, structure=np.ones((WINDOW, WINDOW)))
     i, j = np.nonzero(near[HALF:-HALF, HALF:-HALF])
     windows = np.lib.stride_tricks.sliding_window_view(field, (WINDOW, WINDOW))
     median[i, j] = np.median(windows[i, j].reshape(i.size, WINDOW**2), axis=1)

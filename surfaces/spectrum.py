@@ -4,9 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.fft
 
+from warpwear import lazy
 from warpwear.surfaces.base import FloatArray
+
+fft = lazy.module("scipy.fft")
 
 BINS_PER_DECADE = 12
 FINE_BINS = 4096  # of frequency, for sums over filtered waves
@@ -48,10 +50,10 @@ def power_spectrum(heights: FloatArray, *, pixel: tuple[float, float]) -> Spectr
     nx, ny = heights.shape
     window = np.multiply.outer(_hann(nx), _hann(ny))
     window /= math.sqrt(float(np.mean(np.square(window))))
-    waves = scipy.fft.rfft2((heights - heights.mean()) * window)
+    waves = fft.rfft2((heights - heights.mean()) * window)
     power = np.square(np.abs(waves))
     power *= pixel[0] * pixel[1] / (nx * ny)
-    fx, fy = scipy.fft.fftfreq(nx, pixel[0]), scipy.fft.rfftfreq(ny, pixel[1])
+    fx, fy = fft.fftfreq(nx, pixel[0]), fft.rfftfreq(ny, pixel[1])
     # a column of the half transform stands for two, but for the first and an even count's last
     weight = np.full(fy.size, 2.0)
     weight[0] = 1.0
@@ -86,7 +88,7 @@ def slope_against_cut_off(
     edges; slopes are those of the waves themselves, so that pixels only limit the waves.
     """
     nx, ny = heights.shape
-    waves = scipy.fft.dctn(heights - heights.mean(), type=2, norm="ortho")
+    waves = fft.dctn(heights - heights.mean(), type=2, norm="ortho")
     energy = np.square(waves, out=waves)
     energy /= nx * ny
     squared = np.add.outer(
@@ -113,9 +115,9 @@ def autocorrelation_length(
     the field. Padded with zeros, so that opposite edges do not meet; the loss of overlap is made up for.
     """
     nx, ny = heights.shape
-    shape = [scipy.fft.next_fast_len(n + n // 4, real=True) for n in (nx, ny)]
-    waves = scipy.fft.rfft2(heights - heights.mean(), s=shape)
-    raw = scipy.fft.irfft2(np.square(np.abs(waves)), s=shape)
+    shape = [fft.next_fast_len(n + n // 4, real=True) for n in (nx, ny)]
+    waves = fft.rfft2(heights - heights.mean(), s=shape)
+    raw = fft.irfft2(np.square(np.abs(waves)), s=shape)
     mx, my = nx // 4, ny // 4
     i, j = np.arange(-mx, mx + 1), np.arange(my + 1)
     overlap = np.multiply.outer(nx - np.abs(i), ny - j)

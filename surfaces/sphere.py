@@ -1,11 +1,16 @@
 """The smooth sphere in NumPy: the reference for kernels, tests and figures."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
+from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.surfaces.base import FloatArray
+
+optimize = lazy.module("scipy.optimize")
 
 
 def sag(x: FloatArray, y: FloatArray, *, radius: float) -> FloatArray:
@@ -28,3 +33,87 @@ def sag(x: FloatArray, y: FloatArray, *, radius: float) -> FloatArray:
     np.divide(squared, below, out=squared)
     squared[outside] = np.inf
     return squared
+
+
+FIT_POINTS = 200_000  # more change a radius by less than the roughness does
+
+
+class NoSphere(ValueError):
+    """The heights have no curvature that a sphere could be fitted to."""
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """Apex (x, y, z) [mm] from the middle of the field, and signed radius [mm]: positive bulges outward."""
+
+    apex: tuple[float, float, float]
+    radius: float
+
+    def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Heights [mm] at the points x × y [mm], shape (x.size, y.size); NaN beyond the equator."""
+        squared = np.add.outer(np.square(x - self.apex[0]), np.square(y - self.apex[1]))
+        with np.errstate(invalid="ignore"):
+            return self.apex[2] - _sag(squared, 1.0 / self.radius)
+
+
+def places(shape: tuple[int, int], pixel: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+    """Middles of the pixels [mm] along both axes from the middle of the field."""
+    x, y = (
+        np.asarray((np.arange(n) - 0.5 * (n - 1)) * p, dtype=np.float64)
+        for n, p in zip(shape, pixel, strict=True)
+    )
+    return x, y
+
+
+def fit_sphere(
+    heights: FloatArray,
+    *,
+    pixel: tuple[float, float],
+    where: npt.NDArray[np.bool_] | None = None,
+    radius: float | None = None,
+) -> Sphere:
+    """The sphere of least squares in heights through the valid points (of `where`).
+
+    heights [mm], shape (nx, ny), NaN where missing; pixel [mm]; radius [mm] fixes it, else it is fitted. A
+    parabola starts it. NoSphere when the points have no curvature to speak of or the fit leaves the field.
+    """
+    x, y = places(heights.shape, pixel)
+    valid = np.isfinite(heights) if where is None else np.isfinite(heights) & where
+    i, j = np.nonzero(valid)
+    if i.size < 10:
+        raise NoSphere("fewer than ten points")
+    keep = slice(None, None, max(1, i.size // FIT_POINTS))
+    px, py, z = x[i[keep]], y[j[keep]], heights[i[keep], j[keep]]
+    scale = max(float(np.hypot(np.ptp(px), np.ptp(py))) / 2.0, 1e-12)
+    design = np.stack([np.ones_like(px), px / scale, py / scale, (px**2 + py**2) / scale**2], axis=1)
+    z0, bx, by, bend = np.linalg.lstsq(design, z, rcond=None)[0]
+    if radius is None and abs(bend) < 1e-9 * scale:
+        raise NoSphere("no curvature")
+    kappa = 1.0 / radius if radius is not None else -2.0 * bend / scale**2
+    x0, y0 = bx / scale / kappa, by / scale / kappa
+    apex = z0 + 0.5 * kappa * (x0**2 + y0**2)
+
+    def rest(p: FloatArray) -> FloatArray:
+        k = kappa if radius is not None else p[3] / scale
+        return np.asarray(p[2] * scale - _sag((px - p[0] * scale) ** 2 + (py - p[1] * scale) ** 2, k) - z)
+
+    start = [x0 / scale, y0 / scale, apex / scale] + ([] if radius is not None else [kappa * scale])
+    with np.errstate(invalid="ignore"):
+        if not np.isfinite(rest(np.array(start))).all():
+            raise NoSphere("points beyond the equator of the sphere")
+        try:
+            found = optimize.least_squares(
+                lambda p: np.nan_to_num(rest(p), nan=1e3), start, method="lm", xtol=1e-14, ftol=1e-14
+            )
+        except ValueError as error:
+            raise NoSphere(str(error)) from error
+    p = found.x
+    fitted = radius if radius is not None else scale / p[3]
+    if not math.isfinite(fitted):
+        raise NoSphere("no curvature")
+    return Sphere(apex=(float(p[0] * scale), float(p[1] * scale), float(p[2] * scale)), radius=float(fitted))
+
+
+def _sag(squared: FloatArray, curvature: float) -> FloatArray:
+    """κ r²/(1 + √(1 − κ² r²)) [mm], without cancellation near the apex; NaN beyond the equator."""
+    return np.asarray(curvature * squared / (1.0 + np.sqrt(1.0 - curvature**2 * squared)))

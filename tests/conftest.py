@@ -5,7 +5,7 @@ import os
 import pytest
 import warp as wp
 
-from warpwear import execution
+from warpwear.engine import executor as execution
 
 wp.config.log_level = wp.LOG_ERROR
 

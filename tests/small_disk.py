@@ -16,8 +16,9 @@ from pathlib import Path
 import numpy as np
 
 import warpwear
-from warpwear import Result, Study, cli
-from warpwear.checkpoint import is_one
+from warpwear import Result, Study
+from warpwear.cli import main as cli
+from warpwear.runs.checkpoint import is_one
 
 disk, count = Path(sys.argv[1]), int(sys.argv[2])
 STUDY = Study.load("v3-fine").replace(

@@ -7,11 +7,11 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import Study, run
-from warpwear.execution import Executor
-from warpwear.foresight import Foresight
+from warpwear.contact.foresight import Foresight
+from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
-from warpwear.one_scale import OneScaleModel
-from warpwear.wear import WearLaw, removals_of
+from warpwear.laws.archard import WearLaw, removals_of
+from warpwear.models.rest.local import OneScaleModel
 
 SHAPE, CELL = (150, 203), 0.005  # a width that needs padding
 LAWS = {

@@ -9,8 +9,8 @@ import pytest
 from matplotlib.axes import Axes
 
 from warpwear import Study
-from warpwear.comparison import Comparison, RunData
-from warpwear.figures_area_load import area_load, has_loads
+from warpwear.comparison.area_load import area_load, has_loads
+from warpwear.comparison.gather import Comparison, RunData
 
 FLAT = {
     "sphere.radius": "inf mm",
@@ -45,7 +45,7 @@ def test_theories_beside_flats() -> None:
     np.testing.assert_allclose(found["computed: half-space, no hardness"], [[3, 3], [10, 10], [30, 30]])
     study = Study.load("v3-fine").replace(FLAT)
     assert study.effective_modulus is not None
-    from warpwear.surface_of import surface_in
+    from warpwear.study.surface import surface_in
 
     slope = surface_in(study).record()["rms_slope"]
     load, area = found["Persson"].T

@@ -9,14 +9,14 @@ from numpy.testing import assert_allclose, assert_array_equal
 from reference import FloatArray
 
 from warpwear import Study
-from warpwear.balance import RIGID, Balance, Balancer
-from warpwear.bearing_area import BearingArea
-from warpwear.execution import Executor
+from warpwear.contact.balance import RIGID, Balance, Balancer
+from warpwear.contact.bearing_area import BearingArea
+from warpwear.engine.executor import Executor
+from warpwear.engine.tiles import Tiles
 from warpwear.grid import Grid
 from warpwear.kernels import contact
-from warpwear.kernels.types import LANES, PADDING
-from warpwear.one_scale import OneScaleModel
-from warpwear.tiles import Tiles
+from warpwear.kernels.cells import LANES, PADDING
+from warpwear.models.rest.local import OneScaleModel
 
 SHAPES = [(37, 53), (64, 64), (5, 131)]
 CELL = 0.01

@@ -10,10 +10,10 @@ import pytest
 from click.testing import CliRunner, Result
 
 import warpwear
-from warpwear.cli import commands
-from warpwear.cli_calibrate import calibrate as command
+from warpwear.cli.calibrate import calibrate as command
+from warpwear.cli.main import commands
 from warpwear.errors import InputError
-from warpwear.surfaces.self_affine import SelfAffine
+from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.sphere import sag
 
 TEST = ("--load", "8 N", "--distance", "2400 mm")

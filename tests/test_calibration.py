@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy import integrate
 
-from warpwear import thesis
-from warpwear.calibrate_options import scientific
-from warpwear.calibrate_thesis import patch, table
-from warpwear.calibration import (
+from warpwear.calibration.energy import dissipation, friction_work
+from warpwear.calibration.friction import fit_friction
+from warpwear.calibration.options import scientific
+from warpwear.calibration.wear import (
     cap,
     circular_track,
     diameter_of_cap,
@@ -18,9 +18,9 @@ from warpwear.calibration import (
     volume_given,
     wear_coefficient,
 )
-from warpwear.energy import dissipation, friction_work
 from warpwear.errors import InputError
-from warpwear.friction_fit import fit_friction
+from warpwear.thesis import printed as thesis
+from warpwear.thesis.coefficients import patch, table
 
 
 def k_of(*volumes, **more):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import warp as wp
 
-from warpwear.cli import main
+from warpwear.cli.main import main
 
 ROOT = Path(__file__).parent.parent
 QUICK = ["--set", "grid.cell=20 um", "--set", "sliding.distance=3 mm"]

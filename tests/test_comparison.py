@@ -14,12 +14,12 @@ from click.testing import CliRunner, Result
 
 import warpwear
 from warpwear import Study
-from warpwear.cli_compare import compare
-from warpwear.comparison import gather, rms_difference, shape_of
-from warpwear.comparison_table import to_text
+from warpwear.cli.compare import compare
+from warpwear.comparison.figures import FIGURES
+from warpwear.comparison.gather import gather, rms_difference, shape_of
+from warpwear.comparison.table import to_text
 from warpwear.errors import InputError
-from warpwear.experiment import Experiment
-from warpwear.figures_comparison import FIGURES
+from warpwear.measured.course import Experiment
 
 
 @pytest.fixture(scope="module")
@@ -270,7 +270,7 @@ def test_a_comparison_is_replaced_only_when_asked(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("warpwear.comparison_folder.write_json", full)
+    monkeypatch.setattr("warpwear.comparison.folder.write_json", full)
     assert "could not be written: No space left on device." in refusal(*arguments, "--overwrite")
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 

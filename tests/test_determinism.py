@@ -36,7 +36,7 @@ def numbers(study: Study, **options: Any) -> dict[str, Any]:
 @pytest.mark.parametrize("case", CASES)
 def test_twice_the_same(case: str, device: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a CPU bit for bit, with one thread and two; on a GPU, which orders its sums itself, to 1e-10."""
-    monkeypatch.setattr("warpwear.execution.CELLS_PER_THREAD", 1)
+    monkeypatch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", 1)
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     one = numbers(short(case), device=device, threads=1)
     two = numbers(short(case), device=device, threads=min(2, cores))

@@ -5,10 +5,10 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import Study
-from warpwear.execution import Executor
-from warpwear.ledger import Step
-from warpwear.one_scale import OneScaleModel
-from warpwear.surface_of import surface_in
+from warpwear.engine.executor import Executor
+from warpwear.history.recorder import Step
+from warpwear.models.rest.local import OneScaleModel
+from warpwear.study.surface import surface_in
 
 KINDS = {
     "implicit": {},

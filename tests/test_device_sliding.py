@@ -4,10 +4,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from test_swept import LOSES, TRACKS, rough, small
 
-from warpwear.execution import Executor
-from warpwear.models import plan_of
-from warpwear.swept import SweptModel
-from warpwear.track import Track
+from warpwear.engine.executor import Executor
+from warpwear.models.track.model import SweptModel
+from warpwear.runs.make import plan_of
 
 LAWS = {
     **LOSES,
@@ -28,7 +27,7 @@ CASES = [
 def test_blocks_are_steps(track: str, law: str, device: str) -> None:
     """Same cells in contact; approach, areas, volumes and pressures to 1e-10."""
     study = small(track, **{k.replace(".", "__"): v for k, v in LAWS[law].items()})
-    path = Track.of(study)
+    path = study.track
     plan = [(increment, number in (11, 59)) for number, (increment, _, _) in enumerate(plan_of(study))]
     outcomes = []
     for in_blocks in (False, True):

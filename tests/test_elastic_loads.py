@@ -20,12 +20,11 @@ from test_elastic_patches import (
 from test_half_space import MODULUS, bounded
 
 from warpwear import InputError
-from warpwear.execution import Executor
+from warpwear.contact.half_space import BoundedPressure, HalfSpace
+from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
-from warpwear.half_space import BoundedPressure, HalfSpace
-from warpwear.patches import Patches
-from warpwear.surface_of import surface_in
-from warpwear.two_scale import TwoScaleModel
+from warpwear.models.patches.local import TwoScaleModel
+from warpwear.study.surface import surface_in
 
 __all__ = ["device"]  # the fixture
 
@@ -139,9 +138,9 @@ def test_the_loads_are_those_of_the_local_law(kind: str) -> None:
         study = study.replace({"contact.foundation_update": "initial"})
     model = Stepped(study).model
     heights = surface_in(study).heights(study.cells.x, study.cells.y)
-    with Executor(Patches.of(study).grid) as executor:
+    with Executor(study.patch_layout.grid) as executor:
         local = study.replace({"contact.law": "foundation"})
-        other = TwoScaleModel(local, Patches.of(study), heights, executor)
+        other = TwoScaleModel(local, study.patch_layout, heights, executor)
         for increment in (0.003, 0.3, 3.0, 0.1):
             row, expected = model.advance(increment).row, other.advance(increment).row
             shares = [m.book.table("load_share")[-1] for m in (model, other)]

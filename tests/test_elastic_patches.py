@@ -12,16 +12,17 @@ from test_figures import drawn
 from test_half_space import MODULUS, bounded, dense_free, dense_periodic, rough
 
 import warpwear
-from warpwear import InputError, Study, patch_influence
-from warpwear.elastic_patches import ElasticPatchesModel
-from warpwear.execution import Executor
+from warpwear import InputError, Study
+from warpwear.contact.half_space import BoundedPressure, HalfSpace, HalfSpaceContact
+from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.half_space import BoundedPressure, HalfSpace, HalfSpaceContact
-from warpwear.kernels.types import PADDING
-from warpwear.patch_influence import PatchInfluence
-from warpwear.patches import Patches
-from warpwear.surface_of import surface_in
-from warpwear.two_scale import TwoScaleModel
+from warpwear.kernels.cells import PADDING
+from warpwear.laws.patches import Patches
+from warpwear.models.patches import influence as patch_influence
+from warpwear.models.patches.half_space import ElasticPatchesModel
+from warpwear.models.patches.influence import PatchInfluence
+from warpwear.models.patches.local import TwoScaleModel
+from warpwear.study.surface import surface_in
 
 SIDE, ACROSS = 5, 2  # neither a multiple of the lanes of a vector
 ONE = Grid(SIDE, SIDE, 0.5)
@@ -184,9 +185,9 @@ class Stepped:
     """A model, to be advanced step by step."""
 
     def __init__(self, study: Study, *, device: str = "cpu", threads: int | None = None) -> None:
-        self.executor = Executor(Patches.of(study).grid, device=device, threads=threads)
+        self.executor = Executor(study.patch_layout.grid, device=device, threads=threads)
         heights = surface_in(study).heights(study.cells.x, study.cells.y)
-        self.model = ElasticPatchesModel(study, Patches.of(study), heights, self.executor)
+        self.model = ElasticPatchesModel(study, study.patch_layout, heights, self.executor)
 
     def gap(self) -> FloatArray:
         """Of every patch as the model has them, shape (patches, side, side)."""
@@ -262,8 +263,8 @@ def test_stiff_bodies_are_on_the_capped_foundation(behind: dict[str, str]) -> No
     one = Stepped(study)
     local = study.replace({"contact.law": "foundation"})
     heights = surface_in(study).heights(study.cells.x, study.cells.y)
-    with Executor(Patches.of(study).grid) as executor:
-        other = TwoScaleModel(local, Patches.of(study), heights, executor)
+    with Executor(study.patch_layout.grid) as executor:
+        other = TwoScaleModel(local, study.patch_layout, heights, executor)
         for increment in (0.03, 0.3, 3.0, 3.0):
             row, expected = one.model.advance(increment).row, other.advance(increment).row
             assert row["approach"] == pytest.approx(expected["approach"], abs=1e-8)

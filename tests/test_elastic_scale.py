@@ -12,11 +12,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.elastic_scale import HalfSpaceModel
-from warpwear.execution import Executor
+from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.one_scale import OneScaleModel
-from warpwear.render import to_marked_toml
+from warpwear.models.rest.half_space import HalfSpaceModel
+from warpwear.models.rest.local import OneScaleModel
+from warpwear.study.text import to_marked_toml
 
 LAW = {"contact.law": "half-space", "output.snapshots": []}
 RUNNING_IN = {

@@ -14,15 +14,14 @@ from test_swept import TRACKS, WINDOW, rough, small
 
 import warpwear
 from warpwear import Study
-from warpwear.elastic_sliding import ElasticSliding
+from warpwear.engine.executor import Executor
 from warpwear.errors import InvariantError
-from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import sliding_by_pressure as passes
-from warpwear.models import plan_of
-from warpwear.sliding import SlidingContact
-from warpwear.swept import SweptModel
-from warpwear.track import Track
+from warpwear.kernels import sliding_half_space as passes
+from warpwear.models.track.half_space import ElasticSliding
+from warpwear.models.track.local import SlidingContact
+from warpwear.models.track.model import SweptModel
+from warpwear.runs.make import plan_of
 
 CELL, ROWS = 0.02, 24
 GRID = Grid(16, 9, CELL)
@@ -244,7 +243,7 @@ def test_a_track_goes_on_from_any_step(track: str, wears: bool, threads: int) ->
     """In every number of every row and in every cell, on one thread and on two; dents are kept."""
     study = small(track, contact__law="half-space", sliding__plastic="keep", sliding__distance="0.9 mm")
     study = study if wears else study.replace({"wear.sphere": "0 mm^3/N/m"})
-    path = Track.of(study)
+    path = study.track
     plan = [(increment, True) for increment, _, _ in plan_of(study)]
 
     def outcome(threads: int, restart: int | None) -> tuple[Any, ...]:
@@ -283,7 +282,7 @@ def test_a_run_on_every_kind_of_track(track: str, device: str) -> None:
     assert history["wear_volume_disc"][-1] == pytest.approx(12.7e-7 * 8.0 * 2.17, rel=1e-9)
     assert last.wear_sphere.sum() * area == pytest.approx(history["wear_volume_sphere"][-1])
     assert last.plastic_disc is not None
-    displaced = last.plastic_disc.sum() * area / Track.of(study).share
+    displaced = last.plastic_disc.sum() * area / study.track.share
     assert history["plastic_volume_disc"][-1] == pytest.approx(displaced) != 0.0
     assert np.abs(history["load_residual"]).max() <= 2e-12 * 8.0
     assert_allclose(history["position"], local["position"])
@@ -318,7 +317,7 @@ def test_what_does_not_apply_is_told_and_what_does_not_fit_refused() -> None:
 
 def test_memory_is_looked_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """More of it than by the local law."""
-    monkeypatch.setattr("warpwear.models.free_memory", lambda device: {"the host": 200_000})
+    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": 200_000})
     warpwear.run(small("full", sliding__distance="0 mm"))
     with pytest.raises(warpwear.InputError, match=r"sliding\.track = 'full' makes a disc of"):
         warpwear.run(small("full", sliding__distance="0 mm", contact__law="half-space"))

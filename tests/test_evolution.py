@@ -6,7 +6,7 @@ from scipy import ndimage
 
 import warpwear
 from warpwear import Result, Study
-from warpwear.evolution import COLUMNS, surface_evolution
+from warpwear.results.evolution import COLUMNS, surface_evolution
 
 
 @pytest.fixture(scope="module")

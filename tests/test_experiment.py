@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
-from warpwear.experiment import Experiment, read_experiment
 from warpwear.grid import FloatArray
+from warpwear.measured.course import Experiment, read_experiment
 
 
 def read(folder: Path, content: str | bytes, **options: Any) -> Experiment:

@@ -7,7 +7,7 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.export import export, worn_heights
+from warpwear.results.export import export, worn_heights
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def test_worn_heights_are_the_bodies(result: Result) -> None:
     # What was worn off both is what they are short of the unworn bodies.
     x, y = np.meshgrid(result.x, result.y, indexing="ij")
     np.testing.assert_allclose(sphere + last.wear_sphere, np.sqrt(9.0 - x**2 - y**2) - 3.0, atol=1e-15)
-    from warpwear.surface_of import surface_of
+    from warpwear.study.surface import surface_of
 
     unworn = surface_of(result.study.disc).heights(result.x, result.y)
     np.testing.assert_allclose(disc + last.wear_disc, unworn, atol=1e-15)
@@ -87,6 +87,6 @@ def test_beyond_the_sphere_there_is_nothing() -> None:
     assert np.isnan(sphere[0, 0])
     assert np.isfinite(sphere[37, 37])
     disc = worn_heights(result, result.snapshot(-1), "disc")
-    from warpwear.surface_of import surface_of
+    from warpwear.study.surface import surface_of
 
     np.testing.assert_allclose(disc, surface_of(result.study.disc).heights(result.x, result.y), atol=1e-14)

@@ -16,11 +16,15 @@ import warp as wp
 from fuzzing import check_sentence
 
 import warpwear
-from warpwear import InputError, Result, Study, cli, run_folder, run_tables, step_loop
-from warpwear.checkpoint import FILE_NAME as CHECKPOINT
-from warpwear.figures import Plotter
-from warpwear.one_scale import OneScaleModel
-from warpwear.result_writer import ResultWriter
+from warpwear import InputError, Result, Study
+from warpwear.cli import main as cli
+from warpwear.figures.table import Plotter
+from warpwear.models.rest.local import OneScaleModel
+from warpwear.results import tables as run_tables
+from warpwear.results.writer import ResultWriter
+from warpwear.runs import folder as run_folder
+from warpwear.runs import loop as step_loop
+from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 
 ROOT = Path(__file__).parents[1]
 ENVIRONMENT = os.environ | {
@@ -283,7 +287,7 @@ def test_memory_of_a_gpu_that_runs_out(monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: Any, **__: Any) -> Any:
         raise RuntimeError("Failed to allocate 18000000 bytes on device 'cuda:0'")
 
-    monkeypatch.setattr("warpwear.execution.Executor.zeros", full)
+    monkeypatch.setattr("warpwear.engine.executor.Executor.zeros", full)
     with pytest.raises(InputError, match=r"75 × 75 cells, for which the memory ran out; larger cells"):
         warpwear.run(small())
 

@@ -17,9 +17,9 @@ from PIL import Image
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.animation import FFMpegWriter, animate
-from warpwear.cli import main
-from warpwear.figure_data import FigureData, State
+from warpwear.cli.main import main
+from warpwear.figures.data import FigureData, State
+from warpwear.figures.film import FFMpegWriter, animate
 
 SMALL = {"grid.cell": "20 um", "sliding.distance": "30 mm"}
 RUNS: dict[str, dict[str, Any]] = {

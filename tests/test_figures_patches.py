@@ -11,9 +11,9 @@ from test_figures import drawn, faults_of
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.animation import animate
-from warpwear.comparison import gather
-from warpwear.load_share_error import load_share_error, smooth_shares
+from warpwear.comparison.gather import gather
+from warpwear.figures.film import animate
+from warpwear.figures.patches import load_share_error, smooth_shares
 
 RUNS: dict[str, dict[str, Any]] = {
     "all covered": {"output.snapshots": ["0.3 mm", "3 mm"]},

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from warpwear import friction
-from warpwear.sections_contact import Friction
+from warpwear.results import friction
+from warpwear.study.contact import Friction
 
 HISTORY = {
     "distance": np.array([1.0, 50.0, 100.0]),

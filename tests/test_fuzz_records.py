@@ -12,9 +12,9 @@ from numpy.testing import assert_array_equal
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.checkpoint import FILE_NAME as CHECKPOINT
-from warpwear.experiment import read_experiment
-from warpwear.one_scale import OneScaleModel
+from warpwear.measured.course import read_experiment
+from warpwear.models.rest.local import OneScaleModel
+from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 
 SMALL = {
     "grid.cell": "20 um",

@@ -16,11 +16,11 @@ from hypothesis import strategies as st
 
 import warpwear
 from warpwear import ConvergenceError, InputError, Study
-from warpwear.cli import main
-from warpwear.render import to_marked_toml
-from warpwear.schema import all_keys
-from warpwear.stepping import increments
-from warpwear.study_file import presets
+from warpwear.cli.main import main
+from warpwear.laws.track import increments
+from warpwear.study.keys import all_keys
+from warpwear.study.loading import presets
+from warpwear.study.text import to_marked_toml
 
 PRESETS = {
     name: (resources.files("warpwear") / "presets" / f"{name}.toml").read_text(encoding="utf-8")

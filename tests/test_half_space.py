@@ -13,14 +13,14 @@ import pytest
 import warp as wp
 from scipy.optimize import lsq_linear
 
-from warpwear import execution
+from warpwear.contact.half_space import HalfSpace
+from warpwear.contact.half_space_passes import FOLDED
+from warpwear.contact.influence import CupyTransforms, _stream_of
+from warpwear.engine import executor as execution
+from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError
-from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.half_space import HalfSpace
-from warpwear.half_space_iterate import FOLDED
-from warpwear.influence import CupyTransforms, _stream_of
-from warpwear.kernels.types import PADDING
+from warpwear.kernels.cells import PADDING
 
 MODULUS = 3.0
 GRID = Grid(10, 7, 0.5)  # a width that is no multiple of the lanes of a vector

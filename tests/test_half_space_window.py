@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from warpwear import half_space_window
+from warpwear.contact import half_space_window
+from warpwear.contact.half_space import HalfSpace
+from warpwear.contact.half_space_window import Window, WindowedHalfSpace
+from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
-from warpwear.execution import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.half_space import HalfSpace
-from warpwear.half_space_window import Window, WindowedHalfSpace
 
 GRID = Grid(93, 101, 0.01)
 MODULUS, LOAD = 1.0e5, 4.0

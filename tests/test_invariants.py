@@ -12,13 +12,14 @@ from fuzzing import check_sentence
 from test_swept import small as small_track
 
 import warpwear
-from warpwear import ConvergenceError, InputError, Result, Study, cli
-from warpwear.checkpoint import FILE_NAME as CHECKPOINT
+from warpwear import ConvergenceError, InputError, Result, Study
+from warpwear.cli import main as cli
 from warpwear.errors import InvariantError
-from warpwear.invariants import Invariants
-from warpwear.load_shares import _Search
-from warpwear.one_scale import OneScaleModel
-from warpwear.sliding import SlidingContact
+from warpwear.models.patches.shares import _Search
+from warpwear.models.rest.local import OneScaleModel
+from warpwear.models.track.local import SlidingContact
+from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
+from warpwear.runs.invariants import Invariants
 
 SMALL = {
     "grid.cell": "20 um",
@@ -78,7 +79,7 @@ def test_rows_that_break_none() -> None:
 
 def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 10) -> None:
     """After so many steps change a value of a field in the contact, by the way that checkpoints take."""
-    monkeypatch.setattr("warpwear.one_scale.LONGEST_BLOCK", 1)  # on a GPU
+    monkeypatch.setattr("warpwear.models.rest.local.LONGEST_BLOCK", 1)  # on a GPU
     advance, block, calls = OneScaleModel.advance, OneScaleModel._block, []
 
     def spoil(self: OneScaleModel) -> None:

@@ -10,9 +10,9 @@ from scipy.special import ellipe
 
 import warpwear
 from warpwear import Result, Study
-from warpwear.figure_data import FigureData
-from warpwear.figures_junctions import diameters_of, junctions, share_above
-from warpwear.junctions import critical_junction, junction_strength
+from warpwear.figures.data import FigureData
+from warpwear.figures.snapshots import diameters_of, junctions, share_above
+from warpwear.laws.junctions import critical_junction, junction_strength
 
 STEEL: dict[str, float] = {
     "surface_energy": 1e-3,

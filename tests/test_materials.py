@@ -6,7 +6,7 @@ from importlib.resources import files
 
 import pytest
 
-from warpwear.materials import material, names
+from warpwear.study.materials import material, names
 
 #: Given in GPa by their sources, not as a hardness number.
 IN_GPA = {"alumina", "silicon nitride", "zirconia 3Y-TZP"}

@@ -63,7 +63,7 @@ def test_a_npy_file_equals_the_surface_it_holds(tmp_path: Path) -> None:
         {"grid.cell": "5 um", "sliding.distance": "30 mm", "output.snapshots": []}
     )
     grid = synthetic.cells
-    from warpwear.surface_of import surface_of
+    from warpwear.study.surface import surface_of
 
     heights = surface_of(synthetic.disc).heights(grid.x, grid.y)
     np.save(tmp_path / "disc.npy", 1e3 * heights)

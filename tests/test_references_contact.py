@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from warpwear.execution import Executor
+from warpwear.contact.half_space import HalfSpace
+from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
-from warpwear.half_space import HalfSpace
-from warpwear.references_contact import SpectralMoments, greenwood_williamson_area, persson_area
-from warpwear.surfaces.self_affine import SelfAffine
+from warpwear.laws.elastic import SpectralMoments, greenwood_williamson_area, persson_area
+from warpwear.surfaces.made.self_affine import SelfAffine
 
 
 def test_moments_of_a_wave() -> None:

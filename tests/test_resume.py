@@ -20,18 +20,21 @@ from numpy.testing import assert_array_equal
 from test_tiles import CELL, LAWS, SHAPE, SURFACES
 
 import warpwear
-from warpwear import InputError, Result, Study, checkpoint, cli, run_lock
-from warpwear.checkpoint import FILE_NAME
-from warpwear.device_loop import DeviceLoop
-from warpwear.elastic_patches import ElasticPatchesModel
-from warpwear.elastic_scale import HalfSpaceModel
-from warpwear.elastic_sliding import ElasticSliding
-from warpwear.execution import Executor
+from warpwear import InputError, Result, Study
+from warpwear.cli import main as cli
+from warpwear.engine.executor import Executor
+from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
-from warpwear.one_scale import OneScaleModel
-from warpwear.seal import HEADER
-from warpwear.tiles import Tiles
-from warpwear.two_scale import TwoScaleModel
+from warpwear.models.patches.half_space import ElasticPatchesModel
+from warpwear.models.patches.local import TwoScaleModel
+from warpwear.models.rest.half_space import HalfSpaceModel
+from warpwear.models.rest.local import OneScaleModel
+from warpwear.models.rest.on_gpu import DeviceLoop
+from warpwear.models.track.half_space import ElasticSliding
+from warpwear.results.seal import HEADER
+from warpwear.runs import checkpoint
+from warpwear.runs import lock as run_lock
+from warpwear.runs.checkpoint import FILE_NAME
 
 ROOT = Path(__file__).parents[1]
 KILLS = ROOT / "bench" / "kills.py"
@@ -143,7 +146,7 @@ def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path) -> Non
     one, other = tmp_path / "alone", tmp_path / "stopped"
     cores = len(psutil.Process().cpu_affinity()) if hasattr(psutil.Process, "cpu_affinity") else 1
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("warpwear.execution.CELLS_PER_THREAD", 1)
+        patch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", 1)
         warpwear.run(study, out=one, plots=False, threads=1).close()
         run_stopped(study, other, 3, threads=min(2, cores))
         run_stopped(study, other, 5, resume=True, threads=1)
@@ -172,7 +175,7 @@ def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
         return run(self, *args, **kwargs)
 
     monkeypatch.setattr(OneScaleModel, "__init__", in_blocks)
-    monkeypatch.setattr("warpwear.one_scale.LONGEST_BLOCK", 10)
+    monkeypatch.setattr("warpwear.models.rest.local.LONGEST_BLOCK", 10)
     one, other = tmp_path / "alone", tmp_path / "stopped"
     warpwear.run(short(), out=one, plots=False).close()
     monkeypatch.setattr(DeviceLoop, "run", stopped)
@@ -295,7 +298,7 @@ def test_what_cannot_be_resumed_is_refused_and_kept(alone: Path, tmp_path: Path)
     refused(rf"another version of warpwear \(format 9, this one reads {checkpoint.FORMAT}\)")
     path.write_bytes(good)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("warpwear.models.checksum", lambda heights: 1)
+        patch.setattr("warpwear.runs.make.checksum", lambda heights: 1)
         refused("the disc's heights are not what they were")
     # What no step depends on may change.
     renamed = short(study__name="other", friction__shear_strength="2 MPa", run__checkpoint="1 min")
@@ -338,7 +341,7 @@ def test_a_full_disk_costs_the_checkpoint_and_not_the_run(
     def full(size: int, folder: Path) -> None:
         raise OSError(28, f"{size / 2**20:.0f} MiB are needed, 0 MiB are free")
 
-    monkeypatch.setattr("warpwear.checkpoint.make_sure_of", full)
+    monkeypatch.setattr("warpwear.runs.checkpoint.make_sure_of", full)
     with warpwear.run(short(), out=tmp_path / "out", plots=False) as result:
         told = [w for w in result.record["warnings"] if "checkpoint" in w]
         assert len(told) == 1

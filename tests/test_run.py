@@ -12,9 +12,9 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.execution import Executor
-from warpwear.history import COLUMNS
-from warpwear.one_scale import OneScaleModel
+from warpwear.engine.executor import Executor
+from warpwear.history.columns import COLUMNS
+from warpwear.models.rest.local import OneScaleModel
 
 QUICK = {"grid.cell": "20 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm"]}
 

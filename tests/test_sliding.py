@@ -10,11 +10,11 @@ import reference
 from numpy.testing import assert_allclose
 
 from warpwear import Study
-from warpwear.execution import Executor
+from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.ledger import Step
-from warpwear.sliding import SlidingContact
-from warpwear.sliding_tiles import SlidingTiles
+from warpwear.history.recorder import Step
+from warpwear.models.track.local import SlidingContact
+from warpwear.models.track.tiles import SlidingTiles
 
 SHAPE, ROWS, CELL = (31, 299), 44, 0.005
 STEPS = 25
@@ -205,7 +205,7 @@ def test_bounds_follow_the_wear(threads: int) -> None:
 
 def test_a_step_visits_few_tiles() -> None:
     study = Study.load("v3-fine").replace({"grid.cell": "2 um"})
-    from warpwear.surface_of import surface_in
+    from warpwear.study.surface import surface_in
 
     grid = study.cells
     with Executor(grid) as executor:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from warpwear.stepping import increments
+from warpwear.laws.track import increments
 
 
 def test_fixed_increments_are_whole_and_end_exactly() -> None:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from warpwear import InputError, Study
-from warpwear.render import assumptions, to_marked_toml
-from warpwear.study_file import presets
+from warpwear.study.loading import presets
+from warpwear.study.text import assumptions, to_marked_toml
 
 BAD = [
     ({"contact.hardnes": "3 MPa"}, r"'contact\.hardnes' .*did you mean 'contact\.hardness'"),

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from warpwear.cli import commands
+from warpwear.cli.main import commands
 from warpwear.errors import InputError
-from warpwear.surfaces.self_affine import SelfAffine
+from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.sphere import sag
 
 ROOT = Path(__file__).parents[1]

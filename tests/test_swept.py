@@ -13,14 +13,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.balance import Balance, Balancer
-from warpwear.execution import Executor
+from warpwear.contact.balance import Balance, Balancer
+from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.ledger import Step
-from warpwear.models import plan_of
-from warpwear.sliding import SlidingContact
-from warpwear.swept import SweptModel
-from warpwear.track import Track
+from warpwear.history.recorder import Step
+from warpwear.models.track.local import SlidingContact
+from warpwear.models.track.model import SweptModel
+from warpwear.runs.make import plan_of
 
 CELL, WINDOW = 0.02, 31
 #: Tracks of a small study: its changes, and the lengths of the steps of one pass in cells.
@@ -104,7 +103,7 @@ def plain_run(study: Study, track: str, disc: FloatArray) -> dict[str, FloatArra
 
 def steps_of(study: Study, disc: FloatArray, device: str, *, restart: int | None = None) -> Any:
     """Steps and fields of the model; with `restart`, of another that goes on with its state at that step."""
-    track = Track.of(study)
+    track = study.track
     plan = [(increment, i % 9 == 4) for i, (increment, _, _) in enumerate(plan_of(study))]
     with Executor(study.cells, device=device) as executor:
 
@@ -127,7 +126,7 @@ def steps_of(study: Study, disc: FloatArray, device: str, *, restart: int | None
 @pytest.mark.parametrize("window", [30, 31])
 @pytest.mark.parametrize("track", TRACKS)
 def test_the_apex_is_over_the_middle_of_the_rows_beneath(track: str, window: int) -> None:
-    way = Track.of(small(track, grid__extent=f"{window * CELL:.9g} mm"))
+    way = small(track, grid__extent=f"{window * CELL:.9g} mm").track
     assert way.window == window
     for step in range(2 * way.steps_of_pass):
         beneath = way.x[0] + CELL * (way.row(step) + np.arange(window))
@@ -142,11 +141,11 @@ def test_the_apex_is_over_the_middle_of_the_rows_beneath(track: str, window: int
 def test_a_track_is_that_of_every_cell(track: str, loses: str, threads: int) -> None:
     """Areas step by step, volumes and the fields at the end of a distance that ends within a step."""
     study = small(track, **{k.replace(".", "__"): v for k, v in LOSES[loses].items()})
-    rows = Track.of(study).rows
+    rows = study.track.rows
     plain = plain_run(study, track, rough(rows))
     model_plan = [(increment, False) for increment, _, _ in plan_of(study)]
     with Executor(study.cells) as executor:
-        model = SweptModel(study, Track.of(study), rough(rows), executor)
+        model = SweptModel(study, study.track, rough(rows), executor)
         steps = list(model.steps(model_plan))
         state = {k: executor.to_numpy(v).copy() for k, v in vars(model.contact.state).items()}
     assert [step.row["area_contact"] for step in steps] == pytest.approx(plain["area"], rel=1e-12)
@@ -161,7 +160,7 @@ def test_a_sphere_that_does_not_wear_was_touched_all_the_same(threads: int) -> N
     """Its wear does not show where, so that the union of the contacts counts; across a restart too."""
     study = small("representative", wear__sphere="0 mm^3/N/m")
     plan = [(increment, True) for increment, _, _ in plan_of(study)]
-    track = Track.of(study)
+    track = study.track
     touched = np.zeros((WINDOW, WINDOW), dtype=bool)
     with Executor(study.cells, threads=threads) as executor:
         model = SweptModel(study, track, rough(track.rows), executor)
@@ -200,7 +199,7 @@ def test_volumes_are_exact_under_reversal(shift: int, device: str) -> None:
 def test_a_track_goes_on_from_any_step(track: str, loses: str, device: str) -> None:
     """In every number of every row, and in every cell; on a GPU from the end of a block of steps."""
     study = small(track, **{k.replace(".", "__"): v for k, v in LOSES[loses].items()})
-    disc = rough(Track.of(study).rows)
+    disc = rough(study.track.rows)
     steps, snapshot, wear = steps_of(study, disc, device)
     for restart in (1, 5):
         again, snapshot_again, wear_again = steps_of(study, disc, device, restart=restart)
@@ -214,7 +213,7 @@ def test_a_run_keeps_its_track(tmp_path: Path) -> None:
     """Snapshots at the first end of a step at or after what was asked; fields over the track; the gap."""
     study = small("representative", sliding__plastic="keep", output__snapshots=["2.9 mm", "6 mm"])
     with warpwear.run(study, out=tmp_path / "run", plots=False) as result:
-        track = Track.of(study)
+        track = study.track
         assert result.snapshot_distances == pytest.approx([3.0, 6.0, 7.37])
         assert_array_equal(result.track_x, track.x)
         unworn = result.track_heights()
@@ -312,7 +311,7 @@ def test_a_bad_track_is_one_sentence(changes: dict[str, Any], message: str) -> N
 
 def test_a_track_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     study = Study.load("v3-fine").replace({"sliding.kinematics": "swept"})
-    monkeypatch.setattr("warpwear.models.free_memory", lambda device: {"the host": 10**9})
+    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": 10**9})
     with pytest.raises(
         InputError, match=r"31500 × 1500 cells, which takes 1\.5 GiB .* sliding\.track = '3\.2 mm'"
     ):
@@ -355,7 +354,7 @@ def smooth(**changes: Any) -> Study:
 
 def middle_areas(result: Result) -> FloatArray:
     """Mean area in contact of each pass over the middle half of the stroke or lap, shape (passes,)."""
-    history, track = result.history, Track.of(result.study)
+    history, track = result.history, result.study.track
     half = 0.25 * track.cells * track.cell
     number = np.ceil(history["distance"] / track.stroke - 1e-9).astype(int) - 1
     inside = np.abs(history["position"]) < half

@@ -10,17 +10,16 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from warpwear import report_page
-from warpwear.calibration import diameter_of_cap
-from warpwear.cli_report import report
+from warpwear.calibration.wear import diameter_of_cap
+from warpwear.cli.report import report
 from warpwear.errors import InputError
-from warpwear.study import Study
-from warpwear.thesis_figures import FIGURES
-from warpwear.thesis_items import ALL_ITEMS
-from warpwear.thesis_report import judge, thesis_report
-from warpwear.thesis_runs import Plan
-from warpwear.thesis_summary import SUMMARY
-from warpwear.thesis_verdicts import Kind, as_printed, number
+from warpwear.study.study import Study
+from warpwear.thesis import page as report_page
+from warpwear.thesis.figures import FIGURES
+from warpwear.thesis.report import judge, thesis_report
+from warpwear.thesis.runs import Plan
+from warpwear.thesis.summary import ALL_ITEMS, SUMMARY
+from warpwear.thesis.verdicts import Kind, as_printed, number
 
 #: What the published studies give, to the digits that verdicts need.
 NUMBERS = {
@@ -347,7 +346,7 @@ def test_page_quotes_the_refusal_and_lists_assumptions(page: str) -> None:
 
 
 def test_printed_numbers_look_as_printed() -> None:
-    from warpwear.thesis import PATCH_DIAMETERS, WEAR_COEFFICIENTS
+    from warpwear.thesis.printed import PATCH_DIAMETERS, WEAR_COEFFICIENTS
 
     assert as_printed(PATCH_DIAMETERS["experiment"]) == "0.80"
     assert as_printed(WEAR_COEFFICIENTS["sphere"], 1e4) == "9.4"

@@ -7,10 +7,10 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import Study
-from warpwear.execution import Executor
+from warpwear.engine.executor import Executor
+from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
-from warpwear.one_scale import OneScaleModel
-from warpwear.tiles import Tiles
+from warpwear.models.rest.local import OneScaleModel
 
 SHAPE, CELL = (150, 203), 0.005
 LAWS = {
@@ -88,7 +88,7 @@ def test_listed_tiles_give_what_every_tile_gives(
 
 def test_an_early_contact_visits_few_tiles() -> None:
     study = Study.load("v3-fine").replace({"grid.cell": "2 um"})
-    from warpwear.surface_of import surface_in
+    from warpwear.study.surface import surface_in
 
     grid = study.cells
     with Executor(grid) as executor:

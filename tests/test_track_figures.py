@@ -14,12 +14,12 @@ from test_swept import small
 
 import warpwear
 from warpwear import InputError, Result
-from warpwear.animation import animate
-from warpwear.cli import commands
-from warpwear.comparison import gather
-from warpwear.comparison_table import columns, to_text
-from warpwear.summary import course
-from warpwear.track_data import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
+from warpwear.cli.main import commands
+from warpwear.comparison.gather import gather
+from warpwear.comparison.table import columns, to_text
+from warpwear.figures.film import animate
+from warpwear.results.summary import course
+from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
 
 
 @pytest.fixture(scope="module")

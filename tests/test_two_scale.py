@@ -13,16 +13,17 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
-from warpwear import ConvergenceError, InputError, Result, Study, load_shares, prescribed_loads
-from warpwear.balance import Found, newton_in_bracket
-from warpwear.execution import Executor
+from warpwear import ConvergenceError, InputError, Result, Study
+from warpwear.contact.balance import Found, newton_in_bracket
+from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.models import executor_of
-from warpwear.patches import Patches
-from warpwear.render import to_marked_toml
-from warpwear.smooth_contact import SmoothContact
-from warpwear.surface_of import surface_in
-from warpwear.two_scale import TwoScaleModel
+from warpwear.models.patches import shares as load_shares
+from warpwear.models.patches import shares as prescribed_loads
+from warpwear.models.patches.local import TwoScaleModel
+from warpwear.models.patches.smooth import SmoothContact
+from warpwear.runs.make import executor_of
+from warpwear.study.surface import surface_in
+from warpwear.study.text import to_marked_toml
 
 QUICK = {
     "grid.cell": "10 um",
@@ -66,7 +67,7 @@ class Stepped:
     """A model, advanced step by step."""
 
     def __init__(self, study: Study, *, device: str = "cpu", threads: int | None = None) -> None:
-        self.study, self.patches = study, Patches.of(study)
+        self.study, self.patches = study, study.patch_layout
         self.executor = Executor(self.patches.grid, device=device, threads=threads)
         self.model = TwoScaleModel(study, self.patches, _heights_on(study.cells), self.executor)
 
@@ -387,7 +388,7 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
         offset = found.offset + 0.9e-12 * load / carried(found.offset).slope
         return found._replace(offset=offset, force=carried(offset).force)
 
-    monkeypatch.setattr("warpwear.smooth_contact.newton_in_bracket", just_converged)
+    monkeypatch.setattr("warpwear.models.patches.smooth.newton_in_bracket", just_converged)
     wear = 0.003 * sum(stepped.study.wear_coefficients)
     target = smooth.press(foundation=stepped.study.foundation(), removal=wear)
     assert area * target.sum() == pytest.approx(load, rel=1e-14)
@@ -406,10 +407,10 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
 
 def test_patches_of_a_field_come_back() -> None:
     field = np.random.default_rng(0).random((180, 180))
-    tiling = Patches.of(quick(grid__extent="1.8 mm"))
+    tiling = quick(grid__extent="1.8 mm").patch_layout
     assert_array_equal(tiling.on_domain(tiling.stored(field)), field)
     for rule in ("centre", "random"):
-        some = Patches.of(of_kind("some of the area").replace({"macro.placement": rule, "macro.seed": 3}))
+        some = of_kind("some of the area").replace({"macro.placement": rule, "macro.seed": 3}).patch_layout
         back = some.on_domain(some.stored(field), beside=-1.0)
         covered = back != -1.0
         assert_array_equal(back[covered], field[covered])
@@ -554,13 +555,13 @@ def test_a_contact_that_outgrows_the_macro_grid_stops_the_run() -> None:
 def test_a_history_of_patches_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two tables of steps × patches, and both again for a checkpoint; beside six fields of their cells."""
     study = Study.load("two-scale").replace({"macro.cell": "2 um"})
-    cells = Patches.of(study).grid.cells
+    cells = study.patch_layout.grid.cells
     tables, fields = 4 * 8 * 1099 * 750**2, 6 * 8 * cells
     refused = r"macro\.cell = 2 µm makes 562500 patches, .* 1099 steps take 18\.4 GiB .* a larger macro\.cell"
-    monkeypatch.setattr("warpwear.models.free_memory", lambda device: {"the host": tables + fields - 1})
+    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": tables + fields - 1})
     with pytest.raises(InputError, match=refused):
         warpwear.run(study)
-    monkeypatch.setattr("warpwear.models.free_memory", lambda device: {"the host": tables + fields})
+    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": tables + fields})
     with executor_of(study, device="cpu", threads=1) as executor:
         assert executor.grid.cells == cells
 

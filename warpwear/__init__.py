@@ -1,36 +1,57 @@
 """warpwear: fine-mesh contact, wear and friction of rough surfaces.
 
-The public names are `Study`, `run`, `Result` and `InputError`; they are imported on first use, so that
-`import warpwear` and `warpwear --help` stay quick.
+The public names are listed in `__all__`; they are imported on first use, so that `import warpwear` and
+`warpwear --help` stay quick. Everything else may change from release to release.
 """
 
-from importlib import import_module
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from warpwear.lazy import resolve
+from warpwear.version import __version__
+
 if TYPE_CHECKING:
     from warpwear.errors import ConvergenceError, InputError
-    from warpwear.results import Result
-    from warpwear.runner import run
-    from warpwear.study import Study
+    from warpwear.result import Result
+    from warpwear.runs.run import run
+    from warpwear.study.study import Study
 
-__version__ = "0.1.0"
+_PUBLIC = {
+    "ConvergenceError": "warpwear.errors:ConvergenceError",
+    "InputError": "warpwear.errors:InputError",
+    "Result": "warpwear.result:Result",
+    "Study": "warpwear.study.study:Study",
+    "run": "warpwear.runs.run:run",
+}
+
 __all__ = ["ConvergenceError", "InputError", "Result", "Study", "__version__", "run"]
 
-# In a checkout kernels/ and surfaces/ stand beside this folder, in a wheel inside it.
-if not (Path(__file__).parent / "kernels").is_dir():
-    __path__.append(str(Path(__file__).parent.parent))
 
-_HOME = {
-    "ConvergenceError": "warpwear.errors",
-    "InputError": "warpwear.errors",
-    "Result": "warpwear.results",
-    "Study": "warpwear.study",
-    "run": "warpwear.runner",
-}
+def _register(wing: str) -> None:
+    """Make warpwear.WING of a folder beside this one: a checkout has kernels/ and surfaces/ at its top."""
+    folder = Path(__file__).parent.parent / wing
+    name = f"{__name__}.{wing}"
+    spec = spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
+    assert spec is not None
+    assert spec.loader is not None
+    package = module_from_spec(spec)
+    sys.modules[name] = package
+    spec.loader.exec_module(package)
+    globals()[wing] = package
+
+
+for _wing in ("kernels", "surfaces"):
+    if not (Path(__file__).parent / _wing).is_dir():
+        _register(_wing)
 
 
 def __getattr__(name: str) -> Any:
-    if name in _HOME:
-        return getattr(import_module(_HOME[name]), name)
+    if name in _PUBLIC:
+        return resolve(_PUBLIC[name])
     raise AttributeError(f"module 'warpwear' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,5 +1,5 @@
-"""`python -m warpwear`."""
+"""`python -m warpwear` is the command line."""
 
-from warpwear.cli import main
+from warpwear.cli.main import main
 
 main()

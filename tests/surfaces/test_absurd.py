@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from warpwear import InputError, Study, run
-from warpwear.surface_command import describe
+from warpwear.measured.surface_command import describe
 from warpwear.surfaces.measured import read_measured
 
 RANDOM = np.random.default_rng(3)

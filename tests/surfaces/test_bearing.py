@@ -5,9 +5,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from warpwear.surfaces.bearing import bearing_parameters, material_ratio_curve
-from warpwear.surfaces.parameters import roughness
-from warpwear.surfaces.self_affine import SelfAffine
+from warpwear.surfaces.made.self_affine import SelfAffine
+from warpwear.surfaces.roughness import bearing_parameters, material_ratio_curve, roughness
 
 
 def gaussian():

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
-from warpwear.surfaces.filtering import areal_low_pass
+from warpwear.surfaces.levelling import areal_low_pass
+from warpwear.surfaces.made.milled import Milled
+from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.measured import read_measured
-from warpwear.surfaces.milled import Milled
 from warpwear.surfaces.outliers import outliers
-from warpwear.surfaces.self_affine import SelfAffine
-from warpwear.surfaces.sphere_fit import Sphere, fit_sphere, places
+from warpwear.surfaces.sphere import Sphere, fit_sphere, places
 
 PIXEL = 0.002
 POINTS = (np.arange(200) - 99.5) * PIXEL

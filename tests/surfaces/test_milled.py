@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
-from warpwear.surfaces.milled import Milled
-from warpwear.surfaces.parameters import rms_slope, roughness
+from warpwear.surfaces.made.milled import Milled
+from warpwear.surfaces.roughness import rms_slope, roughness
 
 FEED = 0.65
 

@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from warpwear.surfaces.made.milled import Milled
+from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.measured import read_measured
-from warpwear.surfaces.milled import Milled
 from warpwear.surfaces.outliers import outliers
-from warpwear.surfaces.self_affine import SelfAffine
 
 PIXEL = 0.002
 SPIKE = 0.05

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
-from warpwear.surfaces.point_cloud import gridded, units_in
 from warpwear.surfaces.reading import read
-from warpwear.surfaces.text_table import read_table
+from warpwear.surfaces.text import gridded, read_table, units_in
 
 NX, NY, PX, PY = 9, 7, 0.4, 0.25
 RNG = np.random.default_rng(0)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from warpwear.surfaces.parameters import rms_slope, roughness
+from warpwear.surfaces.roughness import rms_slope, roughness
 
 
 def test_of_a_sine():

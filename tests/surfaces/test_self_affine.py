@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
-from warpwear.surfaces.fourier import half_plane_draws
-from warpwear.surfaces.parameters import rms_slope, roughness
-from warpwear.surfaces.self_affine import SelfAffine
-from warpwear.surfaces.synthetic import Flat
+from warpwear.surfaces.made.fourier import half_plane_draws
+from warpwear.surfaces.made.self_affine import SelfAffine
+from warpwear.surfaces.made.synthetic import Flat
+from warpwear.surfaces.roughness import rms_slope, roughness
 
 PERIOD, CUT_OFF = 2.0, 0.008
 PINNED = [0.00865286921888097, 0.005101489513130521]  # mm

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
-from warpwear.surfaces.parameters import profile_roughness, roughness
-from warpwear.surfaces.self_affine import SelfAffine
+from warpwear.surfaces.made.self_affine import SelfAffine
+from warpwear.surfaces.roughness import profile_roughness, roughness
 from warpwear.surfaces.spectrum import (
     autocorrelation_length,
     power_spectrum,

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
-from warpwear.surface_report import ball_page, ball_record, track_page, track_record
-from warpwear.surfaces.self_affine import SelfAffine
-from warpwear.surfaces.sphere_fit import Sphere, places
-from warpwear.surfaces.track import find_track
-from warpwear.surfaces.worn_ball import cap_of_diagonals, find_worn_ball
+from warpwear.measured.surface_report import ball_page, ball_record, track_page, track_record
+from warpwear.surfaces.made.self_affine import SelfAffine
+from warpwear.surfaces.sphere import Sphere, places
+from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
+from warpwear.surfaces.worn.track import find_track
 
 CELL = 0.003
 PLACES = (np.arange(800) - 399.5) * CELL

@@ -8,10 +8,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 from thesis import F, H, K, R, cap, smooth
 
 from warpwear import run
-from warpwear.execution import Executor
+from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.ledger import Step
-from warpwear.one_scale import OneScaleModel
+from warpwear.history.recorder import Step
+from warpwear.models.rest.local import OneScaleModel
 
 
 @pytest.mark.parametrize(("cell", "below", "touching"), [(10, 124, 140), (5, 540, 548), (2, 3388, 3396)])

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from warpwear.execution import Executor
+from warpwear.contact.half_space import HalfSpace
+from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.half_space import HalfSpace
-from warpwear.hertz import Hertz
-from warpwear.surfaces.self_affine import SelfAffine
+from warpwear.laws.elastic import Hertz
+from warpwear.surfaces.made.self_affine import SelfAffine
 
 
 def sphere(grid: Grid, radius: float) -> FloatArray:

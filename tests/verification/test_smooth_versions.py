@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from thesis import K_DISC, K_SPHERE, F, K, L, R, patch_radius
 
 from warpwear import InputError, Result, Study, run
-from warpwear.summary import shape_of_growth
+from warpwear.results.summary import shape_of_growth
 
 
 @cache

@@ -11,7 +11,7 @@ from thesis import K_DISC, K_SPHERE, F, H, K, L, cap, observed_order, smooth
 
 from warpwear import InputError, run
 from warpwear.grid import FloatArray
-from warpwear.results import Snapshot
+from warpwear.results.file import Snapshot
 
 #: K_N = C_W E*/a_H with C_W = 16/(3π), which matches Hertz's area.
 STIFFNESS = 16.0 / (3.0 * math.pi) * 1.072e5 / 55.2e-3

@@ -16,7 +16,7 @@ from scipy.stats import norm
 from thesis import K_DISC, K_SPHERE, F, H, K, R, smooth
 
 from warpwear import Result, Study, run
-from warpwear.surface_of import surface_of
+from warpwear.study.surface import surface_of
 
 STOPS = (30.0, 240.0, 1200.0, 2400.0)
 CELLS = [5, pytest.param(1, marks=pytest.mark.slow)]

@@ -1,0 +1,84 @@
+"""The field type of all kernels.
+
+A field of nx × ny cells is stored as `wp.array2d(dtype=Cells)` of shape (nx, ceil(ny / 8)): eight
+neighbouring cells along axis 1 in one vector, because a compiler turns loops over a vector's lanes into SIMD
+code and loops over scalars of a strided array not. Lanes beyond ny hold `PADDING` in the gap, so they never
+touch.
+"""
+
+import warp as wp
+
+LANES = 8
+Cells = wp.types.vector(LANES, wp.float64)
+
+#: Gap of a place where there is no surface (padding, beyond the sphere's edge) [mm].
+PADDING = 1.0e30
+ABSENT = wp.constant(wp.float64(PADDING))
+#: Stands for "no cell" in partial maxima, and for a step without limit.
+NONE = wp.constant(wp.float64(1.0e300))
+#: Stands for "no cell" among first and last indices.
+NOWHERE = wp.constant(wp.float64(-1.0e9))
+#: Vectors of a tile, see `tiles`.
+WIDTH = wp.constant(wp.int32(4))
+ZERO = wp.constant(wp.float64(0.0))
+ONE = wp.constant(wp.float64(1.0))
+
+#: Rows of the table of partial results, one column a slot, that `removal.remove` writes: of the step, and
+#: (from "touched" on) of the whole field.
+SUMS = (
+    "pressure",
+    "pressure_times_factor",
+    "deviation_squared",
+    "contact",
+    "capped",
+    "touched",
+    "wear_sphere",
+    "wear_disc",
+)
+#: Rows of the table of partial maxima, over the tiles visited. Lowest indices are stored negated.
+MAXIMA = ("pressure", "wear_sphere", "wear_disc", "first_row", "last_row", "first_column", "last_column")
+#: The same two tables of `sliding.remove`: sums of a step, and maxima. The rest is kept a tile and a row.
+STEP = ("pressure", "deviation_squared", "contact", "capped")
+STEP_MAXIMA = ("pressure", "wear_sphere", "wear_disc", "first_column", "last_column")
+#: The same two tables of `patches.remove`, of each patch; "worn" is by both bodies, rows and
+#: columns are the domain's.
+PATCH_SUMS = ("pressure", "deviation_squared", "contact", "capped", "touched", "worn")
+PATCH_MAXIMA = ("pressure", "worn", "first_row", "last_row", "first_column", "last_column")
+#: What is kept of every tile: cells ever touched, sums of the wear of sphere and disc [mm].
+Kept = wp.types.vector(3, wp.float64)
+
+
+wp.set_module_options({"enable_backward": False})
+
+
+@wp.func
+def sum_of(v: Cells):
+    """Sum of the lanes."""
+    total = ZERO
+    for j in range(LANES):
+        total += v[j]
+    return total
+
+
+@wp.func
+def lowest_of(v: Cells):
+    """Smallest of the lanes, pair by pair: one after another it takes twice as long."""
+    return wp.min(
+        wp.min(wp.min(v[0], v[1]), wp.min(v[2], v[3])),
+        wp.min(wp.min(v[4], v[5]), wp.min(v[6], v[7])),
+    )
+
+
+@wp.func
+def largest_of(v: Cells):
+    """Largest of the lanes, pair by pair."""
+    return wp.max(
+        wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])),
+        wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])),
+    )
+
+
+@wp.func
+def of_row(values: wp.array(dtype=wp.float64), row: wp.int32):
+    """The value of a row, or the one value that all rows share."""
+    return values[wp.min(row, values.shape[0] - 1)]

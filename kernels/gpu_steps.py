@@ -1,0 +1,260 @@
+"""Whole steps on a GPU without a word to the host: the search for the balance, wear, a row of the history.
+
+Here a thread visits single cells, its neighbours the neighbouring ones, and every block reduces what its
+threads found to one column of a table of partial results. Fields are those of the other kernels, seen as
+numbers. What a search knows lies in `search`, in the order of `SEARCH`; the rule is that of
+`balance.newton_in_bracket`.
+"""
+
+import warp as wp
+
+from warpwear.kernels.cells import ABSENT, NOWHERE, ONE, ZERO
+from warpwear.kernels.gpu_wear_loop import wear
+
+wp.set_module_options({"enable_backward": False})
+
+#: What the search for a balance keeps: approach = base + offset, its bracket, and the mean pressure before.
+SEARCH = (
+    "base",
+    "offset",
+    "low",
+    "high",
+    "reach",
+    "width",
+    "evaluation",
+    "round",
+    "force",
+    "approach",
+    "mean",
+)
+BASE, OFFSET, LOW, HIGH, REACH, WIDTH, EVALUATION, ROUND, FORCE, APPROACH, MEAN = (
+    wp.constant(wp.int32(i)) for i in range(len(SEARCH))
+)
+#: Searches, each from a base nearer the solution; evaluations of each; first step of one that starts there.
+ROUNDS = wp.constant(wp.float64(3.0))
+EVALUATIONS = wp.constant(wp.float64(400.0))
+FIRST_REACH = wp.constant(wp.float64(1.0e-18))
+INFINITE = wp.constant(wp.float64(1.0e300))
+#: Cells that a thread loads at once.
+FOUR = 4
+HALF = wp.constant(wp.float64(0.5))
+
+
+@wp.kernel
+def begin(
+    removal_in: wp.array2d(dtype=wp.float64),
+    step_in: wp.array(dtype=wp.int32),
+    search_out: wp.array(dtype=wp.float64),
+    searching_out: wp.array(dtype=wp.int32),
+):
+    """A worn contact recedes by K p ΔL: where the last mean pressure puts it the search begins."""
+    step = step_in[0]
+    guess = (removal_in[step, 0] + removal_in[step, 1]) * search_out[MEAN]
+    search_out[BASE] = search_out[APPROACH]
+    search_out[OFFSET] = guess
+    search_out[LOW] = -INFINITE
+    search_out[HIGH] = INFINITE
+    search_out[REACH] = wp.where(guess != ZERO, wp.abs(guess), FIRST_REACH)
+    search_out[WIDTH] = INFINITE
+    search_out[EVALUATION] = ZERO
+    search_out[ROUND] = ZERO
+    searching_out[0] = 1
+
+
+@wp.func
+def factor_at(i: wp.int32, column: wp.int32, rows: wp.int32, factor: wp.array(dtype=wp.float64)):
+    """Factor of the disc's sliding distance at a cell, from one row of them or from all (`rows` of them)."""
+    return factor[wp.where(rows > 1, i, column)]
+
+
+@wp.kernel
+def carried(
+    columns: wp.int32,
+    rows: wp.int32,
+    compliance: wp.float64,
+    implicit: wp.float64,
+    cap: wp.float64,
+    blocks: wp.int32,
+    removal_in: wp.array2d(dtype=wp.float64),
+    step_in: wp.array(dtype=wp.int32),
+    search_in: wp.array(dtype=wp.float64),
+    factor_in: wp.array(dtype=wp.float64),
+    gap_in: wp.array(dtype=wp.float64),
+    partial_out: wp.array2d(dtype=wp.float64),
+):
+    """Sum of the pressures at the trial approach, and of the stiffnesses of cells neither open nor capped."""
+    block = wp.tid() // wp.block_dim()
+    removal_sphere = removal_in[step_in[0], 0]
+    removal_disc = removal_in[step_in[0], 1]
+    base = search_in[BASE]
+    offset = search_in[OFFSET]
+    s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
+    width = wp.block_dim()
+    pressure = ZERO
+    slope = ZERO
+    for row in range(block, gap_in.shape[0] // columns, blocks):
+        for first in range(wp.tid() % width, columns, FOUR * width):
+            gaps = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
+            for j in range(FOUR):  # loaded together: one at a time does not keep the memory busy
+                if first + j * width < columns:
+                    gaps[j] = gap_in[row * columns + first + j * width]
+            for j in range(FOUR):
+                if rows > 0:
+                    column = wp.min(first + j * width, columns - 1)
+                    f = factor_at(row * columns + column, column, rows, factor_in)
+                    s = ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
+                q = ((base - gaps[j]) + offset) * s
+                pressure += wp.min(wp.max(q, ZERO), cap)
+                slope += wp.where(q > ZERO and q < cap, s, ZERO)
+    wp.tile_store(partial_out[0], wp.tile_sum(wp.tile(pressure)), offset=block)
+    wp.tile_store(partial_out[1], wp.tile_sum(wp.tile(slope)), offset=block)
+
+
+@wp.kernel
+def decide(
+    load: wp.float64,
+    tolerance: wp.float64,
+    cell_area: wp.float64,
+    partial_in: wp.array2d(dtype=wp.float64),
+    search_out: wp.array(dtype=wp.float64),
+    searching_out: wp.array(dtype=wp.int32),
+):
+    """The next trial approach, or the end of the search. One block."""
+    tid = wp.tid()
+    some_pressure = ZERO
+    some_slope = ZERO
+    for i in range(tid, partial_in.shape[1], wp.block_dim()):
+        some_pressure += partial_in[0, i]
+        some_slope += partial_in[1, i]
+    total_pressure = wp.tile_sum(wp.tile(some_pressure))
+    total_slope = wp.tile_sum(wp.tile(some_slope))
+    force = wp.tile_extract(total_pressure, 0) * cell_area
+    slope = wp.tile_extract(total_slope, 0) * cell_area
+    if tid > 0:
+        return
+    residual = force - load
+    evaluation = search_out[EVALUATION] + ONE
+    search_out[EVALUATION] = evaluation
+    search_out[FORCE] = force
+    if wp.abs(residual) <= tolerance * load or evaluation >= EVALUATIONS * (search_out[ROUND] + ONE):
+        searching_out[0] = 0
+        return
+    offset = search_out[OFFSET]
+    low = wp.where(residual < ZERO, offset, search_out[LOW])
+    high = wp.where(residual < ZERO, search_out[HIGH], offset)
+    newton = offset - residual / wp.where(slope > ZERO, slope, ONE)
+    trial = HALF * (low + high)
+    if low <= -INFINITE or high >= INFINITE:
+        reach = search_out[REACH]
+        trial = offset + wp.where(residual < ZERO, reach, -reach)
+        if slope > ZERO and wp.abs(newton - offset) <= reach:
+            trial = newton
+        search_out[REACH] = wp.float64(4.0) * reach
+    else:
+        even = wp.int32(evaluation) % 2 == 0
+        stalled = even and high - low > HALF * search_out[WIDTH]
+        if even:
+            search_out[WIDTH] = high - low
+        if slope > ZERO and newton > low and newton < high and not stalled:
+            trial = newton
+        if trial <= low or trial >= high:  # the bracket is down to neighbouring numbers: begin from there
+            search_out[BASE] = search_out[BASE] + offset
+            search_out[ROUND] = search_out[ROUND] + ONE
+            search_out[REACH] = FIRST_REACH
+            search_out[WIDTH] = INFINITE
+            trial = ZERO
+            low = -INFINITE
+            high = INFINITE
+            if search_out[ROUND] >= ROUNDS:
+                searching_out[0] = 0
+    search_out[OFFSET] = trial
+    search_out[LOW] = low
+    search_out[HIGH] = high
+
+
+@wp.kernel
+def remove(
+    columns: wp.int32,
+    rows: wp.int32,
+    compliance: wp.float64,
+    implicit: wp.float64,
+    cap: wp.float64,
+    blocks: wp.int32,
+    share_changes: wp.int32,
+    removal_in: wp.array2d(dtype=wp.float64),
+    step_in: wp.array(dtype=wp.int32),
+    search_in: wp.array(dtype=wp.float64),
+    factor_in: wp.array(dtype=wp.float64),
+    unworn_in: wp.array(dtype=wp.float64),
+    gap_out: wp.array(dtype=wp.float64),
+    share_out: wp.array(dtype=wp.float64),
+    partial_out: wp.array2d(dtype=wp.float64),
+):
+    """One increment of wear, as `removal.remove`: sums in the order of `types.SUMS`, then `types.MAXIMA`.
+
+    share_out: of the sphere in what is worn; used only where the two bodies do not wear in one proportion.
+    """
+    step = step_in[0]
+    wear(
+        wp.tid() // wp.block_dim(),
+        wp.tid() % wp.block_dim(),
+        wp.block_dim(),
+        columns,
+        rows,
+        compliance,
+        implicit,
+        cap,
+        blocks,
+        share_changes,
+        removal_in[step, 0],
+        removal_in[step, 1],
+        search_in[BASE],
+        search_in[OFFSET],
+        search_in[MEAN],
+        factor_in,
+        unworn_in,
+        gap_out,
+        share_out,
+        partial_out,
+    )
+
+
+@wp.kernel
+def record(
+    sums: wp.int32,
+    partial_in: wp.array2d(dtype=wp.float64),
+    step_in: wp.array(dtype=wp.int32),
+    rows_out: wp.array2d(dtype=wp.float64),
+):
+    """Sums (the first so many) and maxima of the step into its row, after those of `finish`. A block each."""
+    tid = wp.tid()
+    quantity = tid // wp.block_dim()
+    lane = tid % wp.block_dim()
+    total = ZERO
+    most = NOWHERE
+    for i in range(lane, partial_in.shape[1], wp.block_dim()):
+        total += partial_in[quantity, i]
+        most = wp.max(most, partial_in[quantity, i])
+    sum_tile = wp.tile_sum(wp.tile(total))
+    most_tile = wp.tile_max(wp.tile(most))
+    found = wp.where(quantity < sums, wp.tile_extract(sum_tile, 0), wp.tile_extract(most_tile, 0))
+    if lane == 0:
+        rows_out[step_in[0], 4 + quantity] = found
+
+
+@wp.kernel
+def finish(
+    load: wp.float64,
+    search_out: wp.array(dtype=wp.float64),
+    step_out: wp.array(dtype=wp.int32),
+    rows_out: wp.array2d(dtype=wp.float64),
+):
+    """Completes the row of a step, and leaves the search what the next step starts from. One thread."""
+    step = step_out[0]
+    rows_out[step, 0] = search_out[BASE]
+    rows_out[step, 1] = search_out[OFFSET]
+    rows_out[step, 2] = search_out[FORCE] - load
+    rows_out[step, 3] = search_out[EVALUATION]
+    search_out[APPROACH] = search_out[BASE] + search_out[OFFSET]
+    search_out[MEAN] = rows_out[step, 4] / wp.max(rows_out[step, 7], ONE)
+    step_out[0] = step + 1

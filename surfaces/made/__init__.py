@@ -1,0 +1,1 @@
+"""Surfaces made from formulas: flat, self-affine, milled."""

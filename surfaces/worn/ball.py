@@ -1,0 +1,233 @@
+"""What a ball has lost: from its topography, or from two diagonals of its worn patch."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.surfaces.base import FloatArray
+from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
+
+ndimage = lazy.module("scipy.ndimage")
+
+THRESHOLD = 4.0  # robust standard deviations of the unworn surface by which the worn patch lies below
+FIRST_RING = 0.5  # of the field's half width: the unworn part is looked for outside of it first
+CORNERS = 1.0  # of the same in an ellipse: a second start, which must come to the same volume
+LEAST_UNWORN = 0.1  # of the field
+LEAST_FOR_RADIUS = 0.25  # of the field, where the radius is to be fitted too
+AGREEMENT = 0.03  # of the volume, or three standard errors, by which two starts may differ
+ROUNDS = 30
+RINGS = 40  # around the patch, looked at for its edge; each is 3 % of its mean radius wide, or 2 pixels
+RIM = 0.15  # of the patch's mean radius: the width beside it that is neither worn nor fitted
+BLOCKS = 8  # along each side of the field, whose means tell how far roughness averages out
+LEAST_BLOCK = 0.25  # of a block that must be unworn
+NOT_TOLD = (
+    "too little of the ball is unworn to tell its radius from: --radius gives it, or a wider measurement is "
+    "needed"
+)
+
+Mask = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Cap:
+    """A cap cut off a ball: height and the radius of its rim a [mm], volume [mm³]."""
+
+    height: float
+    rim: float
+    volume: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WornBall:
+    """sphere: the unworn one; lost: depth below it [mm], shape (nx, ny); patch: the worn points.
+
+    volume: sum of `lost` over the patch, roughness averaged out [mm³]; volume_error: its standard error from
+    the roughness in the patch and from that under the fit of the sphere [mm³]. piled_up: net volume above the
+    sphere in the rim beside the patch [mm³], of which roughness averages out too, so that it may be negative;
+    piled_up_error: its standard error [mm³]. depth: largest [mm]; along, across: extents of the patch [mm];
+    noise: robust scatter of the unworn surface [mm].
+    """
+
+    sphere: Sphere
+    lost: FloatArray
+    patch: Mask
+    volume: float
+    volume_error: float
+    piled_up: float
+    piled_up_error: float
+    depth: float
+    along: float
+    across: float
+    noise: float
+
+
+def cap_of_diagonals(first: float, second: float, *, radius: float) -> Cap:
+    """The flat cap whose rim has two measured diagonals [mm], on a ball of a radius [mm].
+
+    h = R − √(R² − a²) (thesis eq 3.1, without its cancellation) with a half their mean, V = π h² (3R − h)/3.
+    InputError for diagonals that are not positive or wider than the ball.
+    """
+    if not (0.0 < radius < math.inf):
+        raise InputError(f"--radius is {radius:g} mm: allowed is any positive length")
+    for diagonal in (first, second):
+        if not 0.0 < diagonal <= 2.0 * radius:
+            raise InputError(
+                f"--diagonals has {diagonal:g} mm: allowed is up to the ball's diameter, {2 * radius:g} mm"
+            )
+    rim = 0.25 * (first + second)
+    height = rim * rim / (radius + math.sqrt(radius * radius - rim * rim))
+    return Cap(height=height, rim=rim, volume=math.pi * height**2 * (3.0 * radius - height) / 3.0)
+
+
+def find_worn_ball(
+    heights: FloatArray, *, pixel: tuple[float, float], radius: float | None = None
+) -> WornBall:
+    """The worn patch of a ball in complete heights [mm], shape (nx, ny), positive out of it; pixel [mm].
+
+    A sphere (of the given radius [mm], or fitted) goes through what is not worn: first the outer part of the
+    field, then, in rounds, all that does not lie below it by four times its scatter or next to what does.
+    The patch is the largest connected piece below, grown to where its surroundings no longer lie lower on
+    average. A fitted radius must give the same volume from a start in the corners of the field alone,
+    and the patch must be deeper in its middle: where little is unworn, its flat may pass for the sphere.
+    InputError where no sphere fits, nothing is worn, or too little is unworn to tell the radius.
+    """
+    x, y = places((heights.shape[0], heights.shape[1]), pixel)
+    u, v = (np.abs(p) / (0.5 * np.ptp(p)) for p in (x, y))
+    found = _find(heights, np.maximum.outer(u, v) > FIRST_RING, pixel=pixel, radius=radius)
+    if radius is None:
+        try:
+            other = _find(heights, np.hypot.outer(u, v) > CORNERS, pixel=pixel, radius=None)
+        except InputError as error:
+            raise InputError(NOT_TOLD) from error
+        allowed = max(AGREEMENT * abs(found.volume), 3.0 * found.volume_error)
+        if abs(found.volume - other.volume) > allowed or _bend(found.lost, found.patch, pixel) >= 0.0:
+            raise InputError(NOT_TOLD)
+    return found
+
+
+def _find(heights: FloatArray, start: Mask, *, pixel: tuple[float, float], radius: float | None) -> WornBall:
+    x, y = places((heights.shape[0], heights.shape[1]), pixel)
+    area = pixel[0] * pixel[1]
+    unworn, patch = start, ~start
+    for _ in range(ROUNDS):
+        try:
+            sphere = fit_sphere(heights, pixel=pixel, where=unworn, radius=radius)
+        except NoSphere as error:
+            raise InputError(f"no sphere fits the unworn part of the ball: {error}") from error
+        if sphere.radius < 0:
+            raise InputError(
+                "the measurement is hollow, not a ball: --height-sign down turns heights over where it "
+                "gives depths"
+            )
+        lost = sphere.heights(x, y) - heights
+        if np.isnan(lost).any():
+            raise InputError("the measurement reaches beyond the ball: --crop takes a smaller part")
+        rest = lost[unworn]
+        noise = TO_SIGMA * float(np.median(np.abs(rest - np.median(rest))))
+        limit = max(THRESHOLD * noise, 1e-6 * float(np.ptp(lost)))
+        smooth = ndimage.uniform_filter(lost, 5, mode="nearest")
+        labels, pieces = ndimage.label(smooth > limit / 2.0)
+        if not pieces:
+            raise InputError("nothing on the ball stands out as worn")
+        sums = ndimage.sum_labels(np.maximum(lost, 0.0), labels, np.arange(1, pieces + 1))
+        seed = ndimage.binary_fill_holes(labels == 1 + int(np.argmax(sums)))
+        density = _density(lost, unworn, area=area, terms=3 if radius is not None else 4)
+        found, rim = _grown(lost, seed, pixel=pixel, density=density)
+        same = np.array_equal(found, patch)
+        patch = found
+        unworn = ~patch & ~rim & ((lost < limit) | ~start)
+        if unworn.mean() < (LEAST_UNWORN if radius is not None else LEAST_FOR_RADIUS):
+            raise InputError(
+                "too little of the ball is unworn to fit a sphere to it: a wider measurement is needed"
+                if radius is not None
+                else NOT_TOLD
+            )
+        if same:
+            break
+    rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
+    errors = [
+        _error(part, unworn, pixel=pixel, density=density, fitted=radius is None) for part in (patch, rim)
+    ]
+    return WornBall(
+        sphere=sphere,
+        lost=lost,
+        patch=patch,
+        volume=float(lost[patch].sum()) * area,
+        volume_error=errors[0],
+        piled_up=-float(lost[rim].sum()) * area,
+        piled_up_error=errors[1],
+        depth=float(lost[patch].max()),
+        along=float(rows[-1] - rows[0] + 1) * pixel[0],
+        across=float(columns[-1] - columns[0] + 1) * pixel[1],
+        noise=noise,
+    )
+
+
+def _bend(lost: FloatArray, patch: Mask, pixel: tuple[float, float]) -> float:
+    """Factor of x² + y² [1/mm] in the depth lost over the patch: negative where the middle is deepest."""
+    x, y = places((lost.shape[0], lost.shape[1]), pixel)
+    i, j = np.nonzero(patch)
+    design = np.stack([np.ones(i.size), x[i], y[j], x[i] ** 2 + y[j] ** 2], axis=1)
+    return float(np.linalg.lstsq(design, lost[patch], rcond=None)[0][3])
+
+
+def _grown(lost: FloatArray, seed: Mask, *, pixel: tuple[float, float], density: float) -> tuple[Mask, Mask]:
+    """The whole patch about its deeper part, and the rim beside it, with pile-up if there is any.
+
+    Rings about the deeper part are added while they lie below the sphere on average by more than a standard
+    error; then, to the rim, while they lie above it so.
+    """
+    area = pixel[0] * pixel[1]
+    mean_radius = math.sqrt(float(seed.sum()) * area / math.pi)
+    width = max(2.0 * max(pixel), 0.03 * mean_radius)
+    distance = ndimage.distance_transform_edt(~seed, sampling=pixel)
+    ring = np.where(seed, 0, np.ceil(distance / width)).astype(np.int64)
+    count = np.bincount(ring.ravel())
+    mean = np.bincount(ring.ravel(), weights=lost.ravel()) / np.maximum(count, 1)
+    error = np.sqrt(density / (np.maximum(count, 1) * area))
+    last = min(count.size, RINGS)
+    edge = 1
+    while edge < last and mean[edge] > error[edge]:
+        edge += 1
+    patch = ring < edge
+    end = edge
+    while end < last and mean[end] < -error[end]:
+        end += 1
+    whole = math.sqrt(float(patch.sum()) * area / math.pi)
+    return patch, ~patch & (ring < max(end, edge + math.ceil(RIM * whole / width)))
+
+
+def _density(lost: FloatArray, unworn: Mask, *, area: float, terms: int) -> float:
+    """Variance of a mean over an area, times the area [mm⁴]: from means over blocks of the unworn surface.
+
+    terms: of the fit, which the blocks have lost as degrees of freedom. Roughness that is correlated over
+    less than a block is counted in full.
+    """
+    nx, ny = lost.shape
+    block = np.add.outer(np.arange(nx) * BLOCKS // nx * BLOCKS, np.arange(ny) * BLOCKS // ny).ravel()
+    count = np.bincount(block, weights=unworn.ravel())
+    total = np.bincount(block, weights=np.where(unworn, lost, 0.0).ravel())
+    used = count >= max(LEAST_BLOCK * nx * ny / BLOCKS**2, 1.0)
+    freedom = max(int(used.sum()) - terms, 1)
+    return float(np.sum(np.square(total[used]) / count[used])) * area / freedom
+
+
+def _error(part: Mask, unworn: Mask, *, pixel: tuple[float, float], density: float, fitted: bool) -> float:
+    """Standard error of a volume [mm³] over a part of the field: of its roughness and of the sphere's fit.
+
+    The fit is taken as one of 1, x, y and, where the radius is `fitted`, x² + y².
+    """
+    x, y = places((part.shape[0], part.shape[1]), pixel)
+    scale = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0
+    px, py = np.meshgrid(x / scale, y / scale, indexing="ij")
+    terms = [np.ones_like(px), px, py, *([px**2 + py**2] if fitted else [])]
+    design = np.stack([term[unworn] for term in terms])
+    area = pixel[0] * pixel[1]
+    moved = np.array([float(term[part].sum()) for term in terms]) * area
+    level = float(moved @ np.linalg.solve(design @ design.T * area, moved))
+    return math.sqrt(density * (float(part.sum()) * area + level))

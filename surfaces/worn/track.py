@@ -1,0 +1,205 @@
+"""A worn track in a measurement: where it is, its section areas, its volume."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.surfaces.base import FloatArray
+from warpwear.surfaces.levelling import without_polynomial
+from warpwear.surfaces.outliers import TO_SIGMA
+
+ndimage = lazy.module("scipy.ndimage")
+
+THRESHOLD = 4.0  # robust standard deviations of the unworn mean profile that a track stands out by
+FOOT = 2.0  # and to which it reaches down from there
+MARGIN = 0.2  # of its width, added on both sides: the ends of pile-up are low
+LEAST_OUTSIDE = 0.05  # of the width across on each side of the track, to level by
+ROUNDS = 20
+LEAST_ERRORS = 3.0  # standard errors that the net section of a track found must exceed
+BLOCKS = 10  # along the track, whose means are taken as correlated with their neighbours at most
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Track:
+    """A track along axis 0.
+
+    levelled: heights [mm] over the reference, the form of the surface outside the track, shape (nx, ny).
+    y: places across [mm] from the middle of the field, (ny,); edges: the track's [mm]; inside: (ny,).
+    below, above: section areas [mm²] under and over the reference inside the track, (nx,), each of a single
+    section, so both hold its roughness too; their difference, in which that averages out, is what was lost.
+    length: of the measured piece [mm].
+    """
+
+    levelled: FloatArray
+    y: FloatArray
+    inside: npt.NDArray[np.bool_]
+    edges: tuple[float, float]
+    below: FloatArray
+    above: FloatArray
+    length: float
+
+    @property
+    def net(self) -> FloatArray:
+        """Section area lost [mm²], below less above, (nx,)."""
+        return self.below - self.above
+
+    @property
+    def below_of_mean(self) -> float:
+        """Area of the mean section under the reference [mm²]: of the trough, roughness averaged out first."""
+        return self._of_mean(-1.0)
+
+    @property
+    def above_of_mean(self) -> float:
+        """Area of the mean section over the reference [mm²]: of pile-up, roughness averaged out first."""
+        return self._of_mean(1.0)
+
+    def _of_mean(self, sign: float) -> float:
+        mean = self.levelled.mean(axis=0)[self.inside]
+        pixel = (self.edges[1] - self.edges[0]) / mean.size
+        return float(np.maximum(sign * mean, 0.0).sum()) * pixel
+
+    @property
+    def net_error(self) -> float:
+        """Standard error of the mean net section [mm²], from means over ten pieces of the length.
+
+        That of the sections, and that of the reference beside the track times the track's width.
+        """
+        width = self.edges[1] - self.edges[0]
+        reference = self.levelled[:, ~self.inside].mean(axis=1)
+        return math.hypot(_standard_error(self.net), width * _standard_error(reference))
+
+    @property
+    def depth(self) -> float:
+        """Deepest point of the mean profile below the reference [mm]."""
+        return float(-self.levelled.mean(axis=0)[self.inside].min())
+
+    def volume(self, length: float | None = None) -> tuple[float, float]:
+        """Volume lost over a length (default: the measured piece) and its standard error [mm³]."""
+        over = self.length if length is None else length
+        return float(self.net.mean()) * over, self.net_error * over
+
+
+def find_track(
+    heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1, width: float | None = None
+) -> Track:
+    """The track along axis 0 of complete heights [mm], shape (nx, ny); pixel [mm].
+
+    The surface is levelled by a polynomial of the given total degree through what lies outside the track.
+    The track is where the mean profile across stands out of its scatter outside, found in rounds, with its
+    pile-up and a margin, if its net section exceeds three standard errors; or, with `width` [mm] and
+    whatever its section, the piece of that width about the middle of the deepest part.
+    InputError where there is none, or too little surface beside it to level by.
+    """
+    nx, ny = heights.shape
+    y = (np.arange(ny) - 0.5 * (ny - 1)) * pixel[1]
+    start = without_polynomial(heights, degree=degree).mean(axis=0)
+    inside = _first_guess(start) if width is None else _span(start, start < 0.0, pixel=pixel[1], width=width)
+    outside = ~inside
+    for _ in range(ROUNDS):
+        levelled = without_polynomial(
+            heights, degree=degree, where=np.broadcast_to(outside[None, :], heights.shape)
+        )
+        profile = levelled.mean(axis=0)
+        found = _span(profile, outside, pixel=pixel[1], width=width)
+        if np.array_equal(found, inside):
+            break
+        inside, outside = found, ~found
+        _check(inside, width=width)
+    levelled.flags.writeable = False
+    across = levelled[:, inside]
+    columns = np.flatnonzero(inside)
+    track = Track(
+        levelled=levelled,
+        y=y,
+        inside=inside,
+        edges=(float(y[columns[0]]) - 0.5 * pixel[1], float(y[columns[-1]]) + 0.5 * pixel[1]),
+        below=np.maximum(-across, 0.0).sum(axis=1) * pixel[1],
+        above=np.maximum(across, 0.0).sum(axis=1) * pixel[1],
+        length=nx * pixel[0],
+    )
+    net = float(track.net.mean())
+    if width is None and net <= LEAST_ERRORS * track.net_error:
+        raise InputError(
+            f"no track was found: the deepest part has a net section of {1e6 * net:.3g} µm², with a standard "
+            f"error of {1e6 * track.net_error:.2g} µm²; --track-width measures it anyway"
+        )
+    return track
+
+
+def _standard_error(values: FloatArray) -> float:
+    """Of the mean, from means over blocks; neighbouring blocks that go together count as fewer."""
+    blocks = np.array([block.mean() for block in np.array_split(values, min(BLOCKS, values.size))])
+    rest = blocks - blocks.mean()
+    variance = float(rest @ rest) / (blocks.size - 1)
+    shared = float(rest[1:] @ rest[:-1]) / (blocks.size - 1)
+    return math.sqrt((variance + 2.0 * max(shared, 0.0)) / blocks.size)
+
+
+def _first_guess(profile: FloatArray) -> npt.NDArray[np.bool_]:
+    """The deeper half of a trough in a mean profile [mm], (ny,), and as much again on each side.
+
+    Before the first levelling a track tilts and lifts its own reference, so no scatter can be told yet.
+    """
+    count = profile.size
+    centre, deepest = float(np.median(profile)), int(np.argmin(profile))
+    labels = ndimage.label(profile < 0.5 * (centre + float(profile[deepest])))[0]
+    columns = np.flatnonzero(labels == labels[deepest]) if labels[deepest] else np.array([deepest])
+    least = max(1, math.ceil(2.0 * LEAST_OUTSIDE * count))
+    first = max(int(columns[0]) - columns.size, least)
+    last = min(int(columns[-1]) + columns.size, count - 1 - least)
+    place = np.arange(count)
+    return (place >= first) & (place <= last)
+
+
+def _span(
+    profile: FloatArray, outside: npt.NDArray[np.bool_], *, pixel: float, width: float | None
+) -> npt.NDArray[np.bool_]:
+    """Which points across belong to the track of the mean profile [mm], shape (ny,)."""
+    count = profile.size
+    if width is not None:
+        points = round(width / pixel)
+        if not 2 <= points < count:
+            raise InputError(
+                f"--track-width is {width:g} mm: allowed is less than the measurement across, "
+                f"{count * pixel:.4g} mm"
+            )
+        below = np.convolve(np.maximum(-profile, 0.0), np.ones(points), mode="same")
+        near = np.abs(np.arange(count) - int(np.argmax(below))) <= points // 2
+        # about the middle of the deeper half: a window wider than the track would hold it in many places
+        deep = np.flatnonzero(near & (profile < 0.5 * profile[near].min()))
+        start = min(max(round(float(deep[0] + deep[-1] + 1 - points) / 2.0), 0), count - points)
+        return (np.arange(count) >= start) & (np.arange(count) < start + points)
+    window = max(3, count // 100) | 1
+    smooth = ndimage.uniform_filter1d(profile, window, mode="nearest")
+    rest = smooth[outside]
+    centre = float(np.median(rest))
+    sigma = TO_SIGMA * float(np.median(np.abs(rest - centre)))
+    sigma = max(sigma, 1e-6 * float(np.ptp(profile)))
+    deepest = int(np.argmin(smooth))
+    if centre - smooth[deepest] < THRESHOLD * sigma:
+        raise InputError("no track stands out of the surface: --track-width may say how wide it is")
+    beyond = np.abs(smooth - centre) > FOOT * sigma
+    # a track's profile crosses the reference between its trough and its pile-up
+    gap = max(3, count // 25)
+    closed = ndimage.binary_closing(np.pad(beyond, gap), np.ones(gap))[gap:-gap]
+    labels = ndimage.label(closed | beyond)[0]
+    columns = np.flatnonzero(labels == labels[deepest])
+    margin = math.ceil(MARGIN * columns.size)
+    place = np.arange(count)
+    return (place >= columns[0] - margin) & (place <= columns[-1] + margin)
+
+
+def _check(inside: npt.NDArray[np.bool_], *, width: float | None) -> None:
+    columns = np.flatnonzero(inside)
+    least = LEAST_OUTSIDE * inside.size
+    if columns[0] < least or inside.size - 1 - columns[-1] < least:
+        advice = (
+            "a wider measurement is needed"
+            if width is not None
+            else "--track-width may say how wide it is, or a wider measurement is needed"
+        )
+        raise InputError(f"the track leaves too little surface beside it to level by: {advice}")

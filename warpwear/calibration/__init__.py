@@ -1,0 +1,1 @@
+"""From measurements to wear coefficients, shear strengths and friction energy."""

@@ -1,0 +1,243 @@
+"""Wear coefficients from what was measured after a test: volumes, scars of a ball, sections of a groove.
+
+K = V/(F L) with the hardness contained (thesis eqs 2.5 and 4.13). The relations of ASTM G99 and G133 are
+under their names: both take one body as unworn, G99 the disc for its ball and the ball for its disc.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from warpwear.errors import InputError
+from warpwear.surfaces.worn.ball import cap_of_diagonals
+
+#: Angle [rad] of a circular segment below which its area is summed as a series: φ − sin φ cancels.
+SMALL_ANGLE = 0.02
+#: Of any number given, in mm, N or MPa, and of its inverse in K [mm²/N]: beyond it powers overflow.
+LARGEST = 1e30
+
+
+@dataclass(frozen=True, kw_only=True)
+class WornVolume:
+    """A worn volume and how it was found.
+
+    volume [mm³], exact for the shape assumed; error: its standard uncertainty [mm³], None where unknown;
+    error_from: where that comes from; approximate: by the usual relation for small scars [mm³]; depth: of
+    the scar [mm]; measured: what was measured, for people.
+    """
+
+    volume: float
+    error: float | None = None
+    error_from: str = "unknown"
+    approximate: float | None = None
+    depth: float | None = None
+    measured: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WearCalibration:
+    """Wear coefficients K [mm²/N] (1e-3 mm³/(N·m), 1e-6 Pa) of one worn body, of one or several tests alike.
+
+    volumes: one a test; load [N], distance [mm]: of each test, taken as exact; hardness [MPa] or None.
+    """
+
+    volumes: tuple[WornVolume, ...]
+    load: float
+    distance: float
+    hardness: float | None = None
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """K of every test [mm²/N]."""
+        return tuple(v.volume / (self.load * self.distance) for v in self.volumes)
+
+    @property
+    def errors(self) -> tuple[float | None, ...]:
+        """Standard uncertainty of K of every test from that of its volume [mm²/N], None where unknown."""
+        return tuple(None if v.error is None else v.error / (self.load * self.distance) for v in self.volumes)
+
+    @property
+    def mean(self) -> float:
+        """K [mm²/N]: the mean over the tests."""
+        return math.fsum(self.values) / len(self.values)
+
+    @property
+    def deviation(self) -> float | None:
+        """Standard deviation between the tests [mm²/N], n − 1 in its denominator; None of a single test."""
+        if len(self.values) < 2:
+            return None
+        mean = self.mean
+        return math.sqrt(math.fsum((v - mean) ** 2 for v in self.values) / (len(self.values) - 1))
+
+    @property
+    def standard_error(self) -> float | None:
+        """Standard error of the mean [mm²/N], from the scatter between the tests; None of a single test."""
+        deviation = self.deviation
+        return None if deviation is None else deviation / math.sqrt(len(self.values))
+
+    @property
+    def uncertainty(self) -> float | None:
+        """Standard uncertainty of `mean` [mm²/N]: from the scatter of several tests, else of the volume."""
+        return self.errors[0] if len(self.values) == 1 else self.standard_error
+
+    @property
+    def dimensionless(self) -> float | None:
+        """k of V = k F L/H (thesis eq 4.12), None without a hardness."""
+        return None if self.hardness is None else self.mean * self.hardness
+
+
+def wear_coefficient(
+    volumes: Sequence[WornVolume], *, load: float, distance: float, hardness: float | None = None
+) -> WearCalibration:
+    """K = V/(F L) (thesis eq 2.5) of tests of one load [N] and one sliding distance [mm].
+
+    InputError for a load, a distance, a hardness or a volume that is not positive, and for no volume.
+    """
+    _positive("load", load, "N")
+    _positive("distance", distance, "mm")
+    if hardness is not None:
+        _positive("hardness", hardness, "MPa")
+    if not volumes:
+        raise InputError("a wear coefficient needs a worn volume")
+    for worn in volumes:
+        _positive("worn volume", worn.volume, "mm³")
+    found = WearCalibration(volumes=tuple(volumes), load=load, distance=distance, hardness=hardness)
+    for value in found.values:
+        if not 1.0 / LARGEST < value < LARGEST:
+            raise InputError(
+                f"load {load:g} N and distance {distance:g} mm make a wear coefficient of {value:g} mm²/N: "
+                f"allowed is {1.0 / LARGEST:g} to {LARGEST:g}"
+            )
+    return found
+
+
+def volume_given(volume: float, *, error: float | None = None) -> WornVolume:
+    """A volume [mm³] that was measured elsewhere, with its standard uncertainty [mm³] where it is known."""
+    _positive("volume", volume, "mm³")
+    return WornVolume(
+        volume=volume, error=_error(error), error_from=_given(error), measured=f"volume {volume:.6g} mm³"
+    )
+
+
+def cap(
+    first: float, second: float | None = None, *, radius: float, error: float | None = None
+) -> WornVolume:
+    """A flat scar on a ball of a radius from one or two diameters across it; all lengths in mm.
+
+    The rim's radius a is half the mean diameter, h = R − √(R² − a²) (thesis eq 3.1) and V = π h² (3R − h)/3,
+    which is (π h/6)(3 d²/4 + h²) of ASTM G99 (spherical pin end, disc unworn) and of G133. Approximately
+    π d⁴/(64 R). error: standard uncertainty of the mean diameter; without it half the difference of two
+    different diameters, the standard error of their mean. It goes into V by dV/dd = (π/2) a³/√(R² − a²),
+    nearly 4 V/d. InputError for a scar wider than the ball.
+    """
+    other = first if second is None else second
+    for name, length in (("diameter", first), ("diameter", other), ("radius", radius)):
+        _positive(name, length, "mm")
+    found = cap_of_diagonals(first, other, radius=radius)
+    source = _given(error)
+    if error is None and other != first:
+        error, source = 0.5 * abs(first - other), "half the difference of the two diameters"
+    diameters = f"{first:.5g} mm" if second is None else f"{first:.5g} and {second:.5g} mm"
+    flat = radius * radius - found.rim * found.rim
+    if error is not None and flat <= 0.0:
+        raise InputError(f"a scar as wide as the ball, {2 * radius:g} mm, has no finite uncertainty")
+    slope = 0.0 if error is None else 0.5 * math.pi * found.rim**3 / math.sqrt(flat)
+    return WornVolume(
+        volume=found.volume,
+        error=None if error is None else slope * abs(_error(error) or 0.0),
+        error_from=source,
+        approximate=math.pi * (2.0 * found.rim) ** 4 / (64.0 * radius),
+        depth=found.height,
+        measured=f"diameter {diameters}",
+    )
+
+
+def circular_track(
+    width: float, *, radius: float, track_radius: float, error: float | None = None
+) -> WornVolume:
+    """A circular track that an unworn ball has cut into a disc, from its width; all lengths in mm.
+
+    ASTM G99: V = 2π R_t [r² asin(d/2r) − (d/4) √(4r² − d²)], approximately π R_t d³/(6r). error: standard
+    uncertainty of the width, by dA/dd = d²/(2 √(4r² − d²)). InputError for a track wider than the ball, or
+    than the circle it runs on.
+    """
+    _positive("width", width, "mm")
+    _positive("radius", radius, "mm")
+    _positive("track radius", track_radius, "mm")
+    if width >= 2.0 * radius:
+        raise InputError(
+            f"width is {width:g} mm: allowed is less than the ball's diameter, {2 * radius:g} mm"
+        )
+    if width > 2.0 * track_radius:
+        raise InputError(
+            f"width is {width:g} mm: allowed is up to twice the track's radius, {2 * track_radius:g} mm"
+        )
+    around = 2.0 * math.pi * track_radius
+    # √(4r² − d²) of lengths whose squares may overflow or cancel
+    chord = math.sqrt(2.0 * radius - width) * math.sqrt(2.0 * radius + width)
+    return WornVolume(
+        volume=around * segment(width, radius=radius),
+        error=None if error is None else around * 0.5 * width**2 / chord * (_error(error) or 0.0),
+        error_from=_given(error),
+        approximate=math.pi * track_radius * width**3 / (6.0 * radius),
+        depth=width**2 / (4.0 * radius + 2.0 * chord),
+        measured=f"width {width:.5g} mm",
+    )
+
+
+def groove(section: float, *, length: float, error: float | None = None) -> WornVolume:
+    """A straight groove: cross-section [mm²] × length [mm] (ASTM G133's flat: mean section × stroke).
+
+    error: standard uncertainty of the section [mm²]. The ends, where the ball turns, are not in it.
+    """
+    _positive("section", section, "mm²")
+    _positive("length", length, "mm")
+    return WornVolume(
+        volume=section * length,
+        error=None if error is None else (_error(error) or 0.0) * length,
+        error_from=_given(error),
+        measured=f"section {1e6 * section:.6g} µm² × {length:g} mm",
+    )
+
+
+def segment(width: float, *, radius: float) -> float:
+    """Area [mm²] of the circular segment that a chord of a width cuts off a circle of a radius [mm]."""
+    angle = 2.0 * math.asin(width / (2.0 * radius))
+    if angle < SMALL_ANGLE:
+        excess = angle**3 / 6.0 * (1.0 - angle**2 / 20.0 * (1.0 - angle**2 / 42.0))
+    else:
+        excess = angle - math.sin(angle)
+    return 0.5 * radius * radius * excess
+
+
+def diameter_of_cap(volume: float, *, radius: float) -> float:
+    """Diameter [mm] of the flat scar whose cap has a volume [mm³]: the inverse of `cap`, by bisection.
+
+    InputError for more than half the ball: its scar would shrink again.
+    """
+    _positive("volume", volume, "mm³")
+    _positive("radius", radius, "mm")
+    if volume > 2.0 / 3.0 * math.pi * radius**3 * (1.0 + 1e-12):
+        raise InputError(f"volume is {volume:g} mm³: allowed is up to half the ball of radius {radius:g} mm")
+    low, high = 0.0, radius  # of the height
+    while low < (middle := 0.5 * (low + high)) < high:
+        if math.pi * middle**2 * (3.0 * radius - middle) / 3.0 < volume:
+            low = middle
+        else:
+            high = middle
+    return 2.0 * math.sqrt(high * (2.0 * radius - high))
+
+
+def _positive(name: str, value: float, unit: str) -> None:
+    if not 0.0 < value <= LARGEST:
+        raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number up to {LARGEST:g}")
+
+
+def _error(error: float | None) -> float | None:
+    if error is not None and not 0.0 <= error <= LARGEST:
+        raise InputError(f"uncertainty is {error:g}: allowed is any number from 0 to {LARGEST:g}")
+    return error
+
+
+def _given(error: float | None) -> str:
+    return "unknown" if error is None else "as given"

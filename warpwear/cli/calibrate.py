@@ -1,0 +1,141 @@
+"""The command group `warpwear calibrate`: wear coefficients, shear strength and energy from a test."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from warpwear.cli.places import heavy
+from warpwear.cli.surface import PREPARATION
+
+AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+LOAD = click.option("--load", metavar="F", help="Normal load, e.g. '8 N'.")
+DISTANCE = click.option("--distance", metavar="L", help="Total sliding distance, e.g. '2400 mm'.")
+RESULT = click.option(
+    "--result", metavar="DIR", type=click.Path(path_type=Path), help="Run folder of `warpwear run`."
+)
+
+#: Of a track the form is that of the unworn part.
+LEVEL = {"--level": "--track: none, plane or a degree, taken off beside it. [default: plane]"}
+REPEATED = {
+    "--volume": ("V", str, "A worn volume, e.g. '0.01805 mm^3'."),
+    "--scar": ("D", str, "Diameter of a flat scar on a ball. Needs --radius."),
+    "--width": ("D", str, "Width of a circular track. Needs --radius and --track-radius."),
+    "--section": ("A", str, "Cross-section of a groove, e.g. '812.8 um^2'. Needs --length."),
+    "--track": ("FILE", click.Path(path_type=Path), "Topography of a worn track. Needs --length."),
+    "--ball": ("FILE", click.Path(path_type=Path), "Topography of a worn ball, with or without --radius."),
+}
+
+
+def _with_sources(command: Callable[..., Any]) -> Callable[..., Any]:
+    for name, text in reversed((PREPARATION | LEVEL).items()):
+        command = click.option(name, metavar="VALUE", help=text)(command)
+    for name, (metavar, kind, text) in reversed(REPEATED.items()):
+        command = click.option(name, metavar=metavar, type=kind, multiple=True, help=text)(command)
+    return command
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+def calibrate() -> None:
+    """Turn measurements after a test into what a study asks for."""
+
+
+@calibrate.command()
+@_with_sources
+@click.option(
+    "--diagonals",
+    nargs=2,
+    metavar="A B",
+    multiple=True,
+    help="Two diameters of a ball's worn patch, e.g. '0.80 mm' '0.82 mm'. Needs --radius.",
+)
+@click.option("--radius", metavar="R", help="Radius of the ball, e.g. '3 mm'.")
+@click.option("--track-radius", metavar="R", help="Radius of the circle that the track runs on.")
+@click.option("--track-width", metavar="W", help="--track: width with its pile-up, when it is not found.")
+@click.option("--length", metavar="L", help="Length of the whole track, e.g. '30 mm'. [default: --stroke]")
+@click.option(
+    "--uncertainty",
+    metavar="U",
+    help="Standard uncertainty of what was measured: of the mean diameter, the width, the section or the "
+    "volume. [default of --diagonals: from their difference]",
+)
+@click.option(
+    "--standard",
+    type=click.Choice(["g99-ball", "g99-disc", "g133-ball", "g133-flat"]),
+    help="By this ASTM test method.",
+)
+@LOAD
+@DISTANCE
+@click.option("--passes", type=int, help="Number of single strokes, instead of --distance.")
+@click.option("--stroke", metavar="L", help="Length of one stroke, e.g. '30 mm'.")
+@click.option("--hardness", metavar="H", help="For the dimensionless coefficient, e.g. '590 MPa'.")
+@AS_JSON
+def wear(**options: Any) -> None:
+    """Wear coefficient K = V/(F L) of a worn body, from one kind of measurement.
+
+    Repeat the measurement's option for repeated tests of one load and distance: mean, standard deviation and
+    standard error are given.
+
+    \b
+    warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
+        --load "8 N" --distance "2400 mm"
+    """
+    calibrate_wear = heavy("calibrate_wear")
+
+    click.echo(calibrate_wear(**options))
+
+
+@calibrate.command()
+@RESULT
+@click.option("--cof", type=float, help="Measured coefficient of friction that fixes τ0.")
+@click.option("--ploughing", type=float, help="Part of it that does not shear, μ_p. [default: 0]")
+@click.option("--area", metavar="A", help="With --load '1.254 mm^2'; with --result a name such as contact.")
+@LOAD
+@click.option(
+    "--experiment",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="Measured coefficient over distance: fits τ0 and μ_p with the areas of --result.",
+)
+@click.option("--columns", metavar="NAMES", help="--experiment: which of its columns to take.")
+@click.option("--stroke", metavar="L", help="--experiment: length of one pass, where it counts cycles.")
+@click.option("--speed", metavar="V", help="--experiment: sliding speed, where it has time and no distance.")
+@AS_JSON
+def friction(**options: Any) -> None:
+    """Shear strength τ0 of μ = μ_p + τ0 A/F, from a measured coefficient or curve.
+
+    The areas of a run are contact, touched, cumulative and nominal; a fit uses contact unless told otherwise.
+    """
+    calibrate_friction = heavy("calibrate_friction")
+
+    click.echo(calibrate_friction(**options))
+
+
+@calibrate.command()
+@RESULT
+@LOAD
+@DISTANCE
+@click.option("--cof", type=float, help="Constant coefficient of friction, without --result.")
+@click.option("--area", metavar="A", help="Area of the mean pressure of PV, without --result.")
+@click.option(
+    "--speed",
+    metavar="V",
+    multiple=True,
+    help="e.g. '20 mm/min'. Repeatable. [default: 10, 20, 50, 100 mm/min]",
+)
+@AS_JSON
+def energy(**options: Any) -> None:
+    """Dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""
+    calibrate_energy = heavy("calibrate_energy")
+
+    click.echo(calibrate_energy(**options, usual_speeds=heavy("thesis_speeds")))
+
+
+@calibrate.command()
+@AS_JSON
+def thesis(**options: Any) -> None:
+    """Wear coefficients that the thesis prints, and the worn patch that does not go with them."""
+    calibrate_thesis = heavy("calibrate_thesis")
+
+    click.echo(calibrate_thesis(**options))

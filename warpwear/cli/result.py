@@ -1,0 +1,73 @@
+"""The commands that take the folder of a run: `warpwear plot`, `animate` and `export`."""
+
+from pathlib import Path
+
+import click
+
+from warpwear.cli.places import heavy
+
+
+@click.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--only", "names", metavar="NAME", multiple=True, help="Only this figure. Repeatable.")
+@click.option("--format", "file_format", default="png", show_default=True, help="png, pdf or svg.")
+def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
+    """Draw the figures of the run in DIR (again).
+
+    They go into DIR/figures. Figures that make no sense for the run are left out, with the reason.
+    """
+    Result = heavy("Result")
+
+    with Result.open(folder) as result:
+        plotter, where = result.plot, (result.folder or folder) / "figures"
+        plotter.check(names, file_format=file_format)
+        left_out = {} if names else plotter.left_out
+        for name in dict.fromkeys(names or plotter.NAMES):
+            if name not in left_out:
+                click.echo(plotter.save(name, where, file_format=file_format))
+        for reason in dict.fromkeys(left_out.values()):
+            missing = ", ".join(name for name, why in left_out.items() if why == reason)
+            click.echo(f"note: no {missing}: {reason}", err=True)
+
+
+@click.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option(
+    "--out", type=click.Path(path_type=Path), help=".mp4 or .gif file. [default: DIR/animation.mp4 or .gif]"
+)
+@click.option("--fps", default=5.0, show_default=True, help="Frames a second; a frame is a snapshot.")
+@click.option("--overwrite", is_flag=True, help="Replace a file that is there.")
+def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None:
+    """Film the run in DIR: the wearing disc, the pressure and the coefficient of friction.
+
+    mp4 needs ffmpeg; without it the default is gif.
+    """
+    animate_result = heavy("animate_result")
+    Result = heavy("Result")
+
+    with Result.open(folder) as result:
+        click.echo(animate_result(result, out, frames_per_second=fps, overwrite=overwrite))
+
+
+@click.command("export")
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder to write. [default: DIR/export]")
+@click.option("--format", "formats", multiple=True, help="sdf, xyz or npy; repeatable. [default: all]")
+@click.option("--snapshot", default=-1, show_default=True, help="Number of the snapshot; -1 is the end.")
+@click.option("--overwrite", is_flag=True, help="Replace files that are there.")
+def export_command(
+    folder: Path, out: Path | None, formats: tuple[str, ...], snapshot: int, overwrite: bool
+) -> None:
+    """Write both worn bodies of the run in DIR as files for other software.
+
+    sdf is ASCII after ISO 25178-71, xyz a line a point in mm, npy heights in mm.
+    """
+    Result = heavy("Result")
+    WRITERS = heavy("WRITERS")
+    export = heavy("export")
+
+    with Result.open(folder) as result:
+        where = out if out is not None else (result.folder or folder) / "export"
+        chosen = formats or tuple(WRITERS)
+        for path in export(result, where, snapshot=snapshot, formats=chosen, overwrite=overwrite):
+            click.echo(path)

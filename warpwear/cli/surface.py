@@ -1,0 +1,56 @@
+"""The command `warpwear surface`, and the options that prepare a measured file."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from warpwear.cli.places import heavy
+
+#: Keys of [disc] as options: how a measured file is read and what is done to it.
+PREPARATION = {
+    "--pixel": "Distance of the points, e.g. '0.5 um' or '0.5 um, 0.6 um'; overrides the file.",
+    "--height-unit": "Unit of the heights: m, mm, um or nm; overrides the file.",
+    "--array": "Which array of a .npz that holds several.",
+    "--height-sign": "down turns heights over (the file gives depths).",
+    "--crop": "Part used: 'x0, x1, y0, y1' from the file's corner, or a size such as '1 mm'.",
+    "--sliding-axis": "Axis of the file along sliding: x or y. [default: x]",
+    "--outliers": "Remove points farther than so many robust standard deviations, e.g. 6.",
+    "--level": "none, plane, sphere or a degree of a polynomial. [default: plane]",
+    "--s-filter": "Take off shorter waves than this, e.g. '8 um'.",
+    "--l-filter": "Take off longer waves than this, e.g. '0.8 mm'.",
+}
+
+
+def with_preparation(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options of `PREPARATION`."""
+    for name, text in reversed(PREPARATION.items()):
+        command = click.option(name, metavar="VALUE", help=text)(command)
+    return command
+
+
+@click.command()
+@click.argument("file", required=False, type=click.Path(path_type=Path))
+@with_preparation
+@click.option("--lambda-c", default="2.5 mm", show_default=True, help="Cut-off λc of Ra profiles.")
+@click.option("--lambda-s", default="8 um", show_default=True, help="Cut-off λs of Ra profiles.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON; a figure only with --figure.")
+@click.option("--figure", type=click.Path(path_type=Path), help="[default: FILE's name + -surface.png, here]")
+@click.option("--overwrite", is_flag=True, help="Replace the figure that is there.")
+@click.option("--track", is_flag=True, help="FILE is a worn track along the sliding axis: its volume.")
+@click.option("--track-width", help="Width of the track with its pile-up, when it is not found.")
+@click.option("--track-length", help="Length of the whole track, to which its volume is extended.")
+@click.option("--ball", is_flag=True, help="FILE is a worn ball: its volume; or without FILE, --diagonals.")
+@click.option("--radius", help="Radius of the ball, e.g. '3 mm'. [default: fitted]")
+@click.option(
+    "--diagonals", nargs=2, metavar="A B", help="Diagonals of the worn patch, e.g. '0.8 mm' '0.82 mm'."
+)
+def surface(file: Path | None, **options: Any) -> None:
+    """Say what is in a measured surface FILE: grid, units, roughness, spectrum, and draw it.
+
+    With --track the volume of a worn track, with --ball that of a worn ball.
+    """
+    describe = heavy("describe")
+
+    click.echo(describe(file, **options))

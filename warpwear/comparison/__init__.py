@@ -1,0 +1,1 @@
+"""Several runs, and experiments, side by side."""

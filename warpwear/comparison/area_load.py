@@ -1,0 +1,110 @@
+"""Area in contact against load of runs that differ in it, beside what theories say of it."""
+
+import math
+from collections import defaultdict
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from warpwear.comparison.gather import Comparison, RunData
+from warpwear.figures import style as fs
+from warpwear.grid import FloatArray
+from warpwear.laws.elastic import Hertz, SpectralMoments, greenwood_williamson_area, persson_area
+from warpwear.study.study import Study
+from warpwear.study.surface import surface_in
+
+#: Beyond the smallest and the largest load, as a factor.
+MARGIN = 1.5
+LINES = 60
+#: More than two: the mean squares of a band-limited surface are then exact.
+POINTS_PER_CUT_OFF = 2.5
+STYLES = ((fs.CONTACT, "o"), (fs.DISC, "s"), (fs.SPHERE, "^"), (fs.MEAN_PRESSURE, "D"))
+
+
+def has_loads(comparison: Comparison) -> bool:
+    """Whether runs differ in load."""
+    return len({run.study.contact.load for run in comparison.runs}) > 1
+
+
+def area_load(comparison: Comparison) -> Figure:
+    """Area in contact after the first step over the load, one series for each law and hardness.
+
+    Lines of theories are drawn where all runs have the same bodies: load over hardness; Hertz, of smooth
+    bodies; Persson, and under a flat Greenwood and Williamson, of a surface whose spectrum is known.
+    """
+    series: dict[str, list[RunData]] = defaultdict(list)
+    for run in comparison.runs:
+        series[_law(run.study)].append(run)
+    loads = [run.study.contact.load for run in comparison.runs]
+    line = np.geomspace(min(loads) / MARGIN, max(loads) * MARGIN, LINES)
+
+    def draw(axes: Axes) -> None:
+        for (name, runs), (colour, marker) in zip(series.items(), STYLES * len(series), strict=False):
+            runs.sort(key=lambda run: run.study.contact.load)
+            areas = [1.0e3 * run.history["area_contact"][0] for run in runs]
+            axes.plot(
+                [run.study.contact.load for run in runs], areas, color=colour, marker=marker, ms=4, label=name
+            )
+        axes.set_xscale("log")
+        axes.set_xlim(line[0], line[-1])
+        fs.logarithmic(axes)
+        low, high = axes.get_ylim()
+        for (name, theory), style in zip(
+            _theories(comparison, line).items(), ("--", ":", "-."), strict=False
+        ):
+            values = 1.0e3 * theory
+            if np.any((values > low) & (values < high)):
+                axes.plot(line, values, color=fs.NEUTRAL, ls=style, lw=0.9, label=name)
+        axes.set_ylim(low / MARGIN, high * MARGIN)
+        axes.xaxis.set_major_formatter(fs.PlainNumbers())
+        axes.xaxis.set_minor_formatter(fs.PlainNumbers(minor_thresholds=(1.2, 0.5)))
+        axes.set_xlabel("normal load, N")
+        axes.set_ylabel("area in contact at first, 10⁻³ mm²")
+        fs.legend_above(axes, columns=1)
+
+    return fs.new_figure(draw, height=3.4)
+
+
+def _law(study: Study) -> str:
+    cap = f"H = {study.hardness:g} MPa" if np.isfinite(study.hardness) else "no hardness"
+    return f"computed: {study.contact.law}, {cap}"
+
+
+def _theories(comparison: Comparison, load: FloatArray) -> dict[str, FloatArray]:
+    """Label -> area [mm²] at the loads [N]; none where the bodies differ."""
+    studies = [run.study for run in comparison.runs]
+    first = studies[0]
+    found: dict[str, FloatArray] = {}
+    if any((s.sphere, s.disc, s.grid) != (first.sphere, first.disc, first.grid) for s in studies):
+        return found
+    hardness = {s.hardness for s in studies if np.isfinite(s.hardness)}
+    if len(hardness) == 1:
+        found["load over hardness"] = load / hardness.pop()
+    modulus, moments = first.effective_modulus, _moments(first)
+    if modulus is None:
+        return found
+    if first.sphere.curvature:
+        if moments is not None:
+            # As long as erf(x) is 2x/√π it does not matter how the load is spread.
+            slope = moments.rms_slope
+            found["Persson, light loads"] = np.sqrt(8.0 / np.pi) * load / (modulus * slope)
+        areas = [Hertz(modulus, 1.0 / first.sphere.curvature, float(force)).area for force in load]
+        found["Hertz, smooth bodies"] = np.array(areas)
+    elif moments is not None:
+        nominal = first.cells.area
+        pressure = load / nominal
+        found["Persson"] = nominal * persson_area(pressure, modulus=modulus, rms_slope=moments.rms_slope)
+        summits = nominal * greenwood_williamson_area(pressure, modulus=modulus, moments=moments)
+        found["Greenwood and Williamson"] = np.where(summits <= nominal, summits, np.nan)
+    return found
+
+
+def _moments(study: Study) -> SpectralMoments | None:
+    """Of a period of the disc, all its waves resolved; None for a surface that is not known to have one."""
+    disc = study.disc.synthetic
+    if disc is None or disc.kind != "self-affine":
+        return None
+    points = math.ceil(POINTS_PER_CUT_OFF * disc.period / disc.cut_off)
+    places = disc.period / points * np.arange(points, dtype=np.float64)
+    return SpectralMoments.of(surface_in(study).heights(places, places), disc.period / points)

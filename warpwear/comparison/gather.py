@@ -1,0 +1,277 @@
+"""Runs and measured courses of friction side by side: what is read of them and how they differ."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.measured.course import Experiment, check_coverage, read_experiment
+from warpwear.result import Result
+from warpwear.results.summary import course, shape_of_growth
+from warpwear.results.track import whole_steps
+from warpwear.study.study import Study
+from warpwear.study.units import POSITIVE, parse
+
+BODIES = ("sphere", "disc")
+#: Length along sliding over which profiles are averaged, as a part of the scar's.
+STRIP = 0.125
+#: Fewest points for the shape of a course; parts that a measured one is averaged in.
+FEWEST, PARTS = 20, 200
+#: A course that starts later than this part of its distance has no early slope.
+LATEST_START = 1.0 / 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class RunData:
+    """What is compared of a run; its file is closed."""
+
+    name: str
+    folder: Path
+    study: Study
+    history: dict[str, FloatArray]  # without a swept run's steps that are cut short, see `whole_steps`
+    summary: dict[str, Any]
+    course: tuple[FloatArray, FloatArray]  # distance [mm] and CoF, of a swept run the means of whole passes
+    across: FloatArray  # places across sliding [mm], shape (ny,)
+    wear: dict[str, FloatArray]  # body -> depth over `across` at the end [mm]; empty without a snapshot
+
+    @property
+    def cof(self) -> FloatArray | None:
+        """Coefficient of friction of every step, if it is known."""
+        values = self.history["cof"]
+        return values if bool(np.isfinite(values).all()) else None
+
+    @property
+    def shape(self) -> dict[str, float]:
+        """m and λ of the coefficient of friction, see `warpwear.results.summary.shape_of_growth`."""
+        return {} if self.cof is None else _shape(*self.course)
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Runs, experiments and what is to be said about them."""
+
+    runs: tuple[RunData, ...]
+    experiments: tuple[Experiment, ...]
+    notes: tuple[str, ...]
+
+    def rms(self, run: RunData, experiment: Experiment) -> float | None:
+        """Root mean square difference of the coefficients of friction over the distance that both have.
+
+        Of a swept run that of the means of its passes: within a pass it goes up and down with the place.
+        """
+        if run.cof is None:
+            return None
+        return rms_difference(*run.course, experiment.distance, experiment.cof)
+
+
+def gather(
+    folders: Sequence[str | Path],
+    experiments: Sequence[str | Path] = (),
+    *,
+    speed: str | None = None,
+    stroke: str | None = None,
+    columns: str | None = None,
+) -> Comparison:
+    """Read what is to be compared: run folders and files of experiments, two or more together.
+
+    speed, stroke: text with a unit, for experiments that give times or cycles; by default those of the runs,
+    if they agree. columns: see `warpwear.measured.columns.choose`. Raises InputError.
+    """
+    check_number(folders, experiments)
+    for path, count in Counter(Path(p).resolve() for p in (*folders, *experiments)).items():
+        if count > 1:
+            raise InputError(f"{path} is given {count} times; each run and experiment is expected once")
+    runs = [_read_run(Path(folder)) for folder in folders]
+    read = [
+        read_experiment(
+            path,
+            speed=_given("--speed", speed, "mm/s") or _common([r.study.sliding.speed for r in runs]),
+            stroke=_given("--stroke", stroke, "mm") or _common([r.study.sliding.stroke for r in runs]),
+            load=_common([r.study.contact.load for r in runs]),
+            columns=columns,
+        )
+        for path in experiments
+    ]
+    names = _names(runs, [Path(path) for path in experiments])
+    named = [replace(run, name=name) for run, name in zip(runs, names, strict=False)]
+    measured = [replace(e, name=name) for name, e in zip(names[len(runs) :], read, strict=True)]
+    notes = [f"{e.name}: {warning}" for e in measured for warning in e.warnings]
+    notes += _differences(named)
+    notes += [f"{r.name} was interrupted." for r in named if not r.summary["finished"]]
+    notes += [f"{r.name}: {warning}" for r in named for warning in r.summary["warnings"]]
+    notes += [
+        f"{r.name} has no coefficient of friction: its end calibrates it." for r in named if r.cof is None
+    ]
+    notes += [
+        f"{r.name} has no {'whole field' if r.study.samples_area else 'snapshot'}, so no profile."
+        for r in named
+        if not r.wear
+    ]
+    for e in measured:
+        notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, named), *_gaps(e, named))]
+    return Comparison(tuple(named), tuple(measured), tuple(notes))
+
+
+def check_number(folders: Sequence[str | Path], experiments: Sequence[str | Path]) -> None:
+    """InputError for less than two together."""
+    if len(folders) + len(experiments) < 2:
+        given = str([*folders, *experiments][0]) if folders or experiments else "nothing"
+        raise InputError(f"compare needs two runs or more, or a run and an --experiment; given: {given}")
+
+
+def rms_difference(
+    distance: FloatArray, values: FloatArray, other_distance: FloatArray, other_values: FloatArray
+) -> float | None:
+    """Root mean square over the shared distances of the difference of two courses, lines between points.
+
+    None if they share none.
+    """
+    start = max(float(distance[0]), float(other_distance[0]))
+    end = min(float(distance[-1]), float(other_distance[-1]))
+    if end <= start:
+        return None
+    places = np.unique(np.concatenate([distance, other_distance, [start, end]]))
+    places = places[(places >= start) & (places <= end)]
+    gap = np.interp(places, distance, values) - np.interp(places, other_distance, other_values)
+    # The integral of a squared straight line, exactly.
+    parts = np.diff(places) * (gap[:-1] ** 2 + gap[:-1] * gap[1:] + gap[1:] ** 2) / 3.0
+    return math.sqrt(float(parts.sum()) / (end - start))
+
+
+def shape_of(experiment: Experiment) -> dict[str, float]:
+    """m and λ of a measured course, see `summary.shape_of_growth`; without what it is too short for.
+
+    A course of many points is averaged in 200 equal parts of its distance first: both are slopes, which noise
+    would decide.
+    """
+    distance, cof = experiment.distance, experiment.cof
+    if distance.size > 2 * PARTS:
+        part = np.minimum((PARTS * distance / distance[-1]).astype(np.intp), PARTS - 1)
+        filled = np.flatnonzero(number := np.bincount(part))
+        distance, cof = ((np.bincount(part, weights=v)[filled] / number[filled]) for v in (distance, cof))
+    return _shape(distance, cof)
+
+
+def _shape(distance: FloatArray, cof: FloatArray) -> dict[str, float]:
+    late = distance >= 0.5 * distance[-1]
+    if distance.size < FEWEST or late.sum() < 3 or np.any(cof[late] <= 0.0):
+        return {}
+    found = shape_of_growth(distance, cof)
+    if distance[0] > LATEST_START * distance[-1]:
+        del found["levelling_lambda"]
+    return {k: v for k, v in found.items() if math.isfinite(v)}
+
+
+def _read_run(folder: Path) -> RunData:
+    with Result.open(folder) as result:
+        whole = whole_steps(result)
+        history = {name: values[whole] for name, values in result.history.items()}
+        study, summary = result.study, result.summary
+        wear: dict[str, FloatArray] = {}
+        if result.snapshot_distances.size and not study.samples_area:
+            last = result.snapshot(-1)
+            along = 0.5 * STRIP * summary["scar_mm"]["along"] / study.grid.cell
+            for body in BODIES:
+                depth: FloatArray = getattr(last, f"wear_{body}")
+                rows = np.abs(np.arange(depth.shape[0]) - 0.5 * (depth.shape[0] - 1)) <= max(along, 0.5)
+                wear[body] = depth[rows].mean(axis=0)
+        cof = course(result, "cof")
+        return RunData(study.study.name, folder, study, history, summary, cof, result.y, wear)
+
+
+def _names(runs: list[RunData], experiments: list[Path]) -> list[str]:
+    """The study's name of each run, its folder's where two are alike, else the path; files by their stem."""
+    folders = [run.folder.resolve() for run in runs]
+    labels = [run.name for run in runs]
+    for better in ([folder.name for folder in folders], [str(run.folder) for run in runs]):
+        seen = Counter(labels)
+        labels = [new if seen[old] > 1 else old for old, new in zip(labels, better, strict=True)]
+    files = [path.stem for path in experiments]
+    labels += [path.name if Counter(files)[path.stem] > 1 else path.stem for path in experiments]
+    found: list[str] = []
+    for index, label in enumerate(labels):
+        name = label if label not in found else f"{label} (experiment)" if index >= len(runs) else label
+        count = 2
+        while name in found:
+            name, count = f"{label} ({count})", count + 1
+        found.append(name)
+    return found
+
+
+def _common(values: Sequence[float | None]) -> float | None:
+    """The value that all of them have."""
+    return values[0] if len(set(values)) == 1 else None
+
+
+def _given(option: str, value: str | None, unit: str) -> float | None:
+    if value is None:
+        return None
+    try:
+        return POSITIVE.check(parse(value, unit), unit)
+    except ValueError as error:
+        raise InputError(f"{option} = '{value}' {error}") from error
+
+
+def _of_patches(value_of: Callable[[Study], float | str]) -> Callable[[Study], float | str | None]:
+    """None for a study without patches."""
+    return lambda study: value_of(study) if study.study.model == "two-scale" else None
+
+
+#: What makes two runs unlike tests -> unit and value; None where a run has no such thing.
+CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
+    "model": ("", lambda s: s.study.model),
+    "kinematics": ("", lambda s: s.sliding.kinematics),
+    "contact.law": ("", lambda s: s.contact.law),
+    "macro.cell": ("µm", _of_patches(lambda s: 1.0e3 * s.macro.cell)),
+    "macro.patch": ("µm", _of_patches(lambda s: 1.0e3 * s.macro.patch_width)),
+    "macro.coupling": ("", _of_patches(lambda s: s.macro.coupling)),
+    "macro.bulk": ("", _of_patches(lambda s: s.macro.bulk)),
+    "contact.boundary": ("", lambda s: s.boundary if s.contact.law == "half-space" else None),
+    "sliding.plastic": ("", lambda s: s.sliding.plastic if s.is_swept else None),
+    "length of the track": ("mm", lambda s: s.lap if s.is_swept else None),
+    "load": ("N", lambda s: s.contact.load),
+    "sliding distance": ("mm", lambda s: s.sliding.total),
+    "wear coefficient of the sphere": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
+    "wear coefficient of the disc": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[1]),
+    "sphere's curvature": ("1/mm", lambda s: s.sphere.curvature),
+    "law of wear": ("", lambda s: s.wear.law),
+    "area that shears": ("", lambda s: s.friction.area),
+}
+
+
+def _lengths(experiment: Experiment, runs: list[RunData]) -> list[str]:
+    """Whether it is far shorter or longer than every run, as in a wrong unit."""
+    whole, totals = float(experiment.distance[-1]), [float(run.summary["distance_mm"]) for run in runs]
+    if not totals or any(0.5 * total <= whole <= 2.0 * total for total in totals):
+        return []
+    lengths = list(dict.fromkeys(f"{total:.4g}" for total in totals))
+    told = f"the {'run' if len(runs) == 1 else 'runs'} {', '.join(lengths)} mm"
+    if experiment.cycles is not None:  # the whole is not known: a point stands for a cycle
+        return [f"The middle of its last cycle is at {whole:.4g} mm, {told} long."]
+    return [f"It is {whole:.4g} mm long, {told}."]
+
+
+def _gaps(experiment: Experiment, runs: list[RunData]) -> list[str]:
+    """What is to be said of its gaps, over the distance that it shares with any run."""
+    known = [run.history["distance"] for run in runs if run.cof is not None]
+    start = max(min((float(d[0]) for d in known), default=0.0), float(experiment.distance[0]))
+    end = min(max((float(d[-1]) for d in known), default=0.0), float(experiment.distance[-1]))
+    return check_coverage(experiment, start, end) if end > start else []
+
+
+def _differences(runs: list[RunData]) -> list[str]:
+    """Conditions in which the runs differ: they are then unlike tests."""
+    found = []
+    for what, (unit, value_of) in CONDITIONS.items():
+        values = {run.name: value for run in runs if (value := value_of(run.study)) is not None}
+        shown = {k: v if isinstance(v, str) else f"{v:.6g} {unit}" for k, v in values.items()}
+        if len(set(shown.values())) > 1:
+            told = ", ".join(f"{name} {text}".rstrip() for name, text in shown.items())
+            found.append(f"Unlike tests: the runs differ in {what} ({told}).")
+    return found

@@ -1,0 +1,326 @@
+"""A pressure on a half-space with its gradient, and the passes over the cells that move them."""
+
+import math
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import warp as wp
+
+from warpwear.contact.balance import PART, TOLERANCE, Carried, find_offsets, newton_in_bracket
+from warpwear.engine.executor import Executor, Field
+from warpwear.errors import ConvergenceError
+from warpwear.grid import FloatArray
+from warpwear.kernels import half_space as passes
+from warpwear.kernels import half_space_setup
+from warpwear.kernels import half_space_setup as half_space_sums
+
+#: Stands for no cap: kernels compare with it.
+NO_CAP = 1.0e300
+#: A trial may miss the load by so much, relatively: the next step makes up for it.
+ROUGH_BALANCE = 1.0e-3
+#: Columns of the table that a GPU reduces partial results to.
+FOLDED = 256
+
+
+class Operator(Protocol):
+    """A symmetric operator on the fields of an executor, and an approximate inverse of it."""
+
+    cells: int  # of the surface: what padding there is in the fields does not count
+    shortest_response: float  # displacement under a pressure that alternates from cell to cell [mm/MPa]
+    chunks: list[tuple[int, int]] | None  # ranges of slots for the threads, from 0 on; None: all
+
+    @property
+    def transforms(self) -> int:
+        """Pairs of Fourier transforms done so far."""
+
+    @property
+    def rigid_mean(self) -> bool:
+        """Whether a uniform pressure displaces nothing."""
+
+    def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
+        """What adds to the elastic response [mm/MPa]: to a cell's own pressure, and to means along x."""
+
+    def respond(self, pressure: Field, displacement: Field) -> None:
+        """Displacement [mm] under a pressure [MPa], compliances included."""
+
+    def respond_elastically(self, pressure: Field, displacement: Field) -> None:
+        """The same without compliances [mm]."""
+
+    def invert(self, displacement: Field, pressure: Field) -> None:
+        """About the pressure [MPa] of a displacement [mm]. May be in place."""
+
+
+class State(NamedTuple):
+    """Of the present pressure, part by part."""
+
+    total: FloatArray  # Σ p [MPa]
+    touching: FloatArray  # cells with p > 0
+    between: FloatArray  # cells with 0 < p < H
+    level: FloatArray  # Σ t of those [mm]
+    highest: FloatArray  # largest t where p > 0 [mm]; −NO_CAP where there is none
+    lowest: FloatArray  # smallest t where p < H [mm]; NO_CAP where there is none
+
+
+class Products(NamedTuple):
+    """Over the free cells of each part: descent z, gradient r = t − λ, last step s and its response y."""
+
+    cells: FloatArray
+    z: FloatArray
+    r: FloatArray
+    y: FloatArray
+    zy: FloatArray
+    zr: FloatArray
+    sr: FloatArray
+    largest_z: FloatArray
+    largest_r: FloatArray
+
+
+class Moments(NamedTuple):
+    """Of the gap of each part, where there is a surface [mm]."""
+
+    mean: FloatArray
+    rms: FloatArray
+    lowest: FloatArray
+
+
+class Iterate:
+    """Pressure p, gradient t = Gp + g, trial pressure, step and its response, on the grid of an executor.
+
+    parts: 1, all cells together, or as many as rows are visited, each of which has a load and a level of its
+    own. Whatever is of each part is an array of that length. cells: of a part.
+    """
+
+    def __init__(self, executor: Executor, influence: Operator, hardness: float) -> None:
+        self._executor = executor
+        self._influence = influence
+        self._cap = min(hardness, NO_CAP)
+        self.parts, self.cells = 1, influence.cells
+        self._arguments = self._for_parts()
+        for module in (passes, half_space_setup, half_space_sums):
+            wp.load_module(module, device=executor.device)
+        self.pressure = executor.zeros()
+        self.gradient = executor.zeros()
+        self._trial = executor.zeros()
+        self._step = executor.zeros()
+        self._response = executor.zeros()
+        self._sums = executor.partials(len(Products._fields) - 2)
+        self._maxima = executor.partials(2)
+        #: On a GPU, where tables of many slots are reduced before they are read.
+        self._folded = (
+            None
+            if executor.device.is_cpu
+            else wp.zeros((len(Products._fields), FOLDED), dtype=wp.float64, device=executor.device)
+        )
+
+    def divide(self, rows: int | None) -> None:
+        """Into so many rows from now on, which must be all that are visited; None: one part."""
+        assert rows is None or rows * self._executor.slots_per_row == self._slots
+        if self.parts != (rows or 1):
+            self.parts = rows or 1
+            self._arguments = self._for_parts()
+        self.cells = self._influence.cells // (self._executor.grid.nx if rows else 1)
+        width = FOLDED if self.parts == 1 else self.parts
+        if self._folded is not None and self._folded.shape[1] != width:
+            shape = len(Products._fields), width
+            self._folded = wp.zeros(shape, dtype=wp.float64, device=self._executor.device)
+
+    def moments(self, gap: Field) -> Moments:
+        """Mean, rms height and lowest point of a gap."""
+        mean = variance = lowest = np.zeros(self.parts)
+        for _ in range(2):  # about 0, then about the mean
+            inputs = [self._executor.grid.ny, mean, gap]
+            count, first, second, deepest, _unused = self._pass(
+                half_space_setup.moments, inputs, [], sums=3, maxima=2
+            )
+            mean = mean + first / count
+            variance, lowest = second / count - (first / count) ** 2, -deepest
+        return Moments(mean, np.sqrt(np.maximum(variance, 0.0)), lowest)
+
+    def foundation(self, gap: Field, *, stiffness: float, level: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Trial pressure of a foundation [N/mm³] at an approach [mm]; what it carries, as `carried`."""
+        self._pass(half_space_setup.spring, [self._executor.grid.ny, stiffness, level, gap], [self._trial])
+        return self.carried(np.zeros(self.parts))
+
+    def begin(self, gap: Field) -> State:
+        """Gradient of the present pressure."""
+        self._influence.respond(self.pressure, self._response)
+        self._pass(half_space_setup.gradient, [self._executor.grid.ny, gap, self._response], [self.gradient])
+        return self.advance(0.0)
+
+    def take_trial(self, shift: FloatArray) -> None:
+        """The trial pressure, shifted and clipped, becomes the pressure. Its gradient is then out of date."""
+        self._advance(whole=True, length=0.0, shift=shift)
+
+    def advance(self, length: float, *, shift: FloatArray | None = None) -> State:
+        """Go so much of the step; all of it, exact at the bounds, where the trial's shift is given."""
+        whole = shift is not None
+        return self._advance(
+            whole=whole, length=length, shift=np.zeros(self.parts) if shift is None else shift
+        )
+
+    def _advance(self, *, whole: bool, length: float, shift: FloatArray) -> State:
+        inputs = [whole, length, shift, self._cap, self._trial, self._step, self._response]
+        outputs = [self.pressure, self.gradient]
+        *values, negative = self._pass(passes.advance, inputs, outputs, sums=4, maxima=2)
+        return State._make([*values, -negative])
+
+    def descent(self, approach: FloatArray, *, plain: bool) -> tuple[Field, FloatArray]:
+        """Where to go from the gradient, as a field and levels to take off it; may lie in the trial."""
+        if plain:
+            return self.gradient, approach
+        inputs = [approach, self._cap, self.pressure, self.gradient]
+        self._pass(passes.residual, inputs, [self._trial])
+        self._influence.invert(self._trial, self._trial)
+        return self._trial, np.zeros(self.parts)
+
+    def products(self, approach: FloatArray, descent: Field, level: FloatArray) -> Products:
+        """Sums and maxima over the free cells."""
+        inputs = [approach, self._cap, level, self.pressure, self.gradient, descent]
+        inputs += [self._step, self._response]
+        return Products(*self._pass(passes.products, inputs, [], sums=7, maxima=2))
+
+    def aim(
+        self,
+        approach: FloatArray,
+        descent: Field,
+        level: FloatArray,
+        *,
+        memory: float,
+        length: float,
+        outward: float,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Trial pressure along −descent + memory × last step; what it carries, as `carried`."""
+        inputs = [approach, self._cap, level, memory, length, outward]
+        inputs += [self.pressure, self.gradient, descent, self._step]
+        total, between = self._pass(passes.direction, inputs, [self._trial], sums=2)
+        return total, between
+
+    def carried(self, shift: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Sums of the shifted and clipped trial pressures [MPa], and the cells between the bounds."""
+        total, between = self._pass(passes.carried, [shift, self._cap, self._trial], [], sums=2)
+        return total, between
+
+    def balance(
+        self, asked: FloatArray, total: FloatArray, between: FloatArray, *, unit: FloatArray
+    ) -> FloatArray:
+        """Shifts of the trial pressure with which each part carries what is asked [MPa].
+
+        total, between: what is carried without a shift. unit: a shift that may be needed [MPa]. Met to
+        `balance.TOLERANCE` where the digits of the trial allow it, which they do near the solution. Raises
+        ConvergenceError.
+        """
+        at_zero = total, between
+        unit = np.maximum(unit, np.divide(total, between, out=np.zeros(self.parts), where=between > 0.0))
+        unit = np.maximum(unit, np.where(asked > 0.0, asked, total) / self.cells)
+
+        def carried(shift: FloatArray) -> tuple[FloatArray, FloatArray]:
+            total, slope = self.carried(shift * unit) if shift.any() else at_zero
+            return total, slope * unit
+
+        if self.parts == 1:
+
+            def of_one(shift: float) -> Carried:
+                return Carried(*(float(value.item()) for value in carried(np.full(1, shift))))
+
+            found = newton_in_bracket(of_one, asked.item(), 0.0, -math.inf, math.inf, 1.0)
+            shift, force = np.full(1, found.offset), np.full(1, found.force)
+        else:
+            none, unity = np.zeros(self.parts), np.ones(self.parts)
+            shift, force, _ = find_offsets(carried, asked, PART * TOLERANCE * asked, none, unity)
+        missed = np.abs(force - asked)
+        if not (missed <= ROUGH_BALANCE * asked).all():
+            raise ConvergenceError(f"the load balance of the half-space missed {missed.max():.3g} MPa.")
+        return shift * unit
+
+    def step(self, approach: FloatArray, shift: FloatArray) -> tuple[float, float, float]:
+        """Take aim at the shifted trial, and respond.
+
+        Returns the sums of step × (t − λ) and of step × response, and the largest share of its room to a
+        bound that a cell uses.
+        """
+        inputs = [approach, shift, self._cap, self._trial, self.pressure, self.gradient]
+        slope, used, _unused = self._pass(passes.step, inputs, [self._step], sums=1, maxima=2)
+        self._influence.respond(self._step, self._response)
+        curvature = self._product(self._step, self._response)
+        return float(slope.sum()), curvature, float(used.max())
+
+    def tangent(self, *, tolerance: float, max_iterations: int) -> float:
+        """Sum of dp/dλ [MPa/mm] of the cells between the bounds, by preconditioned conjugate gradients.
+
+        tolerance: of the displacement, over the dλ that they all follow. Raises ConvergenceError. The step of
+        the iterate is lost.
+        """
+        residual, descent = self._executor.zeros(), self._executor.zeros()
+        direction, solution = self._step, self._trial
+        solution.zero_()
+        self._pass(half_space_setup.between, [self._cap, self.pressure], [residual])
+        allowed = tolerance**2 * self._product(residual, residual)
+        memory, reduced = 0.0, 1.0
+        for _ in range(max_iterations):
+            self._influence.invert(residual, descent)
+            before, reduced = reduced, self._product(residual, descent)
+            memory = reduced / before if memory else 0.0
+            self._pass(half_space_setup.conjugate, [memory, self._cap, self.pressure, descent], [direction])
+            self._influence.respond(direction, self._response)
+            curvature = self._product(direction, self._response)
+            if not curvature > 0.0:
+                break
+            inputs = [reduced / curvature, self._cap, self.pressure, direction, self._response]
+            total, left = self._pass(half_space_setup.relax, inputs, [solution, residual], sums=2)
+            if left.sum() <= allowed:
+                return float(total.sum())
+            memory = 1.0
+        raise ConvergenceError("the slope of the half-space contact did not converge.")
+
+    def _product(self, first: Field, second: Field) -> float:
+        (total,) = self._pass(half_space_sums.product, [first, second], [], sums=1)
+        return float(total.sum())
+
+    def _pass(
+        self, kernel: Any, inputs: list[Any], outputs: list[Field], *, sums: int = 0, maxima: int = 0
+    ) -> list[FloatArray]:
+        """Launch, and reduce the first rows of the tables that the kernel fills to a number for each part."""
+        places = iter(self._arguments)
+        inputs = [self._placed(v, *next(places)) if isinstance(v, np.ndarray) else v for v in inputs]
+        tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
+        chunks = self._influence.chunks
+        self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables], chunks=chunks)
+        slots = self._slots
+        if self._folded is None:
+            table, largest = self._sums.numpy()[:sums, :slots], self._maxima.numpy()[:maxima, :slots]
+        else:  # one short table to read back
+            both, of_row = sums + maxima, self._executor.slots_per_row
+            width = self._folded.shape[1]
+            spans = (1, width, slots) if self.parts == 1 else (of_row, 1, of_row)
+            self._executor.launch(
+                half_space_sums.fold,
+                inputs=[width, sums, slots, *spans, self._sums, self._maxima],
+                outputs=[self._folded],
+                chunks=[(0, both * width)],
+            )
+            folded = self._folded.numpy()
+            table, largest = folded[:sums], folded[sums:both]
+        found: list[FloatArray] = []
+        if sums:
+            found.extend(table.reshape(sums, self.parts, -1).sum(axis=2))
+        if maxima:
+            found.extend(largest.reshape(maxima, self.parts, -1).max(axis=2))
+        return found
+
+    @property
+    def _slots(self) -> int:
+        """That are visited."""
+        chunks = self._influence.chunks
+        return chunks[-1][1] if chunks else self._executor.slots
+
+    def _for_parts(self) -> list[tuple[Any, FloatArray]]:
+        """Where a pass reads numbers of each part, two at most, and the same on the host."""
+        device = self._executor.device
+        hosts = np.zeros(self.parts), np.zeros(self.parts)
+        return [(wp.array(h, dtype=wp.float64, device=device, copy=not device.is_cpu), h) for h in hosts]
+
+    def _placed(self, values: FloatArray, place: Any, host: FloatArray) -> Any:
+        host[:] = values
+        if not self._executor.device.is_cpu:
+            place.assign(host)
+        return place

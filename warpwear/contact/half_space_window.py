@@ -1,0 +1,234 @@
+"""A contact of half-spaces on the part of a large grid that it can reach.
+
+Pressures displace a free half-space away from the other body everywhere, so that a cell whose gap exceeds the
+approach cannot be in contact. A contact that was solved on a window which holds every cell below its approach
+is therefore that of the whole grid, and its cost follows the contact.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+import warp as wp
+
+from warpwear.contact.half_space import TOLERANCE, HalfSpace, HalfSpaceContact
+from warpwear.engine.executor import Executor, Field
+from warpwear.grid import FloatArray, Grid
+from warpwear.kernels import half_space_setup
+from warpwear.kernels.cells import LANES, Cells
+
+#: Sizes of windows along a side of the grid.
+SIZES = 8
+#: Room beside what can be in contact, over its width, so that a window lasts for many steps.
+ROOM = 0.1
+#: A window gives way to a smaller one that has at most so much of its area.
+SMALLER = 0.5
+#: Load that the first window can carry at the hardness, over the load asked for.
+CAPACITY = 2.0
+
+
+@dataclass(frozen=True)
+class Window:
+    """Rows first_row … end_row − 1 and vectors first … end − 1 of a field."""
+
+    first_row: int
+    end_row: int
+    first: int
+    end: int
+
+    @classmethod
+    def around(cls, box: Sequence[int], grid: Grid, *, rows: int = 1, pieces: int = 1) -> Self:
+        """That holds a box of rows and columns (first and last of each), so many rows and pieces or more.
+
+        pieces: of the `SIZES` of the grid.
+        """
+        along = _placed(box[0], box[1], grid.nx, step=1, least=rows, pieces=pieces)
+        across = _placed(box[2], box[3], grid.ny, step=LANES, least=1, pieces=pieces)
+        return cls(*along, across[0] // LANES, -(-across[1] // LANES))
+
+    @property
+    def area(self) -> int:
+        """In vectors."""
+        return (self.end_row - self.first_row) * (self.end - self.first)
+
+    @property
+    def box(self) -> tuple[int, int, int, int]:
+        """First and last row, first and last column."""
+        return self.first_row, self.end_row - 1, self.first * LANES, self.end * LANES - 1
+
+    def holds(self, box: Sequence[int]) -> bool:
+        """Whether a box of rows and columns lies inside."""
+        rows = self.first_row <= box[0] and box[1] < self.end_row
+        return rows and self.first * LANES <= box[2] and box[3] < self.end * LANES
+
+    def of(self, field: Field) -> Field:
+        """A view of a field of the whole grid."""
+        return field[self.first_row : self.end_row, self.first : self.end]
+
+    def grid(self, whole: Grid) -> Grid:
+        columns = min(self.end * LANES, whole.ny) - self.first * LANES
+        return Grid(self.end_row - self.first_row, columns, whole.cell)
+
+
+def _placed(first: int, last: int, size: int, *, step: int, least: int, pieces: int) -> tuple[int, int]:
+    """Begin and end of a stretch around first … last, of one of `SIZES` sizes, on multiples of a step."""
+    wanted = max((last - first + 1) * (1.0 + 2.0 * ROOM), least)
+    for n in range(pieces, SIZES):
+        length = -(-size * n // (SIZES * step)) * step
+        begin = max(0, (first + last + 1 - length) // 2 // step * step)
+        begin = min(begin, (size - length) // step * step)
+        if length >= wanted and begin >= 0 and begin <= first and last < begin + length <= size:
+            return begin, begin + length
+    return 0, size
+
+
+class WindowedHalfSpace:
+    """Contacts of half-spaces on a large grid; each solve starts from the last one's pressure.
+
+    modulus: E* of both bodies [MPa]. boundary: "periodic", whose window is the whole grid, or "free".
+    hardness: H [MPa]. tolerance: as of `half_space.BoundedPressure`.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        *,
+        modulus: float,
+        boundary: str,
+        hardness: float = math.inf,
+        tolerance: float = TOLERANCE,
+    ) -> None:
+        self._executor, self._modulus, self._boundary = executor, modulus, boundary
+        self._hardness, self._tolerance = hardness, tolerance
+        wp.load_module(half_space_setup, device=executor.device)
+        self._pressure = executor.zeros()
+        self._gradient = executor.zeros()
+        self._extents = executor.partials(4)
+        self._started = False  # whether there is a pressure to start from
+        self._window: Window | None = None  # to look at first
+        self._solver: HalfSpace | None = None
+        self._gap: Field = None  # of the solver's grid, as the solver is
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Where the next solve starts [MPa], shape (nx, ny)."""
+        return self._executor.to_numpy(self._pressure)
+
+    @property
+    def window(self) -> list[int] | None:
+        """Where it looks first, for `go_on_from`."""
+        return None if self._window is None else [*vars(self._window).values()]
+
+    def go_on_from(self, pressure: FloatArray | None, window: Sequence[int]) -> None:
+        """Start the next solve on a window, from a pressure between 0 and H [MPa], shape (nx, ny), if any."""
+        if pressure is not None:
+            self._executor.fill(self._pressure, pressure)
+        self._started = pressure is not None
+        self._look_at(Window(*window))
+
+    def forget(self) -> None:
+        """Start the next solve from nothing."""
+        self._started = False
+
+    def solve(
+        self,
+        gap: Field,
+        *,
+        load: float,
+        compliance: float = 0.0,
+        streak_compliance: float = 0.0,
+        streak_window: int | None = None,
+    ) -> HalfSpaceContact:
+        """The contact at a load [N], otherwise as `half_space.BoundedPressure.solve`.
+
+        Fields are of the whole grid; the gradient is NaN beyond the window.
+        """
+        whole = self._executor.grid
+        # Of a mean along x, what reaches beyond the window must not be more than what it holds.
+        rows = 2 * (streak_window or (whole.nx if streak_compliance else 1))
+        if self._window is None:
+            self._look_at(self._first(gap, load, rows))
+        elif self._window.end_row - self._window.first_row < min(rows, whole.nx):
+            self._look_at(Window.around(self._window.box, whole, rows=rows))
+        transforms = iterations = 0
+        while True:
+            window, solver = self._window, self._solver
+            assert window is not None
+            assert solver is not None
+            wp.copy(self._gap, window.of(gap))
+            wp.copy(solver.pressure_field, window.of(self._pressure))
+            if self._started:
+                solver.go_on()
+            else:
+                solver.forget()
+            contact = solver.solve(
+                self._gap,
+                mean_pressure=load / window.grid(whole).area,
+                compliance=compliance,
+                streak_compliance=streak_compliance,
+                streak_window=streak_window,
+            )
+            self._started = True
+            self._pressure.zero_()
+            wp.copy(window.of(self._pressure), contact.pressure_field)
+            transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
+            reached = self._below(gap, contact.approach)
+            if self._boundary == "periodic" or window.holds(reached):
+                break
+            # Of too few cells the approach is too large: what lies below it holds the contact of them all.
+            del solver, contact  # and their memory, before others take theirs
+            self._look_at(Window.around(reached, whole, rows=rows))
+        self._gradient.fill_(Cells(math.nan))
+        wp.copy(window.of(self._gradient), contact.gradient_field)
+        fitting = Window.around(reached, whole, rows=rows)
+        if self._boundary == "free" and fitting.area <= SMALLER * window.area:
+            self._look_at(fitting)
+        return replace(
+            contact,
+            mean_pressure=load / whole.area * (1.0 + contact.load_residual),
+            transforms=transforms,
+            iterations=iterations,
+            pressure_field=self._pressure,
+            gradient_field=self._gradient,
+            executor=self._executor,
+            cells=whole.cells,
+        )
+
+    def _look_at(self, window: Window) -> None:
+        """Solve there from now on."""
+        executor = self._executor
+        grid = window.grid(executor.grid)
+        if self._window is None or grid != self._window.grid(executor.grid):
+            self._solver = self._gap = None
+            part = Executor(grid, device=str(executor.device), threads=executor.threads)
+            self._solver = HalfSpace(
+                part,
+                modulus=self._modulus,
+                boundary=self._boundary,
+                hardness=self._hardness,
+                tolerance=self._tolerance,
+            )
+            self._gap = part.zeros()
+        self._window = window
+
+    def _first(self, gap: Field, load: float, rows: int) -> Window:
+        """Around the lowest cell, of a size that carries the load."""
+        grid = self._executor.grid
+        everything = Window.around((0, grid.nx - 1, 0, grid.ny - 1), grid)
+        if self._boundary == "periodic":
+            return everything
+        row, column = divmod(int(np.argmin(self._executor.to_numpy(gap))), grid.ny)
+        for pieces in range(1, SIZES):
+            window = Window.around((row, row, column, column), grid, rows=rows, pieces=pieces)
+            if self._hardness * window.grid(grid).area >= CAPACITY * load:
+                return window
+        return everything
+
+    def _below(self, gap: Field, level: float) -> list[int]:
+        """First and last row, first and last column of the cells that do not exceed a level [mm]."""
+        inputs = [self._executor.grid.ny, level, gap]
+        self._executor.launch(half_space_setup.extents, inputs=inputs, outputs=[self._extents])
+        first_row, last_row, first, last = self._extents.numpy().max(axis=1).tolist()
+        return [round(-first_row), round(last_row), round(-first), round(last)]

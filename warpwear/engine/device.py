@@ -1,0 +1,100 @@
+"""The device that a run asks for: whether it is there, how many threads, and whether its memory will do."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import psutil
+import warp as wp
+
+from warpwear.errors import InputError
+from warpwear.grid import Grid
+
+
+@contextmanager
+def memory_told(grid: Grid) -> Iterator[None]:
+    """InputError, naming the grid, where the memory of the host or of a GPU runs out all the same."""
+    try:
+        yield
+    except (MemoryError, RuntimeError) as error:
+        # Warp says it in a RuntimeError, and so does Python where there is no room for another thread.
+        if isinstance(error, RuntimeError) and not any(
+            words in str(error) for words in ("Failed to allocate", "can't start new thread")
+        ):
+            raise
+        raise InputError(
+            f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, for which the memory ran "
+            "out; larger cells or a smaller grid.extent are needed."
+        ) from error
+
+
+def find_device(name: str) -> Any:
+    """Warp's device of this name. Raises InputError, naming those that are there."""
+    if wp.config.log_level == wp.LOG_INFO:  # no greeting on a user's terminal, unless one was asked for
+        wp.config.log_level = wp.LOG_ERROR
+    try:
+        with _native_messages_hidden():
+            wp.init()
+    except (RuntimeError, OSError) as error:  # its library cannot be loaded, for want of memory, say
+        raise InputError(f"device = {name!r} cannot be used, as Warp does not start: {error}.") from error
+    try:
+        with _native_messages_hidden():
+            return wp.get_device(name)
+    except (ValueError, RuntimeError) as error:
+        there = ", ".join(str(d.alias) for d in wp.get_devices())
+        raise InputError(f"device = {name!r} is not there; this machine has {there}.") from error
+
+
+def free_memory(device: str) -> dict[str, int]:
+    """Memory that is free on the host and on a device [B], by what a sentence calls them.
+
+    Raises InputError for a device that is not there.
+    """
+    return _free_memory(find_device(device))
+
+
+def _free_memory(device: Any) -> dict[str, int]:
+    free = {"the host": psutil.virtual_memory().available}
+    if device.is_cuda:
+        free[str(device)] = device.free_memory
+    return free
+
+
+@contextmanager
+def _native_messages_hidden() -> Iterator[None]:
+    """Warp's native part warns of a missing GPU or driver; where that matters, our own words follow."""
+    try:
+        stderr = os.dup(2)
+    except OSError:  # no standard error to guard
+        yield
+        return
+    try:
+        with open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(stderr, 2)
+        os.close(stderr)
+
+
+def check_memory(grid: Grid, device: Any, fields_needed: float) -> None:
+    free = _free_memory(device)
+    needed = fields_needed * 8 * grid.cells
+    for place, there in free.items():
+        if needed > there:
+            raise InputError(
+                f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, which need "
+                f"{needed / 2**30:.1f} GiB of memory; {place} has {there / 2**30:.1f} GiB free, so larger "
+                "cells or a smaller grid.extent are needed."
+            )
+
+
+def check_threads(threads: int | None) -> int:
+    process = psutil.Process()
+    cores = len(process.cpu_affinity()) if hasattr(process, "cpu_affinity") else psutil.cpu_count() or 1
+    if threads is None:
+        return cores
+    if not 1 <= threads <= cores:
+        raise InputError(f"threads = {threads} is not possible; allowed are 1 to {cores}, the cores here.")
+    return threads

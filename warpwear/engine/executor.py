@@ -1,0 +1,192 @@
+"""How a kernel is executed: device, threads, and the storage of fields. The only file that launches.
+
+A kernel works on slots, one slot a row of cells on a CPU and several slots a row on a GPU; each slot writes
+its own column of the table of partial results, so that no result depends on the number of threads. On a CPU a
+launch is one loop on one core that lets go of Python's lock, so chunks of rows run on a pool of threads.
+"""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import Any, Protocol, Self
+
+import numpy as np
+import warp as wp
+
+from warpwear.engine.device import check_memory, check_threads, find_device
+from warpwear.grid import FloatArray, Grid
+from warpwear.kernels import contact, gap, sliding, tiles
+from warpwear.kernels import gpu_steps as device_steps
+from warpwear.kernels import gpu_steps_sliding as device_sliding
+from warpwear.kernels import recession as running_in
+from warpwear.kernels import wear as removal
+from warpwear.kernels.cells import LANES, WIDTH, Cells
+
+#: Below this many cells a thread, handing work to a pool costs more than it saves.
+CELLS_PER_THREAD = 100_000
+#: On a GPU neighbouring threads read neighbouring vectors of a row; so many slots keep it busy.
+SLOTS_CUDA = 65536
+
+#: Fields alive at the peak of a run: gap as worn and unworn, pressure, wear of both bodies, and room to work.
+FIELDS_NEEDED = 6.0
+
+Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
+
+
+class ListOfTiles(Protocol):
+    """Tiles of a field that a kernel visits, row by row."""
+
+    list: Field  # numbers of the tiles of each row, shape (nx, tiles_per_row)
+    count: Field  # how many of them are visited, shape (nx,)
+    chunks: Sequence[tuple[int, int]]  # ranges of slots for the threads
+
+
+class Executor:
+    """Launches kernels over the rows of one grid on one device, and makes fields for them.
+
+    Use as a context manager, so that its threads end with it.
+
+    fields_needed: fields that a run holds at its peak. Raises InputError for a device that is not there, more
+    threads than cores, and a grid whose fields no memory holds.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        *,
+        device: str = "cpu",
+        threads: int | None = None,
+        fields_needed: float = FIELDS_NEEDED,
+    ) -> None:
+        self.grid = grid
+        self.device = find_device(device)
+        self.threads = check_threads(threads)
+        check_memory(grid, self.device, fields_needed)
+        self.vectors = -(-grid.ny // LANES)
+        self.tiles_per_row = -(-self.vectors // int(WIDTH))
+        on_cpu = self.device.is_cpu
+        self.slots_per_row = 1 if on_cpu else min(max(SLOTS_CUDA // grid.nx, 1), self.tiles_per_row)
+        self.slots = grid.nx * self.slots_per_row
+        workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if on_cpu else 0
+        self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
+        self._launches: dict[tuple[str, int], tuple[Any, list[Any]]] = {}
+        self._whole = self.share(np.full(grid.nx, self.vectors * LANES))
+        # Compiled before any thread needs them.
+        for module in (gap, contact, removal, running_in, sliding, tiles):
+            wp.load_module(module, device=self.device)
+        if not on_cpu:
+            for module in (device_steps, device_sliding):
+                wp.load_module(module, device=self.device)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            self._pool.shutdown()
+
+    def share(self, cells: Any) -> list[tuple[int, int]]:
+        """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""
+        rows = len(cells)
+        if not self.device.is_cpu:
+            return [(0, rows * self.slots_per_row)]
+        chunks = max(1, min(self.threads, int(np.sum(cells)) // CELLS_PER_THREAD))
+        if chunks == 1:
+            return [(0, rows)]
+        done = np.concatenate([[0], np.cumsum(cells)])
+        edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), rows]
+        return [(int(first), int(last)) for first, last in pairwise(edges)]
+
+    def launch(
+        self,
+        kernel: Any,
+        *,
+        inputs: Sequence[Any],
+        outputs: Sequence[Any],
+        over: ListOfTiles | None = None,
+        chunks: list[tuple[int, int]] | None = None,
+        often: bool = False,
+    ) -> None:
+        """Run a kernel over all slots; returns when it is done (CPU) or queued (GPU).
+
+        over: the tiles visited by a kernel that asks for a list of them. chunks: ranges of slots for the
+        threads, other than those of the list or of whole rows. often: keep the launch for the next
+        time, with its arguments, fields included: on small grids packing them is what a launch costs.
+        """
+        if chunks is None:
+            chunks = self._whole if over is None else over.chunks
+        listed = [] if over is None else [over.list, over.count]
+
+        def chunk(number: int) -> None:
+            first, last = chunks[number]
+            arguments = [first, self.slots_per_row, *listed, *inputs, *outputs]
+            if often:
+                self._kept_launch(kernel, number, last - first, arguments).launch()
+            else:
+                wp.launch(kernel, dim=last - first, inputs=arguments, device=self.device)
+
+        waiting = [self._pool.submit(chunk, n) for n in range(1, len(chunks))] if self._pool else []
+        chunk(0)
+        for future in waiting:
+            future.result()
+
+    def _kept_launch(self, kernel: Any, chunk: int, size: int, arguments: list[Any]) -> Any:
+        """The recorded launch of a kernel over a chunk, with what has changed since the last time."""
+        kept = self._launches.get((kernel.key, chunk))
+        if kept is None:
+            command = wp.launch(kernel, dim=size, inputs=arguments, device=self.device, record_cmd=True)
+            self._launches[kernel.key, chunk] = command, [size, *arguments]
+            return command
+        command, last = kept
+        if size != last[0]:
+            command.set_dim(size)
+        for index, value in enumerate(arguments):
+            before = last[index + 1]
+            # Arrays are compared by identity, numbers by value; a NaN is set each time.
+            if value is before:
+                continue
+            if not isinstance(value, int | float):
+                command.set_param_at_index(index, value)
+            elif value != before:
+                command.set_param_at_index_from_ctype(index, value)
+        last[:] = [size, *arguments]
+        return command
+
+    def zeros(self, rows: int | None = None) -> Field:
+        """A field of zeros, of as many rows as the grid if nothing is said.
+
+        On a CPU what is never touched takes neither time nor memory.
+        """
+        shape = (self.grid.nx if rows is None else rows, self.vectors)
+        if not self.device.is_cpu:
+            return wp.zeros(shape, dtype=Cells, device=self.device)
+        return wp.array(np.zeros((*shape, LANES)), dtype=Cells, device=self.device, copy=False)
+
+    def field(self, values: FloatArray) -> Field:
+        """A field from an array of shape (nx, ny), (1, ny) (every row the same) or (1, 1).
+
+        On a CPU it shares the memory of an array that needs no padding. Padding is 0.
+        """
+        rows = values.shape[0]
+        padded = values
+        if values.shape[1] != self.vectors * LANES:
+            padded = np.zeros((rows, self.vectors * LANES))
+            padded[:, : self.grid.ny] = values
+        vectors = np.ascontiguousarray(padded, dtype=np.float64).reshape(rows, self.vectors, LANES)
+        return wp.array(vectors, dtype=Cells, device=self.device, copy=not self.device.is_cpu)
+
+    def to_numpy(self, field: Field) -> FloatArray:
+        """The values of a field, shape (nx, ny); on a CPU a view of its memory."""
+        values: FloatArray = field.numpy().reshape(field.shape[0], -1)[:, : self.grid.ny]
+        return values
+
+    def fill(self, field: Field, values: FloatArray) -> None:
+        """Give a field other values, shape (nx, ny), in place; its padding stays."""
+        host = field.numpy()
+        host.reshape(field.shape[0], -1)[:, : self.grid.ny] = values
+        if not self.device.is_cpu:
+            field.assign(host)
+
+    def partials(self, quantities: int) -> Field:
+        """A table for the partial results of so many quantities, one column a slot."""
+        return wp.zeros((quantities, self.slots), dtype=wp.float64, device=self.device)

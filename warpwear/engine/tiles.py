@@ -1,0 +1,138 @@
+"""The list of tiles that a contact can reach: what a step has to visit of a field."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warpwear.engine.executor import Executor, Field
+from warpwear.kernels import tiles
+from warpwear.kernels.cells import Kept
+
+#: Of more tiles than so many, every fourth row tells how deep a list must reach to hold enough.
+SAMPLED, SAMPLE = 20_000, 4
+#: A list of fewer saves nothing.
+LEAST_TILES = 16
+
+
+class TileList(ABC):
+    """Tiles that a contact can reach, row by row: those with a cell whose gap does not exceed `limit` [mm].
+
+    What is not listed cannot touch at an approach up to the limit. At first every tile is listed.
+
+    least: cells that a list holds at least, so that a capped contact can carry its load on them.
+    """
+
+    def __init__(self, executor: Executor, *, least: float) -> None:
+        self._executor = executor
+        self._cells_of_tile = executor.grid.ny / executor.tiles_per_row
+        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
+        device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
+        every = np.broadcast_to(np.arange(columns, dtype=np.int32), (nx, columns))
+        self.list: Field = wp.array(every, dtype=wp.int32, device=device)
+        self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
+        self.limit = math.inf
+        self.listed = nx * columns
+        self.chunks = executor.share(np.full(nx, executor.grid.ny))
+
+    @property
+    @abstractmethod
+    def smallest(self) -> float:
+        """No gap is lower [mm]."""
+
+    @abstractmethod
+    def begin(self) -> None:
+        """To a list of the lowest tiles, where a search from the lowest cell begins."""
+
+    @abstractmethod
+    def reach(self, approach: float, *, ahead: float = 0.0) -> None:
+        """List all that touches up to an approach [mm]; where that takes a new list, up to so much more."""
+
+    def _adopt(self, limit: float) -> None:
+        """The list that a kernel has made for a limit."""
+        self.limit = limit
+        count = self.count.numpy()
+        self.listed = int(count.sum())
+        self.chunks = self._executor.share(count * self._cells_of_tile)
+
+
+class Tiles(TileList):
+    """Tiles of one gap that lies still and only opens.
+
+    The list serves every approach up to `limit`. It is made anew when the limit is passed. On a GPU every
+    tile is always listed: a pass over the memory costs less there than to decide about it.
+    """
+
+    def __init__(self, executor: Executor, gap: Field, unworn: Field, share: Field, *, least: float) -> None:
+        super().__init__(executor, least=least)
+        self._fields = [gap, unworn, share]
+        device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
+        self._lowest = wp.zeros((nx, columns), dtype=wp.float64, device=device)
+        self._kept = wp.zeros((nx, columns), dtype=Kept, device=device)
+        self.rest = wp.zeros(nx, dtype=Kept, device=device)
+        self._asked = math.inf
+        executor.launch(tiles.lowest, inputs=[gap], outputs=[self._lowest])
+        self._smallest = float(self._lowest.numpy().min())
+        self._on_cpu = device.is_cpu
+        self._fresh = True
+
+    @property
+    def smallest(self) -> float:
+        """Lowest gap before anything was worn [mm]; none is lower later."""
+        return self._smallest
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that `restore` takes back; the list too, as sums depend on it in rounding."""
+        arrays = {name: array.numpy() for name, array in self._arrays().items()}
+        return arrays, {"limit": self.limit, "asked": self._asked, "fresh": self._fresh}
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on with the list of another time, on the fields of that time."""
+        for name, array in self._arrays().items():
+            array.assign(arrays[name])
+        self._asked, self._fresh = numbers["asked"], numbers["fresh"]
+        self._adopt(numbers["limit"])
+
+    def _arrays(self) -> dict[str, Any]:
+        return {
+            "tiles_lowest": self._lowest,
+            "tiles_kept": self._kept,
+            "tiles_rest": self.rest,
+            "tiles_list": self.list,
+            "tiles_count": self.count,
+        }
+
+    def begin(self) -> None:
+        """From every tile, which is what is listed at first, to the lowest."""
+        if self._fresh and self._on_cpu:
+            self._select(self._smallest)
+
+    def reach(self, approach: float, *, ahead: float = 0.0) -> None:
+        """List all that touches up to an approach [mm]; where that takes a new list, up to so much more [mm].
+
+        A list that reaches much further than that is made anew as well: it costs more than it saves.
+        """
+        if self._on_cpu and (approach > self.limit or approach + 2.0 * ahead < self._asked):
+            self._select(approach + ahead)
+
+    def _select(self, limit: float) -> None:
+        self._list(limit)
+        self._asked = limit
+        if self.listed < self._least:
+            lowest = self._lowest.numpy()[:: SAMPLE if self._lowest.size > SAMPLED else 1].ravel()
+            rank = math.ceil(self._least * lowest.size / self._lowest.size)
+            self._list(float(np.partition(lowest, rank)[rank]) if rank < lowest.size else math.inf)
+
+    def _list(self, limit: float) -> None:
+        if self._fresh:  # what is known of the tiles is as it was found: nothing to look up in the fields
+            self.count.zero_()
+            self._fresh = False
+        self._executor.launch(
+            tiles.select,
+            inputs=[limit, *self._fields],
+            outputs=[self._lowest, self._kept, self.rest, self.list, self.count],
+        )
+        self._adopt(limit)

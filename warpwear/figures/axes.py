@@ -1,0 +1,158 @@
+"""Panels: maps with real extents, and boxes in 3-D that are true to scale in x and y."""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LightSource, Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from warpwear.figures import style as fs
+from warpwear.figures.data import Window
+from warpwear.grid import FloatArray
+
+Shown = TypeVar("Shown")
+ALONG, ACROSS = "along sliding, x, mm", "across sliding, y, mm"
+#: Height of a box in 3-D over its side; height of the figure [inch]; where the eye is [°].
+BOX, ROW_3D, ELEVATION, AZIMUTH = 0.4, 2.75, 32.0, -58.0
+#: A surface whose heights differ by less is flat [mm]; what is seen then would be round-off.
+FLAT = 1e-9
+LIGHT = LightSource(azdeg=300, altdeg=50)
+
+
+def map_figure(draw: Callable[[Any], None], panels: int, *, above: float = 0.0) -> Figure:
+    """One panel in a column, two or three beside each other, four as two by two. above: room [inch] a row."""
+
+    def draw_and_tidy(axes: Any) -> None:
+        draw(axes)
+        for panel in np.atleast_1d(axes):
+            panel.label_outer()
+
+    if panels == 4:
+        return fs.new_figure(draw_and_tidy, rows=2, columns=2, height=3.0 + above)
+    height = {1: 3.0, 2: 2.9, 3: 2.0}[panels] + above
+    return fs.new_figure(draw_and_tidy, columns=panels, height=height)
+
+
+def panels_of(axes: Any, shown: Sequence[Shown]) -> Iterator[tuple[Axes, Shown]]:
+    """Each panel with what it shows."""
+    return zip(np.atleast_1d(axes), shown, strict=True)
+
+
+def draw_map(
+    axes: Axes,
+    values: FloatArray,
+    window: Window,
+    colours: Any,
+    label: str | None,
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    norm: Normalize | None = None,
+) -> Any:
+    """A field of shape (x, y) with x to the right; a colour bar where it has a label. Returns the image.
+
+    low, high: ends of a linear scale; or else norm.
+    """
+    image = axes.imshow(
+        values.T,
+        origin="lower",
+        extent=window.extent,
+        cmap=colours,
+        vmin=low,
+        vmax=high,
+        norm=norm,
+        # Cells as they are: smoothing would invent pressures and break the categories of contact.
+        interpolation="nearest",
+    )
+    if label is not None:
+        ticks = MaxNLocator(5) if norm is None else None
+        bar = axes.figure.colorbar(image, ax=axes, label=label, shrink=0.9, ticks=ticks)
+        if norm is not None:
+            bar.ax.yaxis.set_major_formatter(fs.PlainNumbers())
+            bar.ax.yaxis.set_minor_formatter(fs.PlainNumbers(minor_thresholds=(1.2, 0.5)))
+    axes.set_xlabel(ALONG)
+    axes.set_ylabel(ACROSS)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(4))
+    return image
+
+
+def new_3d_figure(panels: int) -> tuple[Figure, list[Any]]:
+    """Figure and axes of one or two boxes. Boxes are placed by hand: layouts cut off the labels of 3-D."""
+    with fs.style():
+        figure = Figure(figsize=(fs.COLUMN if panels == 1 else fs.PAGE, ROW_3D))
+        FigureCanvasAgg(figure)
+        width = 1.0 / panels
+        axes = [
+            figure.add_axes((i * width, 0.1, 0.92 * width, 0.76), projection="3d", computed_zorder=False)
+            for i in range(panels)
+        ]
+    return figure, axes
+
+
+def finish_3d(axes: Any, window: Window, label: str, title: str) -> None:
+    """Extents, labels and the view of a box; its z limits must be set before."""
+    x0, x1, y0, y1 = window.extent
+    side = max(x1 - x0, y1 - y0)
+    axes.set_xlim(x0, x1)
+    axes.set_ylim(y0, y1)
+    axes.set_box_aspect(((x1 - x0) / side, (y1 - y0) / side, BOX), zoom=1.17)
+    axes.view_init(elev=ELEVATION, azim=AZIMUTH)
+    with fs.style():
+        axes.set_xlabel(ALONG, labelpad=-4)
+        axes.set_ylabel(ACROSS, labelpad=-4)
+        axes.set_zlabel(label, labelpad=-5)
+        axes.set_title(title, y=1.0, pad=7)
+    for artist in axes.collections:  # the box is larger than the square that axes in 3-D keep to
+        artist.set_clip_on(False)
+    for axis, ticks, prune in ((axes.xaxis, 4, "both"), (axes.yaxis, 4, "both"), (axes.zaxis, 3, None)):
+        axis.set_major_locator(MaxNLocator(ticks, prune=prune))  # the ends of x and y meet in a corner
+        axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
+    axes.tick_params(pad=-2.5)
+
+
+def draw_surface(
+    axes: Any, heights: FloatArray, window: Window, colour: str, *, low: float, high: float
+) -> None:
+    """A surface of heights [mm] of shape (x, y) over a window, drawn in µm and lit.
+
+    low, high: heights [mm] that get the darkest and the palest shade of the colour.
+    """
+    x0, x1, y0, y1 = window.extent
+    nx, ny = heights.shape
+    x = x0 + (np.arange(nx) + 0.5) * (x1 - x0) / nx
+    y = y0 + (np.arange(ny) + 0.5) * (y1 - y0) / ny
+    axes.plot_surface(
+        *np.meshgrid(x, y, indexing="ij"),
+        1e3 * heights,
+        facecolors=_lit(heights, x[1] - x[0], colour, low, high),
+        shade=False,
+        rcount=nx,
+        ccount=ny,
+        linewidth=0.0,
+        antialiased=False,
+        rasterized=True,  # thousands of facets would make a PDF slow to open
+    )
+
+
+def _lit(heights: FloatArray, step: float, colour: str, low: float, high: float) -> FloatArray:
+    """Colours, shape (x, y, 4): pale where it is high, brighter where it faces the light."""
+    flat = high - low <= FLAT
+    level = np.full(heights.shape, 0.7) if flat else np.nan_to_num((heights - low) / (high - low))
+    shades = fs.shades(colour)(1.0 - 0.8 * level)
+    relief = np.zeros_like(heights) if flat else np.nan_to_num(heights)
+    light = LIGHT.hillshade(relief, vert_exag=3.0, dx=step, dy=step)
+    shades[..., :3] *= (0.6 + 0.4 * light)[..., None]
+    lit: FloatArray = np.clip(shades, 0.0, 1.0)
+    return lit
+
+
+def exaggeration(axes: Any, window: Window) -> float:
+    """How many times heights drawn in µm are larger than lengths, to two digits."""
+    low, high = axes.get_zlim()
+    side = max(window.extent[1] - window.extent[0], window.extent[3] - window.extent[2])
+    return float(f"{BOX * side / (1e-3 * (high - low)):.2g}")

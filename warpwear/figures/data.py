@@ -1,0 +1,256 @@
+"""What figures need of a result, read once and reduced to what paper shows.
+
+A field of 1500² cells is drawn on some 700 pixels, and matplotlib takes an image's memory several times.
+So each snapshot is read once, cropped to the scar, reduced block by block, and let go.
+
+How a block is reduced follows from what is asked of it. Pressure and state of contact are drawn as the
+block's *largest*: contact is islands of a few cells, which means would fade out; islands look larger by up to
+a block, so areas are written out as numbers. Heights and depths are *means*, which keep volumes. Where
+pressure is shown as a height (in 3-D) or along a line it is the mean too, cells without contact included: the
+volume under it is then the load at any block size.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+from warpwear.history.snapshot import Snapshot
+from warpwear.results.export import worn_heights
+from warpwear.results.file import ResultFile
+from warpwear.results.track import whole_steps
+from warpwear.surfaces.sphere import sag
+
+#: Blocks along a side of a map, of a surface in 3-D; bins along a line of pressures; snapshots in one figure.
+MAP_BLOCKS, SURFACE_BLOCKS, BINS, SHOWN = 500, 70, 50, 4
+#: Side of what is shown over the scar's largest extent; width of a strip of pressures over that side.
+MARGIN, STRIP = 1.15, 0.125
+
+
+class State(IntEnum):
+    """Of a cell in contact, by rank: a block shows its highest."""
+
+    UNTOUCHED = 0
+    TOUCHED = 1
+    IN_CONTACT = 2
+    AT_HARDNESS = 3
+
+
+@dataclass(frozen=True)
+class Window:
+    """A part of the grid, cut into blocks of factor × factor cells."""
+
+    x: slice
+    y: slice
+    factor: int
+    extent: tuple[float, float, float, float]  # first x, last x, first y, last y [mm], edges of cells
+
+    def means(self, field: FloatArray) -> FloatArray:
+        """Mean of every block, shape (blocks, blocks)."""
+        return self._blocks(field).mean(axis=(1, 3))
+
+    def largest(self, field: FloatArray) -> FloatArray:
+        """Largest of every block, shape (blocks, blocks)."""
+        return self._blocks(field).max(axis=(1, 3))
+
+    def _blocks(self, field: FloatArray) -> FloatArray:
+        part = field[self.x, self.y]
+        nx, ny, n = part.shape[0] // self.factor, part.shape[1] // self.factor, self.factor
+        return part.reshape(nx, n, ny, n)
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Lines through the middle in one direction."""
+
+    place: FloatArray  # [mm]
+    sphere: FloatArray  # height over the apex it had, its material above [mm]
+    disc: FloatArray  # height over its mean plane [mm]
+    gap: FloatArray  # [mm]
+    wear_sphere: FloatArray  # [mm]
+    wear_disc: FloatArray  # [mm]
+    bins: FloatArray  # [mm]
+    pressure: FloatArray  # mean of the middle strip in each bin [MPa]
+
+
+@dataclass(frozen=True)
+class View:
+    """One snapshot, reduced."""
+
+    distance: float  # [mm]
+    row: int  # of the history
+    pressure: FloatArray  # largest of each block [MPa]
+    pressure_mean: FloatArray  # mean of each block, cells without contact included [MPa]
+    state: FloatArray  # highest `State` of each block
+    sphere: FloatArray  # heights, positive out of the material, mean of each block [mm]
+    disc: FloatArray
+    wear_sphere: FloatArray
+    wear_disc: FloatArray
+    along: Profile
+    across: Profile
+
+
+class FigureData:
+    """History, study and reduced snapshots of a result."""
+
+    def __init__(self, result: ResultFile) -> None:
+        self.result = result
+        self.history = result.history
+        self.study = result.study
+        self._views: dict[int, View] = {}
+
+    @cached_property
+    def course(self) -> dict[str, FloatArray]:
+        """The history's columns at the steps that are drawn over the distance: `track_data.whole_steps`."""
+        whole = whole_steps(self.result)
+        return {name: values[whole] for name, values in self.history.items()}
+
+    @property
+    def shown(self) -> list[int]:
+        """Numbers of the snapshots that figures show: the first, the last and some between."""
+        kept = self.result.snapshot_distances.size
+        places = np.linspace(0, kept - 1, min(SHOWN, kept))
+        return sorted({round(float(place)) for place in places})
+
+    @property
+    def views(self) -> list[View]:
+        """The snapshots shown, in order of distance."""
+        return [self.view(index) for index in self.shown]
+
+    @property
+    def last(self) -> View:
+        return self.view(self.result.snapshot_distances.size - 1)
+
+    def view(self, index: int) -> View:
+        """Snapshot number `index`, reduced."""
+        if index not in self._views:
+            self._views[index] = self.read(index)
+        return self._views[index]
+
+    def read(self, index: int, *, blocks: int = MAP_BLOCKS) -> View:
+        """The same without keeping it. blocks: at most so many along a side."""
+        result = self.result
+        snapshot = result.snapshot(index)
+        window = self.window_of(blocks)
+        row = self.row_of(snapshot.distance)
+        return View(
+            distance=snapshot.distance,
+            row=row,
+            pressure=window.largest(snapshot.pressure),
+            pressure_mean=window.means(snapshot.pressure),
+            state=window.largest(self._state(snapshot, row)),
+            sphere=window.means(worn_heights(result, snapshot, "sphere")),
+            disc=window.means(worn_heights(result, snapshot, "disc")),
+            wear_sphere=window.means(snapshot.wear_sphere),
+            wear_disc=window.means(snapshot.lost_beneath),
+            along=self._profile(snapshot, 0),
+            across=self._profile(snapshot, 1),
+        )
+
+    def row_of(self, distance: float) -> int:
+        """Row of the history whose step ends at a snapshot's distance [mm]."""
+        return min(int(np.searchsorted(self.history["distance"], distance)), self.steps - 1)
+
+    def name_of(self, body: str) -> str:
+        """What a figure calls the sphere or the disc."""
+        return "flat" if body == "sphere" and self.study.sphere.curvature == 0.0 else body
+
+    @property
+    def steps(self) -> int:
+        return int(self.history["distance"].size)
+
+    @cached_property
+    def window(self) -> Window:
+        """The scar at the end and some room: what maps show. Touched cells only ever become more."""
+        return self.window_of(MAP_BLOCKS)
+
+    def window_of(self, blocks: int) -> Window:
+        """The same in at most so many blocks along a side."""
+        return self._centred(self._half, blocks)
+
+    @cached_property
+    def relief(self) -> tuple[FloatArray, Window]:
+        """Heights [mm] of the unworn disc over the whole domain, for 3-D."""
+        result = self.result
+        snapshot = result.snapshot(0)
+        window = self._centred(np.inf, SURFACE_BLOCKS)
+        return window.means(worn_heights(result, snapshot, "disc") + snapshot.lost_beneath), window
+
+    @cached_property
+    def strip(self) -> float:
+        """Width [mm] of the strip whose pressures are averaged for a line."""
+        cell = self.study.grid.cell
+        return max(1, round(STRIP * 2.0 * self._half / cell)) * cell
+
+    @cached_property
+    def _half(self) -> float:
+        """Half the side [mm] of the square that is shown."""
+        result = self.result
+        if self.study.sphere.curvature == 0.0:
+            return float(max(result.x[-1], result.y[-1])) + 0.5 * self.study.grid.cell
+        touched = result.snapshot(-1).touched
+        reach = 0.0
+        for axis, places in ((1, result.x), (0, result.y)):
+            reach = max(reach, float(np.abs(places[touched.any(axis=axis)]).max()))
+        return min(MARGIN * reach + self.study.grid.cell, float(max(result.x[-1], result.y[-1])))
+
+    def _centred(self, half: float, most: int) -> Window:
+        """Square around the middle in at most `most` blocks a side; what is left of a block is left out."""
+        slices: list[slice] = []
+        extent: list[float] = []
+        cell = self.study.grid.cell
+        counts = [int((np.abs(places) <= half).sum()) for places in (self.result.x, self.result.y)]
+        factor = -(-max(counts) // most)
+        for places, count in zip((self.result.x, self.result.y), counts, strict=True):
+            whole = max(count // factor, 1) * factor
+            first = (places.size - whole) // 2
+            slices.append(slice(first, first + whole))
+            extent += [float(places[first]) - 0.5 * cell, float(places[first + whole - 1]) + 0.5 * cell]
+        return Window(slices[0], slices[1], factor, (extent[0], extent[1], extent[2], extent[3]))
+
+    def _state(self, snapshot: Snapshot, row: int) -> FloatArray:
+        history, hardness = self.history, self.study.hardness
+        state = snapshot.touched.astype(np.float64)
+        state[snapshot.pressure > 0.0] = State.IN_CONTACT
+        # The bearing area scales its pressure to the load, so that the hardness is met within a tolerance.
+        if history["area_plastic"][row] >= history["area_contact"][row] * (1.0 - 1e-9):
+            state[snapshot.pressure > 0.0] = State.AT_HARDNESS
+        else:
+            state[snapshot.pressure >= hardness * (1.0 - 1e-9)] = State.AT_HARDNESS
+        return state
+
+    def _profile(self, snapshot: Snapshot, axis: int) -> Profile:
+        result, window = self.result, self.window
+        places, others = (result.x, result.y) if axis == 0 else (result.y, result.x)
+        shown = window.x if axis == 0 else window.y
+
+        def line(field: FloatArray) -> FloatArray:
+            found: FloatArray = np.take(field, others.size // 2, axis=1 - axis)[shown].copy()
+            return found
+
+        strip = np.compress(np.abs(others) <= 0.5 * self.strip, snapshot.pressure, axis=1 - axis)
+        pressure = strip.mean(axis=1 - axis)[shown]
+        cells = -(-pressure.size // BINS)
+        bins = pressure.size // cells
+        first = (pressure.size - bins * cells) // 2
+        whole = slice(first, first + bins * cells)
+        curvature = self.study.sphere.curvature
+        sphere = sag_or_nan(places[shown], np.zeros(1), curvature)[:, 0] + line(snapshot.wear_sphere)
+        return Profile(
+            place=places[shown],
+            sphere=sphere,
+            disc=sphere - line(snapshot.gap),
+            gap=line(snapshot.gap),
+            wear_sphere=line(snapshot.wear_sphere),
+            wear_disc=line(snapshot.lost_beneath),
+            bins=places[shown][whole].reshape(bins, cells).mean(axis=1),
+            pressure=pressure[whole].reshape(bins, cells).mean(axis=1),
+        )
+
+
+def sag_or_nan(x: FloatArray, y: FloatArray, curvature: float) -> FloatArray:
+    """Height [mm] of the unworn sphere over its apex at x × y; NaN beyond its edge. curvature: [1/mm]"""
+    heights = sag(x, y, radius=1.0 / curvature if curvature else np.inf)
+    return np.where(np.isinf(heights), np.nan, heights)

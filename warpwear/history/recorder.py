@@ -1,0 +1,151 @@
+"""What the steps of a contact add up to, and the row of the history that each one gives."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from warpwear.contact.balance import Balance
+from warpwear.errors import ConvergenceError
+from warpwear.grid import FloatArray, Grid
+from warpwear.kernels.cells import MAXIMA
+from warpwear.study.study import Study
+
+
+@dataclass(frozen=True)
+class Step:
+    """One solved and worn increment."""
+
+    balance: Balance
+    row: dict[str, float]  # the columns of warpwear.history except time and cof
+    touches_edge: bool  # of the domain
+    touches_rim: bool  # of the sphere: the contact is as wide as the sphere itself
+    pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
+
+
+class Ledger:
+    """The books of one contact: its last row, and the largest of what only ever grows.
+
+    row: columns of the last step, 0 before the first. most: by the names of `kernels.types.MAXIMA`. weight:
+    area that a cell stands for over its own. margin: cells along the edge that must not be touched.
+    """
+
+    def __init__(self, study: Study, grid: Grid, *, weight: float = 1.0, margin: int = 1) -> None:
+        self._study, self._grid, self._weight, self._margin = study, grid, weight, margin
+        self._x, self._y = grid.x, grid.y
+        self.most = dict.fromkeys(MAXIMA, -math.inf)
+        self.row = dict.fromkeys(
+            (
+                "distance",
+                "area_contact",
+                "area_cumulative",
+                "archard_volume_sphere",
+                "archard_volume_disc",
+                "pressure_mean",
+            ),
+            0.0,
+        )
+
+    @property
+    def columns(self) -> slice:
+        """Columns between the first and the last that were ever touched; none before the first step."""
+        first, last = (self.most[name] for name in ("first_column", "last_column"))
+        return slice(int(-first), int(last) + 1) if math.isfinite(first) else slice(0, 0)
+
+    def enter(
+        self,
+        balance: Balance,
+        increment: float,
+        removal: tuple[float, float],
+        reference: float,
+        total: Mapping[str, float],
+        most: Mapping[str, float],
+        *,
+        pressure: FloatArray | None = None,
+        bearing: float | None = None,
+    ) -> Step:
+        """Book a step of an increment [mm] that removed so much of sphere and disc [mm³/N].
+
+        total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
+        which the squares count [MPa]. bearing: cells' area that bears, where not all that is in contact does.
+
+        Raises ConvergenceError where nothing is in contact.
+        """
+        grid, area, load = self._grid, self._weight * self._grid.cell_area, self._study.contact.load
+        count = total["contact"]
+        if not count > 0.0 or not math.isfinite(total["pressure"]):
+            raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
+        # What was reached once stays so, also where the tiles visited now do not show it.
+        self.most = {name: max(most[name], self.most[name]) for name in self.most}
+        first_row, last_row = int(-self.most["first_row"]), int(self.most["last_row"])
+        first_column, last_column = int(-self.most["first_column"]), int(self.most["last_column"])
+        along = (last_row - first_row + 1) * grid.cell
+        across = (last_column - first_column + 1) * grid.cell
+        mean = total["pressure"] / count
+        variance = total["deviation_squared"] / count - (mean - reference) ** 2
+        in_contact = (count if bearing is None else bearing) * area
+        before = self.row
+        self.row = {
+            "distance": before["distance"] + increment,
+            "increment": increment,
+            "approach": balance.approach,
+            "load": load,
+            "load_residual": balance.load_residual,
+            "area_contact": in_contact,
+            "area_plastic": total["capped"] * area,
+            "area_touched": total["touched"] * area,
+            "area_cumulative": before["area_cumulative"] + in_contact,
+            "area_nominal": math.pi / 4.0 * along * across,
+            "patch_along": along,
+            "patch_across": across,
+            "pressure_mean": mean,
+            "pressure_std": math.sqrt(max(variance, 0.0)),
+            "pressure_max": most["pressure"],
+            "wear_volume_sphere": total["wear_sphere"] * area,
+            "wear_volume_disc": total["wear_disc"] * area,
+            "wear_depth_sphere": self.most["wear_sphere"],
+            "wear_depth_disc": self.most["wear_disc"],
+            "cells_in_contact": count,
+            "archard_volume_sphere": before["archard_volume_sphere"] + removal[0] * load,
+            "archard_volume_disc": before["archard_volume_disc"]
+            + removal[1] * total["pressure_times_factor"] * area,
+            "evaluations": float(balance.evaluations),
+        }
+        margin = self._margin
+        at_edge = min(first_row, first_column) < margin
+        at_edge |= last_row >= grid.nx - margin or last_column >= grid.ny - margin
+        # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
+        reach = max(-self._x[first_row], self._x[last_row], -self._y[first_column], self._y[last_column])
+        beyond_sphere = bool((reach + 1.5 * grid.cell) * self._study.sphere.curvature >= 1.0)
+        return Step(balance, self.row, at_edge, beyond_sphere, pressure)
+
+
+class TrackLedger(Ledger):
+    """Of a disc that slides: its volumes count 1/share times, as those of the stroke that it stands for.
+
+    Its rows have one column more, `plastic_volume_disc`, from the total "pressed_disc".
+    """
+
+    def __init__(self, study: Study, grid: Grid, *, share: float) -> None:
+        super().__init__(study, grid)
+        self._share = share
+
+    def enter(
+        self,
+        balance: Balance,
+        increment: float,
+        removal: tuple[float, float],
+        reference: float,
+        total: Mapping[str, float],
+        most: Mapping[str, float],
+        *,
+        pressure: FloatArray | None = None,
+        bearing: float | None = None,
+    ) -> Step:
+        """As of any contact."""
+        of_stroke = {name: total[name] / self._share for name in ("wear_disc", "pressed_disc")}
+        total = {**total, **of_stroke}
+        step = super().enter(
+            balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
+        )
+        step.row["plastic_volume_disc"] = total["pressed_disc"] * self._grid.cell_area
+        return step

@@ -1,0 +1,159 @@
+"""The books of a contact of patches: its history, what each patch did, and whose wear it was."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpwear.contact.balance import Balance, residual_of
+from warpwear.grid import FloatArray
+from warpwear.history.columns import Column
+from warpwear.history.recorder import Ledger, Step
+from warpwear.history.snapshot import Snapshot
+from warpwear.laws.patches import Patches
+from warpwear.study.study import Study
+
+
+@dataclass(frozen=True, eq=False)
+class Worn:
+    """What a step did to the patches; one value a patch, 0 for those that never touched."""
+
+    sums: dict[str, FloatArray]  # by the names of `kernels.cells.PATCH_SUMS`
+    most: dict[str, float]  # over all patches, by those of `MAXIMA`; "worn" is by both bodies
+
+
+class PatchLedger:
+    """Of one study, whose sphere and disc wear in one proportion.
+
+    patches: in the order of the macro cells, in which the book has them.
+    """
+
+    def __init__(self, study: Study, patches: Patches) -> None:
+        self._study, self._patches = study, patches
+        self._wear = study.wear_laws
+        # In the outermost macro cells, what a patch touches may stand for the domain's edge.
+        margin = 1 if patches.cover_everything else patches.pitch
+        self._ledger = Ledger(study, patches.domain, weight=patches.weight, margin=margin)
+        self.book = PatchBook(patches)
+        steady = [law.steady for law in self._wear]
+        #: Of what both bodies lose, the parts of sphere and disc: a small one is no difference of large ones.
+        self._parts = [k / sum(steady) for k in steady] if sum(steady) else [0.5, 0.5]
+
+    @property
+    def row(self) -> dict[str, float]:
+        """Of the history, of the last step; 0 before the first."""
+        return self._ledger.row
+
+    @property
+    def most(self) -> dict[str, float]:
+        """The largest so far, by the names of `kernels.cells.MAXIMA`."""
+        return self._ledger.most
+
+    def removals(self, later: float, increment: float) -> tuple[float, float]:
+        """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
+        start = self.row["distance"] + later
+        sphere, disc = (law.removal(start, increment) for law in self._wear)
+        return sphere, disc
+
+    @property
+    def foundation(self) -> float:
+        """K_N of the next step [N/mm³], which may follow the scar; inf where it plays no part."""
+        if not self._study.uses_foundation:
+            return math.inf
+        nominal = self.row.get("area_nominal", 0.0)
+        return self._study.foundation(radius=math.sqrt(nominal / math.pi) or None)
+
+    def enter(
+        self,
+        worn: Worn,
+        approach: tuple[float, float],
+        increment: float,
+        removals: tuple[float, float],
+        reference: float,
+        pressure: FloatArray | None,
+        evaluations: int,
+    ) -> Step:
+        """Book a step of an increment [mm] that removed so much of sphere and disc [mm³/N].
+
+        worn: of patches in the order of the macro cells. approach: of the bodies, base and offset [mm].
+        reference: pressure from which the squares count [MPa]. pressure: on the domain [MPa], where it was
+        asked for. Raises ConvergenceError where the pressures do not add up to the load.
+        """
+        sums, most = worn.sums, dict(worn.most)
+        total = {name: float(values.sum()) for name, values in sums.items()}
+        total["pressure_times_factor"] = total["pressure"]
+        deepest = most.pop("worn")
+        for body, part in zip(("sphere", "disc"), self._parts, strict=True):
+            total[f"wear_{body}"] = part * total["worn"]
+            most[f"wear_{body}"] = part * deepest
+        of_cell = self._patches.domain.cell_area * self._patches.weight
+        carried = total["pressure"] * of_cell
+        residual = residual_of(carried, self._study.contact.load, approach=sum(approach))
+        self.book.enter(load_share=sums["pressure"] * of_cell, area_patch=sums["contact"] * of_cell)
+        balance = Balance(*approach, self._study.hardness, residual, evaluations=evaluations)
+        return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
+
+    def snapshot(
+        self, step: Step, distance: float, patches: Patches, *, gap: FloatArray, initial: FloatArray
+    ) -> Snapshot:
+        """The fields after a step that was asked for its pressure, at its distance [mm].
+
+        Over the whole domain; what no patch covers has neither pressure nor wear, and no gap (NaN). gap,
+        initial: worn and unworn [mm], as `patches` stores them, in whatever order.
+        """
+        assert step.pressure is not None
+        worn = patches.on_domain(gap - initial)
+        return Snapshot(
+            distance,
+            pressure=step.pressure,
+            wear_sphere=self._parts[0] * worn,
+            wear_disc=self._parts[1] * worn,
+            gap=patches.on_domain(gap, beside=math.nan),
+        )
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that `restore` takes back."""
+        return self.book.saved_state(), {"most": self.most, "row": self.row}
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
+        self.book.restore(arrays)
+
+
+#: Tables of shape (steps, patches), patches in the order of `Patches`: x · across + y.
+COLUMNS = (
+    Column("load_share", "N", "load of each patch, or of the macro cell that it stands for"),
+    Column("area_patch", "mm^2", "real area of contact of each, or of its macro cell"),
+)
+
+
+def bytes_of_book(steps: int, patches: int) -> int:
+    """What the tables take of memory at most: as they grow and, for a checkpoint, as they are written."""
+    return 2 * len(COLUMNS) * 8 * steps * patches
+
+
+class PatchBook:
+    """Grows by a row of each table a step."""
+
+    def __init__(self, patches: Patches) -> None:
+        self.patches = patches
+        self._rows: dict[str, list[FloatArray]] = {column.name: [] for column in COLUMNS}
+
+    def enter(self, **row: FloatArray) -> None:
+        """Values of one step by the names of `COLUMNS`, shape (patches,) each."""
+        for name, values in row.items():
+            self._rows[name].append(values)
+
+    def table(self, name: str) -> FloatArray:
+        """Shape (steps, patches)."""
+        return np.array(self._rows[name]).reshape(-1, self.patches.count)
+
+    def saved_state(self) -> dict[str, Any]:
+        """Arrays that `restore` takes back."""
+        return {column.name: self.table(column.name) for column in COLUMNS}
+
+    def restore(self, arrays: Mapping[str, Any]) -> None:
+        for column in COLUMNS:
+            self._rows[column.name] = list(arrays[column.name])

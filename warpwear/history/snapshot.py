@@ -1,0 +1,59 @@
+"""The fields of one moment of a run."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+
+#: Name -> unit.
+FIELDS = {
+    "pressure": "MPa",
+    "wear_sphere": "mm",
+    "wear_disc": "mm",
+    "gap": "mm",
+    "plastic_disc": "mm",  # of a swept disc that keeps its dents
+}
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Fields at one sliding distance, each of shape (nx, ny), axis 0 along the sliding direction.
+
+    Of a swept run the fields of the disc cover the track, shape (rows, ny), whose row number `row` lies under
+    the first row of the others.
+    """
+
+    distance: float  # [mm]
+    pressure: FloatArray  # [MPa], solved in the step that ends here
+    wear_sphere: FloatArray  # [mm]
+    wear_disc: FloatArray  # [mm]
+    gap: FloatArray  # [mm], after the step's wear
+    plastic_disc: FloatArray | None = None  # [mm], displaced for good, of a swept disc that keeps its dents
+    row: int | None = None  # of the track, under the sphere's first row
+
+    @property
+    def wear_beneath(self) -> FloatArray:
+        """Wear of the disc under the sphere's domain [mm], shape (nx, ny)."""
+        return self.wear_disc if self.row is None else self._under(self.wear_disc)
+
+    @property
+    def touched(self) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
+        """Cells ever touched, shape (nx, ny): of a swept run those of the sphere, or of the disc beneath a
+        sphere that does not wear."""
+        touched = (self.wear_sphere > 0.0) | (self.pressure > 0.0)
+        if self.row is not None and self.wear_sphere.any():
+            return np.asarray(touched)
+        return np.asarray(touched | (self.wear_beneath > 0.0))
+
+    @property
+    def lost_beneath(self) -> FloatArray:
+        """What is gone of the disc under the sphere's domain [mm]: worn, or displaced for good."""
+        if self.plastic_disc is None:
+            return self.wear_beneath
+        return self.wear_beneath + self._under(self.plastic_disc)
+
+    def _under(self, field: FloatArray) -> FloatArray:
+        assert self.row is not None
+        rows = np.arange(self.row, self.row + self.pressure.shape[0]) % field.shape[0]
+        return np.asarray(field[rows])

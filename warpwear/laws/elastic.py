@@ -1,0 +1,138 @@
+"""Hertz's smooth elastic contact, and the stiffness of Winkler foundations matched to it."""
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.grid import FloatArray
+
+optimize = lazy.module("scipy.optimize")
+special = lazy.module("scipy.special")
+
+#: C_W of K_N = C_W E*/a (thesis eq 2.7 for a sphere) -> what of Hertz's the foundation then reproduces. One
+#: constant cannot match all three.
+MATCHES = {"area": 16.0 / (3.0 * math.pi), "pressure": 3.0 / math.pi, "approach": 4.0 / (3.0 * math.pi)}
+
+
+def effective_modulus(first: tuple[float, float], second: tuple[float, float]) -> float:
+    """E* [MPa] of two bodies, each with Young's modulus [MPa] and Poisson's ratio."""
+    return 1.0 / sum((1.0 - poisson**2) / young for young, poisson in (first, second))
+
+
+@dataclass(frozen=True)
+class Hertz:
+    """A sphere pressed on a flat. Source: Johnson, Contact Mechanics (1985), section 4.2."""
+
+    modulus: float  # E* [MPa]
+    sphere_radius: float  # R [mm]
+    load: float  # F [N]
+
+    @property
+    def radius(self) -> float:
+        """a of the contact [mm]."""
+        return float((0.75 * self.load * self.sphere_radius / self.modulus) ** (1.0 / 3.0))
+
+    @property
+    def area(self) -> float:
+        """[mm²]"""
+        return math.pi * self.radius**2
+
+    @property
+    def peak_pressure(self) -> float:
+        """[MPa]"""
+        return 1.5 * self.load / self.area
+
+    @property
+    def approach(self) -> float:
+        """[mm]"""
+        return self.radius**2 / self.sphere_radius
+
+    def pressure(self, r: FloatArray) -> FloatArray:
+        """Pressure [MPa] at distances r from the middle [mm], any shape."""
+        inside = np.maximum(0.0, 1.0 - np.square(r / self.radius))
+        return np.asarray(self.peak_pressure * np.sqrt(inside))
+
+    def foundation(self, match: str, *, radius: float | None = None) -> float:
+        """K_N = C_W E*/a [N/mm³] (thesis eq 2.7). match: of `MATCHES`. radius: a, Hertz's by default [mm]."""
+        return MATCHES[match] * self.modulus / (radius or self.radius)
+
+
+#: Separations, in standard deviations of the summits, between which Greenwood and Williamson's is looked for.
+SEPARATIONS = (-8.0, 30.0)
+
+
+@dataclass(frozen=True)
+class SpectralMoments:
+    """Mean squares of height, slope and curvature of the profiles through an isotropic Gaussian surface."""
+
+    m0: float  # [mm²]
+    m2: float  # [-]
+    m4: float  # [1/mm²]
+
+    @classmethod
+    def of(cls, heights: FloatArray, cell: float) -> Self:
+        """Of one period of a surface [mm], shape (nx, ny), cells of `cell` mm, by its spectrum.
+
+        A profile's mean square slope is half the surface's, its mean square curvature three eighths of the
+        Laplacian's (Nayak 1971, J. Lubr. Technol. 93, 398).
+        """
+        nx, ny = heights.shape
+        q_x = 2.0 * math.pi * np.fft.fftfreq(nx, cell)
+        q_y = 2.0 * math.pi * np.fft.fftfreq(ny, cell)
+        squared = np.add.outer(q_x**2, q_y**2)
+        power = np.abs(np.fft.fft2(heights - heights.mean())) ** 2 / heights.size**2
+        m0, slope, laplacian = (float(np.sum(power * squared**n)) for n in (0, 1, 2))
+        return cls(m0, slope / 2.0, 3.0 * laplacian / 8.0)
+
+    @property
+    def rms_slope(self) -> float:
+        """h', of the surface's gradient [-]."""
+        return math.sqrt(2.0 * self.m2)
+
+
+def persson_area(mean_pressure: FloatArray, *, modulus: float, rms_slope: float) -> FloatArray:
+    """Real over nominal area, erf(√2 p̄/(E* h')): elastic, no adhesion.
+
+    mean_pressure, modulus: p̄ and E* [MPa]. Source: Persson 2001, J. Chem. Phys. 115, 3840, in the form of
+    Manners and Greenwood 2006, Wear 261, 600.
+    """
+    ratio = math.sqrt(2.0) / (modulus * rms_slope) * np.asarray(mean_pressure, dtype=np.float64)
+    return np.vectorize(math.erf, otypes=[np.float64])(ratio)
+
+
+def greenwood_williamson_area(
+    mean_pressure: FloatArray, *, modulus: float, moments: SpectralMoments
+) -> FloatArray:
+    """Real over nominal area by spherical summits that do not know of each other; above 1 it means nothing.
+
+    mean_pressure, modulus: p̄ and E* [MPa]. NaN for pressures beyond the theory's range. Sources: Greenwood
+    and Williamson 1966, Proc. R. Soc. A 295, 300; McCool 1987, J. Tribol. 109, 264 for the summits of a
+    spectrum.
+    """
+
+    alpha = moments.m0 * moments.m4 / moments.m2**2
+    density = moments.m4 / (6.0 * math.pi * math.sqrt(3.0) * moments.m2)
+    radius = 0.375 * math.sqrt(math.pi / moments.m4)
+    scatter = math.sqrt((1.0 - 0.8968 / alpha) * moments.m0)
+    scale = 4.0 / 3.0 * modulus * density * math.sqrt(radius * scatter) * scatter
+
+    def pressure(separation: float) -> float:
+        # ∫ (s − t)^(3/2) φ(s) ds from t on, by a parabolic cylinder function
+        integral = math.gamma(2.5) * special.pbdv(-2.5, separation)[0] * math.exp(-(separation**2) / 4.0)
+        return float(scale * integral / math.sqrt(2.0 * math.pi))
+
+    def area(asked: float) -> float:
+        low, high = SEPARATIONS
+        if asked == 0.0:
+            return 0.0
+        if not pressure(high) < asked < pressure(low):
+            return math.nan
+        t = optimize.brentq(lambda t: math.log(pressure(t) / asked), low, high)
+        beyond = 0.5 * math.erfc(t / math.sqrt(2.0))
+        integral = math.exp(-0.5 * t**2) / math.sqrt(2.0 * math.pi) - t * beyond
+        return math.pi * density * radius * scatter * integral
+
+    return np.vectorize(area, otypes=[np.float64])(mean_pressure)

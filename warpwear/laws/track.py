@@ -1,0 +1,141 @@
+"""The way of a sphere that slides over a disc by whole cells: where it is at every step, and how far it slid.
+
+A step covers up to `shift` cells of the track and is solved once, with the sphere in their middle; the last
+step of a pass is shorter where the shift does not divide the stroke, so that volumes stay exact. A track that
+turns reverses at the end of each pass and covers the same cells the other way.
+
+A representative track is a periodic disc shorter than the stroke: one lap is one pass. While it slides by a
+cell, the sphere slides by `cell / share` of the test. So is the track of a rotating disc, one lap a
+revolution, whose length is rounded to whole steps: the rounding goes into the share too.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+
+#: Of a length that should be whole [cells].
+WHOLE = 1.0e-6
+
+
+@dataclass(frozen=True)
+class Track:
+    """Geometry of one study's track.
+
+    cells: rows of the disc slid over in a pass. window: rows under the sphere's domain.
+    """
+
+    cells: int
+    shift: int
+    cell: float  # [mm]
+    window: int
+    stroke: float  # slid in a pass of the test [mm]
+    periodic: bool
+    reverses: bool
+
+    @property
+    def rows(self) -> int:
+        """Of the disc."""
+        return self.cells if self.periodic else self.cells + self.window
+
+    @property
+    def share(self) -> float:
+        """What a disc of this length slides of the sliding distance of the test; 1 for a whole stroke."""
+        return self.cells * self.cell / self.stroke if self.periodic else 1.0
+
+    @property
+    def steps_of_pass(self) -> int:
+        return -(-self.cells // self.shift)
+
+    @property
+    def x(self) -> FloatArray:
+        """Centres of the disc's rows [mm], shape (rows,), 0 = the middle of the stroke."""
+        centres: FloatArray = (np.arange(self.rows, dtype=np.float64) - 0.5 * (self.rows - 1)) * self.cell
+        return centres
+
+    def row(self, step: int) -> int:
+        """Of the disc, under the first row of the sphere at step number `step`, 0 ≤ row < rows."""
+        start, cells = self._covered(step)
+        middle = start + cells // 2
+        return (middle - self.window // 2) % self.rows if self.periodic else middle
+
+    def place(self, step: int) -> float:
+        """Of the sphere's apex over the disc at a step, on the scale of `x` [mm]."""
+        start, cells = self._covered(step)
+        first = 0 if self.periodic else self.window // 2
+        middle = 0.5 * (self.window % 2)  # of an odd window the middle of a cell, of an even one an edge
+        return (start + cells // 2 + first + middle - 0.5 * self.rows) * self.cell
+
+    def beneath(self, disc: FloatArray, row: int) -> FloatArray:
+        """Of a field of the disc, shape (rows, ny), what lies under a sphere whose first row is on `row`."""
+        if row + self.window <= self.rows:
+            return disc[row : row + self.window]
+        return np.asarray(disc[np.arange(row, row + self.window) % self.rows])
+
+    def _covered(self, step: int) -> tuple[int, int]:
+        """First cell of the pass that a step covers, and how many."""
+        number, segment = divmod(step, self.steps_of_pass)
+        if self.reverses and number % 2:
+            segment = self.steps_of_pass - 1 - segment
+        start = segment * self.shift
+        return start, min(self.shift, self.cells - start)
+
+    def increments(self, distance: float) -> Iterator[tuple[float, float]]:
+        """Of every step the increment and the distance at its end [mm]; the last is cut at the distance.
+
+        A distance of 0 is one increment of 0: a static contact.
+        """
+        if distance == 0.0:
+            yield 0.0, 0.0
+            return
+        per_cell = self.stroke / self.cells
+        done, step = 0.0, 0
+        while True:
+            number, segment = divmod(step, self.steps_of_pass)
+            cells = self._covered(step)[1]
+            slid = min((segment + 1) * self.shift, self.cells)
+            if self.reverses and number % 2:  # the short step is the first on the way back
+                slid = self.cells - (self.steps_of_pass - 1 - segment) * self.shift
+            # Counted from the start, not added up: passes end where they should.
+            end = (number + slid / self.cells) * self.stroke
+            increment = cells * per_cell
+            if end >= distance - WHOLE * increment:
+                left = distance - done
+                yield (increment if abs(left - increment) <= WHOLE * increment else left), distance
+                return
+            yield increment, end
+            done, step = end, step + 1
+
+    def steps(self, distance: float) -> float:
+        """About how many steps a distance takes [mm]."""
+        return math.ceil(distance / self.stroke * self.steps_of_pass)
+
+
+def increments(
+    plan: tuple[float, float, float], distance: float, stops: Iterable[float] = ()
+) -> Iterator[tuple[float, float]]:
+    """Pairs of (increment, distance at its end) [mm] that end exactly at every stop and at the distance.
+
+    plan: first increment, growth, largest increment. A step cut short by a stop does not change the
+    planned size of those after it. A distance of 0 is one increment of 0: a static contact.
+    """
+    if distance == 0.0:
+        yield 0.0, 0.0
+        return
+    planned, growth, largest = plan
+    done = 0.0
+    for stop in sorted({s for s in stops if 0.0 < s < distance} | {distance}):
+        while done < stop:
+            left = stop - done
+            # A remainder too small to be a step of its own is rounding.
+            if planned >= left - 1.0e-6 * planned:
+                same = abs(left - planned) <= 1.0e-6 * planned
+                yield planned if same else left, stop
+                done = stop
+            else:
+                done += planned
+                yield planned, done
+            planned = min(planned * growth, largest)

@@ -1,0 +1,1 @@
+"""Files of measurements: friction records and surfaces."""

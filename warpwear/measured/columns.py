@@ -1,0 +1,214 @@
+"""Which column of a record is what, by its name and unit, and what its numbers are in mm, s and N."""
+
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from warpwear.errors import InputError
+from warpwear.measured.text import RecordText, is_unit
+from warpwear.study.units import parse
+
+_MEAN = r"(?:(?:mean|avg|average|abs|absolute|filtered|dynamic|kinetic|mittlere[rs]?) )?"
+_COEFFICIENT = (
+    r"cof|c\.o\.f\.?|μ|mu|coeff?(?:icient|\.)? of friction|friction coeff?(?:icient|\.)?|"
+    r"reibungskoeffizient|reibkoeffizient|reibwert|reibungszahl|reibzahl"
+)
+#: Role -> what such a column is called, in small letters and without its unit.
+NAMES = {
+    "distance": r"(?:total |sliding |accumulated |cumulative )*(?:distance|dist\.?)|"
+    r"gleitweg|reibweg|gesamtweg|weg|gleitstrecke|strecke",
+    "time": r"(?:total |elapsed |test |sliding |run )?time|t|(?:test|mess|versuchs|lauf|gleit)?zeit",
+    "cycle": r"cycles?(?: (?:number|no\.?|count))?|zykl(?:us|en)(?:zahl)?",
+    "cof": rf"{_MEAN}(?:{_COEFFICIENT})(?: (?:mean|avg|average|abs|absolute|filtered))?",
+    "friction force": r"fx|ff|ft|fr|f[ _]?x|(?:friction|tangential|lateral)(?: force)?|"
+    r"reib(?:ungs)?kraft|tangentialkraft",
+    "normal force": r"fz|fn|f[ _]?z|normal (?:force|load)|load|down ?force|normalkraft|anpresskraft|last",
+    "position": r"(?:x[ -]?|stage |stroke |linear )?pos(?:ition|\.)?|x|displacement|auslenkung|hub",
+}
+#: Role -> unit that its numbers are converted to; None for numbers without a unit.
+TARGETS = {
+    "distance": "mm",
+    "time": "s",
+    "cycle": None,
+    "cof": None,
+    "friction force": "N",
+    "normal force": "N",
+    "position": "mm",
+}
+WITHOUT_UNIT = frozenset(("", "-", "–", "—", "1", "/", "none"))
+LOCAL = {"sek": "s", "std": "h", "μm": "um"}
+#: What a number of columns picked by hand stands for.
+PICKED = {2: ("distance", "cof"), 4: ("time", "friction force", "normal force", "position")}
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column in its role."""
+
+    index: int
+    title: str  # as the file has it
+    factor: float  # to mm, s, N or 1
+
+
+def choose(text: RecordText, picks: str | None = None) -> dict[str, Column]:
+    """Role -> column. Raises InputError for what is missing or could be two things.
+
+    picks: titles or numbers (from 1) of two columns, distance or time and CoF, or of four: time, friction
+    force, normal force and position; a unit may follow in brackets where the file has none.
+    """
+    titles = [_title(text, index) for index in range(text.width)]
+    if picks is not None:
+        return _picked(text, titles, picks)
+    if not text.names:
+        raise InputError(
+            f"{text.path} has no header with a name for each of its {text.width} columns: such as "
+            "'Distance [mm]' and 'CoF' are expected, or --columns '1 [mm],2'"
+        )
+    roles: dict[str, list[int]] = {role: [] for role in NAMES}
+    for index, (name, unit) in enumerate(titles):
+        role = _role(name, unit)
+        if role is not None:
+            roles[role].append(index)
+    if not roles["cof"] and not roles["friction force"]:
+        raise InputError(
+            f"{text.path} has no column for the coefficient of friction among {_listed(text.names)}; a name "
+            "such as 'CoF' is expected, or --columns 'DISTANCE,COF' picks two of these"
+        )
+    needed = ("distance", "time", "cycle", "cof") if roles["cof"] else tuple(NAMES)
+    found = {}
+    for role in needed:
+        if len(roles[role]) > 1:
+            rivals = [text.names[i] for i in roles[role]]
+            how = "by name" if len(set(rivals)) == len(rivals) else "by number, counted from 1"
+            raise InputError(
+                f"{text.path} has {len(rivals)} columns that could be the {_spoken(role)}: "
+                f"{_listed(rivals)}; --columns 'DISTANCE,COF' picks {how}"
+            )
+        if roles[role]:
+            index = roles[role][0]
+            title = text.names[index]
+            found[role] = Column(index, title, _factor(text, role, title, titles[index][1]))
+    return found
+
+
+def _title(text: RecordText, index: int) -> tuple[str, str]:
+    """Name in small letters and unit of a column."""
+    if not text.names:
+        return "", ""
+    name, unit = split_unit(text.names[index])
+    below = text.units[index].strip("[]() ") if text.units else ""
+    return name, unit or below
+
+
+def split_unit(title: str) -> tuple[str, str]:
+    """ "Sliding distance, mm" -> ("sliding distance", "mm"); names in small letters."""
+    title = unicodedata.normalize("NFKC", title).strip().replace("_", " ")
+    for pattern in (
+        r"(.*?)\s*[\[(]([^\[\]()]*)[\])]$",
+        r"(.*?)\s*[,/]\s*([^,/]+)$",
+        r"(.*?)\s+in\s+(\S+)$",
+        r"(.*?)\s+(\S+)$",
+    ):
+        found = re.fullmatch(pattern, title)
+        if found and found[1] and (is_unit(found[2]) or pattern.endswith(r"[\])]$")):
+            return " ".join(found[1].lower().split()), found[2].strip()
+    return " ".join(title.lower().split()), ""
+
+
+def _role(name: str, unit: str) -> str | None:
+    if name in ("friction", "reibung"):  # a force or a coefficient, which the unit tells
+        return {"n": "friction force", "-": "cof", "1": "cof"}.get(unit.lower())
+    return next((role for role, pattern in NAMES.items() if re.fullmatch(pattern, name)), None)
+
+
+def _factor(text: RecordText, role: str, name: str, unit: str) -> float:
+    target = TARGETS[role]
+    if target is None:
+        if unit.lower() not in WITHOUT_UNIT:
+            raise InputError(
+                f"{text.path}: the {_spoken(role)} '{name}' has the unit {unit}, where a plain number is "
+                "expected"
+            )
+        return 1.0
+    if unit.lower() in WITHOUT_UNIT:
+        raise InputError(
+            f"{text.path}: the {_spoken(role)} '{name}' has no unit; write it in the header, such as "
+            f"'{name} [{target}]', or in --columns"
+        )
+    try:
+        return parse(f"1 {LOCAL.get(unit.lower(), unit)}", target)
+    except ValueError:
+        raise InputError(
+            f"{text.path}: the {_spoken(role)} '{name}' has the unit {unit}, which is no unit of "
+            f"{_KIND[target]}"
+        ) from None
+
+
+_KIND = {"mm": "length", "s": "time", "N": "force"}
+
+
+def _picked(text: RecordText, titles: list[tuple[str, str]], picks: str) -> dict[str, Column]:
+    parts = [part.strip() for part in picks.split(";" if ";" in picks else ",")]
+    chosen = _match(text, titles, parts)
+    if chosen is None or len(chosen) not in PICKED:
+        raise InputError(
+            f"--columns '{picks}': two columns (distance or time, CoF) or four (time, friction force, normal "
+            f"force, position) of {text.path} are expected: {_listed(text.names) or f'1 to {text.width}'}"
+        )
+    roles: Mapping[int, str] = dict(enumerate(PICKED[len(chosen)]))
+    found = {}
+    for place, (index, given) in enumerate(chosen):
+        role, (name, unit) = roles[place], titles[index]
+        unit = unit or given
+        if role == "distance" and (_role(name, unit) in ("time", "cycle") or _is_time(unit)):
+            role = "cycle" if _role(name, unit) == "cycle" else "time"
+        title = text.names[index] if text.names else f"column {index + 1}"
+        found[role] = Column(index, title, _factor(text, role, title, unit))
+    return found
+
+
+def _is_time(unit: str) -> bool:
+    try:
+        parse(f"1 {LOCAL.get(unit.lower(), unit)}", "s")
+    except ValueError:
+        return False
+    return True
+
+
+def _match(text: RecordText, titles: list[tuple[str, str]], parts: list[str]) -> list[tuple[int, str]] | None:
+    """Index and given unit of each pick; a title may itself hold commas."""
+    if not parts:
+        return []
+    for count in range(len(parts), 0, -1):
+        index = _index(text, titles, ", ".join(parts[:count]))
+        if index is None:
+            continue
+        rest = _match(text, titles, parts[count:])
+        if rest is not None:
+            return [index, *rest]
+    return None
+
+
+def _index(text: RecordText, titles: list[tuple[str, str]], pick: str) -> tuple[int, str] | None:
+    plain = [" ".join(name.lower().split()) for name in text.names]
+    name, unit = split_unit(pick)
+    for wanted, known in ((" ".join(pick.lower().split()), plain), (name, [title for title, _ in titles])):
+        if known.count(wanted) > 1:
+            raise InputError(
+                f"--columns: {text.path} has {known.count(wanted)} columns called '{pick}'; pick by number, "
+                f"from 1 to {text.width}"
+            )
+        if wanted and wanted in known:
+            return known.index(wanted), unit
+    if name.isdecimal() and 1 <= int(name) <= text.width:
+        return int(name) - 1, unit
+    return None
+
+
+def _spoken(role: str) -> str:
+    return "coefficient of friction" if role == "cof" else role
+
+
+def _listed(names: tuple[str, ...] | list[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

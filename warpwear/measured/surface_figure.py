@@ -1,0 +1,170 @@
+"""Figures of measured surfaces, worn tracks and worn balls: panels of one column's width in a stack."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from warpwear.figures.style import DEPTHS, DISC, HEIGHTS, NEUTRAL, SPHERE, new_figure, style
+from warpwear.measured.surface_report import SurfaceReport
+from warpwear.surfaces.sphere import places
+from warpwear.surfaces.worn.ball import WornBall
+from warpwear.surfaces.worn.track import Track
+
+FloatArray = npt.NDArray[np.float64]
+
+PIXELS = 700  # of a map: more than its width on paper holds
+LONG = 4.0  # times as long as wide: drawn out of proportion
+ROW = 2.4  # height of a panel [inch]
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in the format that the path's ending names."""
+    with style():
+        figure.savefig(path)
+
+
+def surface_figure(report: SurfaceReport) -> Figure:
+    """Map, bearing area curve, power spectrum, rms slope against cut-off."""
+
+    def draw(panels: Any) -> None:
+        heights, size = report.surface.levelled, report.surface.size
+        low, high = (1e3 * v for v in np.quantile(heights, [0.002, 0.998]))
+        _map(panels[0], 1e3 * heights, size, label="height, µm", colours=HEIGHTS, low=low, high=high)
+        _bearing(panels[1], report)
+        spectrum = report.spectrum
+        if spectrum.density.size:
+            panels[2].loglog(1e3 * spectrum.wavelength, 1e12 * spectrum.density, color=DISC)
+            # a band-limited surface has nothing but rounding below its shortest wave
+            top, bottom = (1e12 * float(v) for v in (spectrum.density.max(), spectrum.density.min()))
+            panels[2].set_ylim(bottom=max(bottom / 2, 1e-12 * top), top=4 * top)
+        else:
+            panels[2].text(0.5, 0.5, "a flat: no waves", transform=panels[2].transAxes, ha="center")
+        if report.roll_off.wavelength is not None:
+            panels[2].axvline(
+                1e3 * report.roll_off.wavelength, color=NEUTRAL, ls="--", lw=0.8, label="suggested roll-off"
+            )
+            _legend(panels[2])
+        panels[2].set_xlabel("wavelength, µm")
+        panels[2].set_ylabel("power spectral density, µm⁴")
+        panels[3].semilogx(1e3 * report.cut_offs, report.slopes, color=DISC)
+        panels[3].set_xlabel("shortest wavelength (S-filter), µm")
+        panels[3].set_ylabel("rms slope, 1")
+        panels[3].set_ylim(bottom=0.0)
+
+    return new_figure(draw, rows=4, height=ROW)
+
+
+def track_figure(track: Track) -> Figure:
+    """Map over the reference, mean profile across, section lost along the track."""
+
+    def draw(panels: Any) -> None:
+        nx, ny = track.levelled.shape
+        size = (track.length, float(track.y[-1] - track.y[0]) * ny / max(ny - 1, 1))
+        low, high = (1e3 * v for v in np.quantile(track.levelled, [0.002, 0.998]))
+        _map(panels[0], 1e3 * track.levelled, size, label="height, µm", colours=HEIGHTS, low=low, high=high)
+        for edge in track.edges:
+            panels[0].axhline(edge, color="white", lw=1.6)
+            panels[0].axhline(edge, color="black", lw=0.8, ls="--")
+        profile, y = 1e3 * track.levelled.mean(axis=0), track.y
+        panels[1].plot(y, profile, color=DISC, label="mean profile")
+        inside = track.inside
+        below, above = inside & (profile < 0), inside & (profile > 0)
+        panels[1].fill_between(y, profile, 0.0, where=below, color=SPHERE, alpha=0.35, lw=0, label="below")
+        panels[1].fill_between(
+            y, profile, 0.0, where=above, facecolor="none", edgecolor=DISC, hatch="////", lw=0, label="above"
+        )
+        panels[1].axhline(0.0, color=NEUTRAL, lw=0.6)
+        panels[1].set_xlabel("across, y, mm")
+        panels[1].set_ylabel("height over the reference, µm")
+        _legend(panels[1])
+        x = (np.arange(nx) + 0.5) * track.length / nx - 0.5 * track.length
+        panels[2].plot(x, 1e6 * track.net, color=DISC, lw=0.6, label="each section")
+        panels[2].axhline(1e6 * float(track.net.mean()), color=NEUTRAL, ls="--", lw=1.0, label="mean")
+        panels[2].set_xlabel("along sliding, x, mm")
+        panels[2].set_ylabel("section lost, µm²")
+        top = 1e6 * float(track.net.max())
+        panels[2].set_ylim(min(0.0, 1e6 * float(track.net.min())), 1.1 * top if top > 0 else None)
+        _legend(panels[2])
+
+    return new_figure(draw, rows=3, height=ROW)
+
+
+def ball_figure(ball: WornBall, *, size: tuple[float, float]) -> Figure:
+    """Depth below the unworn sphere as a map and as profiles through the patch. size: of the field [mm]."""
+
+    def draw(panels: Any) -> None:
+        deepest = 1e3 * ball.depth
+        _map(panels[0], 1e3 * ball.lost, size, label="depth worn, µm", colours=DEPTHS, low=0.0, high=deepest)
+        nx, ny = ball.lost.shape
+        x, y = places((nx, ny), (size[0] / nx, size[1] / ny))
+        rows, columns = np.nonzero(ball.patch)
+        i, j = round(float(rows.mean())), round(float(columns.mean()))
+        panels[1].plot(x, 1e3 * ball.lost[:, j], color=SPHERE, label="along sliding, x")
+        panels[1].plot(y, 1e3 * ball.lost[i, :], color=DISC, ls="--", label="across, y")
+        panels[1].axhline(0.0, color=NEUTRAL, lw=0.6)
+        panels[1].invert_yaxis()
+        panels[1].set_xlabel("place, mm")
+        panels[1].set_ylabel("depth worn, µm")
+        _legend(panels[1])
+
+    return new_figure(draw, rows=2, height=ROW)
+
+
+def _legend(axes: Axes) -> None:
+    """Above the panel, where it hides no line."""
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, borderaxespad=0.2)
+
+
+def _map(
+    axes: Axes,
+    values: FloatArray,
+    size: tuple[float, float],
+    *,
+    label: str,
+    colours: Any,
+    low: float,
+    high: float,
+) -> None:
+    step = [max(1, -(-n // PIXELS)) for n in values.shape]
+    image = axes.imshow(
+        values[:: step[0], :: step[1]].T,
+        origin="lower",
+        extent=(-size[0] / 2, size[0] / 2, -size[1] / 2, size[1] / 2),
+        cmap=colours,
+        vmin=low,
+        vmax=high if high > low else low + 1.0,
+        interpolation="auto",
+        # a long track at its true proportions would be a line
+        aspect="auto" if max(size) > LONG * min(size) else "equal",
+    )
+    axes.figure.colorbar(image, ax=axes, label=label, extend="both", location="top", shrink=0.6, aspect=30)
+    axes.set_xlabel("along sliding, x, mm")
+    axes.set_ylabel("across, y, mm")
+    axes.xaxis.set_major_locator(MaxNLocator(4 if size[0] > 0.7 * size[1] else 2))
+    axes.yaxis.set_major_locator(MaxNLocator(4))
+
+
+def _bearing(axes: Axes, report: SurfaceReport) -> None:
+    b = report.bearing
+    axes.plot(report.ratio, 1e3 * report.height, color=DISC, label="surface")
+    axes.plot(
+        [0, 100], [1e3 * b.top, 1e3 * b.bottom], color=NEUTRAL, ls="--", lw=0.9, label="equivalent line"
+    )
+    for level, ratio in ((b.top, b.smr1), (b.bottom, b.smr2)):
+        axes.plot([0 if level == b.top else 100, ratio], [1e3 * level] * 2, color=NEUTRAL, lw=0.6, ls=":")
+    axes.set_xlim(0, 100)
+    # A few spikes and pits would squeeze the curve into a line: the ends are cut where they are far off.
+    height = 1e3 * report.height
+    core = height[(report.ratio >= 0.5) & (report.ratio <= 99.5)]
+    room = 0.35 * (core.max() - core.min()) or 1.0
+    axes.set_ylim(max(height.min(), core.min() - room), min(height.max() + 0.1 * room, core.max() + room))
+    axes.set_xlabel("material ratio, %")
+    axes.set_ylabel("height, µm")
+    text = f"Spk {1e3 * b.spk:.3g} µm\nSk {1e3 * b.sk:.3g} µm\nSvk {1e3 * b.svk:.3g} µm"
+    axes.text(0.98, 0.97, text, transform=axes.transAxes, ha="right", va="top", fontsize=7)
+    _legend(axes)

@@ -1,0 +1,1 @@
+"""Steps of patches that share the load of a two-scale contact."""

@@ -1,0 +1,254 @@
+"""The fine cells of all patches: what they answer to an approach of each patch, and their wear."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from warpwear.engine.executor import Executor, Field
+from warpwear.grid import FloatArray
+from warpwear.history.recorder_patches import Worn
+from warpwear.kernels import patches as kernels
+from warpwear.kernels.cells import PATCH_MAXIMA, PATCH_SUMS, WIDTH
+from warpwear.laws.patches import Patches
+from warpwear.models.patches.shares import Answer
+
+#: Work of a patch where no cell has touched yet, over that of one where all have.
+LEAST_WORK = 0.05
+#: Among the maxima: lowest indices are stored negated.
+EXTENTS = ("first_row", "last_row", "first_column", "last_column")
+
+
+@dataclass(frozen=True, eq=False)
+class Ahead:
+    """What was evaluated before its step begins, in the pass that ended the last one."""
+
+    stiffness: float  # that it is made for [N/mm³]
+    base: FloatArray
+    offset: FloatArray
+    answer: Answer
+
+
+def places(patches: Patches, executor: Executor) -> tuple[Field, Field]:
+    """First row and first column of every patch, as kernels read them."""
+    device = executor.device
+    first_row: Field = wp.array(patches.first_row, dtype=wp.int32, device=device)
+    first_column: Field = wp.array(patches.first_column, dtype=wp.int32, device=device)
+    return first_row, first_column
+
+
+def unworn(
+    patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float
+) -> tuple[Field, Field]:
+    """Gap of the fine cells before any wear [mm], and its lowest in the tiles of each patch.
+
+    executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
+    """
+    wp.load_module(kernels, device=executor.device)
+    domain = patches.domain
+    tiles = patches.side * -(-patches.vectors // int(WIDTH))
+    gap = executor.zeros()
+    lowest = wp.zeros((patches.count, tiles), dtype=wp.float64, device=executor.device)
+    executor.launch(
+        kernels.gap,
+        inputs=[
+            patches.vectors,
+            patches.side,
+            domain.cell,
+            float(domain.x[0]),
+            float(domain.y[0]),
+            curvature,
+            *places(patches, executor),
+            executor.field(patches.stored(heights)),
+        ],
+        outputs=[gap, lowest],
+    )
+    return gap, lowest
+
+
+class PatchContact:
+    """The gap of every fine cell on a capped foundation, patch by patch: the micro law of two scales.
+
+    executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
+    """
+
+    def __init__(
+        self, patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float, hardness: float
+    ) -> None:
+        self.patches, self._executor, self._hardness = patches, executor, hardness
+        count, device = patches.count, executor.device
+        self._first_row, self._first_column = places(patches, executor)
+        self.initial, self._lowest_of_tiles = unworn(patches, heights, executor, curvature=curvature)
+        self.gap: Field = wp.clone(self.initial)
+        #: Lowest gap of each patch before any wear [mm]: below that approach it carries nothing.
+        self.lowest: FloatArray = self._lowest_of_tiles.numpy().min(axis=1)
+        #: Largest approach that each patch has had [mm].
+        self.reached = np.full(count, -np.inf)
+        self._cells = float(patches.side**2)
+        self._work = np.full(count, LEAST_WORK * self._cells)
+        self._visited = np.zeros(count, dtype=bool)
+        self._chunks: list[tuple[int, int]] = []
+        self._listed = np.empty(0, dtype=np.intp)
+        self._list = wp.zeros(count, dtype=wp.int32, device=device)
+        self._base, self._offset, self._reached, self._base_next, self._offset_next = (
+            wp.zeros(count, dtype=wp.float64, device=device) for _ in range(5)
+        )
+        self._of_ahead = executor.partials(3)
+        self._sums = executor.partials(len(PATCH_SUMS))
+        self._maxima = executor.partials(len(PATCH_MAXIMA))
+        #: 1/c of the cells [N/mm³].
+        self.stiffness = np.inf
+        #: Of the step to come, where its approaches were foreseen.
+        self.ahead: Ahead | None = None
+        #: Passes over the gap that answered so far.
+        self.evaluations = 0
+
+    def response(self, base: FloatArray, offset: FloatArray) -> Answer:
+        """What each patch answers to its approach base + offset [mm]."""
+        ahead = self.ahead
+        if (
+            ahead is not None
+            and ahead.stiffness == self.stiffness
+            and np.array_equal(ahead.offset, offset)
+            and np.array_equal(ahead.base, base)
+        ):
+            return ahead.answer
+        self.evaluations += 1
+        self._visit((base - self.lowest) + offset > 0.0)
+        if self._listed.size:
+            self._send(base, offset)
+            self._executor.launch(
+                kernels.carried,
+                inputs=[
+                    self.patches.vectors,
+                    self._list,
+                    self._base,
+                    self._offset,
+                    self._hardness,
+                    self.stiffness,
+                    self._lowest_of_tiles,
+                    self.gap,
+                ],
+                outputs=[self._sums],
+                chunks=self._chunks,
+                often=True,
+            )
+        return self._answer(self._sums, base, offset, self.stiffness)
+
+    def _answer(self, sums: Field, base: FloatArray, offset: FloatArray, stiffness: float) -> Answer:
+        """What a table says of the patches visited; the others carry nothing."""
+        pressure, slope = np.zeros_like(base), np.zeros_like(base)
+        straight = (self.lowest - base) - offset
+        if self._listed.size:
+            table = self._of_patches(sums)[:3]
+            pressure[self._listed], slope[self._listed] = table[:2].sum(axis=2) / self._cells
+            straight[self._listed] = table[2].min(axis=1) / stiffness
+        return Answer(pressure, slope, straight)
+
+    def pressures(self, base: FloatArray, offset: FloatArray) -> FloatArray:
+        """The pressure of every cell [MPa], as stored."""
+        field = self._executor.zeros()
+        self._visit((base - self.lowest) + offset > 0.0)
+        self._send(base, offset)
+        self._executor.launch(
+            kernels.pressures,
+            inputs=[self._list, self._base, self._offset, self._hardness, self.stiffness, self.gap],
+            outputs=[field],
+            chunks=self._chunks,
+        )
+        return self._executor.to_numpy(field)
+
+    def remove(
+        self,
+        base: FloatArray,
+        offset: FloatArray,
+        *,
+        removal: float,
+        reference: float,
+        known: Mapping[str, float],
+        foreseen: tuple[float, FloatArray, FloatArray] | None = None,
+    ) -> Worn:
+        """Wear both bodies by removal [mm³/N] times the pressure. reference: squares count from it [MPa].
+
+        known: extents of the cells touched so far, by the names of `MAXIMA`. foreseen: of the next step, 1/c
+        [N/mm³], base and offset [mm] of its first evaluation: `response` then has its answer.
+        """
+        stiffness_next, base_next, offset_next = foreseen or (self.stiffness, base, offset)
+        touching = ((base - self.lowest) + offset > 0.0) | ((base_next - self.lowest) + offset_next > 0.0)
+        self._visit(touching | (self.lowest < self.reached))
+        self._send(base, offset)
+        self._put(self._base_next, base_next)
+        self._put(self._offset_next, offset_next)
+        self._put(self._reached, self.reached)
+        self._executor.launch(
+            kernels.remove,
+            inputs=[
+                self.patches.vectors,
+                self._list,
+                self._base,
+                self._offset,
+                self._reached,
+                self._base_next,
+                self._offset_next,
+                self._hardness,
+                self.stiffness,
+                stiffness_next,
+                removal,
+                reference,
+                *self._between(known),
+                self._first_row,
+                self._first_column,
+                self._lowest_of_tiles,
+                self.initial,
+            ],
+            outputs=[self.gap, self._sums, self._maxima, self._of_ahead],
+            chunks=self._chunks,
+            often=True,
+        )
+        self.reached = np.maximum(self.reached, base + offset)
+        sums = np.zeros((len(PATCH_SUMS), self.patches.count))
+        sums[:, self._listed] = self._of_patches(self._sums).sum(axis=2)
+        self._work = sums[PATCH_SUMS.index("touched")] + LEAST_WORK * self._cells
+        most = self._of_patches(self._maxima).max(axis=(1, 2)).tolist()
+        self.ahead = None
+        if foreseen is not None:
+            answer = self._answer(self._of_ahead, base_next, offset_next, stiffness_next)
+            self.ahead = Ahead(stiffness_next, base_next, offset_next, answer)
+        return Worn(dict(zip(PATCH_SUMS, sums, strict=True)), dict(zip(PATCH_MAXIMA, most, strict=True)))
+
+    def _between(self, known: Mapping[str, float]) -> tuple[int, int, int, int]:
+        """First and last row, first and last column."""
+        if not math.isfinite(known["first_row"]):
+            size = self.patches.domain.nx
+            return size, -1, size, -1
+        first_row, last_row, first_column, last_column = (int(abs(known[name])) for name in EXTENTS)
+        return first_row, last_row, first_column, last_column
+
+    def _visit(self, which: NDArray[np.bool_]) -> None:
+        """List patches for the next launches."""
+        if not np.array_equal(which, self._visited):
+            self._visited = which
+            self._listed = np.flatnonzero(which)
+            numbers = np.zeros(which.size, dtype=np.int32)
+            numbers[: self._listed.size] = self._listed
+            self._put(self._list, numbers)
+        self._chunks = self._executor.share(self._work[self._listed])
+
+    def _send(self, base: FloatArray, offset: FloatArray) -> None:
+        self._put(self._base, base)
+        self._put(self._offset, offset)
+
+    def _put(self, array: Field, values: NDArray[np.float64] | NDArray[np.int32]) -> None:
+        if self._executor.device.is_cpu:
+            array.numpy()[:] = values
+        else:
+            array.assign(values)
+
+    def _of_patches(self, table: Field) -> FloatArray:
+        """What the last launch wrote of the patches visited, shape (quantities, visited, slots of each)."""
+        slots = self._executor.slots_per_row
+        found: FloatArray = table.numpy()[:, : self._listed.size * slots]
+        return found.reshape(found.shape[0], self._listed.size, slots)

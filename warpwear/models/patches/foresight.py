@@ -1,0 +1,45 @@
+"""Where the approaches of the next step of patches will be: the bodies' as of one, and the springs behind."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from warpwear.contact.foresight import Foresight
+from warpwear.grid import FloatArray
+from warpwear.models.patches.shares import Shares
+
+
+class PatchForesight:
+    """Continues the rate of the common approach, and of every spring's deflection the last one."""
+
+    def __init__(self) -> None:
+        self._common = Foresight()
+        #: How fast each spring gave way, over what a unit of pressure removes [MPa].
+        self._giving: FloatArray | None = None
+
+    def saved_state(self) -> tuple[dict[str, FloatArray], list[object]]:
+        """Arrays and what JSON keeps: what `restore` takes back."""
+        arrays = {} if self._giving is None else {"giving": self._giving}
+        return arrays, self._common.saved_state()
+
+    def restore(self, arrays: Mapping[str, Any], state: list[object]) -> None:
+        """Go on from another one's state."""
+        self._common.restore(state)
+        self._giving = arrays.get("giving")
+
+    def note(self, shares: Shares, last: Shares | None, removal: float, *, sprung: bool) -> None:
+        """A step ended, after the last one, with such shares; its pressures removed so much each [mm³/N]."""
+        self._giving = None
+        if sprung and last is not None and removal > 0.0:
+            deflection, before = (s.approach - s.bases for s in (shares, last))
+            self._giving = (deflection - before) / removal
+        self._common.note(shares.approach, removal)
+
+    def expected(self, removal: float) -> tuple[float | None, FloatArray | None]:
+        """How far a step goes on that removes so much [mm]: the bodies, and each patch from its base.
+
+        None before it can be told, and of patches where they go with the bodies.
+        """
+        step = self._common.expected(removal)
+        if step is None or self._giving is None:
+            return step, None
+        return step, step - removal * self._giving

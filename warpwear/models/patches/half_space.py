@@ -1,0 +1,189 @@
+"""Two scales on the elastic–plastic half-space: patches whose asperities deform together share a load.
+
+Every patch is a half-space of its own, behind which the bulk yields to its mean pressure p_k:
+
+    u_k + p_k / K_N = δ,   A Σ p_k = F
+
+with u_k the patch's approach from its own mean plane. All patches are one convex problem for the pressures of
+all cells, whose one multiplier is δ: see `patch_influence` for its operator and `half_space` for the search.
+Where a smooth contact prescribes each p_k, on springs K_N of its own, each u_k is a multiplier of its own.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warpwear.contact.half_space import BoundedPressure, HalfSpaceContact
+from warpwear.contact.half_space_passes import NO_CAP
+from warpwear.engine.executor import Executor
+from warpwear.grid import FloatArray
+from warpwear.history.recorder import Step
+from warpwear.history.recorder_patches import PatchLedger, Worn
+from warpwear.history.snapshot import Snapshot
+from warpwear.kernels import patches_half_space as patches_by_pressure
+from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS
+from warpwear.laws.patches import Patches
+from warpwear.models.patches.cells import places, unworn
+from warpwear.models.patches.influence import PatchInfluence
+from warpwear.models.patches.smooth import SmoothContact
+from warpwear.study.study import Study
+
+#: Before a step the approach is thought to grow by so much of what the last mean pressure would wear off.
+AHEAD = 2.0
+
+
+class ElasticPatchesModel:
+    """Contact and wear of a two-scale study with contact.law = "half-space".
+
+    A step finds the pressure with which it ends (implicit Archard), from the last one's pressure. Only
+    patches that the approach may reach are visited: they lie in the order of their lowest points before any
+    wear, or of their smooth gaps where a smooth contact prescribes the loads, so that those are the first.
+
+    patches: in the order of the macro cells. executor: on `patches.grid`. heights: of the disc over its mean
+    plane [mm], shape of the domain.
+    """
+
+    def __init__(self, study: Study, patches: Patches, heights: FloatArray, executor: Executor) -> None:
+        self.study, self._executor = study, executor
+        self._ledger = PatchLedger(study, patches)
+        self.book = self._ledger.book
+        curvature = study.sphere.curvature
+        _, lowest = unworn(patches, heights, executor, curvature=curvature)
+        of_patches = lowest.numpy().min(axis=1)
+        self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
+        reached = of_patches if self._smooth is None else self._smooth.initial
+        self._order = np.argsort(reached, kind="stable")
+        #: As they are stored here.
+        self.patches = replace(
+            patches,
+            first_row=patches.first_row[self._order],
+            first_column=patches.first_column[self._order],
+        )
+        self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
+        self.initial, _ = unworn(self.patches, heights, executor, curvature=curvature)
+        self.gap = wp.clone(self.initial)
+        there = (executor.to_numpy(self.initial) < PADDING).sum(axis=1)
+        #: Cells where there is a surface, in so many first patches.
+        self._cells = np.cumsum(there)
+        self._places = places(self.patches, executor)
+        assert study.effective_modulus is not None  # checked with the study
+        self._influence = PatchInfluence(
+            executor, self.patches, modulus=study.effective_modulus, boundary=study.boundary
+        )
+        self._solver = BoundedPressure(executor, self._influence, hardness=study.hardness)
+        #: Patches visited in the last solve; the others have not been touched.
+        self.visited = 0
+        #: Largest approach so far [mm].
+        self._reached = float(of_patches.min())
+        wp.load_module(patches_by_pressure, device=executor.device)
+        self._sums, self._maxima = executor.partials(len(PATCH_SUMS)), executor.partials(len(PATCH_MAXIMA))
+        #: No step is made before the one that is asked for.
+        self.ahead = 0
+
+    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
+        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
+        for increment, with_pressure in plan:
+            yield self.advance(increment, with_pressure=with_pressure)
+
+    def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
+        """Solve the contact at the end of an increment [mm], and wear both bodies.
+
+        Raises ConvergenceError when the contact cannot be solved.
+        """
+        removals = self._ledger.removals(0.0, increment)
+        before = self._influence.transforms
+        if self._smooth is None:
+            self._influence.set_bulk(1.0 / self._ledger.foundation)
+            contact = self._share(sum(removals))
+            approach = contact.approach
+        else:
+            contact = self._press(self._smooth, sum(removals))
+            approach = self._smooth.approach
+        pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
+        # The scatter is summed about a value near the mean.
+        reference = self._ledger.row["pressure_mean"]
+        worn = self._remove(contact, sum(removals), reference)
+        transforms = self._influence.transforms - before
+        return self._ledger.enter(worn, (approach, 0.0), increment, removals, reference, pressure, transforms)
+
+    def snapshot(self, step: Step, distance: float) -> Snapshot:
+        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
+        gap, initial = (self._executor.to_numpy(field) for field in (self.gap, self.initial))
+        return self._ledger.snapshot(step, distance, self.patches, gap=gap, initial=initial)
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
+        arrays, numbers = self._ledger.saved_state()
+        arrays |= {"gap": self._executor.to_numpy(self.gap), "pressure": self._solver.pressure}
+        numbers["reached"] = self._reached
+        if self._smooth is not None:
+            of_patches, approach = self._smooth.saved_state()
+            arrays, numbers = arrays | of_patches, numbers | approach | {"visited": self.visited}
+        return arrays, numbers
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on from the state that another model of the same study, surface and device saved."""
+        self._executor.fill(self.gap, arrays["gap"])
+        self._solver.go_on_from(arrays["pressure"])
+        self._reached = numbers["reached"]
+        if self._smooth is not None:
+            self._smooth.restore(arrays, numbers)
+            self.visited = numbers["visited"]
+        self._ledger.restore(arrays, numbers)
+
+    def _press(self, smooth: SmoothContact, removal: float) -> HalfSpaceContact:
+        """The contact at the end of a step that removes so much [mm³/N], by loads that are prescribed."""
+        loads = smooth.press(foundation=self._ledger.foundation, removal=removal)[self._order]
+        # One that has carried a load is visited for good, which is how it can let go of it.
+        self.visited = max(self.visited, int(np.flatnonzero(loads)[-1]) + 1)
+        self._influence.visit(self.visited)
+        return self._solver.solve(self.gap, mean_pressure=loads[: self.visited], compliance=removal)
+
+    def _share(self, removal: float) -> HalfSpaceContact:
+        """The same by loads that patches share through one approach.
+
+        It is solved once no patch that was left out lies below its approach: those carry nothing then.
+        """
+        load = self.study.contact.load / (self.patches.count * self.patches.area)
+        needed = self._below(self._reached + AHEAD * removal * self._ledger.row["pressure_mean"])
+        # As many as carry the load at the hardness.
+        carriers = load / self.study.hardness * self._influence.cells
+        needed = max(needed, int(np.searchsorted(self._cells, carriers, side="right")) + 1)
+        while True:
+            self.visited = min(needed, self.patches.count)
+            self._influence.visit(self.visited)
+            contact = self._solver.solve(self.gap, mean_pressure=load, compliance=removal)
+            needed = self._below(contact.approach)
+            if needed <= self.visited:
+                self._reached = max(self._reached, contact.approach)
+                return contact
+
+    def _below(self, approach: float) -> int:
+        """Patches whose lowest point before any wear lay below an approach or at it: equal ones share."""
+        return int(np.searchsorted(self.lowest, approach, side="right"))
+
+    def _remove(self, contact: HalfSpaceContact, removal: float, reference: float) -> Worn:
+        """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
+        self._executor.launch(
+            patches_by_pressure.remove,
+            inputs=[
+                self.patches.vectors,
+                min(self.study.hardness, NO_CAP),
+                removal,
+                reference,
+                *self._places,
+                contact.pressure_field,
+                self.initial,
+            ],
+            outputs=[self.gap, self._sums, self._maxima],
+            chunks=self._influence.chunks,
+        )
+        slots = self.visited * self._executor.slots_per_row
+        table = self._sums.numpy()[:, :slots].reshape(len(PATCH_SUMS), self.visited, -1)
+        sums = np.zeros((len(PATCH_SUMS), self.patches.count))
+        sums[:, self._order[: self.visited]] = table.sum(axis=2)
+        most = self._maxima.numpy()[:, :slots].max(axis=1).tolist()
+        return Worn(dict(zip(PATCH_SUMS, sums, strict=True)), dict(zip(PATCH_MAXIMA, most, strict=True)))

@@ -1,0 +1,180 @@
+"""What pressures do to patches that are half-spaces of their own: the operator of all of them at once."""
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.contact.influence import (
+    MODES_PER_THREAD,
+    CupyTransforms,
+    free_spectrum,
+    padded_shape,
+    periodic_spectrum,
+    shortest_response,
+)
+from warpwear.engine.executor import Executor, Field
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray, Grid
+from warpwear.laws.patches import Patches
+
+fft = lazy.module("scipy.fft")
+
+#: Modes of the patches that a thread takes at a time: their values stay in its cache.
+BLOCK = 16_384
+
+
+class PatchTransforms:
+    """As `influence.Transforms`, of patches on the CPU, each zero-padded to a given shape.
+
+    Blocks of whole patches, which do not depend on the threads, are shared among them. patches: so many first
+    rows of the fields are transformed.
+    """
+
+    def __init__(self, executor: Executor, side: int, shape: tuple[int, int]) -> None:
+        self._fft: Any = fft
+        self._side, self._shape = side, shape
+        self.transforms = 0
+        self.patches = executor.grid.nx
+        modes = shape[0] * (shape[1] // 2 + 1)
+        self._block = max(1, BLOCK // modes)
+        threads = executor.threads if self.patches * modes >= 2 * MODES_PER_THREAD else 1
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+
+    def table(self, values: FloatArray) -> FloatArray:
+        """A table for `filter` from one of shape (n, m//2 + 1)."""
+        return values
+
+    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+        """field_out = inverse(forward(field_in) × table), patch by patch; may be the same field.
+
+        divide: ÷ instead, in single precision; modes where the table is 0 are left out.
+        """
+        self.transforms += 1
+        fft, side, shape, axes = self._fft, self._side, self._shape, (1, 2)
+        values, result = (_cells(field.numpy(), side) for field in (field_in, field_out))
+        factor: Any = table
+        real: Any = np.float64
+        if divide:
+            factor = np.divide(1.0, table, out=np.zeros_like(table), where=table > 0.0).astype(np.float32)
+            real = np.float32
+
+        def work(first: int) -> None:
+            block = slice(first, min(first + self._block, self.patches))
+            spectrum = fft.rfft2(values[block].astype(real, copy=False), s=shape, axes=axes)
+            spectrum *= factor
+            found = fft.irfft2(spectrum, s=shape, axes=axes, overwrite_x=True)
+            result[block] = found[:, :side, :side]
+
+        blocks = range(0, self.patches, self._block)
+        if self._pool is None:
+            for first in blocks:
+                work(first)
+        else:
+            list(self._pool.map(work, blocks))
+
+
+class CupyPatchTransforms(CupyTransforms):
+    """On a GPU, all patches at once."""
+
+    def __init__(self, executor: Executor, side: int, shape: tuple[int, int]) -> None:
+        super().__init__(executor, shape)
+        self._side = side
+        self.patches = executor.grid.nx
+
+    def _cells(self, field: Field) -> Any:
+        return _cells(self._cupy.asarray(field), self._side)[: self.patches]
+
+
+def _cells(values: Any, side: int) -> Any:
+    """A view of the cells of patches as they are stored, shape (patches, side, side)."""
+    return values.reshape(values.shape[0], side, -1)[:, :, :side]
+
+
+class PatchInfluence:
+    """The operator of patches of which each displaces itself alone, and an approximate inverse.
+
+    modulus: E* of both bodies together [MPa]. boundary: "periodic" (each patch repeats itself; the mean
+    displacement, which has no limit then, is the business of the bulk behind the patch, see `set_bulk`) or
+    "free" (nothing outside a patch, whose mean displacement is then contained). executor: on `patches.grid`.
+    """
+
+    def __init__(self, executor: Executor, patches: Patches, *, modulus: float, boundary: str) -> None:
+        side, cell = patches.side, patches.domain.cell
+        self._executor = executor
+        self._boundary = boundary
+        self.cells = patches.count * side**2
+        self.shortest_response = shortest_response(cell, modulus)
+        make = PatchTransforms if executor.device.is_cpu else CupyPatchTransforms
+        grid = Grid(side, side, cell)
+        self._near = self._far = make(executor, side, grid.shape)
+        self._periodic = periodic_spectrum(grid, modulus)
+        self._spectrum = self._periodic
+        if boundary == "free":
+            padded = padded_shape(grid)
+            self._far = make(executor, side, padded)
+            self._spectrum = free_spectrum(grid, modulus, padded)
+        self._bulk = self._own = 0.0
+        self._make_tables()
+        self.visit(patches.count)
+
+    @property
+    def transforms(self) -> int:
+        """Pairs of transforms done so far, of the response and of its inverse."""
+        return self._far.transforms + (self._near.transforms if self._near is not self._far else 0)
+
+    @property
+    def rigid_mean(self) -> bool:
+        """Whether a uniform pressure displaces nothing."""
+        return self._boundary == "periodic" and self._own == self._bulk == 0.0
+
+    def visit(self, patches: int) -> None:
+        """Leave out all but so many first patches: their pressures stay as they are, which must be 0."""
+        self._near.patches = self._far.patches = patches
+        self.chunks: list[tuple[int, int]] | None = self._executor.share(
+            np.full(patches, self._executor.grid.ny)
+        )
+
+    def set_bulk(self, flexibility: float) -> None:
+        """1/K_N of the spring behind every patch [mm³/N]; it yields to the patch's mean pressure."""
+        if flexibility and self._boundary == "free":
+            raise InputError("a free patch contains its mean displacement; a bulk would count it twice.")
+        if flexibility != self._bulk:
+            self._bulk = flexibility
+            self._make_tables()
+
+    def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
+        """What adds to the elastic response to the own pressure of a cell [mm/MPa]; no streaks here."""
+        assert streak == 0.0
+        if own != self._own:
+            self._own = own
+            self._make_tables()
+
+    def _make_tables(self) -> None:
+        self._elastic = self._far.table(self._with(self._spectrum, self._bulk))
+        self._response = self._far.table(self._with(self._spectrum, self._bulk) + self._own)
+        # Of a mean that displaces nothing, or that Fourier modes do not tell of, that of the longest waves.
+        mean = self._bulk or (0.0 if self._own else float(self._periodic.max()))
+        if self._boundary == "free":
+            mean = 3.0 * float(self._periodic.max())
+        self._nearby = self._near.table(self._with(self._periodic, mean) + self._own)
+
+    @staticmethod
+    def _with(spectrum: FloatArray, mean: float) -> FloatArray:
+        """A spectrum whose mean displacement is larger by so much."""
+        found = spectrum.copy()
+        found[0, 0] += mean
+        return found
+
+    def respond(self, pressure: Field, displacement: Field) -> None:
+        """Displacement [mm] under a pressure [MPa], with compliance and bulk."""
+        self._far.filter(pressure, self._response, displacement)
+
+    def respond_elastically(self, pressure: Field, displacement: Field) -> None:
+        """Displacement of patches and bulk alone [mm]."""
+        self._far.filter(pressure, self._elastic, displacement)
+
+    def invert(self, displacement: Field, pressure: Field) -> None:
+        """About the pressure [MPa] of a displacement [mm]. May be in place."""
+        self._near.filter(displacement, self._nearby, pressure, divide=True)

@@ -1,0 +1,69 @@
+"""Whether patches suit the contact and, where they stand for more than themselves, the roughness."""
+
+import math
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.laws.patches import Patches
+from warpwear.study.rules_track import worn_patch
+from warpwear.study.study import Study
+from warpwear.surfaces.spectrum import RollOff, autocorrelation_length, power_spectrum, suggested_roll_off
+
+#: The estimate of a roll-off length scatters by 6 % between surfaces of the same spectrum: a patch
+#: is too narrow below so much of it.
+CERTAIN = 0.9
+
+
+def roll_off_of(heights: FloatArray, *, cell: float) -> "RollOff":
+    """Of the roughness on a grid, as `warpwear surface` estimates it. heights, cell: [mm]."""
+    pixel = (cell, cell)
+    correlation = autocorrelation_length(heights, pixel=pixel)
+    return suggested_roll_off(
+        power_spectrum(heights, pixel=pixel), correlation=correlation, resolved=2.0 * cell
+    )
+
+
+def refuse_unsuitable(study: "Study", patches: Patches, heights: FloatArray) -> None:
+    """Raises InputError for macro cells wider than the contact, and for samples narrower than the roughness.
+
+    heights: [mm], over the domain.
+    """
+    _refuse_wide(study, heights)
+    if not patches.cover_everything and heights.max() > heights.min():  # smooth ones have no roll-off
+        _refuse_narrow(patches, heights)
+
+
+def _refuse_wide(study: "Study", heights: FloatArray) -> None:
+    """The contact ends 2 √(a² + 2 R R_p) wide, with a of smooth bodies and the highest peak R_p.
+
+    a is that of the worn patch, Hertz's, or that of a load at the hardness.
+    """
+    curvature = study.sphere.curvature
+    if curvature == 0.0:
+        return
+    hertz = study.hertz.radius if study.hertz else 0.0
+    smooth = max(0.5 * worn_patch(study), hertz, math.sqrt(study.contact.load / (math.pi * study.hardness)))
+    width = 2.0 * math.sqrt(smooth**2 + 2.0 * max(float(heights.max()), 0.0) / curvature)
+    if study.macro.cell > width:
+        raise InputError(
+            f"macro.cell = {1e3 * study.macro.cell:g} µm is larger than the contact, which ends about "
+            f"{1e3 * width:.3g} µm wide: one patch would carry all of the load; allowed are smaller ones."
+        )
+
+
+def _refuse_narrow(patches: Patches, heights: FloatArray) -> None:
+    """A patch that does not hold the longest waves sees a part of a hill or valley, not the roughness."""
+    cell = patches.domain.cell
+    found = roll_off_of(heights, cell=cell)
+    width = patches.side * cell
+    if found.wavelength is None:
+        raise InputError(
+            f"macro.patch = {1e3 * width:g} µm cannot stand for a macro cell: the roughness has no roll-off "
+            "length within the domain; allowed are patches as large as macro.cell."
+        )
+    if width < CERTAIN * found.wavelength:
+        raise InputError(
+            f"macro.patch = {1e3 * width:g} µm is narrower than the roll-off length of the roughness, about "
+            f"{1e3 * found.wavelength:.4g} µm (from: {found.source}), so it cannot stand for a macro cell; "
+            "allowed are wider patches, or ones as large as macro.cell."
+        )

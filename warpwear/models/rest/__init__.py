@@ -1,0 +1,1 @@
+"""Steps of a ball that stays on the same cells of the disc."""

@@ -1,0 +1,114 @@
+"""One grid on the elastic–plastic half-space: the sphere and every asperity of the disc deform together."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+import warp as wp
+
+from warpwear.contact.balance import Balance, residual_of
+from warpwear.contact.half_space_passes import NO_CAP
+from warpwear.contact.half_space_window import WindowedHalfSpace
+from warpwear.engine.executor import Executor
+from warpwear.grid import FloatArray
+from warpwear.history.recorder import Ledger, Step
+from warpwear.history.snapshot import Snapshot
+from warpwear.kernels import wear_half_space as wear_by_pressure
+from warpwear.kernels.cells import MAXIMA, SUMS
+from warpwear.models.rest.bodies import State
+from warpwear.study.study import Study
+
+
+class HalfSpaceModel:
+    """Contact and wear of one study with contact.law = "half-space" on one executor.
+
+    A step finds the pressure with which it ends: the wear of the step, (K_s + K_d) ΔL p, adds to what the
+    half-space yields (implicit Archard), so a step may be of any length. Every step starts from the
+    last one's pressure.
+
+    heights: of the disc over its mean plane [mm], shape (nx, ny). The caller may let go of the array.
+    """
+
+    def __init__(self, study: Study, heights: FloatArray, executor: Executor) -> None:
+        self.study = study
+        self._executor = executor
+        assert study.effective_modulus is not None  # checked with the study
+        wp.load_module(wear_by_pressure, device=executor.device)
+        sphere, disc = self._wear = study.wear_laws
+        self._share_changes = not sphere.in_proportion_to(disc)
+        self.state = State.of(executor, heights, self._wear, curvature=study.sphere.curvature)
+        self._half_space = WindowedHalfSpace(
+            executor, modulus=study.effective_modulus, boundary=study.boundary, hardness=study.hardness
+        )
+        self._sums, self._maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
+        self._ledger = Ledger(study, executor.grid)
+        #: No step is made before the one that is asked for.
+        self.ahead = 0
+
+    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
+        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
+        for increment, with_pressure in plan:
+            yield self.advance(increment, with_pressure=with_pressure)
+
+    def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
+        """Solve the contact at the end of an increment [mm], and wear both bodies.
+
+        Raises ConvergenceError when the contact cannot be solved.
+        """
+        executor, state, load = self._executor, self.state, self.study.contact.load
+        sphere, disc = (law.removal(self._ledger.row["distance"], increment) for law in self._wear)
+        contact = self._half_space.solve(state.gap, load=load, compliance=sphere + disc)
+        pressure = contact.pressure.copy() if with_pressure else None
+        # The scatter is summed about a value near the mean.
+        reference = self._ledger.row["pressure_mean"]
+        cap = min(self.study.hardness, NO_CAP)
+        executor.launch(
+            wear_by_pressure.remove,
+            inputs=[
+                cap,
+                sphere,
+                disc,
+                reference,
+                int(self._share_changes),
+                contact.pressure_field,
+                state.unworn,
+            ],
+            outputs=[state.share, state.gap, self._sums, self._maxima],
+        )
+        total = state.divide(dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True)))
+        most = state.divide(dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True)))
+        carried = total["pressure"] * executor.grid.cell_area
+        residual = residual_of(carried, load, approach=contact.approach)
+        balance = Balance(contact.approach, 0.0, cap, residual, evaluations=contact.transforms)
+        return self._ledger.enter(
+            balance, increment, (sphere, disc), reference, total, most, pressure=pressure
+        )
+
+    def worn(self) -> tuple[FloatArray, FloatArray]:
+        """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""
+        return self.state.worn(self._executor)
+
+    def snapshot(self, step: Step, distance: float) -> Snapshot:
+        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
+        assert step.pressure is not None
+        sphere, disc = self.worn()
+        gap = self._executor.to_numpy(self.state.gap)
+        return Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
+        arrays = {"gap": self._executor.to_numpy(self.state.gap), "pressure": self._half_space.pressure}
+        if self._share_changes:
+            arrays["share"] = self._executor.to_numpy(self.state.share)
+        return arrays, {
+            "most": self._ledger.most,
+            "row": self._ledger.row,
+            "window": self._half_space.window,
+        }
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on from the state that another model of the same study, surface and device saved."""
+        self._executor.fill(self.state.gap, arrays["gap"])
+        if self._share_changes:
+            self._executor.fill(self.state.share, arrays["share"])
+        self._half_space.go_on_from(arrays["pressure"], numbers["window"])
+        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])

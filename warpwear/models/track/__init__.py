@@ -1,0 +1,1 @@
+"""Steps of a ball that slides over a track of the disc."""

@@ -1,0 +1,163 @@
+"""One grid in motion on the elastic–plastic half-space: a disc displaced under a wearing sphere."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import warp as wp
+
+from warpwear.contact.balance import Balance, residual_of
+from warpwear.contact.half_space_passes import NO_CAP
+from warpwear.contact.half_space_window import WindowedHalfSpace
+from warpwear.engine.executor import Executor, Field
+from warpwear.grid import FloatArray
+from warpwear.history.recorder import Step, TrackLedger
+from warpwear.kernels import sliding_half_space as passes
+from warpwear.kernels.cells import MAXIMA, SUMS
+from warpwear.models.track.bodies import State, keeps_dents
+from warpwear.study.study import Study
+
+#: Rows of the table of partial sums.
+OF_STEP = (*SUMS, "pressed_disc")
+
+
+class ElasticSliding:
+    """Contact and wear of one study with contact.law = "half-space" while its disc moves under the sphere.
+
+    A step finds the pressure p with which it ends (implicit Archard). During it the asperities, and p with
+    them, move on by w cells. A disc cell is worn by its own p, a sphere cell by S p, the mean over w cells
+    along x. On its way a disc cell meets S of what the sphere has lost, before the step as in it: the gap is
+    made with S of the sphere's wear, and p adds (G + K_disc ΔL + K_sphere ΔL S²) p to it. With the wear at
+    the middle of the way instead, waves of the sphere between w/2 and w, of which S is negative, would grow.
+    Under a flat w is the whole line: its contact goes on beyond the domain, while under a sphere a mean over
+    the line would smear the contact's outline, which does not move with the disc.
+
+    disc, periodic, share: as of `sliding.SlidingContact`. Raises ValueError for the same discs.
+    """
+
+    #: Steps are made one by one, on a GPU too.
+    in_blocks = False
+
+    def __init__(
+        self,
+        study: Study,
+        disc: FloatArray,
+        executor: Executor,
+        *,
+        periodic: bool = False,
+        share: float = 1.0,
+    ) -> None:
+        self.state = State.of(study, executor, disc)
+        self.study = study
+        self.periodic = periodic
+        self._executor = executor
+        self._share = share
+        assert study.effective_modulus is not None  # checked with the study
+        wp.load_module(passes, device=executor.device)
+        self.keeps_dents = keeps_dents(study)
+        self._half_space = WindowedHalfSpace(
+            executor, modulus=study.effective_modulus, boundary=study.boundary, hardness=study.hardness
+        )
+        #: The gap, a mean along x by rows, and that of whole lines.
+        self._gap, self._means, self._lines = executor.zeros(), executor.zeros(), executor.zeros(1)
+        self._sums, self._maxima = executor.partials(len(OF_STEP)), executor.partials(len(MAXIMA))
+        rows = disc.shape[0]
+        self._of_rows = {
+            name: wp.zeros(rows, dtype=wp.float64, device=executor.device)
+            for name in ("wear_disc", "pressed_disc")
+        }
+        self._ledger = TrackLedger(study, executor.grid, share=share)
+
+    def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
+        """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
+
+        Raises ConvergenceError when the contact cannot be solved, ValueError as `SlidingContact.step`.
+        """
+        executor, state, study = self._executor, self.state, self.study
+        shift = state.row_of(shift, periodic=self.periodic)
+        distance = self._ledger.row["distance"]
+        of_sphere, of_disc = (law.removal(distance, increment) for law in study.wear_laws)
+        removal_disc = self._share * of_disc
+        window = self.cells_passing(increment)
+        met = self._mean_along(state.wear_sphere, window)
+        executor.launch(
+            passes.gaps,
+            inputs=[shift, met, state.wear_sphere, state.sphere, state.disc],
+            outputs=[self._gap],
+        )
+        # The last pressure is no better a start: neither where it was, nor carried along with the disc.
+        self._half_space.forget()
+        contact = self._half_space.solve(
+            self._gap,
+            load=study.contact.load,
+            compliance=removal_disc,
+            streak_compliance=of_sphere,
+            streak_window=window,
+        )
+        pressure = contact.pressure.copy() if with_pressure else None
+        # The scatter is summed about a value near the mean.
+        reference = self._ledger.row["pressure_mean"]
+        cap = min(study.hardness, NO_CAP)
+        executor.launch(
+            passes.remove,
+            inputs=[
+                cap,
+                contact.approach,
+                of_sphere,
+                removal_disc,
+                reference,
+                shift,
+                contact.pressure_field,
+                self._mean_along(contact.pressure_field, window),
+                contact.gradient_field,
+            ],
+            outputs=[*vars(state).values(), self._sums, self._maxima],
+        )
+        executor.launch(
+            passes.totals,
+            inputs=[shift, *(OF_STEP.index(name) for name in self._of_rows), self._sums],
+            outputs=[*self._of_rows.values()],
+        )
+        total = dict(zip(OF_STEP, self._sums.numpy().sum(axis=1).tolist(), strict=True))
+        total |= {name: float(rows.numpy().sum()) for name, rows in self._of_rows.items()}
+        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
+        carried = total["pressure"] * executor.grid.cell_area
+        residual = residual_of(carried, study.contact.load, approach=contact.approach)
+        balance = Balance(contact.approach, 0.0, cap, residual, evaluations=contact.transforms)
+        return self._ledger.enter(
+            balance, increment, (of_sphere, of_disc), reference, total, most, pressure=pressure
+        )
+
+    def cells_passing(self, increment: float) -> int:
+        """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
+        grid = self._executor.grid
+        if self.study.sphere.curvature == 0.0:
+            return grid.nx
+        return min(max(round(self._share * increment / grid.cell), 1), grid.nx)
+
+    def _mean_along(self, field: Field, window: int) -> Field:
+        """S of a field, by rows, or one row for all; it lasts until the next."""
+        if window < self._executor.grid.nx:
+            self._executor.launch(passes.mean_passing, inputs=[window, field], outputs=[self._means])
+            return self._means
+        every = [(0, self._executor.vectors)]
+        self._executor.launch(passes.mean_of_lines, inputs=[field], outputs=[self._lines], chunks=every)
+        return self._lines
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that the steps so far have changed: all that `restore` needs.
+
+        Of fields only the columns that were ever touched: beyond them they are as they were made.
+        """
+        band = self._ledger.columns
+        arrays: dict[str, Any] = {**self.state.columns(self._executor, band)}
+        arrays |= {f"{name}_in_rows": rows.numpy() for name, rows in self._of_rows.items()}
+        numbers = {"columns": [band.start, band.stop], "window": self._half_space.window}
+        return arrays, numbers | {"most": self._ledger.most, "row": self._ledger.row}
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on from the state that another contact of the same study, disc and device saved."""
+        self.state.restore(self._executor, slice(*numbers["columns"]), arrays)
+        for name, rows in self._of_rows.items():
+            rows.assign(arrays[f"{name}_in_rows"])
+        self._half_space.go_on_from(None, numbers["window"])
+        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])

@@ -1,0 +1,129 @@
+"""The list of tiles that a sphere can touch on a disc displaced under it."""
+
+import math
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warpwear.engine.executor import Executor, Field
+from warpwear.engine.tiles import TileList
+from warpwear.grid import FloatArray
+from warpwear.kernels import sliding
+from warpwear.kernels.cells import LANES, Cells
+
+#: A list that holds too little reaches deeper, by so much [mm] at first and so many times more each time.
+FIRST_DEPTH, DEEPER = 1.0e-5, 4.0
+#: Deeper than that every tile is listed [mm].
+DEEPEST = 0.1
+#: Looking at the bounds of a pair of tiles costs as much as so many of its cells.
+BOUNDS_IN_CELLS = 1.0
+
+
+class PerTile:
+    """One number a tile of a body, rows × tiles, seen also as eight neighbouring tiles in a vector."""
+
+    def __init__(self, rows: int, tiles: int, device: Any) -> None:
+        groups = -(-tiles // LANES)
+        self.vectors = wp.zeros((rows, groups), dtype=Cells, device=device)
+        self.numbers: Field = wp.array(
+            ptr=self.vectors.ptr, shape=(rows, groups * LANES), dtype=wp.float64, device=device
+        )
+
+    def fill(self, value: float) -> None:
+        self.vectors.fill_(Cells(*[value] * LANES))
+
+    def to_numpy(self) -> FloatArray:
+        """Shape (rows, tiles and padding)."""
+        values: FloatArray = self.vectors.numpy().reshape(self.numbers.shape)
+        return values
+
+
+class SlidingTiles(TileList):
+    """Tiles of a sphere that the disc beneath them, `shift` rows on, can reach.
+
+    `displace` forgets the list; `reach` makes it and the gap of the tiles on it, in `gap`. The gap of other
+    tiles is not made. A list holds no tile without a cell within the limit.
+
+    sphere, disc: heights as worn, of nx rows and of at least as many; places without a surface stand
+    infinitely high on the sphere and low on the disc.
+    """
+
+    def __init__(self, executor: Executor, sphere: Field, disc: Field, *, least: float) -> None:
+        super().__init__(executor, least=least)
+        self._heights = [sphere, disc]
+        self.gap = executor.zeros()
+        self.shift = 0
+        device, columns = executor.device, executor.tiles_per_row
+        self.lowest = PerTile(sphere.shape[0], columns, device)  # of the sphere
+        self.highest = PerTile(disc.shape[0], columns, device)  # of the disc
+        for field, kept, low in ((sphere, self.lowest, True), (disc, self.highest, False)):
+            other = PerTile(field.shape[0], columns, device)
+            executor.launch(
+                sliding.bounds,
+                inputs=[field],
+                outputs=[kept.numbers, other.numbers] if low else [other.numbers, kept.numbers],
+                chunks=[(0, field.shape[0] * executor.slots_per_row)],
+            )
+        rows = sphere.shape[0], -1, LANES
+        # The sphere's lowest of eight tiles and the disc's highest of a row, before any wear.
+        self._coarse: list[Field] = [
+            wp.array(self.lowest.to_numpy().reshape(rows).min(axis=2), dtype=wp.float64, device=device),
+            wp.array(self.highest.to_numpy().max(axis=1), dtype=wp.float64, device=device),
+        ]
+        self._share_scan()
+
+    @property
+    def smallest(self) -> float:
+        """No gap is lower at this displacement [mm]."""
+        return float(self._bounds().min())
+
+    def _bounds(self) -> FloatArray:
+        """What no gap of a tile is lower than [mm]."""
+        rows = self.lowest.vectors.shape[0]
+        beneath = np.arange(self.shift, self.shift + rows) % self.highest.vectors.shape[0]
+        return self.lowest.to_numpy() - self.highest.to_numpy()[beneath]
+
+    def displace(self, shift: int) -> None:
+        """The disc lies so many rows on, 0 ≤ shift < its rows: nothing is listed."""
+        self.shift = shift
+        self.limit = -math.inf
+
+    def begin(self) -> None:
+        bounds, rank = self._bounds().ravel(), self._least
+        self._select(float(np.partition(bounds, rank)[rank]) if rank < bounds.size else math.inf)
+
+    def reach(self, approach: float, *, ahead: float = 0.0) -> None:
+        if approach > self.limit:
+            self._select(approach + ahead)
+
+    def _select(self, limit: float) -> None:
+        depth = FIRST_DEPTH
+        self._list(limit)
+        while self.listed < self._least and limit < math.inf:
+            limit = limit + depth if depth < DEEPEST else math.inf
+            depth *= DEEPER
+            self._list(limit)
+        self._share_scan()
+
+    def _list(self, limit: float) -> None:
+        self._executor.launch(
+            sliding.select,
+            inputs=[
+                limit,
+                self.shift,
+                *self._coarse,
+                self.lowest.vectors,
+                self.highest.vectors,
+                *self._heights,
+            ],
+            outputs=[self.gap, self.list, self.count],
+            chunks=self._scan,
+            often=True,
+        )
+        self._adopt(limit)
+
+    def _share_scan(self) -> None:
+        """Ranges of rows for the next scan: every bound is looked at, and gaps are made as last time."""
+        tiles = self._executor.tiles_per_row * BOUNDS_IN_CELLS + self.count.numpy() * self._cells_of_tile
+        self._scan = self._executor.share(tiles)

@@ -1,0 +1,1 @@
+"""What a run left: its file, and the numbers and tables made of it."""

@@ -1,0 +1,105 @@
+"""Roughness of the disc inside the scar and islands of contact, against the distance slid.
+
+Taken from the snapshots of a result; ask for more with `output.snapshots`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.grid import FloatArray
+from warpwear.history.columns import Column
+from warpwear.history.snapshot import Snapshot
+from warpwear.results.export import worn_heights
+from warpwear.results.file import ResultFile
+from warpwear.surfaces.levelling import without_polynomial
+from warpwear.surfaces.roughness import bearing_parameters, height_parameters
+
+ndimage = lazy.module("scipy.ndimage")
+
+COLUMNS = (
+    Column("distance", "mm", "sliding distance of the snapshot"),
+    Column("sa", "um", "arithmetic mean height of the disc inside the scar, its bowl taken off"),
+    Column("sq", "um", "root mean square height"),
+    Column("ssk", "1", "skewness"),
+    Column("sk", "um", "core height"),
+    Column("spk", "um", "reduced peak height"),
+    Column("svk", "um", "reduced valley depth"),
+    Column("islands", "1", "connected regions in contact (cells that share an edge)"),
+    Column("islands_of_one_cell", "1", "those of a single cell: the mesh does not resolve them"),
+    Column("island_area_median", "mm^2", "median area of an island"),
+    Column("island_area_largest", "mm^2", "area of the largest"),
+)
+#: The worn scar is a bowl: a polynomial of this degree is taken off before roughness is measured.
+FORM_DEGREE = 2
+#: A scar of fewer cells has no roughness worth a number.
+FEWEST_CELLS = 100
+
+
+@dataclass(frozen=True)
+class SurfaceEvolution:
+    """One row a snapshot: `table[name]` of shape (snapshots,), and the area of every island [mm²]."""
+
+    table: dict[str, FloatArray]
+    island_areas: tuple[FloatArray, ...]
+
+
+def surface_evolution(result: ResultFile) -> SurfaceEvolution:
+    """Roughness parameters (ISO 25178-2) and islands at every snapshot of a result, computed once."""
+    return result.once(_surface_evolution)
+
+
+def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
+    rows, areas = [], []
+    if not result.snapshot_distances.size:  # interrupted before the first
+        return SurfaceEvolution({column.name: np.empty(0) for column in COLUMNS}, ())
+    for index in range(result.snapshot_distances.size):
+        snapshot = result.snapshot(index)
+        islands = island_areas(result, snapshot)
+        # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
+        one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area
+        rows.append(
+            {
+                "distance": snapshot.distance,
+                **_roughness_in_scar(result, snapshot),
+                **_of_islands(islands, one_cell),
+            }
+        )
+        areas.append(islands)
+    table = {column.name: np.array([row[column.name] for row in rows]) for column in COLUMNS}
+    return SurfaceEvolution(table, tuple(areas))
+
+
+def island_areas(result: ResultFile, snapshot: Snapshot) -> FloatArray:
+    """Areas [mm²] of the connected regions in contact, shape (islands,)."""
+    labels, _ = ndimage.label(snapshot.pressure > 0.0)
+    return np.asarray(np.bincount(labels.ravel())[1:] * result.study.cells.cell_area, dtype=np.float64)
+
+
+def _of_islands(areas: FloatArray, one_cell: float) -> dict[str, float]:
+    """Numbers of a row. one_cell: areas below are of a single cell [mm²]; NaN where islands are cut."""
+    found = {
+        "islands": float(areas.size),
+        "islands_of_one_cell": float((areas < one_cell).sum()),
+        "island_area_median": float(np.median(areas)) if areas.size else np.nan,
+        "island_area_largest": float(areas.max(initial=0.0)),
+    }
+    return dict.fromkeys(found, np.nan) if np.isnan(one_cell) else found
+
+
+def _roughness_in_scar(result: ResultFile, snapshot: Snapshot) -> dict[str, float]:
+    """Of the worn disc inside the nominal scar: the ellipse in the extents of the touched cells."""
+    rows, columns = (np.flatnonzero(snapshot.touched.any(axis=axis)) for axis in (1, 0))
+    box = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    heights = worn_heights(result, snapshot, "disc")[box]
+    x, y = (np.linspace(-1.0, 1.0, 2 * n + 1)[1::2] for n in heights.shape)
+    inside = (x[:, None] ** 2 + y[None, :] ** 2 <= 1.0) & np.isfinite(heights)
+    names = ("sa", "sq", "ssk", "sk", "spk", "svk")
+    if inside.sum() < FEWEST_CELLS:
+        return dict.fromkeys(names, np.nan)
+    level = without_polynomial(heights, degree=FORM_DEGREE, where=inside)[inside]
+    found = height_parameters(level)
+    bearing = bearing_parameters(level)
+    lengths = {"sa": found["sa"], "sq": found["sq"], "sk": bearing.sk, "spk": bearing.spk, "svk": bearing.svk}
+    return {name: 1.0e3 * value for name, value in lengths.items()} | {"ssk": found["ssk"]}

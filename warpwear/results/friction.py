@@ -1,0 +1,108 @@
+"""Coefficient of friction from an area: shear of junctions, with an offset for ploughing.
+
+μ = μ_p + τ A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a
+measured coefficient fixes τ, are choices of the study. τ is constant, or runs in by an empirical fit:
+τ0 (1 + (r − 1) e^(−L/L_τ)).
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+from warpwear.study.contact import Friction
+
+WHEN: tuple[Literal["initial"], Literal["end"]] = ("initial", "end")
+
+
+def shear_strength(
+    friction: Friction,
+    history: Mapping[str, FloatArray],
+    *,
+    load: float,
+    finished: bool,
+    lap: float | None = None,
+) -> FloatArray:
+    """τ [MPa] of every step: as given, or from (μ0 − μ_p) F / A0 at the end or the start (eq 4.19).
+
+    lap: what is slid in a pass over a track [mm]: A0 is then the mean over the last or the first one, as the
+    area changes with the place. NaN while a τ that is calibrated at the end waits for it.
+    """
+    areas, run_in = history[f"area_{friction.area}"], _running_in(friction, history["distance"])
+    if friction.shear_strength is not None:
+        return friction.shear_strength * run_in
+    if friction.calibrate == "end" and not finished:
+        return np.full_like(areas, math.nan)
+    mean = mean_over(history, areas * run_in, friction.calibrate, lap)
+    return np.asarray((friction.coefficient - friction.ploughing) * load / mean * run_in)
+
+
+def mean_over(
+    history: Mapping[str, FloatArray], values: FloatArray, when: Literal["initial", "end"], lap: float | None
+) -> float:
+    """Mean of a column over the first or the last lap [mm] slid; its first or last value without a lap."""
+    inside = within(history, when, lap)
+    if np.count_nonzero(inside) == 1:
+        return float(values[inside][0])
+    return float(np.average(values[inside], weights=history["increment"][inside]))
+
+
+def within(
+    history: Mapping[str, FloatArray], when: Literal["initial", "end"], lap: float | None
+) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+    """The steps of the first or the last lap [mm] slid; the first or the last step without a lap."""
+    distance = history["distance"]
+    if lap is None or distance[-1] == 0.0:
+        inside = np.zeros(distance.size, dtype=bool)
+        inside[-1 if when == "end" else 0] = True
+        return inside
+    middle = distance - 0.5 * history["increment"]
+    return middle > distance[-1] - lap if when == "end" else middle < lap
+
+
+def coefficient(
+    friction: Friction,
+    history: Mapping[str, FloatArray],
+    *,
+    load: float,
+    finished: bool,
+    lap: float | None = None,
+) -> FloatArray:
+    """Coefficient of friction of every step; NaN while τ waits for the end. lap: as in `shear_strength`."""
+    tau = shear_strength(friction, history, load=load, finished=finished, lap=lap)
+    return np.asarray(friction.ploughing + tau * history[f"area_{friction.area}"] / load)
+
+
+def _running_in(friction: Friction, distance: FloatArray) -> FloatArray:
+    """τ/τ0 at sliding distances [mm]."""
+    if friction.initial_ratio is None or friction.running_in is None:
+        return np.ones_like(distance)
+    return np.asarray(1.0 + (friction.initial_ratio - 1.0) * np.exp(-distance / friction.running_in))
+
+
+def calibrations(
+    friction: Friction,
+    history: Mapping[str, FloatArray],
+    *,
+    load: float,
+    hardness: float,
+    lap: float | None = None,
+) -> dict[str, float]:
+    """τ0 [MPa] that each area would ask for at `friction.coefficient`, at the start and at the end.
+
+    What "the" shear strength is depends on the area that it was calibrated with; H/(3√3) is the usual
+    estimate from hardness.
+    """
+    found: dict[str, float] = {}
+    if friction.coefficient <= friction.ploughing:  # nothing is left to shear
+        return found
+    for name in ("contact", "touched", "cumulative", "nominal"):
+        areas = history[f"area_{name}"]
+        for when in WHEN:
+            area = mean_over(history, areas, when, lap)
+            found[f"{name}_{when}"] = (friction.coefficient - friction.ploughing) * load / area
+    if math.isfinite(hardness):
+        found["hardness"] = hardness / (3.0 * math.sqrt(3.0))
+    return found

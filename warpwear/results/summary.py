@@ -1,0 +1,228 @@
+"""What a run amounts to, in one page of numbers."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+from warpwear.results import friction
+from warpwear.results.file import ResultFile
+from warpwear.results.track import by_pass, groove, roughness_in_track
+from warpwear.study import text as render
+from warpwear.study.study import Study
+
+#: Columns that change along a track: of a swept run the last step says little.
+OF_A_PASS = ("approach", "area_contact", "area_plastic", "pressure_mean", "pressure_std", "cof")
+#: A last pass shorter than this part of one is left out of a course: it has not seen the whole track.
+WHOLE = 0.9
+
+
+def summarise(result: "ResultFile") -> dict[str, Any]:
+    """Scar, depths, volumes, areas, friction, residuals, conservation, assumptions. JSON-ready.
+
+    What goes up and down along a track (approach, cof, areas in contact and at hardness, pressures) is of the
+    last pass of a swept run, as `end_values` says: the means, and the largest pressure.
+    """
+    study, history = result.study, result.history
+    end = {name: float(values[-1]) for name, values in history.items()}
+    for name in OF_A_PASS:
+        end[name] = friction.mean_over(history, history[name], "end", study.lap)
+    end["pressure_max"] = float(history["pressure_max"][friction.within(history, "end", study.lap)].max())
+    sphere, disc = study.wear_coefficients
+    load = study.contact.load
+    return {
+        "name": study.study.name,
+        "model": study.study.model,
+        **{
+            k: v.item() if isinstance(v, np.generic) else v
+            for k, v in result.attributes.items()
+            if k != "record"
+        },
+        "steps": int(history["distance"].size),
+        "cell_um": 1.0e3 * study.grid.cell,
+        "distance_mm": end["distance"],
+        "end_values": "last pass" if study.is_swept else "last step",
+        "load_N": load,
+        "hardness_MPa": _finite(study.hardness),
+        "wear_coefficient_mm3_per_Nm": {"sphere": 1.0e3 * sphere, "disc": 1.0e3 * disc},
+        "wear_coefficient_per_Pa": {"sphere": 1.0e-6 * sphere, "disc": 1.0e-6 * disc},
+        "scar_mm": {"along": end["patch_along"], "across": end["patch_across"]},
+        "approach_um": 1.0e3 * end["approach"],
+        "depth_um": {b: 1.0e3 * end[f"wear_depth_{b}"] for b in ("sphere", "disc")},
+        "volume_mm3": {b: end[f"wear_volume_{b}"] for b in ("sphere", "disc")},
+        "area_mm2": {a: end[f"area_{a}"] for a in ("contact", "plastic", "touched", "cumulative", "nominal")},
+        "area_real_over_nominal": end["area_contact"] / end["area_nominal"],
+        "pressure_MPa": {p: end[f"pressure_{p}"] for p in ("mean", "std", "max")},
+        "pressure_mean_over_steps_MPa": {
+            "smallest": float(history["pressure_mean"].min()),
+            "largest": float(history["pressure_mean"].max()),
+            "std": float(history["pressure_mean"].std()),
+        },
+        "cof": {
+            "first": _finite(friction.mean_over(history, history["cof"], "initial", study.lap)),
+            "end": _finite(end["cof"]),
+        },
+        "cof_area": study.friction.area,
+        "cof_shape": _shape(*course(result, "cof")),
+        "area_shape": _shape(*course(result, f"area_{study.friction.area}")),
+        "cof_reference": study.friction.coefficient,
+        "shear_strength_MPa_for_reference": friction.calibrations(
+            study.friction, history, load=load, hardness=study.hardness, lap=study.lap
+        ),
+        "hertz": _elastic(study),
+        "foundation_N_per_mm3": _finite(
+            study.foundation() if study.uses_foundation else study.law().stiffness
+        ),
+        "half_space": _half_space(result),
+        "patches": _patches(result),
+        "junctions": {
+            "critical_diameter_um": 1.0e3 * study.critical_junction if study.critical_junction else None,
+            "strength_MPa": study.junction_strength,
+        },
+        "load_residual_N": {
+            "largest": float(np.abs(history["load_residual"]).max()),
+            "end": end["load_residual"],
+        },
+        "conservation_relative": {
+            body: _relative(end[f"wear_volume_{body}"], end[f"archard_volume_{body}"])
+            for body in ("sphere", "disc")
+        },
+        "disc_volume_over_KFL": _ratio(end["wear_volume_disc"], disc * load * end["distance"]),
+        **({"track": _track(result)} if study.is_swept else {}),
+        **result.record,
+        "assumptions": render.assumptions(study),
+    }
+
+
+def _track(result: "ResultFile") -> dict[str, Any]:
+    """Groove, passes and what was displaced, of a swept run."""
+    study, history, track = result.study, result.history, result.study.track
+    areas = history["area_contact"]
+    found: dict[str, Any] = {
+        "length_mm": track.cells * track.cell,
+        "pass_mm": track.stroke,
+        "passes": float(history["distance"][-1]) / track.stroke,
+        "shift_cells": track.shift,
+        "plastic": study.sliding.plastic,
+        "plastic_volume_mm3": float(history["plastic_volume_disc"][-1]),
+        "area_contact_mm2_of_passes": {
+            "first": friction.mean_over(history, areas, "initial", study.lap),
+            "last": friction.mean_over(history, areas, "end", study.lap),
+        },
+    }
+    if result.snapshot_distances.size:
+        last = groove(result, result.snapshot_distances.size - 1)
+        found["groove"] = {
+            "mean_depth_um": 1.0e3 * last.mean_depth,
+            "deepest_um": 1.0e3 * float(last.depth.max()),
+            "width_mm": last.width,
+            "section_um2": 1.0e6 * last.section,
+        }
+        roughness = roughness_in_track(result)
+        found["roughness_um"] = {
+            when: {name: float(values[at]) for name, values in roughness.items() if name != "passes"}
+            for when, at in (("unworn", 0), ("end", -1))
+        }
+    return found
+
+
+def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float]:
+    """How a quantity grows with the distance slid.
+
+    exponent: m = d ln(value) / d ln(distance) over the second half (least squares). levelling: λ, the slope
+    over the second half by that over 1/80 to 1/10 of the distance (secants). A straight line from the origin
+    has 1 and 1, a square root 0.5 and 0.25.
+    """
+    total = distance[-1]
+    late = distance >= 0.5 * total
+    exponent = float(np.polyfit(np.log(distance[late]), np.log(values[late]), 1)[0])
+
+    def secant(start: float, end: float) -> float:
+        low, high = np.interp([start * total, end * total], distance, values)
+        return float((high - low) / ((end - start) * total))
+
+    early = secant(1.0 / 80.0, 0.1)
+    return {"exponent_m": exponent, "levelling_lambda": secant(0.5, 1.0) / early if early else math.nan}
+
+
+def course(result: "ResultFile", name: str) -> tuple[FloatArray, FloatArray]:
+    """Distance [mm] and values of a column: of a swept run the means of its whole passes, whose ends differ
+    from their middles, at the middles."""
+    history, stroke = result.history, result.study.lap
+    if stroke is None:
+        return history["distance"], history[name]
+    if history["distance"][-1] == 0.0:  # a static contact
+        return history["distance"], history[name]
+    passes = by_pass(result, name)
+    slid = passes["distance"]
+    places = np.cumsum(slid) - 0.5 * slid
+    whole = slice(None, -1 if slid.size > 1 and slid[-1] < WHOLE * stroke else None)
+    return places[whole], passes[name][whole]
+
+
+def _shape(distance: FloatArray, values: FloatArray) -> dict[str, float] | None:
+    """None for too few steps, for a late start, and for values that are not known or, late, not positive."""
+    if distance.size < 20 or distance[0] > distance[-1] / 80.0:
+        return None
+    if not (np.isfinite(values).all() and np.all(values[distance >= 0.5 * distance[-1]] > 0.0)):
+        return None
+    found = shape_of_growth(distance, values)
+    return {k: v for k, v in found.items() if math.isfinite(v)}
+
+
+def _elastic(study: "Study") -> dict[str, float] | None:
+    """Hertz's contact of the same bodies before wear, if their elastic constants are known."""
+    hertz = study.hertz
+    if hertz is None:
+        return None
+    return {
+        "effective_modulus_MPa": hertz.modulus,
+        "radius_um": 1.0e3 * hertz.radius,
+        "area_mm2": hertz.area,
+        "peak_pressure_MPa": hertz.peak_pressure,
+        "approach_um": 1.0e3 * hertz.approach,
+    }
+
+
+def _patches(result: "ResultFile") -> dict[str, Any] | None:
+    """Of a two-scale run."""
+    study = result.study
+    if study.study.model != "two-scale":
+        return None
+    evaluations = result.history["evaluations"]
+    return {
+        "number": int(result.load_share.shape[1]),
+        "width_um": 1.0e3 * study.macro.patch_width,
+        "macro_cell_um": 1.0e3 * study.macro.cell,
+        "cover": (study.macro.patch_width / study.macro.cell) ** 2,
+        "coupling": study.macro.coupling,
+        "bulk": study.macro.bulk if study.macro.coupling == "approach" else "foundation",
+        "carrying_at_the_end": int(np.count_nonzero(result.load_share[-1])),
+        "evaluations": {"median": float(np.median(evaluations)), "most": float(evaluations.max())},
+    }
+
+
+def _half_space(result: "ResultFile") -> dict[str, Any] | None:
+    """What contacts of half-spaces were solved with; None for another law."""
+    study = result.study
+    if study.contact.law != "half-space":
+        return None
+    return {
+        "effective_modulus_MPa": study.effective_modulus,
+        "boundary": study.boundary,
+        "transforms": {"median": float(np.median(result.history["evaluations"]))},
+    }
+
+
+def _relative(value: float, expected: float) -> float:
+    return (value - expected) / expected if expected else value
+
+
+def _ratio(value: float, expected: float) -> float | None:
+    return value / expected if expected else None
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity and no NaN."""
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,188 @@
+"""What a swept run leaves on its track: groove, roughness, wear of each pass. Tracks are read in parts."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+from warpwear.results.file import ResultFile
+from warpwear.surfaces.levelling import without_polynomial
+from warpwear.surfaces.roughness import bearing_parameters, height_parameters
+
+#: Rows of a track read at once, and at most for its roughness.
+ROWS, ROUGH_ROWS = 2000, 2000
+#: Of the middle of the groove, whose roughness is taken: its width over that of the patch.
+MIDDLE = 0.5
+#: The groove's form, a polynomial, is taken off before roughness is measured.
+FORM_DEGREE = 2
+#: A part of fewer cells has no roughness worth a number.
+FEWEST_CELLS = 100
+#: Of its length, what a step may lack and count as whole.
+SHORT = 1.0e-3
+PARAMETERS = ("sa", "sq", "sk", "spk", "svk")
+
+
+@dataclass(frozen=True)
+class Groove:
+    """The disc's loss at one snapshot, worn or displaced: means along the part that whole passes slide over.
+
+    Within the first pass that includes what the sphere has not reached yet.
+    """
+
+    distance: float  # [mm]
+    y: FloatArray  # [mm]
+    worn: FloatArray  # mean depth [mm], shape (ny,)
+    displaced: FloatArray  # the same of what was pressed down for good
+
+    @property
+    def depth(self) -> FloatArray:
+        """[mm]"""
+        return self.worn + self.displaced
+
+    @property
+    def width(self) -> float:
+        """Of the cells that lost anything [mm]."""
+        return float(np.count_nonzero(self.depth)) * float(self.y[1] - self.y[0])
+
+    @property
+    def section(self) -> float:
+        """[mm²]"""
+        return float(self.depth.sum()) * float(self.y[1] - self.y[0])
+
+    @property
+    def mean_depth(self) -> float:
+        """Over the width [mm]; 0 where nothing is gone."""
+        return self.section / self.width if self.width else 0.0
+
+
+def whole_rows(result: ResultFile) -> slice:
+    """Rows that every part of the contact slides over in a whole pass: not those at the ends of a stroke."""
+    track = result.study.track
+    if track.periodic:
+        return slice(0, track.rows)
+    half = 0.5 * (track.stroke - float(result.history["patch_along"][-1]))
+    inside = np.flatnonzero(np.abs(result.track_x) <= max(half, track.cell))
+    return slice(int(inside[0]), int(inside[-1]) + 1)
+
+
+def groove(result: ResultFile, index: int) -> Groove:
+    """At snapshot number `index`."""
+    rows = whole_rows(result)
+    worn, displaced = np.zeros(result.y.size), np.zeros(result.y.size)
+    for first in range(rows.start, rows.stop, ROWS):
+        part = slice(first, min(first + ROWS, rows.stop))
+        of_part = result.track_loss(index, part)
+        worn += of_part[0].sum(axis=0)
+        displaced += of_part[1].sum(axis=0)
+    count = rows.stop - rows.start
+    return Groove(float(result.snapshot_distances[index]), result.y, worn / count, displaced / count)
+
+
+def depth_along(result: ResultFile, index: int, bins: int) -> tuple[FloatArray, FloatArray]:
+    """Places along the track [mm] and mean depths over the groove's width [mm], in at most so many bins."""
+    rows = result.track_x.size
+    width = groove(result, index).width
+    per_bin = -(-rows // bins)
+    places, depths = [], []
+    for first in range(0, rows, per_bin):
+        part = slice(first, min(first + per_bin, rows))
+        worn, displaced = result.track_loss(index, part)
+        places.append(result.track_x[part].mean())
+        section = (worn + displaced).mean(axis=0).sum() * result.study.grid.cell
+        depths.append(section / width if width else 0.0)
+    return np.array(places), np.array(depths)
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Fields of the whole track, means of blocks, shape (along, across)."""
+
+    heights: FloatArray  # as worn [mm]
+    loss: FloatArray  # worn or displaced [mm]
+    extent: tuple[float, float, float, float]  # first x, last x, first y, last y [mm]
+
+
+def blocks(result: ResultFile, index: int, most: int) -> Blocks:
+    """The track at snapshot number `index` in at most so many blocks along either side."""
+    rows, columns = result.track_x.size, result.y.size
+    along, across = -(-rows // most), -(-columns // most)
+    nx, ny = rows // along, columns // across
+    heights, loss = np.empty((nx, ny)), np.empty((nx, ny))
+    per_part = max(1, ROWS // along)
+    for first in range(0, nx, per_part):
+        last = min(first + per_part, nx)
+        part = slice(first * along, last * along)
+        gone = np.add(*result.track_loss(index, part))
+        shape = (last - first, along, ny, across)
+        for field, values in ((heights, result.track_heights(part) - gone), (loss, gone)):
+            field[first:last] = values[:, : ny * across].reshape(shape).mean(axis=(1, 3))
+    half, x, y = 0.5 * result.study.grid.cell, result.track_x, result.y
+    extent = (x[0] - half, x[nx * along - 1] + half, y[0] - half, y[ny * across - 1] + half)
+    return Blocks(heights, loss, (float(extent[0]), float(extent[1]), float(extent[2]), float(extent[3])))
+
+
+def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
+    """Height parameters [µm] in the middle of the groove, unworn and at every snapshot, over `passes`.
+
+    The middle half of the final patch's width, so that all are of the same cells; its form is taken off.
+    """
+    rows = whole_rows(result)
+    middle = (rows.start + rows.stop) // 2
+    part = slice(max(rows.start, middle - ROUGH_ROWS // 2), min(rows.stop, middle + ROUGH_ROWS // 2))
+    half = 0.5 * MIDDLE * float(result.history["patch_across"][-1])
+    columns = np.flatnonzero(np.abs(result.y) <= half)
+    unworn = result.track_heights(part)[:, columns]
+    stroke = result.study.track.stroke
+    table: dict[str, list[float]] = {name: [] for name in ("passes", *PARAMETERS)}
+    for index in range(-1, result.snapshot_distances.size):
+        heights = unworn
+        if index >= 0:
+            heights = unworn - np.add(*result.track_loss(index, part))[:, columns]
+        table["passes"].append(float(result.snapshot_distances[index]) / stroke if index >= 0 else 0.0)
+        for name, value in _parameters(heights).items():
+            table[name].append(value)
+    return {name: np.array(values) for name, values in table.items()}
+
+
+def _parameters(heights: FloatArray) -> dict[str, float]:
+    if heights.size < FEWEST_CELLS:
+        return dict.fromkeys(PARAMETERS, np.nan)
+    level = without_polynomial(heights, degree=FORM_DEGREE).ravel()
+    found, bearing = height_parameters(level), bearing_parameters(level)
+    lengths = {"sa": found["sa"], "sq": found["sq"], "sk": bearing.sk, "spk": bearing.spk, "svk": bearing.svk}
+    return {name: 1.0e3 * lengths[name] for name in PARAMETERS}
+
+
+def pass_numbers(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":
+    """Of every step, from 0."""
+    passes = result.history["distance"] / result.study.track.stroke
+    return np.maximum(np.ceil(passes - 1.0e-9).astype(int), 1) - 1
+
+
+def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+    """Which steps are as long as the others: not those that the end of a pass or of the run cuts short.
+
+    A step that is implicit in the wear yields by K p ΔL: a short one has less area, so less friction, and
+    higher pressures, which say nothing of the track. All steps of a sphere that does not slide over one.
+    """
+    increment = result.history["increment"]
+    if not result.study.is_swept:
+        return np.ones(increment.size, dtype=bool)
+    return increment > (1.0 - SHORT) * increment.max() if increment.any() else increment == 0.0
+
+
+def by_pass(result: ResultFile, *means: str) -> dict[str, FloatArray]:
+    """One value a pass, of which the last may be short.
+
+    `number` (from 1), `distance` slid in it [mm], volumes lost in it [mm³], and means over its distance of
+    the columns of the history that are asked for.
+    """
+    history, number, increment = result.history, pass_numbers(result), result.history["increment"]
+    last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)
+    slid = np.bincount(number, increment).astype(np.float64)
+    lost = ("wear_volume_sphere", "wear_volume_disc", "plastic_volume_disc")
+    table: dict[str, FloatArray] = {"number": np.arange(1.0, last.size + 1.0), "distance": slid}
+    table |= {name: np.diff(history[name][last], prepend=0.0) for name in lost}
+    for name in means:
+        table[name] = np.bincount(number, increment * history[name]) / slid
+    return table

@@ -1,0 +1,151 @@
+"""Writes a result: one HDF5 file a run, snapshot by snapshot, its history at the end."""
+
+import errno
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+from warpwear.grid import FloatArray, Grid
+from warpwear.history.columns import columns_of
+from warpwear.history.recorder_patches import COLUMNS as OF_PATCHES
+from warpwear.history.recorder_patches import PatchBook
+from warpwear.history.snapshot import FIELDS, Snapshot
+from warpwear.study.study import Study
+from warpwear.version import __version__
+
+#: For attributes, tables and the log beside what is counted [B].
+SPACE_FOR_THE_REST = 2 * 2**20
+#: Cells along a side of a compressed block.
+CHUNK = 256
+
+
+class ResultWriter:
+    """Writes a run into an open HDF5 file.
+
+    Raises OSError before it writes what the disk may not hold: the HDF5 library does not survive a full disk.
+    """
+
+    def __init__(self, file: h5py.File, study: Study, grid: Grid, *, device: str, threads: int) -> None:
+        self._file, self._study = file, study
+        self._check_space(0)
+        file.attrs.update(
+            version=__version__,
+            study=study.to_toml(),
+            device=device,
+            threads=threads,
+            precision="float64",
+            finished=False,
+        )
+        for name, centres in (("x", grid.x), ("y", grid.y)):
+            file.create_dataset(f"grid/{name}", data=centres).attrs["units"] = "mm"
+        file.create_group("snapshots")
+
+    def add_snapshot(self, snapshot: Snapshot) -> None:
+        """Keep the fields of one distance."""
+        fields = {name: values for name in FIELDS if (values := getattr(snapshot, name)) is not None}
+        self._check_space(sum(values.nbytes for values in fields.values()))
+        snapshots = self._file["snapshots"]
+        group = snapshots.create_group(f"{len(snapshots):04d}")
+        group.attrs["distance"] = snapshot.distance
+        if snapshot.row is not None:
+            group.attrs["row"] = snapshot.row
+        for name, values in fields.items():
+            chunks = tuple(min(CHUNK, n) for n in values.shape)
+            dataset = group.create_dataset(
+                name, data=values, chunks=chunks, compression="gzip", compression_opts=1, shuffle=True
+            )
+            dataset.attrs["units"] = FIELDS[name]
+
+    def add_track(self, x: FloatArray, heights: FloatArray) -> None:
+        """Keep the disc of a swept run: places of its rows [mm], heights before any wear [mm]."""
+        self._check_space(heights.nbytes)
+        group = self._file.create_group("track")
+        for name, centres in (("x", x), ("y", self._file["grid/y"][()])):
+            group.create_dataset(name, data=centres).attrs["units"] = "mm"
+        # As it is: roughness gains a tenth by compression, at many times the time.
+        group.create_dataset("heights", data=heights).attrs["units"] = "mm"
+
+    @property
+    def snapshot_bytes(self) -> int:
+        """What the snapshots so far take in a file [B]."""
+        groups = self._file["snapshots"].values()
+        return sum(dataset.id.get_storage_size() for group in groups for dataset in group.values())
+
+    def copy_snapshots_to(self, file: h5py.File) -> None:
+        """Keep the snapshots so far in another file, compressed as they are."""
+        self._file.copy("snapshots", file)
+
+    def take_snapshots_from(self, file: h5py.File) -> None:
+        """Begin with the snapshots of another file."""
+        self._check_space(Path(file.filename).stat().st_size)
+        del self._file["snapshots"]
+        file.copy("snapshots", self._file)
+
+    def finish(self, history: Mapping[str, FloatArray], record: Mapping[str, Any], *, finished: bool) -> None:
+        """Keep the history and what else the run recorded, and mark it as finished or interrupted."""
+        self._check_space(sum(values.nbytes for values in history.values()))
+        group = self._file.create_group("history")
+        for column in columns_of(self._study):
+            dataset = group.create_dataset(
+                column.name,
+                data=history[column.name],
+                compression="gzip",
+                shuffle=True,
+                chunks=True,
+            )
+            dataset.attrs["units"] = column.units
+            dataset.attrs["meaning"] = column.meaning
+        self._file.attrs["record"] = json.dumps(record)
+        self._file.attrs["finished"] = finished
+        self._file.flush()
+
+    def add_patches(self, book: "PatchBook") -> None:
+        """Keep what each patch did, after the history is finished, and where the macro cells lie."""
+        for column in OF_PATCHES:
+            table = book.table(column.name)
+            self._check_space(table.nbytes)
+            dataset = self._file.create_dataset(
+                f"history/{column.name}", data=table, compression="gzip", shuffle=True, chunks=True
+            )
+            dataset.attrs["units"], dataset.attrs["meaning"] = column.units, column.meaning
+        for name, centres in zip(("x", "y"), book.patches.centres, strict=True):
+            self._file.create_dataset(f"macro/{name}", data=centres).attrs["units"] = "mm"
+        self._file.flush()
+
+    def _check_space(self, size: int) -> None:
+        """For so many bytes before compression [B]."""
+        if self._file.driver == "core":
+            return
+        path = Path(self._file.filename)
+        make_sure_of(size + SPACE_FOR_THE_REST, path.parent, offset=path.stat().st_size)
+
+
+#: What a file system says that cannot set room aside.
+CANNOT = (errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL, errno.EPERM)
+
+
+def make_sure_of(size: int, folder: Path, *, offset: int = 0) -> None:
+    """Raises OSError unless a file in the folder can grow by so many bytes beyond an offset [B].
+
+    Where the system can, the room is set aside for a moment: a quota and a limit to the size of a file show
+    only then.
+    """
+    free = shutil.disk_usage(folder).free
+    if free < size:
+        raise OSError(errno.ENOSPC, f"{size / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free")
+    if not hasattr(os, "posix_fallocate"):
+        return
+    with tempfile.TemporaryFile(dir=folder) as file:
+        try:
+            os.posix_fallocate(file.fileno(), offset, size)
+        except OSError as error:
+            if error.errno in CANNOT:
+                return
+            why = os.strerror(error.errno or errno.ENOSPC)
+            raise OSError(error.errno, f"{(offset + size) / 2**20:.0f} MiB are needed: {why}") from error

@@ -1,0 +1,228 @@
+"""Checkpoints: one HDF5 file in the run folder, from which a run goes on as if it had never stopped.
+
+The file is sealed (see `seal`) with the mark "warpwear checkpoint FORMAT". Then:
+
+- /model/NAME        arrays of the model (fields, lists of tiles)
+- /rows              the history so far, (steps, columns), names in the attribute `columns`
+- /snapshots         as in result.h5
+- /about             JSON: version, study, device, surface, warnings, elapsed time, the model's numbers
+
+It is written under another name, flushed to the disk and moved into place: a good one is always there.
+"""
+
+import json
+import os
+import time
+import tomllib
+import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.history.columns import Rows
+from warpwear.results.seal import HEADER, digest_of, has_mark, seal, words_of
+from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, make_sure_of
+from warpwear.study.study import Study
+from warpwear.version import __version__
+
+FILE_NAME = "checkpoint.h5"
+#: Of the content. A file of another one is refused.
+FORMAT = 4
+MAGIC = "warpwear checkpoint"
+#: Sections and keys that no result depends on.
+LABELS = ("study.name", "study.description", "run", "checks", "assumed")
+#: And those that no step depends on: a run may go on with others.
+FREE = (*LABELS, "friction", "junctions")
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Where a run is."""
+
+    arrays: dict[str, Any]  # of the model, by name
+    numbers: dict[str, Any]  # of the model, by name, as JSON keeps them
+    rows: Sequence[dict[str, float]] | Rows  # of the history
+    warnings: list[str]
+    told: list[str]  # names of the invariants whose violation is among the warnings
+    elapsed: float  # [s]
+
+
+class Checkpoints:
+    """Writes the checkpoints of one run.
+
+    path: of the file; work: a folder of the same disk; every: how often it is due [s]; surface: `checksum` of
+    the disc's heights.
+    """
+
+    def __init__(self, path: Path, work: Path, study: Study, *, device: str, surface: int) -> None:
+        self.path = path
+        self._new = work / FILE_NAME
+        self._about = {
+            "version": __version__,
+            "study": study.to_toml(),
+            "device": device,
+            "surface": surface,
+        }
+        self._every = study.run.checkpoint
+        self._last = time.monotonic()
+
+    @property
+    def due(self) -> bool:
+        """Whether it is time for the next."""
+        return time.monotonic() - self._last >= self._every
+
+    def write(self, now: Checkpoint, snapshots: ResultWriter) -> None:
+        """Replace the last checkpoint. Raises OSError, and leaves that one, where the disk is too full."""
+        try:
+            self._check_space(now, snapshots)
+            with h5py.File(self._new, "w", userblock_size=HEADER) as file:
+                for name, values in now.arrays.items():
+                    file.create_dataset(f"model/{name}", data=values)
+                columns = list(now.rows[0])
+                table = np.array([[row[name] for name in columns] for row in now.rows])
+                file.create_dataset("rows", data=table).attrs["columns"] = columns
+                snapshots.copy_snapshots_to(file)
+                about = self._about | {
+                    name: getattr(now, name) for name in ("numbers", "warnings", "told", "elapsed")
+                }
+                file["about"] = json.dumps(about)
+            with self._new.open("r+b") as whole:
+                seal(whole, f"{MAGIC} {FORMAT}")
+                whole.flush()
+                os.fsync(whole.fileno())
+            self._new.replace(self.path)
+            _flush_folder(self.path.parent)
+        finally:
+            self._new.unlink(missing_ok=True)
+            self._last = time.monotonic()
+
+    def remove(self) -> None:
+        """The run needs none any more."""
+        self.path.unlink(missing_ok=True)
+
+    def _check_space(self, now: Checkpoint, snapshots: ResultWriter) -> None:
+        size = sum(values.nbytes for values in now.arrays.values()) + snapshots.snapshot_bytes
+        size += 8 * len(now.rows) * len(now.rows[0]) + SPACE_FOR_THE_REST
+        make_sure_of(size, self._new.parent)
+
+
+class Found:
+    """A checkpoint that was found whole."""
+
+    def __init__(self, path: Path, file: h5py.File) -> None:
+        self._path = path
+        self.file = file
+        try:
+            self._about: dict[str, Any] = json.loads(file["about"][()])
+            self._table = file["rows"][()].tolist()
+            self._columns = [str(name) for name in file["rows"].attrs["columns"]]
+        except (KeyError, ValueError, OSError) as error:
+            raise InputError(f"{path} is no checkpoint that can be read: {error}.") from error
+
+    @property
+    def version(self) -> str:
+        """Of warpwear, that wrote it."""
+        return str(self._about["version"])
+
+    def refuse_changes(self, study: Study, *, device: str) -> None:
+        """Raises InputError for a run that would not go on where this one stopped."""
+        changed = changed_keys(Study(**tomllib.loads(self._about["study"])), study)
+        if changed:
+            raise InputError(
+                f"{self._path} is of another study ({', '.join(changed)}); --resume needs the study as it "
+                "was, --overwrite starts anew."
+            )
+        if study.checks.strict and self._about["told"]:
+            raise InputError(
+                f"{self._path} was made after a check failed ({', '.join(self._about['told'])}); "
+                "--resume with checks.strict = false goes on, --overwrite starts anew."
+            )
+        if self._about["device"].split(":")[0] != device.split(":")[0]:
+            raise InputError(
+                f"device = {device} cannot go on with {self._path}, which was made on "
+                f"{self._about['device']}; give that one."
+            )
+
+    def refuse_surface(self, surface: int) -> None:
+        """Raises InputError when the disc's surface (its `checksum`) is not what it was."""
+        if surface != self._about["surface"]:
+            raise InputError(
+                f"{self._path} cannot go on: the disc's heights are not what they were when the run began, "
+                "so the file of the surface, or the software that reads or makes it, has changed."
+            )
+
+    def read(self) -> Checkpoint:
+        """All of it but the snapshots."""
+        return Checkpoint(
+            {name: dataset[()] for name, dataset in self.file["model"].items()},
+            rows=[dict(zip(self._columns, row, strict=True)) for row in self._table],
+            **{name: self._about[name] for name in ("numbers", "warnings", "told", "elapsed")},
+        )
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Found | None]:
+    """The checkpoint in a file, None without one. Raises InputError for one that is damaged or too new."""
+    if not path.exists():
+        yield None
+        return
+    damaged = f"{path} is damaged: it is not what was written; --overwrite starts anew."
+    with path.open("rb") as whole:
+        words = words_of(whole)
+        if len(words) != 4 or " ".join(words[:2]) != MAGIC:
+            raise InputError(damaged)
+        if words[2] != str(FORMAT):
+            raise InputError(
+                f"{path} was written by another version of warpwear (format {words[2]}, this one reads "
+                f"{FORMAT}); resume it with that version, or --overwrite it."
+            )
+        if words[3] != digest_of(whole):
+            raise InputError(damaged)
+    with h5py.File(path, "r") as file:
+        yield Found(path, file)
+
+
+def holds_checkpoint(folder: Path) -> bool:
+    """Whether a run folder holds a checkpoint of warpwear."""
+    return is_one(folder / FILE_NAME)
+
+
+def is_one(path: Path) -> bool:
+    """Whether a file calls itself a checkpoint of warpwear."""
+    return has_mark(path, MAGIC)
+
+
+def checksum(heights: FloatArray) -> int:
+    """Of a surface."""
+    return zlib.crc32(np.ascontiguousarray(heights).data)
+
+
+def changed_keys(before: Study, after: Study, *, free: Sequence[str] = FREE) -> list[str]:
+    """Keys whose values differ, but for those that are free to: by default, that no step depends on."""
+    one, other = _flat(tomllib.loads(before.to_toml())), _flat(tomllib.loads(after.to_toml()))
+    names = sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
+    return [name for name in names if not any(name == key or name.startswith(f"{key}.") for key in free)]
+
+
+def _flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in nested.items():
+        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
+    return flat
+
+
+def _flush_folder(folder: Path) -> None:
+    """That the new name survives a power failure; not every system can."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

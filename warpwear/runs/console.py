@@ -1,0 +1,91 @@
+"""Progress of a run on standard error: a bar with the time left on a terminal, plain lines elsewhere."""
+
+import signal
+import sys
+import threading
+import time
+from types import FrameType
+from typing import Any, Self
+
+from tqdm import tqdm
+
+from warpwear.study.study import Study
+
+#: Longest silence of a run that writes plain lines [s].
+EVERY_SECONDS = 30.0
+
+
+class Progress:
+    """Counts steps; says where the run is about every tenth of them, or in a bar."""
+
+    def __init__(self, study: Study, *, quiet: bool = False) -> None:
+        self._name = study.study.name
+        self._quiet = quiet
+        self._bar: tqdm | None = None
+        self._steps = self._done = self._before = 0
+        self._started = self._said = time.perf_counter()
+        self._next = 0.1
+
+    def start(self, steps: int, *, done: int = 0) -> None:
+        """The run begins, or goes on; it has this many steps, of which so many are done."""
+        self._steps, self._done, self._before = steps, done, done
+        self._next = done / steps + 0.1
+        self._started = self._said = time.perf_counter()
+        if not self._quiet and sys.stderr.isatty():
+            self._bar = tqdm(total=steps, initial=done, desc=self._name, unit="step", leave=False)
+
+    def step(self, row: dict[str, float]) -> None:
+        """One step is done."""
+        self._done += 1
+        if self._bar is not None:
+            self._bar.update()
+            if self._done % 20 == 0:
+                self._bar.set_postfix_str(
+                    f"{row['distance']:.4g} mm, {row['area_contact']:.4g} mm²", refresh=False
+                )
+        elif self._done >= self._next * self._steps or time.perf_counter() - self._said > EVERY_SECONDS:
+            elapsed = time.perf_counter() - self._started
+            self._said = time.perf_counter()
+            left = elapsed / (self._done - self._before) * (self._steps - self._done)
+            self.say(
+                f"{self._name}: step {self._done} of {self._steps}, {row['distance']:.4g} mm slid, "
+                f"{row['area_contact']:.4g} mm² in contact, {elapsed:.0f} s gone, about {left:.0f} s left"
+            )
+            self._next = self._done / self._steps + 0.1
+
+    def say(self, line: str) -> None:
+        """A line for the user."""
+        if not self._quiet:
+            tqdm.write(line, file=sys.stderr)
+
+    def end(self) -> None:
+        """The run is over, one way or another."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+class Interrupts:
+    """Inside the context the first signal that would raise KeyboardInterrupt only sets `asked`.
+
+    A second one raises it at once. Handlers of others, and signals in other threads, are left alone.
+    """
+
+    def __init__(self) -> None:
+        self.asked = False
+        self._before: dict[signal.Signals, Any] = {}
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGTERM):
+                if signal.getsignal(number) is signal.default_int_handler:
+                    self._before[number] = signal.signal(number, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        if self.asked:
+            raise KeyboardInterrupt
+        self.asked = True

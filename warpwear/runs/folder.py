@@ -1,0 +1,158 @@
+"""The folder of a run: what may be written where, and how it gets there whole."""
+
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from warpwear.errors import InputError
+from warpwear.lazy import resolve
+from warpwear.result import PLOTTER, Result
+from warpwear.results import file as results
+from warpwear.results.file import FILE_NAME, MAGIC
+from warpwear.results.seal import seal
+from warpwear.runs import checkpoint
+from warpwear.runs import lock as run_lock
+from warpwear.study.study import Study
+
+#: Work folders, inside the run folder; of a killed run they stay until the next.
+WORK = ".work-"
+LOG = "log.txt"
+
+
+def check(folder: Path, *, overwrite: bool, resume: bool) -> None:
+    """Raises InputError for a folder that a run must not, or cannot, be written into."""
+    for path in (folder, *folder.parents):
+        if path.exists() and not path.is_dir():
+            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected.")
+    if folder.is_dir():
+        run_lock.refuse_if_held(folder)
+        _check_content(folder, overwrite=overwrite, resume=resume)
+    try:
+        with tempfile.TemporaryFile(dir=folder if folder.is_dir() else _nearest_folder(folder)):
+            pass
+    except OSError as error:
+        raise InputError(f"out = {folder} cannot be written: {error.strerror}.") from error
+
+
+def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
+    kept = folder / checkpoint.FILE_NAME
+    if checkpoint.is_one(kept):
+        if not (overwrite or resume):
+            raise InputError(
+                f"out = {folder} holds the checkpoint of an unfinished run; --resume goes on with it, "
+                "--overwrite starts anew."
+            )
+    elif resume and kept.exists():
+        raise InputError(f"{kept} is no checkpoint of warpwear or is damaged; --overwrite or delete it.")
+    elif _holds_a_run(folder):
+        if not (overwrite or resume):
+            raise InputError(f"out = {folder} already holds a run; give another --out, or --overwrite it.")
+    elif results.is_one(folder / FILE_NAME):  # and is damaged
+        if not overwrite:
+            Result.open(folder)
+    elif not (folder / run_lock.NAME).exists() and any(
+        not path.name.startswith(WORK) for path in folder.iterdir()
+    ):
+        raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
+
+
+def is_finished(folder: Path, study: Study) -> bool:
+    """Whether the folder holds the finished run of this study, so that there is nothing to resume.
+
+    Raises InputError for a run of another study, and while another run works there.
+    """
+    run_lock.refuse_if_held(folder)
+    if checkpoint.is_one(folder / checkpoint.FILE_NAME) or not _holds_a_run(folder):
+        return False
+    with Result.open(folder) as result:
+        finished = result.finished
+        free = checkpoint.LABELS if finished else checkpoint.FREE  # of a finished run nothing is made anew
+        changed = checkpoint.changed_keys(result.study, study, free=free)
+        if changed:
+            raise InputError(
+                f"out = {folder} holds a run of another study ({', '.join(changed)}); --overwrite it, or "
+                "give another --out."
+            )
+    if finished and (folder / run_lock.NAME).exists():  # killed when all was in place
+        with run_lock.held(folder):
+            _clean(folder)
+    return finished
+
+
+@contextmanager
+def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterator[Path | None]:
+    """A work folder inside the run folder, gone again at the end, as is a run folder that stays empty.
+
+    Raises InputError if it cannot write, or another run works there.
+    """
+    if folder is None:
+        yield None
+        return
+    made = [path for path in (folder.absolute(), *folder.absolute().parents) if not path.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        check(folder, overwrite=overwrite, resume=resume)
+        with run_lock.held(folder):
+            log = _log_so_far(folder) if resume else b""
+            _clean(folder)
+            work = Path(tempfile.mkdtemp(prefix=WORK, dir=folder))
+            work.chmod(0o755)
+            try:
+                (work / LOG).write_bytes(log)
+                yield work
+            finally:
+                shutil.rmtree(work, ignore_errors=True)
+    except OSError as error:
+        why = error.strerror or str(error)
+        if "memory allocation failed" in why:  # HDF5 says it so
+            raise MemoryError from error
+        kept = checkpoint.is_one(folder / checkpoint.FILE_NAME)
+        what = "a checkpoint, with which --resume goes on" if kept else "no run"
+        raise InputError(f"out = {folder} could not be written and holds {what}: {why}.") from error
+    finally:
+        for path in made:
+            with suppress(OSError):  # not empty
+                path.rmdir()
+
+
+def move_into_place(work: Path, folder: Path) -> None:
+    """Seal the result and move all files of the run, one by one, the result last; others are left alone."""
+    there = list((folder / "figures").glob("*"))
+    known = resolve(PLOTTER).NAMES if there else ()
+    for figure in there:
+        if figure.stem in known:  # of the run that is replaced
+            figure.unlink()
+    with (work / FILE_NAME).open("r+b") as file:
+        seal(file, MAGIC)
+    for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
+        item.replace(folder / item.name)
+
+
+def _log_so_far(folder: Path) -> bytes:
+    """Of the sessions that went before, killed ones too: each began with the log of those before it."""
+    logs = []
+    for path in (folder / LOG, *folder.glob(f"{WORK}*/{LOG}")):
+        with suppress(OSError):
+            logs.append(path.read_bytes())
+    return max(logs, key=len, default=b"")
+
+
+def _clean(folder: Path) -> None:
+    """Remove what runs that were killed left beside their results."""
+    for left in folder.glob(f"{WORK}*"):
+        shutil.rmtree(left, ignore_errors=True)
+
+
+def _holds_a_run(folder: Path) -> bool:
+    try:
+        Result.open(folder).close()
+    except InputError:
+        return False
+    return True
+
+
+def _nearest_folder(path: Path) -> Path:
+    """The nearest parent that exists."""
+    return next(parent for parent in path.absolute().parents if parent.is_dir())

@@ -1,0 +1,126 @@
+"""What must hold after every step: finite numbers, a balanced load, conserved volumes, a contact inside.
+
+Works on rows of the history, as dictionaries, so that every model is checked by the same rules. A row without
+a column is not checked for it.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpwear.contact.balance import TOLERANCE
+from warpwear.study.study import Study
+
+#: Of a worn volume, off what Archard's law asks for: rounding leaves 1e-12 of it.
+CONSERVATION = 1.0e-10
+#: And over the cells ever touched [mm]: what rounding of their gaps leaves of their mean.
+ROUNDING = 1.0e-15
+#: Columns that may be no number: without a speed, and before the shear strength is calibrated.
+OPEN = frozenset(("time", "cof"))
+BODIES = (
+    ("wear_volume_sphere", "archard_volume_sphere"),
+    ("wear_volume_disc", "archard_volume_disc"),
+)
+
+
+@dataclass(frozen=True)
+class Violation:
+    """Something that does not hold."""
+
+    quantity: str  # column of the history or name of the field; "edge" or "rim"
+    sentence: str  # without its full stop
+    remedy: str = "so what follows cannot be trusted"
+    sound: bool = False  # whether the state is what the equations say, so that it may be kept
+
+
+class Invariants:
+    """Checks the steps of one study.
+
+    residual: load that may be left unbalanced [N], by default what the study's balance is solved to.
+    """
+
+    def __init__(self, study: Study, *, residual: float | None = None) -> None:
+        self._study = study
+        if residual is None:
+            residual = TOLERANCE * study.contact.load
+            if study.uses_bearing_area:
+                residual = max(residual, study.load_tolerance)
+        self._residual = residual
+        self._uncovered = study.patch_layout.uncovered if study.study.model == "two-scale" else 0
+
+    def of_row(
+        self, row: Mapping[str, float], *, touches_edge: bool = False, touches_rim: bool = False
+    ) -> Iterator[Violation]:
+        """What a row violates, the worst first.
+
+        touches_edge, touches_rim: whether the contact reached the domain's edge or the sphere's rim, which a
+        rigid flat has not.
+        """
+        # Infinities do not cancel, and a NaN stays one: a finite sum, the usual case, needs no second look.
+        if not math.isfinite(sum(row.values())):
+            yield from self._not_finite(row)
+        residual = row.get("load_residual", 0.0)
+        if abs(residual) > self._residual:
+            yield Violation(
+                "load_residual",
+                f"load_residual = {residual:.3g} N {_where(row)} is beyond {self._residual:.3g} N",
+            )
+        for worn, asked in BODIES:
+            if worn not in row:
+                continue
+            allowed = CONSERVATION * row[asked] + ROUNDING * row.get("area_touched", 0.0)
+            if abs(row[worn] - row[asked]) > allowed:
+                yield self._not_conserved(row, worn, row[asked])
+        if (touches_edge or touches_rim) and self._study.sphere.curvature > 0.0:
+            yield self._outside(row, rim=touches_rim)
+
+    def of_fields(self, fields: Mapping[str, Any], row: Mapping[str, float]) -> Iterator[Violation]:
+        """Fields with values that are no finite numbers: a cell without a gap would carry no load, unseen.
+
+        Cells of the domain that no patch covers have no gap (NaN).
+        """
+        for name, values in fields.items():
+            if np.asarray(values).dtype.kind == "f" and not math.isfinite(float(np.sum(values))):
+                of_none = self._uncovered if np.shape(values) == self._study.cells.shape else 0
+                if of_none and np.count_nonzero(np.isnan(values)) == of_none and not np.isinf(values).any():
+                    continue
+                bad = int(np.count_nonzero(~np.isfinite(values))) - of_none
+                yield Violation(name, f"{name} is no finite number on {bad} cells {_where(row)}")
+
+    def _not_finite(self, row: Mapping[str, float]) -> Iterator[Violation]:
+        for name, value in row.items():
+            if not math.isfinite(value) and name not in OPEN:
+                yield Violation(name, f"{name} = {value:g} {_where(row)} is no finite number")
+
+    def _not_conserved(self, row: Mapping[str, float], name: str, asked: float) -> Violation:
+        off = f"{abs(row[name] - asked) / asked:.2g}" if asked else "all"
+        return Violation(
+            name,
+            f"{name} = {row[name]:.9g} mm³ {_where(row)} is off the {asked:.9g} mm³ of Archard's law "
+            f"by {off} of it, where {CONSERVATION:g} is allowed",
+        )
+
+    def _outside(self, row: Mapping[str, float], *, rim: bool) -> Violation:
+        curvature, after = self._study.sphere.curvature, f"after {row['distance']:g} mm of sliding"
+        if rim:
+            return Violation(
+                "rim",
+                f"sphere.radius = {1.0 / curvature:g} mm is too small: the contact reached the sphere's rim "
+                f"{after}, so the sphere is worn away",
+                "a larger radius, or less load, wear or distance is needed",
+                sound=True,
+            )
+        return Violation(
+            "edge",
+            f"grid.extent = {self._study.grid.extent:g} mm is too small: the contact reached the domain's "
+            f"edge {after}, so what lies beyond it would be missing",
+            "a larger extent is needed",
+            sound=True,
+        )
+
+
+def _where(row: Mapping[str, float]) -> str:
+    return f"after {row.get('distance', math.nan):g} mm of sliding"

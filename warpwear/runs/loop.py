@@ -1,0 +1,236 @@
+"""The steps of one run, what is checked of each, and what is kept."""
+
+import logging
+import math
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from warpwear.engine.executor import Executor
+from warpwear.errors import ConvergenceError, InputError, InvariantError
+from warpwear.grid import FloatArray
+from warpwear.history.columns import Rows, columns_of
+from warpwear.results import friction
+from warpwear.results.seal import versions
+from warpwear.results.writer import ResultWriter
+from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
+from warpwear.runs.checkpoint import Checkpoint, Checkpoints, Found, opened
+from warpwear.runs.console import Interrupts, Progress
+from warpwear.runs.invariants import Invariants, Violation
+from warpwear.runs.make import model_of, plan_of
+from warpwear.study.rules import too_small
+from warpwear.study.study import Study
+from warpwear.study.surface import surface_in
+
+LOG = logging.getLogger("warpwear")
+
+#: A coefficient of friction beyond this is a mistake, not a result.
+ABSURD_COEFFICIENT = 3.0
+#: A contact of fewer cells is not resolved.
+FEW_CELLS = 20
+
+
+class StepLoop:
+    """The steps of one run and what is kept of them."""
+
+    def __init__(self, study: Study, executor: Executor, writer: ResultWriter, progress: Progress) -> None:
+        self.study = study
+        self.finished = self.interrupted = False
+        self._checkpoints: Checkpoints | None = None
+        self._checkpoint_failed = False
+        self._elapsed_before = 0.0
+        #: Why the run stopped early, if a step was wrong.
+        self.failed: InvariantError | ConvergenceError | None = None
+        self._invariants = Invariants(study)
+        self._told: list[str] = []
+        self._writer = writer
+        self._progress = progress
+        grid = study.cells
+        problem = too_small(study)
+        if problem is not None and study.checks.strict:
+            raise InputError(f"{problem}.")
+        surface = surface_in(study)
+        along = study.track.x if study.is_swept else grid.x
+        self.warnings = [*study.notices(), *surface.notices(along, grid.y)]
+        for warning in self.warnings:
+            self._warn(warning)
+        made = model_of(study, surface, executor)
+        if made.heights is not None:
+            writer.add_track(study.track.x, made.heights)
+        self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
+        self._processor, self._device = executor.device, str(executor.device)
+        self._book = made.book
+        self._rows = Rows()
+
+    def checkpoint_in(self, folder: Path, work: Path, *, resume: bool) -> None:
+        """Keep checkpoints in a run folder, and make them in a work folder. Go on from the one there, or not.
+
+        Raises InputError for one that is damaged or another run's.
+        """
+        if resume:
+            with opened(folder / CHECKPOINT) as found:
+                if found is not None:
+                    self._restore(found)
+        self._checkpoints = Checkpoints(
+            folder / CHECKPOINT, work, self.study, device=self._device, surface=self._surface_sum
+        )
+        if not resume:
+            self._checkpoints.remove()  # of the run that is overwritten
+
+    def end_checkpoints(self) -> None:
+        """The result is in its place: of a finished run nothing else is needed."""
+        if self._checkpoints is not None and self.finished:
+            self._checkpoints.remove()
+
+    def _restore(self, found: Found) -> None:
+        found.refuse_changes(self.study, device=self._device)
+        found.refuse_surface(self._surface_sum)
+        then = found.read()
+        self._model.restore(then.arrays, then.numbers)
+        self._writer.take_snapshots_from(found.file)
+        self._rows = Rows(then.rows)
+        self.warnings, self._told = then.warnings, then.told
+        self._elapsed_before = then.elapsed
+        LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
+
+    def run(self) -> None:
+        """Make the steps, and write what they leave into the result."""
+        plan = plan_of(self.study)
+        self._started = time.perf_counter()
+        self._progress.start(len(plan), done=len(self._rows))
+        try:
+            self._make_steps(plan[len(self._rows) :])
+        except KeyboardInterrupt:
+            if not self._rows:
+                raise
+            self.interrupted = True
+        except (InvariantError, ConvergenceError) as error:
+            if not self._rows or self._checkpoints is None:
+                raise
+            self._fail(error)
+        finally:
+            self._progress.end()
+        self.finished = len(self._rows) == len(plan)
+        history = self._history(finished=self.finished)
+        self._check_results(history)
+        how = "finished:" if self.finished else "stopped after"
+        LOG.info("%s %d steps in %.1f s", how, len(self._rows), self._elapsed)
+        record = {
+            "surface": self._surface_record,
+            "warnings": self.warnings,
+            "elapsed_s": self._elapsed,
+            "made_with": versions(self._processor),
+        }
+        self._writer.finish(history, record, finished=self.finished)
+        if self._book is not None:
+            self._writer.add_patches(self._book)
+
+    def _make_steps(self, plan: Sequence[tuple[float, float, bool]]) -> None:
+        """Steps of (increment, distance at its end, whether to keep a snapshot) [mm]."""
+        speed = self.study.sliding.speed
+        steps = self._model.steps((increment, keep) for increment, _, keep in plan)
+        with Interrupts() as interrupts:
+            for (_, distance, keep), step in zip(plan, steps, strict=True):
+                row = step.row | {"distance": distance}
+                stop = self._check(
+                    self._invariants.of_row(row, touches_edge=step.touches_edge, touches_rim=step.touches_rim)
+                )
+                snapshot = self._model.snapshot(step, distance) if keep else None
+                if snapshot is not None:
+                    self._check(self._invariants.of_fields(vars(snapshot), row))
+                    self._writer.add_snapshot(snapshot)
+                self._rows.append(row | {"time": distance / speed if speed else math.nan})
+                self._progress.step(row)
+                if self._model.ahead:  # of a block that is made, so the state is not this step's
+                    if stop is not None:
+                        raise stop
+                    continue
+                asked = interrupts.asked or stop is not None
+                if self._checkpoints is not None and (asked or self._checkpoints.due):
+                    self._checkpoint(self._checkpoints)
+                if stop is not None:
+                    raise stop
+                if interrupts.asked:
+                    self.interrupted = True
+                    break
+
+    def _checkpoint(self, checkpoints: Checkpoints) -> None:
+        arrays, numbers = self._model.saved_state()
+        self._check(self._invariants.of_fields(arrays, self._rows[-1]))
+        now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._told, self._elapsed)
+        try:
+            checkpoints.write(now, self._writer)
+        except OSError as error:
+            if not self._checkpoint_failed:
+                self._checkpoint_failed = True
+                why = error.strerror or str(error)
+                self._add_warning(f"No checkpoint could be written: {why}. The run goes on without.")
+
+    @property
+    def _elapsed(self) -> float:
+        """Time that the steps took, those before the checkpoint included [s]."""
+        return self._elapsed_before + time.perf_counter() - self._started
+
+    def _history(self, *, finished: bool) -> dict[str, FloatArray]:
+        history = {column.name: self._rows.column(column.name) for column in columns_of(self.study)}
+        study = self.study
+        history["cof"] = friction.coefficient(
+            study.friction, history, load=study.contact.load, finished=finished, lap=study.lap
+        )
+        return history
+
+    def _check(self, violations: Iterator[Violation]) -> InvariantError | None:
+        """Record what is violated, once each; with checks.strict the error that stops the run.
+
+        Raised at once where the state is not to be kept; returned where it is, in a checkpoint that tells it.
+        """
+        for violation in violations:
+            if self.study.checks.strict:
+                self._told.append(violation.quantity)
+                self.warnings.append(f"{violation.sentence}.")
+                error = InvariantError(f"{violation.sentence}; {violation.remedy}.")
+                if not violation.sound:
+                    raise error
+                return error
+            if violation.quantity not in self._told:
+                self._told.append(violation.quantity)
+                self._add_warning(f"{violation.sentence}.")
+        return None
+
+    def _fail(self, error: InvariantError | ConvergenceError) -> None:
+        """Stop with what came before in the folder."""
+        LOG.warning(str(error))  # the screen gets it when the run is closed
+        if isinstance(error, ConvergenceError):
+            self.warnings.append(str(error))
+        kept = "out keeps the run so far"
+        if isinstance(error, InvariantError):
+            has_checkpoint = self._checkpoints is not None and self._checkpoints.path.exists()
+            what = "goes on" if has_checkpoint else "begins again"
+            kept += f", and --resume with checks.strict = false {what}"
+        elif not self.study.is_swept and self.study.sliding.total:  # the same step would end the same way
+            fixed = self.study.stepping.increment is not None
+            keys = "stepping.increment" if fixed else "stepping.first, stepping.largest"
+            kept += f", and a new run with smaller increments ({keys}) may get further"
+        self.failed = type(error)(f"{str(error).removesuffix('.')}; {kept}.")
+
+    def _check_results(self, history: dict[str, FloatArray]) -> None:
+        highest = history["cof"].max()
+        if highest > ABSURD_COEFFICIENT:
+            self._add_warning(
+                f"The coefficient of friction reaches {highest:.3g}, which no contact has: the shear "
+                f"strength belongs to another area than friction.area = '{self.study.friction.area}'."
+            )
+        fewest = history["cells_in_contact"].min()
+        if fewest < FEW_CELLS:
+            self._add_warning(
+                f"At times only {fewest:.0f} cells are in contact: smaller cells are needed to trust "
+                "the result."
+            )
+
+    def _add_warning(self, sentence: str) -> None:
+        self.warnings.append(sentence)
+        self._warn(sentence)
+
+    def _warn(self, sentence: str) -> None:
+        LOG.warning(sentence)
+        self._progress.say(f"note: {sentence}")

@@ -1,0 +1,185 @@
+"""From a study to what a run steps through: its model, the executor it launches on, the plan of its steps."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from warpwear.engine.device import free_memory
+from warpwear.engine.executor import FIELDS_NEEDED, Executor
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray, Grid
+from warpwear.history.recorder import Step
+from warpwear.history.recorder_patches import PatchBook, bytes_of_book
+from warpwear.history.snapshot import Snapshot
+from warpwear.laws.patches import Patches
+from warpwear.laws.track import WHOLE, Track, increments
+from warpwear.models.patches.half_space import ElasticPatchesModel
+from warpwear.models.patches.local import TwoScaleModel
+from warpwear.models.patches.width import refuse_unsuitable
+from warpwear.models.rest.half_space import HalfSpaceModel
+from warpwear.models.rest.local import OneScaleModel
+from warpwear.models.track.model import DISC_FIELDS, SweptModel
+from warpwear.runs.checkpoint import checksum
+from warpwear.study.study import Study
+from warpwear.study.surface import bearing_curve_of
+from warpwear.surfaces.base import Surface
+from warpwear.surfaces.roughness import roughness
+
+#: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
+HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0}, 12.0
+#: More where the disc slides: sphere, its wear, gap and a mean along x, of which one at rest has two gaps.
+SLIDING_FIELDS = 3.0
+#: Rows of a track whose roughness is recorded.
+MOST_ROWS = 4000
+
+
+class Model(Protocol):
+    """Contact and wear of one study on one executor."""
+
+    #: Steps that the state is ahead of the last one given.
+    ahead: int
+
+    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
+        """One step for each (increment [mm], whether a snapshot of it will be asked for)."""
+
+    def snapshot(self, step: Step, distance: float) -> Snapshot:
+        """The fields after the last step given, at its distance [mm]."""
+
+    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
+
+    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Go on from the state that another model of the same study, surface and device saved."""
+
+
+@dataclass(frozen=True)
+class Made:
+    """A model, and what it was made of."""
+
+    model: Model
+    surface_sum: int  # `checksum` of the heights
+    record: dict[str, Any]  # of the surface, for the result
+    heights: FloatArray | None = None  # of the unworn track [mm], shape (rows, ny), where there is one
+    book: PatchBook | None = None  # of the patches that the model has
+
+
+def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
+    """What the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
+    fields = FIELDS_NEEDED
+    elastic = study.contact.law == "half-space"
+    if elastic:
+        fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu")
+    if study.is_swept:
+        rows = study.track.rows
+        fields += SLIDING_FIELDS * elastic
+        fields += (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
+        _check_memory(study, rows, fields, device)
+        return Executor(study.cells, device=device, threads=threads)
+    # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
+    fields += 5.0 * (study.wear.distance_factor == "radial")
+    if study.study.model == "two-scale":
+        patches = study.patch_layout
+        _check_memory_of_book(study, patches, device)
+        return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
+    return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
+
+
+def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
+    """The model that the study asks for, on a surface. Raises InputError for one that it cannot use."""
+    grid = study.cells
+    if study.is_swept:
+        track = study.track
+        heights = _heights_of(study, surface, track)
+        record = surface.record() | {"on_the_grid": _roughness_on(grid, heights[:MOST_ROWS])}
+        found = checksum(heights)
+        swept = SweptModel(study, track, heights, executor)
+        return Made(swept, found, record, heights)
+    heights = surface.heights(grid.x, grid.y)
+    record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
+    if study.study.model == "two-scale":
+        patches = study.patch_layout
+        refuse_unsuitable(study, patches, heights)
+        make = ElasticPatchesModel if study.contact.law == "half-space" else TwoScaleModel
+        of_patches = make(study, patches, heights, executor)
+        return Made(of_patches, checksum(heights), record, book=of_patches.book)
+    if study.contact.law == "half-space":
+        return Made(HalfSpaceModel(study, heights, executor), checksum(heights), record)
+    curve = None
+    if study.wear.law == "bearing-curve":
+        curve = bearing_curve_of(study)
+        record["bearing_curve"] = asdict(curve)
+    model = OneScaleModel(study, heights, executor, bearing_curve=curve)
+    return Made(model, checksum(heights), record)
+
+
+def plan_of(study: Study) -> list[tuple[float, float, bool]]:
+    """Of every step the increment, the distance at its end [mm], and whether its fields are kept."""
+    stops, total = set(study.output.snapshots), study.sliding.total
+    if study.is_swept:
+        return _swept_plan(study, sorted(stop for stop in stops if stop < total))
+    return [
+        (increment, distance, distance in stops or distance == total)
+        for increment, distance in increments(study.stepping.plan, total, stops)
+    ]
+
+
+def _heights_of(study: Study, surface: Surface, track: Track) -> FloatArray:
+    """Of the track over its mean plane [mm], shape (track.rows, ny).
+
+    A random surface that repeats after whole cells is made once: the sums behind it take most of the time.
+    """
+    x, y, disc = track.x, study.cells.y, study.disc.synthetic
+    if disc is not None and disc.kind == "self-affine":
+        period = disc.period / track.cell
+        if abs(period - round(period)) <= WHOLE * period and round(period) < track.rows:
+            return surface.heights(x[: round(period)], y)[np.arange(track.rows) % round(period)]
+    return surface.heights(x, y)
+
+
+def _swept_plan(study: Study, stops: list[float]) -> list[tuple[float, float, bool]]:
+    """Steps are as long as the track has them: fields are kept at the first end at or after each stop."""
+    plan, total = [], study.sliding.total
+    for increment, distance in study.track.increments(total):
+        reached = bool(stops) and stops[0] > 0.0 and distance >= stops[0] - 1.0e-6 * increment
+        while stops and distance >= stops[0] - 1.0e-6 * increment:
+            del stops[0]
+        plan.append((increment, distance, reached or distance == total))
+    return plan
+
+
+def _check_memory(study: Study, rows: int, fields: float, device: str) -> None:
+    """Raises InputError for a track that the host or the device does not hold."""
+    needed = 8.0 * fields * study.cells.cells
+    whole = study.sliding.track == "full"
+    instead = "a representative track, such as sliding.track = '3.2 mm', or " if whole else ""
+    for place, free in free_memory(device).items():
+        if needed > free:
+            raise InputError(
+                f"sliding.track = {study.sliding.track!r} makes a disc of {rows} × {study.cells.ny} cells, "
+                f"which takes {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB free, "
+                f"so {instead}larger cells are needed."
+            )
+
+
+def _check_memory_of_book(study: Study, patches: Patches, device: str) -> None:
+    """Raises InputError for a history of patches that the host does not hold beside the fields."""
+    steps = sum(1 for _ in increments(study.stepping.plan, study.sliding.total, study.output.snapshots))
+    tables = bytes_of_book(steps, patches.count)
+    fields = 8.0 * FIELDS_NEEDED * patches.grid.cells * (device == "cpu")
+    free = free_memory(device)["the host"]
+    if fields <= free < fields + tables:  # fields that are too many are told by their cells
+        raise InputError(
+            f"macro.cell = {1e3 * study.macro.cell:g} µm makes {patches.count} patches, whose loads and "
+            f"areas over {steps} steps take {tables / 2**30:.1f} GiB of memory beside "
+            f"{fields / 2**30:.1f} GiB of fields; the host has {free / 2**30:.1f} GiB free, so a larger "
+            "macro.cell is needed."
+        )
+
+
+def _roughness_on(grid: Grid, heights: FloatArray) -> dict[str, float]:
+    """What the cells see of the surface: after filling, filtering, mirroring and sampling."""
+    found = roughness(heights, pixel=(grid.cell, grid.cell))
+    lengths = {f"{key}_um": 1.0e3 * found.pop(key) for key in ("sa", "sq", "sz")}
+    return lengths | found

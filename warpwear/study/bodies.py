@@ -1,0 +1,128 @@
+"""[sphere] and [disc]: the bodies, what they are made of, and the disc's surface."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from warpwear.study.keys import (
+    Angle,
+    Deviations,
+    HurstExponent,
+    Length,
+    LengthOrInfinite,
+    LengthOrZero,
+    PoissonRatio,
+    Pressure,
+    Section,
+    key,
+)
+from warpwear.study.materials import material
+
+
+class Body(Section):
+    material: Annotated[str, AfterValidator(lambda name: material(name).name)] | None = key(
+        None,
+        "name of a known material (see 'warpwear materials'), for constants that are not given",
+    )
+    young: Pressure | None = key(None, "Young's modulus")
+    poisson: PoissonRatio | None = key(None, "Poisson's ratio")
+    hardness: Pressure | None = key(None, "indentation hardness")
+
+    @property
+    def elastic(self) -> tuple[float, float] | None:
+        """Young's modulus [MPa] and Poisson's ratio, where both are known."""
+        return None if self.young is None or self.poisson is None else (self.young, self.poisson)
+
+
+class Sphere(Body):
+    """[sphere]"""
+
+    radius: LengthOrInfinite | None = key(None, "radius; 'inf mm' is a rigid flat")
+    diameter: Length | None = key(None, "diameter, instead of the radius")
+
+    @model_validator(mode="after")
+    def _one_size(self) -> Self:
+        if (self.radius is None) == (self.diameter is None):
+            raise ValueError("sphere.radius or sphere.diameter must be given, and not both")
+        return self
+
+    @property
+    def curvature(self) -> float:
+        """1/R [1/mm], 0 for a flat."""
+        if self.radius is not None:
+            return 1.0 / self.radius
+        assert self.diameter is not None
+        return 2.0 / self.diameter
+
+
+class Synthetic(Section):
+    """[disc.synthetic]"""
+
+    kind: Literal["self-affine", "milled", "flat"] = key(..., "which surface")
+    ra: Length | None = key(None, "arithmetic mean height Ra")
+    sq: Length | None = key(None, "root mean square height Sq, instead of Ra")
+    hurst: HurstExponent = key(0.8, "Hurst exponent", assumed="typical of machined steel")
+    roll_off: Length = key("100 um", "wavelength above which the spectrum is flat", assumed="not measured")
+    cut_off: Length = key("8 um", "shortest wavelength (λs)", assumed="profile filter λs of ISO 3274")
+    seed: int = key(0, "seed of the random numbers", assumed="one surface of many")
+    period: Length = key("2 mm", "length after which the surface repeats", assumed="wider than the contact")
+    feed: Length = key("0.65 mm", "milled: distance of the feed marks")
+    fine_ra: LengthOrZero = key("0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra")
+    lay: Angle = key(
+        "90 deg", "milled: angle between feed marks and sliding", assumed="sliding across the marks"
+    )
+
+    @model_validator(mode="after")
+    def _one_height(self) -> Self:
+        if self.kind == "flat":
+            return self
+        if (self.ra is None) == (self.sq is None):
+            raise ValueError("disc.synthetic.ra or disc.synthetic.sq must be given, and not both")
+        return self
+
+
+def _pixel(value: Any) -> Any:
+    return (value, value) if isinstance(value, str) else value
+
+
+def _crop(value: Any) -> Any:
+    value = _pixel(value)
+    if isinstance(value, list | tuple) and len(value) not in (2, 4):
+        raise ValueError("needs a size, a size along x and along y, or four lengths x0, x1, y0, y1")
+    return value
+
+
+class Disc(Body):
+    """[disc]"""
+
+    surface: str | None = key(None, "file of a measured surface, relative to the study")
+    synthetic: Synthetic | None = key(None, "a synthetic surface instead")
+    extend: Literal["refuse", "mirror", "periodic"] = key(
+        "refuse", "when the file is smaller than the domain"
+    )
+    height_sign: Literal["up", "down"] = key("up", "down turns the file's heights over: it gives depths")
+    crop: Annotated[tuple[LengthOrZero, ...], BeforeValidator(_crop)] | None = key(
+        None, "part of the file used: x0, x1, y0, y1 from its corner, or a size around its middle"
+    )
+    sliding_axis: Literal["x", "y"] = key("x", "axis of the file along which the sphere slides")
+    outliers: Deviations | None = key(
+        None, "points farther than so many robust standard deviations from the local median are removed"
+    )
+    level: Literal["none", "plane", "sphere"] | Annotated[int, Field(ge=0, le=12)] = key(
+        "plane", "form removed from the measurement: none, plane, sphere or degree of a polynomial"
+    )
+    s_filter: Length | None = key(None, "waves shorter than this are filtered out (Gaussian, ISO 16610-61)")
+    l_filter: Length | None = key(None, "waves longer than this are filtered out (Gaussian, ISO 16610-61)")
+    pixel: Annotated[tuple[Length, Length], BeforeValidator(_pixel)] | None = key(
+        None, "distance of the file's points, needed by .npy; overrides what a file says"
+    )
+    height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = key(
+        None, "unit of the file's heights, needed by .npy; overrides what a file says"
+    )
+    array: str | None = key(None, "which array of a .npz that holds several")
+
+    @model_validator(mode="after")
+    def _one_surface(self) -> Self:
+        if self.surface is not None and self.synthetic is not None:
+            raise ValueError("disc.surface (a file) and [disc.synthetic] exclude each other")
+        return self

@@ -1,0 +1,165 @@
+"""[contact], [wear], [friction] and [junctions]: the laws of what touches."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, PlainSerializer, PlainValidator, model_validator
+
+from warpwear.laws.elastic import MATCHES
+from warpwear.study.keys import (
+    Force,
+    FrictionCoefficient,
+    FrictionOffset,
+    Length,
+    PerLength,
+    Pressure,
+    PressureOrInfinite,
+    Ratio,
+    Section,
+    Stiffness,
+    SurfaceEnergy,
+    key,
+)
+from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, parse, text
+
+
+def _foundation(value: Any) -> Any:
+    return value if isinstance(value, str) and value in MATCHES else Quantity("N/mm^3").read(value)
+
+
+class Contact(Section):
+    """[contact]"""
+
+    load: Force = key(..., "normal load")
+    hardness: PressureOrInfinite | None = key(
+        None, "largest pressure of a cell; by default the softer body's, in the macro model none"
+    )
+    law: Literal["foundation", "half-space"] = key(
+        "foundation",
+        "under a largest pressure; foundation: every cell by itself; half-space: elastic bodies, whose "
+        "asperities feel each other",
+    )
+    boundary: Literal["free", "periodic"] | None = key(
+        None,
+        "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; "
+        "if not given free under a sphere, periodic under a flat and for patches",
+        assumed="nothing beyond the domain under a sphere; under a flat the domain is repeated, and in the "
+        "two-scale model each patch",
+    )
+    stiffness: Stiffness = key(
+        "inf N/mm^3",
+        "micro and two-scale model: local foundation stiffness k",
+        assumed="asperities do not deform elastically",
+    )
+    foundation: Annotated[
+        float | Literal["area", "pressure", "approach"],
+        BeforeValidator(_foundation),
+        PlainSerializer(lambda v: v if isinstance(v, str) else text(v, "N/mm^3")),
+    ] = key(
+        "area",
+        "macro model, bulk of the two-scale: stiffness K_N that gives Hertz's area, peak pressure or "
+        "approach, or a stiffness",
+        assumed="one spring constant matches one of Hertz's three values",
+    )
+    foundation_update: Literal["initial", "updated"] = key(
+        "initial",
+        "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (two-scale: scar)",
+    )
+
+
+@dataclass(frozen=True)
+class ArchardCoefficient:
+    """K of V = K F L [mm³/(N·m)], hardness contained; or k of V = k F L / H, dimensionless."""
+
+    value: float
+    dimensionless: bool = False
+
+    @classmethod
+    def read(cls, given: Any) -> Self:
+        """From text with a unit, or a bare number. Raises ValueError."""
+        if isinstance(given, cls):
+            return given
+        bare = isinstance(given, int | float) and not isinstance(given, bool)
+        value = Number(NOT_NEGATIVE).read(given) if bare else parse(given, "mm^3/N/m")
+        return cls(NOT_NEGATIVE.check(value), bare)
+
+    def write(self) -> str | float:
+        """What `read` reads back."""
+        return self.value if self.dimensionless else text(self.value, "mm^3/N/m")
+
+    def resolved(self, hardness: float) -> float:
+        """K [mm²/N] = 1e-3 mm³/(N·m) (thesis eqs 4.12 and 4.13)."""
+        return self.value / hardness if self.dimensionless else 1.0e-3 * self.value
+
+
+WearCoefficient = Annotated[
+    ArchardCoefficient, PlainValidator(ArchardCoefficient.read), PlainSerializer(ArchardCoefficient.write)
+]
+
+
+class Wear(Section):
+    """[wear]"""
+
+    sphere: WearCoefficient = key(..., "wear coefficient K of the sphere, hardness contained")
+    disc: WearCoefficient = key(..., "wear coefficient K of the disc, hardness contained")
+    law: Literal["archard", "exponential", "running-in", "bearing-curve"] = key(
+        "archard", "depth = K × pressure × distance, K constant or by an empirical law of the distance slid"
+    )
+    decay: PerLength | None = key(None, "exponential: α of V = K F (1 − e^(−αL))/α, an empirical fit")
+    running_in: Length | None = key(None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit")
+    initial_sphere: WearCoefficient | None = key(None, "running-in: K0 of the sphere; K if not given")
+    initial_disc: WearCoefficient | None = key(None, "running-in: K0 of the disc; K if not given")
+    distance_factor: Literal["none", "across", "radial"] = key(
+        "none", "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial"
+    )
+
+    @model_validator(mode="after")
+    def _law_has_its_keys(self) -> Self:
+        if self.law == "exponential" and self.decay is None:
+            raise ValueError("wear.law = 'exponential' needs wear.decay, such as '0.1 1/m'")
+        if self.law == "running-in" and self.running_in is None:
+            raise ValueError("wear.law = 'running-in' needs wear.running_in, a length such as '100 mm'")
+        if self.law == "running-in" and self.initial_sphere is None and self.initial_disc is None:
+            raise ValueError("wear.law = 'running-in' needs wear.initial_sphere or wear.initial_disc")
+        return self
+
+
+class Friction(Section):
+    """[friction]"""
+
+    shear_strength: Pressure | None = key(None, "interfacial shear strength τ0")
+    coefficient: FrictionCoefficient = key(
+        0.6, "measured coefficient that fixes τ0, instead", assumed="for want of a measured one"
+    )
+    calibrate: Literal["end", "initial"] = key("end", "when the measured coefficient holds")
+    ploughing: FrictionOffset = key(0.0, "part μ_p of the coefficient that does not shear")
+    initial_ratio: Ratio | None = key(
+        None, "running-in: τ at the start over τ0, with τ0 (1 + (ratio − 1) e^(−L/L_τ)); an empirical fit"
+    )
+    running_in: Length | None = key(None, "running-in: L_τ of the shear strength")
+    area: Literal["contact", "touched", "cumulative", "nominal"] = key("contact", "area that shears")
+
+    @model_validator(mode="after")
+    def _one_strength(self) -> Self:
+        measured = {"coefficient", "calibrate"} & self.model_fields_set
+        if self.shear_strength is not None and measured:
+            raise ValueError(f"friction.shear_strength and friction.{max(measured)} exclude each other")
+        if (self.initial_ratio is None) != (self.running_in is None):
+            raise ValueError("friction.initial_ratio and friction.running_in need each other")
+        if self.shear_strength is None and self.coefficient <= self.ploughing:
+            raise ValueError(
+                f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
+                f"{self.ploughing:g}"
+            )
+        return self
+
+
+class Junctions(Section):
+    """[junctions]"""
+
+    surface_energy: SurfaceEnergy | None = key(
+        None, "surface energy γ, for the critical size of junctions (thesis eq 2.3) beside the islands' sizes"
+    )
+    strength: Pressure | None = key(
+        None, "shear strength σ_j of junctions; by default the hardness/(3√3) of the softer body"
+    )

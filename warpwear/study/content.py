@@ -1,0 +1,216 @@
+"""The content of a study: its sections, and what follows from them."""
+
+import math
+
+from pydantic import Field
+
+from warpwear.grid import Grid
+from warpwear.laws.archard import WearLaw
+from warpwear.laws.elastic import Hertz, effective_modulus
+from warpwear.laws.foundation import CappedFoundation
+from warpwear.laws.junctions import critical_junction, junction_strength
+from warpwear.laws.patches import Patches
+from warpwear.laws.track import Track
+from warpwear.study.bodies import Disc, Sphere
+from warpwear.study.contact import ArchardCoefficient, Contact, Friction, Junctions, Wear
+from warpwear.study.keys import Section
+from warpwear.study.loading import value_of
+from warpwear.study.motion import GridSection, Sliding, Stepping
+from warpwear.study.settings import About, Checks, Macro, Output, Run
+from warpwear.study.units import text
+
+
+class Content(Section):
+    """Sections of keys (see `keys`), each number in mm, N, MPa or s, and what follows from them.
+
+    Nothing here checks whether the sections agree: `warpwear.study.rules` does.
+    """
+
+    study: About = About()
+    sphere: Sphere
+    disc: Disc
+    contact: Contact
+    wear: Wear
+    grid: GridSection
+    sliding: Sliding
+    stepping: Stepping = Stepping()
+    friction: Friction = Friction()
+    junctions: Junctions = Junctions()
+    macro: Macro = Macro()
+    run: Run = Run()
+    checks: Checks = Checks()
+    output: Output = Output()
+    assumed: dict[str, str] = Field(default={}, description="keys that were assumed, and why")
+
+    @property
+    def is_swept(self) -> bool:
+        """Whether the sphere slides over a track, or stays on the same cells of the disc."""
+        return self.sliding.kinematics == "swept"
+
+    @property
+    def lap(self) -> float | None:
+        """What is slid in a pass over the track [mm]; None where the disc lies still."""
+        return self.sliding.lap if self.is_swept else None
+
+    @property
+    def track(self) -> Track:
+        """The track that a swept study asks for; whether it may is for `rules_track` to say."""
+        sliding, cell = self.sliding, self.grid.cell
+        lap = sliding.lap
+        assert lap is not None  # checked with the study
+        rotates = sliding.track_radius is not None
+        if sliding.track != "full":
+            cells = round(float(sliding.track) / cell)
+        elif rotates:
+            cells = max(1, round(lap / (sliding.shift * cell))) * sliding.shift
+        else:
+            cells = round(lap / cell)
+        periodic = rotates or sliding.track != "full"
+        return Track(cells, sliding.shift, cell, self.cells.nx, lap, periodic, not rotates)
+
+    @property
+    def patch_layout(self) -> Patches:
+        """Where the patches lie that a two-scale study asks for."""
+        domain, macro = self.cells, self.macro
+        pitch, side = round(macro.cell / domain.cell), round(macro.patch_width / domain.cell)
+        seed = macro.seed if macro.placement == "random" else None
+        return Patches.laid_out(domain, pitch=pitch, side=side, seed=seed)
+
+    @property
+    def uses_bearing_area(self) -> bool:
+        """Whether contacts have no compliance: neither a foundation nor implicit wear."""
+        if self.contact.law == "half-space":
+            return False
+        worn = self.sliding.total > 0.0 and sum(law.fastest for law in self.wear_laws) > 0.0
+        return self.law().compliance == 0.0 and not (self.stepping.scheme == "implicit" and worn)
+
+    @property
+    def softer_hardness(self) -> float | None:
+        """Hardness of the softer body [MPa], of those that are given."""
+        return min((h for h in (self.sphere.hardness, self.disc.hardness) if h is not None), default=None)
+
+    @property
+    def hardness(self) -> float:
+        """Largest pressure of a cell [MPa]: contact.hardness, or the softer body's for rough cells."""
+        if self.contact.hardness is not None:
+            return self.contact.hardness
+        found = None if self.study.model == "macro" else self.softer_hardness
+        return math.inf if found is None else found
+
+    @property
+    def effective_modulus(self) -> float | None:
+        """E* of both bodies [MPa], where their elastic constants are known."""
+        sphere, disc = self.sphere.elastic, self.disc.elastic
+        return None if sphere is None or disc is None else effective_modulus(sphere, disc)
+
+    @property
+    def boundary(self) -> str:
+        """Of the half-space, or of every patch: "free" or "periodic"."""
+        whole_sphere = self.sphere.curvature and self.study.model != "two-scale"
+        return self.contact.boundary or ("free" if whole_sphere else "periodic")
+
+    @property
+    def resolved(self) -> dict[str, str]:
+        """Keys that were left open -> what they come to under the choices made, as text."""
+        found = {
+            "contact.hardness": text(self.hardness, "MPa"),
+            "contact.boundary": self.boundary,
+            "macro.patch": text(self.macro.patch_width, "mm"),
+        }
+        values = self.model_dump()
+        return {name: value for name, value in found.items() if value_of(values, name) is None}
+
+    @property
+    def hertz(self) -> Hertz | None:
+        """Hertz's contact of the bodies before any wear, where their elastic constants are known."""
+        modulus, curvature = self.effective_modulus, self.sphere.curvature
+        if modulus is None or curvature == 0.0:
+            return None
+        return Hertz(modulus, 1.0 / curvature, self.contact.load)
+
+    @property
+    def junction_strength(self) -> float | None:
+        """Shear strength σ_j of junctions [MPa]: as given, or from the softer body's hardness.
+
+        Not from contact.hardness, which may be fitted to a contact: d* goes with 1/σ_j².
+        """
+        if self.junctions.strength is not None or self.softer_hardness is None:
+            return self.junctions.strength
+        return junction_strength(self.softer_hardness)
+
+    @property
+    def critical_junction(self) -> float | None:
+        """Diameter d* [mm] below which junctions of the softer body smooth out, if all it needs is known."""
+        energy, strength = self.junctions.surface_energy, self.junction_strength
+        softer = self.sphere if self.sphere.hardness == self.softer_hardness else self.disc
+        if energy is None or strength is None or softer.elastic is None:
+            return None
+        young, poisson = softer.elastic
+        shear_modulus = young / (2.0 * (1.0 + poisson))
+        return critical_junction(
+            surface_energy=energy, shear_modulus=shear_modulus, poisson=poisson, strength=strength
+        )
+
+    def law(self, *, radius: float | None = None) -> CappedFoundation:
+        """The law of a cell. radius: of the area in contact [mm], for a foundation that follows it."""
+        macro = self.study.model == "macro"
+        stiffness = self.foundation(radius=radius) if macro else self.contact.stiffness
+        if self.contact.law == "half-space":
+            stiffness = math.inf  # what yields is the half-space
+        return CappedFoundation(stiffness=stiffness, hardness=self.hardness)
+
+    def foundation(self, *, radius: float | None = None) -> float:
+        """K_N of the macro contact [N/mm³]. radius: of the contact [mm], for a foundation that follows it."""
+        stiffness = self.contact.foundation
+        if isinstance(stiffness, str):
+            assert self.hertz is not None  # checked with the study
+            follows = self.contact.foundation_update == "updated"
+            stiffness = self.hertz.foundation(stiffness, radius=radius if follows else None)
+        return stiffness
+
+    @property
+    def uses_foundation(self) -> bool:
+        """Whether K_N plays a part."""
+        if self.study.model == "two-scale":
+            return self.macro.bulk == "foundation" or self.macro.coupling == "load"
+        return self.study.model == "macro"
+
+    @property
+    def samples_area(self) -> bool:
+        """Whether patches stand for more than themselves, so that fields cover only a part of the domain."""
+        return self.study.model == "two-scale" and self.macro.patch_width < self.macro.cell
+
+    @property
+    def wear_coefficients(self) -> tuple[float, float]:
+        """K of sphere and disc [mm²/N], hardness contained; in the long run, where a law changes it."""
+        sphere, disc = self.wear_laws
+        return sphere.steady, disc.steady
+
+    @property
+    def wear_laws(self) -> tuple[WearLaw, WearLaw]:
+        """Of sphere and disc."""
+        wear, given = self.wear, self.contact.hardness
+        hardness = (self.softer_hardness or math.inf) if given is None else given
+
+        def of(steady: ArchardCoefficient, initial: ArchardCoefficient | None) -> WearLaw:
+            known = steady.resolved(hardness)
+            if wear.law == "exponential":
+                return WearLaw(known, decay=wear.decay)
+            if wear.law == "running-in":
+                at_first = initial.resolved(hardness) if initial else known
+                return WearLaw(known, initial=at_first, running_in=wear.running_in)
+            return WearLaw(known)
+
+        return of(wear.sphere, wear.initial_sphere), of(wear.disc, wear.initial_disc)
+
+    @property
+    def cells(self) -> Grid:
+        """The grid of cells."""
+        n = round(self.grid.extent / self.grid.cell)
+        return Grid(n, n, self.grid.cell)
+
+    @property
+    def load_tolerance(self) -> float:
+        """Load that a bearing area may leave unbalanced [N]; one cell carries H h²."""
+        asked = self.stepping.load_tolerance
+        return self.hardness * self.cells.cell_area if asked == "one cell" else float(asked)

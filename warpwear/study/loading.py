@@ -1,0 +1,185 @@
+"""Where studies come from: TOML files, run folders and presets."""
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from warpwear.errors import InputError
+from warpwear.study.materials import material
+from warpwear.study.units import text
+
+
+def presets() -> list[str]:
+    """Names of the presets."""
+    folder = resources.files("warpwear") / "presets"
+    return sorted(p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml"))
+
+
+def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
+    """What a TOML file, a run folder or the preset of that name says. Raises InputError."""
+    if str(path_or_preset) in presets():
+        source = resources.files("warpwear") / "presets" / f"{path_or_preset}.toml"
+        return tomllib.loads(source.read_text(encoding="utf-8"))
+    path = Path(path_or_preset)
+    try:
+        if path.is_dir():
+            if not (path / "study.toml").is_file():
+                raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
+            path = path / "study.toml"
+        sections = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(_no_such_study(str(path_or_preset))) from None
+    except OSError as error:
+        raise InputError(f"{str(path)[:200]} cannot be read: {error.strerror}.") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path} is not text, which a study is.") from error
+    except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, endless nesting
+        raise InputError(f"{path} is not TOML: {error}.") from error
+    surface = sections.get("disc", {}).get("surface") if isinstance(sections.get("disc"), dict) else None
+    if isinstance(surface, str):
+        sections["disc"]["surface"] = str(path.parent.resolve() / surface)
+    return sections
+
+
+def _no_such_study(name: str) -> str:
+    near = get_close_matches(name, presets(), n=1)
+    hint = f" Did you mean '{near[0]}'?" if near else ""
+    return f"STUDY = '{name}' is neither a file nor a preset ({', '.join(presets())}).{hint}"
+
+
+CONSTANTS = ("young", "poisson", "hardness")
+MACRO_CELL = "10 um"
+
+
+def fill(sections: dict[str, Any]) -> tuple[dict[str, Any], set[str]]:
+    """The sections with what follows from them, and the dotted names of what was filled in.
+
+    What cannot be understood is left to the validation of the study.
+    """
+    filled = {name: dict(keys) if isinstance(keys, dict) else keys for name, keys in sections.items()}
+    names: set[str] = set()
+    for body in ("sphere", "disc"):
+        keys = filled.get(body)
+        if not isinstance(keys, dict) or not isinstance(keys.get("material"), str):
+            continue
+        try:
+            known = material(keys["material"])
+        except ValueError:
+            continue
+        values = {
+            "young": text(known.young, "MPa"),
+            "poisson": known.poisson,
+            "hardness": text(known.hardness, "MPa"),
+        }
+        missing = {name: value for name, value in values.items() if keys.get(name) is None}
+        keys.update(missing)
+        names |= {f"{body}.{name}" for name in missing}
+    about, grid = filled.get("study"), filled.get("grid")
+    macro = isinstance(about, dict) and about.get("model") == "macro"
+    if macro and isinstance(grid, dict) and grid.get("cell") is None:
+        grid["cell"] = MACRO_CELL
+        names.add("grid.cell")
+    return filled, names
+
+
+#: Keys that say the same in different ways. Setting one with `replace` drops the others.
+ALTERNATIVES: tuple[tuple[frozenset[str], ...], ...] = (
+    (frozenset({"sphere.radius"}), frozenset({"sphere.diameter"})),
+    (frozenset({"disc.surface"}), frozenset({"disc.synthetic"})),
+    (frozenset({"disc.synthetic.ra"}), frozenset({"disc.synthetic.sq"})),
+    (
+        frozenset({"sliding.distance"}),
+        frozenset({"sliding.passes"}),
+        frozenset({"sliding.cycles"}),
+        frozenset({"sliding.duration", "sliding.frequency"}),
+        frozenset({"sliding.revolutions"}),
+    ),
+    (frozenset({"sliding.stroke"}), frozenset({"sliding.track_radius"})),
+    (
+        frozenset({"stepping.increment"}),
+        frozenset({"stepping.first", "stepping.growth", "stepping.largest"}),
+    ),
+    (
+        frozenset({"friction.shear_strength"}),
+        frozenset({"friction.coefficient", "friction.calibrate"}),
+    ),
+)
+
+
+def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
+    """Set keys, {"grid.cell": "2 um"}, in place. What says the same in another way is dropped."""
+    for name, value in flat.items():
+        for other in _dropped_by(name) - set(flat):
+            _remove(nested, other)
+        _insert(nested, name, value)
+        assumed = nested.get("assumed")
+        if not isinstance(assumed, dict):
+            continue
+        replaced = {name} | _dropped_by(name)
+        for key in [k for k in assumed if k in replaced or k.startswith(f"{name}.")]:
+            del assumed[key]
+
+
+def _dropped_by(name: str) -> set[str]:
+    """Keys that a new value of this one makes void."""
+    body, _, key = name.partition(".")
+    if key == "material":  # another material has other constants
+        return {f"{body}.{constant}" for constant in CONSTANTS}
+    for group in ALTERNATIVES:
+        for way in group:
+            if any(name == k or name.startswith(k + ".") for k in way):
+                return set().union(*group) - way
+    return set()
+
+
+def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
+    *parents, last = name.split(".")
+    for depth, parent in enumerate(parents):
+        nested = nested.setdefault(parent, {})
+        if not isinstance(nested, dict):
+            raise InputError(f"'{name}' is no key: {'.'.join(parents[: depth + 1])} has none below it.")
+    nested[last] = value
+
+
+def value_of(nested: Any, name: str) -> Any:
+    """The value of a dotted key; None where there is none."""
+    for part in name.split("."):
+        nested = nested.get(part) if isinstance(nested, dict) else None
+    return nested
+
+
+def _remove(nested: dict[str, Any], name: str) -> None:
+    *parents, last = name.split(".")
+    for parent in parents:
+        nested = nested.get(parent, {})
+        if not isinstance(nested, dict):
+            return
+    nested.pop(last, None)
+
+
+#: Between a description and the keys changed since it was written.
+CHANGED = "; changed: "
+#: Most keys that are named; the rest are "others".
+NAMED = 4
+OTHERS = " and others"
+
+
+def is_described(key: str) -> bool:
+    """Whether a description may speak of it: not of names, of what is checked, and of what is written."""
+    section = key.partition(".")[0]
+    return key == "study.model" or section not in ("study", "checks", "output", "assumed")
+
+
+def with_changes(description: str, changed: Sequence[str]) -> str:
+    """A description followed by the keys changed since, each once, also where it already names some."""
+    text, _, told = description.partition(CHANGED)
+    more = told.endswith(OTHERS)
+    known = [name for name in told.removesuffix(OTHERS).split(", ") if name]
+    names = list(dict.fromkeys([*known, *changed]))
+    if not names:
+        return description
+    listed = ", ".join(names[:NAMED])
+    return f"{text}{CHANGED}{listed}{OTHERS if more or len(names) > NAMED else ''}"

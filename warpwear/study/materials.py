@@ -1,0 +1,80 @@
+"""The table of materials (`materials.toml`): elastic constants, hardness, and where each number is from."""
+
+import re
+import tomllib
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from importlib.resources import files
+from types import MappingProxyType
+
+from warpwear.study.units import parse
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material in one condition."""
+
+    name: str
+    condition: str  # state of the hardness: annealed, hardened, ...
+    young: float  # Young's modulus [MPa]
+    poisson: float  # Poisson's ratio
+    hardness: float  # indentation hardness: hardness number × 9.807 [MPa]
+    sources: Mapping[str, str]  # young, poisson, hardness -> document; † where it could not be read
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E / (2 (1 + ν)) [MPa]"""
+        return self.young / (2.0 * (1.0 + self.poisson))
+
+
+def names() -> tuple[str, ...]:
+    """Names of the materials, in the order of the table."""
+    return tuple(entry.name for entry in _table()[0])
+
+
+def material(name: str) -> Material:
+    """The material of this name or alias; case, spaces, dashes and dots do not matter.
+
+    ValueError with one sentence for a name that the table does not have.
+    """
+    entries, aliases = _table()
+    key = _key(name)
+    found = aliases.get(key, aliases.get(_STANDARDS.sub("", key)))
+    if found is not None:
+        return entries[found]
+    near = get_close_matches(key, aliases, n=1, cutoff=0.6)
+    hint = f" (did you mean '{entries[aliases[near[0]]].name}'?)" if near else ""
+    raise ValueError(f"no material '{name}' is known{hint}; allowed: {', '.join(names())}")
+
+
+#: Who numbered a grade: "EN 1.4301" is "1.4301".
+_STANDARDS = re.compile(r"^(aisi|sae|uns|wnr|en|din|jis|astm)+")
+
+
+def _key(name: str) -> str:
+    """The name's letters and digits, in lower case; "Al₂O₃" is "al2o3"."""
+    return "".join(sign for sign in unicodedata.normalize("NFKC", name).casefold() if sign.isalnum())
+
+
+@cache
+def _table() -> tuple[tuple[Material, ...], Mapping[str, int]]:
+    """The materials, and the place among them of each key of a name or alias."""
+    rows = tomllib.loads((files("warpwear") / "materials.toml").read_text(encoding="utf-8"))["material"]
+    entries: list[Material] = []
+    aliases: dict[str, int] = {}
+    for place, row in enumerate(rows):
+        entries.append(
+            Material(
+                name=row["name"],
+                condition=row["condition"],
+                young=parse(row["young"], "MPa"),
+                poisson=row["poisson"],
+                hardness=parse(row["hardness"], "MPa"),
+                sources=MappingProxyType(row["sources"]),
+            )
+        )
+        aliases |= {_key(alias): place for alias in (row["name"], *row["aliases"])}
+    return tuple(entries), MappingProxyType(aliases)

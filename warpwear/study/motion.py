@@ -1,0 +1,163 @@
+"""[grid], [sliding] and [stepping]: the cells, the way of the sphere, and the steps it is cut into."""
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
+
+from warpwear.study.keys import Frequency, Growth, Length, LengthOrZero, Section, Speed, Strokes, Time, key
+from warpwear.study.units import Number, Quantity, text
+
+#: Along a side: a million squared is more than any memory holds.
+MOST_CELLS = 1_000_000
+
+
+class GridSection(Section):
+    """[grid]"""
+
+    cell: Length = key(..., "size of a cell; 10 um in the macro model, if not given")
+    extent: Length = key(..., "side of the square domain")
+
+    @model_validator(mode="after")
+    def _whole_cells(self) -> Self:
+        cells = self.extent / self.cell
+        if cells > MOST_CELLS:
+            raise ValueError(
+                f"grid.cell = {self.cell:g} mm makes more than {MOST_CELLS:,} cells along grid.extent = "
+                f"{self.extent:g} mm; larger cells or a smaller extent are needed"
+            )
+        if abs(cells - round(cells)) > 1e-6 * cells or round(cells) < 4:
+            near = max(round(cells), 4) * self.cell
+            raise ValueError(
+                f"grid.extent = {self.extent:g} mm is not a whole number (4 or more) of cells of "
+                f"{1e3 * self.cell:g} µm; the nearest that is, is {near!r} mm"
+            )
+        return self
+
+
+def _track(value: Any) -> Any:
+    if value == "full":
+        return value
+    try:
+        return Quantity("mm").read(value)
+    except ValueError as error:
+        raise ValueError(f"{error}, or 'full'") from None
+
+
+class Sliding(Section):
+    """[sliding]"""
+
+    distance: LengthOrZero | None = key(None, "total sliding distance; 0 is a static contact")
+    passes: Strokes | None = key(None, "instead of distance: number of strokes")
+    cycles: Strokes | None = key(None, "instead of distance: number of pairs of strokes")
+    duration: Time | None = key(None, "instead of distance, with frequency: time of the test")
+    frequency: Frequency | None = key(None, "cycles in a second")
+    revolutions: Annotated[float, Number()] | None = key(
+        None, "instead of distance: revolutions of a rotating disc"
+    )
+    stroke: Length | None = key(None, "length of one pass")
+    track_radius: Length | None = key(
+        None, "instead of stroke: radius of the track on a rotating disc, which slides one way only"
+    )
+    speed: Speed | None = key(None, "sliding speed, for the time axis only")
+    kinematics: Literal["stationary", "swept"] = key(
+        "stationary",
+        "stationary: the same disc cells stay under the sphere; swept: it slides along a track on the disc",
+    )
+    track: Annotated[
+        float | Literal["full"],
+        BeforeValidator(_track),
+        PlainSerializer(lambda v: v if v == "full" else text(v, "mm")),
+    ] = key(
+        "full",
+        "swept: the whole stroke, or the length of a periodic disc on which one lap stands for one pass",
+    )
+    shift: Annotated[int, Field(ge=1, le=100_000, strict=True)] = key(
+        8, "swept: cells that the sphere moves on in a step", assumed="well within the contact's length"
+    )
+    plastic: Literal["forget", "keep"] = key(
+        "forget",
+        "swept: a disc cell at the hardness springs back, or keeps the depth it was pressed to",
+        assumed="Archard's wear alone; 'keep' is the other end",
+    )
+
+    @model_validator(mode="after")
+    def _one_distance(self) -> Self:
+        ways = {
+            "sliding.distance": self.distance is not None,
+            "sliding.passes": self.passes is not None,
+            "sliding.cycles": self.cycles is not None,
+            "sliding.duration with sliding.frequency": self.duration is not None
+            or self.frequency is not None,
+            "sliding.revolutions": self.revolutions is not None,
+        }
+        given = [way for way, is_given in ways.items() if is_given]
+        if len(given) != 1:
+            found = " and ".join(given) if given else "none"
+            raise ValueError(f"the sliding distance needs one of {', '.join(ways)}; given: {found}")
+        if (self.duration is None) != (self.frequency is None):
+            raise ValueError("sliding.duration and sliding.frequency need each other")
+        if self.stroke is not None and self.track_radius is not None:
+            raise ValueError("sliding.stroke and sliding.track_radius exclude each other")
+        if self.revolutions is not None:
+            if self.track_radius is None:
+                raise ValueError("sliding.revolutions needs sliding.track_radius, a length such as '5 mm'")
+        elif self.distance is None and self.stroke is None:
+            raise ValueError(f"{given[0]} needs sliding.stroke, a length such as '30 mm'")
+        return self
+
+    @property
+    def lap(self) -> float | None:
+        """What is slid in one pass: the stroke, or the way of one revolution [mm]."""
+        return self.stroke if self.track_radius is None else 2.0 * math.pi * self.track_radius
+
+    @property
+    def total(self) -> float:
+        """Sliding distance of the whole test [mm]."""
+        if self.distance is not None:
+            return self.distance
+        if self.revolutions is not None:
+            assert self.lap is not None
+            return self.revolutions * self.lap
+        assert self.stroke is not None  # one of the other ways was given, and they need it
+        if self.duration is not None and self.frequency is not None:
+            return 2.0 * self.stroke * self.frequency * self.duration
+        return self.stroke * (self.passes or 2 * (self.cycles or 0))
+
+
+def _tolerance(value: Any) -> Any:
+    return value if value == "one cell" else Quantity("N").read(value)
+
+
+class Stepping(Section):
+    """[stepping]"""
+
+    scheme: Literal["explicit", "implicit"] = key("implicit", "pressure of the step's start, or of its end")
+    increment: Length | None = key(None, "fixed sliding increment")
+    first: Length = key("3 um", "growing increments: the first", assumed="nanometres of wear")
+    growth: Growth = key(1.02, "ratio of an increment to the last", assumed="grow with the distance slid")
+    largest: Length = key("3 mm", "growing increments: the largest", assumed="a tenth of a usual stroke")
+    load_tolerance: Annotated[
+        float | Literal["one cell"],
+        BeforeValidator(_tolerance),
+        PlainSerializer(lambda v: v if v == "one cell" else text(v, "N")),
+    ] = key("one cell", "bearing area only: load left unbalanced, at most")
+    force: bool = key(False, "go on beyond the explicit stability limit")
+
+    @model_validator(mode="after")
+    def _one_plan(self) -> Self:
+        growing = {"first", "growth", "largest"} & self.model_fields_set
+        if self.increment is not None and growing:
+            raise ValueError(f"stepping.increment and stepping.{min(growing)} exclude each other")
+        if self.first > self.largest:
+            raise ValueError(
+                f"stepping.first = {self.first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
+            )
+        return self
+
+    @property
+    def plan(self) -> tuple[float, float, float]:
+        """First increment [mm], growth, largest [mm]."""
+        if self.increment is not None:
+            return self.increment, 1.0, self.increment
+        return self.first, self.growth, self.largest

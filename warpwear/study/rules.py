@@ -1,0 +1,297 @@
+"""What the sections of a study must agree on before anything is computed."""
+
+import math
+
+from warpwear.laws.elastic import MATCHES
+from warpwear.study import rules_track as track_checks
+from warpwear.study.content import Content
+
+#: More steps than anybody waits for, or than a history holds.
+MOST_STEPS = 1_000_000
+#: Lengths that differ by less, relatively, are equal.
+SAME = 1.0e-6
+
+
+def check(study: Content) -> None:
+    """Raises ValueError, in one sentence, for a study that cannot be computed as it stands."""
+    _model(study)
+    _half_space(study)
+    track_checks.check(study)
+    _hardness(study)
+    _capacity(study)
+    _tolerance(study)
+    _stability(study)
+    _steps(study)
+
+
+def _model(study: Content) -> None:
+    rough = study.disc.surface is not None or study.disc.synthetic is not None
+    bearing_curve = study.wear.law == "bearing-curve"
+    if study.study.model != "macro":
+        if bearing_curve:
+            raise ValueError(
+                "wear.law = 'bearing-curve' is for the macro model: the "
+                f"{study.study.model} model resolves the roughness"
+            )
+        if not rough:
+            raise ValueError(
+                f"disc.surface (a file) or [disc.synthetic] must be given: the {study.study.model} model is "
+                "rough"
+            )
+    elif bearing_curve:
+        if not rough:
+            raise ValueError(
+                "wear.law = 'bearing-curve' needs disc.surface or [disc.synthetic]: a rough disc"
+            )
+        if study.stepping.scheme == "explicit":
+            raise ValueError("wear.law = 'bearing-curve' needs stepping.scheme = 'implicit'")
+    if study.study.model == "two-scale":
+        _patches(study)
+    if study.uses_foundation:
+        _foundation(study)
+
+
+def _patches(study: Content) -> None:
+    macro, cell = study.macro, study.grid.cell
+    for name, length in (("cell", macro.cell), ("patch", macro.patch_width)):
+        if not _whole(length / cell):
+            near = max(round(length / cell), 1) * cell
+            raise ValueError(
+                f"macro.{name} = {1e3 * length:g} µm is not a whole number of cells of {1e3 * cell:g} µm; "
+                f"the nearest that is, is {1e3 * near:.6g} µm"
+            )
+    if macro.patch_width > macro.cell * (1.0 + SAME):
+        raise ValueError(
+            f"macro.patch = {1e3 * macro.patch_width:g} µm is larger than macro.cell = "
+            f"{1e3 * macro.cell:g} µm: patches would overlap; allowed are a smaller macro.patch (by default "
+            "the macro cell) and a larger macro.cell"
+        )
+    if macro.cell > 0.5 * study.grid.extent * (1.0 + SAME):
+        raise ValueError(
+            f"macro.cell = {1e3 * macro.cell:g} µm is larger than the contact's domain allows: grid.extent = "
+            f"{study.grid.extent:g} mm must hold two macro cells or more"
+        )
+    cells = study.grid.extent / macro.cell
+    if not _whole(cells):
+        raise ValueError(
+            f"grid.extent = {study.grid.extent:g} mm is not a whole number of cells of macro.cell = "
+            f"{1e3 * macro.cell:g} µm; the nearest extent that is, is {round(cells) * macro.cell:.9g} mm"
+        )
+    if study.uses_bearing_area:
+        raise ValueError(
+            "study.model = 'two-scale' needs patches that yield: a finite contact.stiffness, or wear with "
+            "stepping.scheme = 'implicit'"
+        )
+    if study.wear.law == "running-in":
+        raise ValueError(
+            "wear.law = 'running-in' changes what sphere and disc wear beside each other, which the "
+            "two-scale model keeps in one proportion; allowed are archard and exponential"
+        )
+    if study.wear.distance_factor != "none":
+        raise ValueError(
+            f"wear.distance_factor = '{study.wear.distance_factor}' changes what sphere and disc wear beside "
+            "each other from cell to cell, which the two-scale model keeps in one proportion; allowed is none"
+        )
+    if macro.coupling == "load" and study.stepping.scheme == "explicit":
+        raise ValueError("macro.coupling = 'load' needs stepping.scheme = 'implicit'")
+    if macro.coupling == "load" and not math.isfinite(study.hardness):
+        raise ValueError(
+            "macro.coupling = 'load' needs a finite contact.hardness: without it the smooth contact asks of "
+            "patches what asperities cannot carry"
+        )
+
+
+def _foundation(study: Content) -> None:
+    match = study.contact.foundation
+    named = isinstance(match, str)
+    if named and study.sphere.curvature == 0.0:
+        raise ValueError(
+            f"contact.foundation = '{match}' needs a sphere: allowed for a flat is a stiffness such as "
+            "'2e6 N/mm^3'"
+        )
+    if named and study.hertz is None:
+        raise ValueError(
+            f"contact.foundation = '{match}' needs Young's modulus and Poisson's ratio of both bodies: "
+            "sphere.material or sphere.young and sphere.poisson, and the same of the disc; or a stiffness "
+            "such as '2e6 N/mm^3'"
+        )
+    if not named and study.contact.foundation_update == "updated":
+        raise ValueError(
+            "contact.foundation_update = 'updated' needs contact.foundation = "
+            f"{', '.join(MATCHES)}, not a stiffness"
+        )
+    if not named and not math.isfinite(float(match)):
+        raise ValueError(
+            f"contact.foundation = inf N/mm^3: the {study.study.model} model needs a finite stiffness"
+        )
+
+
+def _whole(number: float) -> bool:
+    return abs(number - round(number)) <= SAME * number and round(number) >= 1
+
+
+def _half_space(study: Content) -> None:
+    if study.contact.law != "half-space":
+        return
+    named = "contact.law = 'half-space'"
+    if study.study.model == "macro":
+        raise ValueError(f"{named} is for study.model = 'micro' and 'two-scale', not 'macro'")
+    if study.effective_modulus is None:
+        raise ValueError(
+            f"{named} needs Young's modulus and Poisson's ratio of both bodies: sphere.material or "
+            "sphere.young and sphere.poisson, and the same of the disc"
+        )
+    if study.stepping.scheme == "explicit":
+        raise ValueError(f"{named} needs stepping.scheme = 'implicit', not 'explicit'")
+    if study.wear.distance_factor != "none" and not study.is_swept:
+        raise ValueError(
+            f"wear.distance_factor = '{study.wear.distance_factor}' does not go with {named}: allowed is none"
+        )
+    if study.study.model == "two-scale":
+        _elastic_patches(study)
+    elif study.boundary == "periodic" and study.sphere.curvature != 0.0:
+        raise ValueError(
+            "contact.boundary = 'periodic' would repeat the sphere beside itself: allowed is 'free', or a "
+            "flat, sphere.radius = 'inf mm'"
+        )
+
+
+def _elastic_patches(study: Content) -> None:
+    shared = study.macro.coupling == "approach"
+    if shared and study.boundary == "free" and study.macro.bulk == "foundation":
+        raise ValueError(
+            "contact.boundary = 'free' of patches needs macro.bulk = 'none': a free patch contains the "
+            "displacement of its mean, which a bulk behind it would count twice"
+        )
+
+
+def _hardness(study: Content) -> None:
+    if study.study.model != "macro" and study.contact.hardness is None and study.softer_hardness is None:
+        raise ValueError(
+            "contact.hardness, or the hardness or material of the sphere or the disc, must be given "
+            "('inf MPa' is none)"
+        )
+    hardness = study.softer_hardness if study.contact.hardness is None else study.contact.hardness
+    if hardness is None or not math.isfinite(hardness):
+        for name in ("sphere", "disc", "initial_sphere", "initial_disc"):
+            coefficient = getattr(study.wear, name)
+            if coefficient is not None and coefficient.dimensionless and coefficient.value > 0.0:
+                raise ValueError(
+                    f"wear.{name} = {coefficient.value:g} is k of V = k F L / H and needs a finite "
+                    "contact.hardness; or give it with a unit, such as '9.4e-4 mm^3/N/m'"
+                )
+    if not math.isfinite(study.hardness) and study.uses_bearing_area:
+        raise ValueError(
+            "contact.hardness = inf MPa needs a finite contact.stiffness, or wear with "
+            "stepping.scheme = 'implicit'"
+        )
+
+
+def _capacity(study: Content) -> None:
+    curvature = study.sphere.curvature
+    under_sphere = math.pi / curvature**2 if curvature else math.inf
+    carried = study.hardness * min(study.cells.area, under_sphere)
+    if carried < study.contact.load:
+        raise ValueError(
+            f"contact.load = {study.contact.load:g} N is more than the domain under the sphere carries at "
+            f"this hardness ({carried:.4g} N); allowed are smaller loads, a larger grid.extent or "
+            "contact.hardness"
+        )
+
+
+def _tolerance(study: Content) -> None:
+    if study.uses_bearing_area and study.load_tolerance >= study.contact.load:
+        raise ValueError(
+            f"stepping.load_tolerance = {study.load_tolerance:g} N (one cell carries "
+            f"{study.hardness * study.cells.cell_area:g} N) must be smaller than contact.load = "
+            f"{study.contact.load:g} N"
+        )
+
+
+def doubts(study: Content) -> list[str]:
+    """What is computed as asked for, but with numbers that mislead, each as a sentence."""
+    found = []
+    unstable = _unstable(study)
+    if unstable is not None:
+        found.append(
+            f"{unstable}: areas, pressures and friction scatter from step to step and mean nothing, though "
+            "volumes and depths look right."
+        )
+    if study.samples_area:
+        by_them = ["friction.area = 'nominal'"] if study.friction.area == "nominal" else []
+        if study.uses_foundation and study.contact.foundation_update == "updated":
+            by_them.append("contact.foundation_update = 'updated'")
+        found.append(
+            f"macro.patch = {1e3 * study.macro.patch_width:g} µm stands for macro.cell = "
+            f"{1e3 * study.macro.cell:g} µm: the scar's extents and its nominal area are those of what "
+            "touched in patches, off by up to a macro cell on each side"
+            f"{', and ' + ' and '.join(by_them) + ' with them' if by_them else ''}."
+        )
+    if study.wear.law == "bearing-curve":
+        found.append(
+            "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
+            "pressures are means over whole cells, and no hardness caps those of the share."
+        )
+    return found
+
+
+def _stability(study: Content) -> None:
+    unstable = _unstable(study)
+    if unstable is not None and not study.stepping.force:
+        raise ValueError(f"{unstable}; allowed are smaller increments, scheme = 'implicit', or force = true")
+
+
+def _unstable(study: Content) -> str | None:
+    """That explicit steps are too large, as the start of a sentence."""
+    if study.stepping.scheme == "implicit":
+        return None
+    if study.is_swept:
+        return track_checks.unstable(study)
+    limit = study.law().stable_increment(sum(law.fastest for law in study.wear_laws))
+    if min(study.stepping.plan[2], study.sliding.total) < limit:
+        return None
+    name = "largest" if study.stepping.increment is None else "increment"
+    return (
+        f"stepping.{name} = {study.stepping.plan[2]:g} mm is beyond the explicit stability limit "
+        f"2/(k K) = {limit:.3g} mm"
+    )
+
+
+def too_small(study: Content) -> str | None:
+    """That the domain will not hold the worn patch, as a sentence.
+
+    Roughness only makes the patch wider. Patches wider than the radius are left to the run.
+    """
+    curvature = study.sphere.curvature
+    if curvature == 0.0:
+        return None
+    patch = track_checks.worn_patch(study)
+    if not study.grid.extent < patch < 1.0 / curvature:
+        return None
+    return (
+        f"grid.extent = {study.grid.extent:g} mm is too small: the worn patch will be {patch:.3g} mm wide or "
+        "more; a larger extent is needed"
+    )
+
+
+def _steps(study: Content) -> None:
+    if study.is_swept:
+        steps = study.track.steps(study.sliding.total)
+        if steps > MOST_STEPS:
+            raise ValueError(
+                f"sliding.distance = {study.sliding.total:g} mm takes {steps:.3g} steps by sliding.shift = "
+                f"{study.sliding.shift} cells; allowed are {MOST_STEPS:,}, so a larger shift or larger cells "
+                "are needed"
+            )
+        return
+    first, growth, largest = study.stepping.plan
+    final = first if growth == 1.0 else largest
+    growing = math.log(largest / first) / math.log(growth) if growth > 1.0 else 0.0
+    # Growing steps cover first growth^n/(growth − 1); at most all of the distance is left for the largest.
+    covered = (largest - first) / (growth - 1.0) if growth > 1.0 else 0.0
+    steps = growing + max(0.0, study.sliding.total - covered) / final
+    if steps > MOST_STEPS:
+        raise ValueError(
+            f"sliding.distance = {study.sliding.total:g} mm takes {steps:.3g} steps by this [stepping]; "
+            f"allowed are {MOST_STEPS:,}, so larger increments are needed"
+        )

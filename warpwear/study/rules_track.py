@@ -1,0 +1,176 @@
+"""What a study must say for its sphere to slide over a track, and what of it then counts."""
+
+import math
+
+from warpwear.laws.track import WHOLE
+from warpwear.study.content import Content
+
+
+def check(study: Content) -> None:
+    """Raises ValueError, in one sentence, for a track that cannot be computed as it is asked for."""
+    if not study.is_swept:
+        return
+    sliding, cell, extent = study.sliding, study.grid.cell, study.grid.extent
+    if study.study.model == "two-scale":
+        raise ValueError(
+            "sliding.kinematics = 'swept' is not for study.model = 'two-scale', whose patches lie still; "
+            "allowed is stationary"
+        )
+    if study.study.model == "macro":
+        raise ValueError(
+            "sliding.kinematics = 'swept' is not for study.model = 'macro': a smooth disc under a sliding "
+            "sphere is model = 'micro' with disc.synthetic.kind = 'flat'"
+        )
+    lap = sliding.lap
+    if lap is None:
+        raise ValueError(
+            "sliding.kinematics = 'swept' needs sliding.stroke, a length such as '30 mm', or "
+            "sliding.track_radius of a rotating disc"
+        )
+    named = f"sliding.stroke = {lap:g} mm"
+    if sliding.track_radius is not None:
+        named = f"sliding.track_radius = {sliding.track_radius:g} mm (a track of {lap:.4g} mm)"
+    if sliding.track != "full":
+        length = float(sliding.track)
+        step = sliding.shift * cell
+        steps = length / step
+        if abs(steps - round(steps)) > WHOLE * steps or round(steps) < 1:
+            least, most = math.ceil(extent / step * (1.0 - WHOLE)), math.floor(lap / step * (1.0 + WHOLE))
+            allowed = f"{min(max(round(steps), least), most) * step:.9g} mm"
+            raise ValueError(
+                f"sliding.track = {length:g} mm is not a whole number of steps of sliding.shift = "
+                f"{sliding.shift} cells, {1e3 * step:g} µm; "
+                + (f"the nearest allowed is {allowed}" if least <= most else "a smaller shift is needed")
+            )
+        if length > lap * (1.0 + WHOLE):
+            raise ValueError(
+                f"sliding.track = {length:g} mm is longer than {named}: allowed are shorter ones, or 'full'"
+            )
+    elif sliding.track_radius is None and not _is_whole(lap / cell):
+        near = round(lap / cell) * cell
+        raise ValueError(
+            f"sliding.stroke = {lap:g} mm is not a whole number of cells of {1e3 * cell:g} µm; the nearest "
+            f"that is, is {near:.9g} mm"
+        )
+    track = study.track
+    if track.periodic and track.cells < track.window:
+        whose = f"sliding.track = {sliding.track:g} mm" if sliding.track != "full" else named
+        raise ValueError(
+            f"{whose} is shorter than grid.extent = {extent:g} mm: the sphere would lie on the same cells "
+            "twice"
+        )
+    if track.cells < sliding.shift:
+        raise ValueError(
+            f"sliding.shift = {sliding.shift} cells of {1e3 * cell:g} µm is longer than {named}; a smaller "
+            "shift is needed"
+        )
+    contact = extent if study.sphere.curvature == 0.0 else worn_patch(study)
+    if lap < contact:
+        raise ValueError(
+            f"{named} is shorter than the contact will be, {contact:.3g} mm: its middle would never leave "
+            "the sphere; allowed are longer ones, or kinematics = 'stationary'"
+        )
+    if sliding.plastic == "keep" and study.uses_bearing_area:
+        raise ValueError(
+            "sliding.plastic = 'keep' needs a contact with compliance: stepping.scheme = 'implicit' with "
+            "wear, or a finite contact.stiffness"
+        )
+
+
+def worn_patch(study: Content) -> float:
+    """Width of the patch at the end of the test, of smooth bodies [mm]; roughness makes it wider.
+
+    On a disc that lies still both bodies lose the overlap of a sphere with a plane, π a⁴/4R of a paraboloid,
+    whatever the pressure. A sphere that slides loses that overlap alone; or, where it hardly wears, its
+    groove is a segment of its own circle, 2a³/3R in section.
+    """
+    curvature, load, total = study.sphere.curvature, study.contact.load, study.sliding.total
+    if curvature == 0.0:
+        return study.grid.extent
+    sphere, disc = (load * law.removal(0.0, total) for law in study.wear_laws)
+    lap = study.sliding.lap
+    if not study.is_swept or lap is None:
+        return float(2.0 * (4.0 * (sphere + disc) / (math.pi * curvature)) ** 0.25)
+    patch = (4.0 * sphere / (math.pi * curvature)) ** 0.25
+    groove = (1.5 * disc / (lap * curvature)) ** (1.0 / 3.0) if total > lap else 0.0
+    return float(2.0 * max(patch, groove))
+
+
+def unstable(study: Content) -> str | None:
+    """That explicit steps of this shift are too large, as the start of a sentence."""
+    compliance = study.law().compliance
+    track = study.track
+    sphere, disc = (law.fastest for law in study.wear_laws)
+    slid = min(track.shift * track.stroke / track.cells, study.sliding.total)
+    removal = (sphere + track.share * disc) * slid
+    if compliance == 0.0 or removal < 2.0 * compliance:
+        return None
+    return (
+        f"sliding.shift = {track.shift} cells, which removes {removal:.3g} mm³/N a step, is beyond the "
+        f"explicit stability limit 2/k = {2.0 * compliance:.3g} mm³/N"
+    )
+
+
+def inapplicable(study: Content) -> dict[str, str]:
+    """Keys that nothing uses by the study's kinematics -> why, as the end of a sentence."""
+    sliding = study.sliding
+    found: dict[str, str] = {}
+    if not study.is_swept:
+        why = "does not apply to sliding.kinematics = 'stationary'"
+        found |= dict.fromkeys(("sliding.track", "sliding.shift", "sliding.plastic"), why)
+        if sliding.revolutions is None:
+            found["sliding.track_radius"] = why
+        return found
+    steps = ("increment", "first", "growth", "largest")
+    why = "does not apply to sliding.kinematics = 'swept', whose steps are sliding.shift cells long"
+    found |= dict.fromkeys((f"stepping.{name}" for name in steps), why)
+    found["wear.distance_factor"] = (
+        "does not apply to sliding.kinematics = 'swept', where a cell slides while the contact is over it"
+    )
+    if not math.isfinite(study.hardness):
+        found["sliding.plastic"] = "does not apply without a contact.hardness: no cell reaches it"
+    return found
+
+
+def doubts(study: Content) -> list[str]:
+    """What is computed as asked for, but with numbers that mislead, each as a sentence."""
+    if not study.is_swept:
+        return []
+    found = []
+    sliding = study.sliding
+    step = sliding.shift * study.grid.cell
+    first = 2.0 * math.sqrt(study.contact.load / (math.pi * study.hardness))
+    if step > first > 0.0:
+        found.append(
+            f"sliding.shift = {sliding.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
+            f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
+        )
+    radius = sliding.track_radius
+    if radius is not None and radius < 2.0 * study.grid.extent:
+        found.append(
+            f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
+            "wide beside its radius."
+        )
+    if sliding.track != "full" and not _repeats(study, float(sliding.track)):
+        found.append(
+            f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
+            "seam where the lap closes."
+        )
+    return found
+
+
+def _repeats(study: Content, length: float) -> bool:
+    """Whether the disc's surface closes on itself after a length [mm] of the track."""
+    disc = study.disc.synthetic
+    if disc is None:  # a file: nothing says that it does
+        return False
+    if disc.kind == "flat":
+        return True
+    closes = _is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
+    if disc.kind == "milled":
+        closes = closes and _is_whole(length * abs(math.sin(math.radians(disc.lay))) / disc.feed)
+    return closes
+
+
+def _is_whole(number: float) -> bool:
+    return abs(number - round(number)) <= WHOLE * max(number, 1.0) and round(number) >= 1

@@ -1,0 +1,78 @@
+"""[study], [macro], [run], [checks] and [output]: which model, its patches, and how a run goes."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from warpwear.study.keys import Interval, Length, LengthOrZero, Section, key
+
+
+class About(Section):
+    """[study]"""
+
+    name: Annotated[str, Field(pattern=r"^\w[\w .+-]{0,99}$")] = key(
+        "study", "name of the run and of its folder: letters, digits, spaces and . + - _"
+    )
+    description: str = key("", "one line for people")
+    model: Literal["macro", "micro", "two-scale"] = key(
+        "micro",
+        "macro: smooth bodies on an elastic foundation; micro: every asperity resolved; two-scale: patches "
+        "of resolved asperities that share the load",
+    )
+
+
+class Macro(Section):
+    """[macro]: of the two-scale model"""
+
+    cell: Length = key("50 um", "size of a macro cell, each of which has one patch of the grid's cells")
+    patch: Length | None = key(
+        None, "size of a patch; by default the macro cell, which tiles the contact; smaller ones stand for it"
+    )
+    bulk: Literal["foundation", "none"] = key(
+        "foundation",
+        "spring behind each patch: foundation is K_N, the elastic bulk of both bodies, in series; none where "
+        "the patch's own law carries that compliance, as free patches of the half-space do",
+        assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
+    )
+    coupling: Literal["approach", "load"] = key(
+        "approach",
+        "approach: one for all patches, whose own answers share the load; load: a smooth macro contact "
+        "prescribes the load of each patch",
+    )
+    placement: Literal["centre", "random"] = key(
+        "centre", "place of a smaller patch in its macro cell: in the middle, or at random by macro.seed"
+    )
+    seed: Annotated[int, Field(ge=0, strict=True)] = key(0, "seed of the random placement")
+
+    @property
+    def patch_width(self) -> float:
+        """[mm]"""
+        return self.cell if self.patch is None else self.patch
+
+
+class Run(Section):
+    """[run]"""
+
+    checkpoint: Interval = key(
+        "2 min", "time between checkpoints, from which --resume goes on; 0 s is after every step, inf s never"
+    )
+
+
+class Checks(Section):
+    """[checks]"""
+
+    strict: bool = key(
+        True,
+        "stop when a step breaks what must hold: finite numbers, balance, volumes, a contact off the edge; "
+        "false records a warning",
+    )
+
+
+class Output(Section):
+    """[output]"""
+
+    snapshots: tuple[LengthOrZero, ...] = key(
+        (),
+        "sliding distances at which fields are kept; the end always is; swept: at the end of the step that "
+        "reaches each",
+    )

@@ -1,0 +1,74 @@
+"""A study: what to compute, read from TOML, checked, frozen."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import ValidationError, model_validator
+
+from warpwear.errors import InputError
+from warpwear.study import rules, rules_track, text, unused
+from warpwear.study.content import Content
+from warpwear.study.loading import change, fill, is_described, read_sections, value_of, with_changes
+
+
+class Study(Content):
+    """One study: sections of keys (see `warpwear.study.content`), each number in mm, N, MPa or s.
+
+    Make one with `Study.load(path_or_preset)` or from sections: `Study(sphere={"radius": "3 mm"}, ...)`.
+    Frozen; `replace` gives a changed copy. Raises InputError for anything that cannot be computed.
+    """
+
+    def __init__(self, **sections: Any) -> None:
+        filled, names = fill(sections)
+        try:
+            super().__init__(**filled)
+        except ValidationError as error:
+            raise InputError(text.sentence(error, type(self))) from error
+        for name in names:  # so that they are told from what was given
+            section, _, key = name.partition(".")
+            getattr(self, section).model_fields_set.discard(key)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        rules.check(self)
+        return self
+
+    def notices(self) -> list[str]:
+        """What is given but not used, and what is asked for but cannot be trusted, each as a sentence."""
+        total = self.sliding.total
+        found = [*unused.told(self), *rules_track.doubts(self)]
+        late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > total or s == 0.0 < total)
+        if late:
+            found.append(f"output.snapshots that no step ends at: {late} mm.")
+        return [*found, *rules.doubts(self)]
+
+    def to_toml(self) -> str:
+        """The whole study after defaults, as TOML that `load` reads back without loss."""
+        return text.to_toml(self)
+
+    @classmethod
+    def load(cls, path_or_preset: str | Path) -> Self:
+        """The study in a TOML file, or the preset of that name. Raises InputError."""
+        return cls(**read_sections(path_or_preset))
+
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Mapping[str, Any]) -> Self:
+        """A copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
+
+        A key that says the same in another way is dropped: a new sphere.diameter replaces sphere.radius. A
+        description that is not set itself tells what has changed.
+        """
+        flat = dict(changes or {})
+        for section, keys in sections.items():
+            flat |= {f"{section}.{k}": v for k, v in keys.items()}
+        nested = self.model_dump(exclude_unset=True)
+        change(nested, flat)
+        found = type(self)(**nested)
+        if not self.study.description or "study.description" in flat:
+            return found
+        before, after = self.model_dump(), found.model_dump()
+        changed = [
+            name for name in flat if is_described(name) and value_of(before, name) != value_of(after, name)
+        ]
+        description = with_changes(self.study.description, changed)
+        return found.model_copy(update={"study": found.study.model_copy(update={"description": description})})

@@ -1,0 +1,91 @@
+"""From the [disc] section of a study to its surface."""
+
+from typing import Any
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.laws.bearing_curve import Logistic
+from warpwear.study.bodies import Disc
+from warpwear.study.study import Study
+from warpwear.surfaces.base import Surface
+from warpwear.surfaces.made.milled import Milled
+from warpwear.surfaces.made.self_affine import SelfAffine
+from warpwear.surfaces.made.synthetic import Flat
+from warpwear.surfaces.measured import read_measured
+from warpwear.surfaces.roughness import material_ratio_curve
+
+optimize = lazy.module("scipy.optimize")
+
+#: Points along a side at which a bearing area curve is taken.
+FINE = 1000
+
+
+def surface_in(study: Study) -> Surface:
+    """What the sphere slides on: the disc's surface, smooth in the macro model. Raises InputError."""
+    if study.study.model == "macro":
+        return Flat()
+    return surface_of(study.disc)
+
+
+def bearing_curve_of(study: Study) -> Logistic:
+    """The bearing area curve of the study's disc over its domain. Raises InputError for a flat one."""
+    grid = study.cells
+    places = np.linspace(grid.x[0], grid.x[-1], FINE)
+    heights = surface_of(study.disc).heights(places, places)
+    try:
+        return fit_bearing_curve(heights)
+    except ValueError as error:
+        raise InputError(f"wear.law = 'bearing-curve' needs a rough disc: {error}.") from error
+
+
+def fit_bearing_curve(heights: FloatArray) -> Logistic:
+    """The logistic function nearest, by least squares, to the bearing area curve of heights [mm], any shape.
+
+    Raises ValueError for flat ones.
+    """
+    percent, reached = material_ratio_curve(heights)
+    depth, ratio = float(np.max(heights)) - reached, percent / 100.0
+    spread = float(np.std(heights))
+    if not spread > 0.0:
+        raise ValueError("a flat surface has no bearing area curve")
+
+    def logistic(z: FloatArray, middle: float, scale: float) -> FloatArray:
+        return np.asarray(0.5 * (1.0 + np.tanh(0.5 * (z - middle) / scale)))
+
+    start = (float(np.median(depth)), np.sqrt(3.0) / np.pi * spread)
+    (middle, scale), _ = optimize.curve_fit(logistic, depth, ratio, p0=start, bounds=(0.0, np.inf))
+    error = float(np.sqrt(np.mean((logistic(depth, middle, scale) - ratio) ** 2)))
+    return Logistic(float(middle), float(scale), error)
+
+
+def surface_of(disc: Disc) -> Surface:
+    """The disc's surface. Raises InputError for a file that cannot be used."""
+    if disc.synthetic is not None:
+        given: dict[str, Any] = {
+            name: getattr(disc.synthetic, name)
+            for name in ("ra", "sq", "hurst", "roll_off", "cut_off", "seed", "period")
+        }
+        if disc.synthetic.kind == "flat":
+            return Flat()
+        if disc.synthetic.kind == "self-affine":
+            return SelfAffine(**given)
+        return Milled(
+            **given, feed=disc.synthetic.feed, fine_ra=disc.synthetic.fine_ra, lay=disc.synthetic.lay
+        )
+    return read_measured(
+        str(disc.surface),
+        extend=disc.extend,
+        pixel=disc.pixel,
+        height_unit=disc.height_unit,
+        array=disc.array,
+        height_sign=disc.height_sign,
+        crop=disc.crop,
+        sliding_axis=disc.sliding_axis,
+        outliers=disc.outliers,
+        level=disc.level,
+        s_filter=disc.s_filter,
+        l_filter=disc.l_filter,
+    )

@@ -1,0 +1,184 @@
+"""A study as TOML text, for files and for people."""
+
+import math
+from collections.abc import Iterator
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from pydantic import BaseModel, ValidationError
+
+from warpwear.study.content import Content
+from warpwear.study.keys import all_keys, given_keys, key_of, section_in
+from warpwear.study.loading import CONSTANTS
+from warpwear.study.materials import material
+from warpwear.study.unused import inapplicable
+
+
+def to_toml(study: Content) -> str:
+    """Every key that applies, after defaults, as TOML that `Study.load` reads back without loss.
+
+    Keys that were left open stay open: they follow from the others, also when those are changed later.
+    """
+    nested: dict[str, Any] = {}
+    left_open = study.resolved
+    for name, value in _applicable(study):
+        if name in left_open:
+            continue
+        *parents, key = name.split(".")
+        section = nested
+        for parent in parents:
+            section = section.setdefault(parent, {})
+        section[key] = str(Path(value).absolute()) if name == "disc.surface" else value
+    assumed = assumptions(study)  # of defaults too, which look like given values in this text
+    return tomli_w.dumps(nested | ({"assumed": assumed} if assumed else {}))
+
+
+def to_marked_toml(study: Content) -> str:
+    """The same for people: keys that apply, each default marked, each assumption with its reason."""
+    given = given_keys(study)
+    reasons = assumptions(study)
+    lines: list[str] = []
+    section = ""
+    for name, value in _applicable(study):
+        parent, _, key = name.rpartition(".")
+        if parent != section:
+            section = parent
+            lines += ["", f"[{section}]"]
+        text = tomli_w.dumps({key: _readable(value)}, indent=0).strip().replace("\n", " ")
+        mark = f"ASSUMED: {reasons[name]}" if name in reasons else "" if name in given else "default"
+        lines.append(f"{text:<38}# {mark}" if mark else text)
+    return "\n".join(lines[1:])
+
+
+def assumptions(study: Content) -> dict[str, str]:
+    """Dotted key -> why it was assumed: in the study's own words, or by a default that is a choice."""
+    given = given_keys(study)
+    found = {}
+    for name, _ in _applicable(study):
+        body, _, constant = name.partition(".")
+        if name in study.assumed:
+            found[name] = study.assumed[name]
+        elif name not in given and body != "contact" and constant in CONSTANTS:
+            known = material(getattr(study, body).material)
+            found[name] = f"{known.name}, {known.condition}: {known.sources[constant]}"
+        elif name not in given:
+            info = key_of(type(study), name)
+            extra = info.json_schema_extra if info else None
+            if isinstance(extra, dict) and "assumed" in extra:
+                found[name] = str(extra["assumed"])
+    return found
+
+
+def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
+    """Dotted names and values of the keys that something uses."""
+    skipped = inapplicable(study)
+    content = study.model_dump(exclude={"assumed"})
+    for name, value in study.resolved.items():
+        section, _, key = name.partition(".")
+        content[section][key] = value
+    nested = _without_nothing(content)
+
+    def walk(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+        for key, value in sorted(content.items(), key=lambda item: isinstance(item[1], dict)):
+            if isinstance(value, dict):
+                yield from walk(f"{prefix}{key}.", value)
+            elif prefix + key not in skipped:
+                yield prefix + key, value
+
+    for name, content in nested.items():
+        yield from walk(f"{name}.", content)
+
+
+def _readable(value: Any) -> Any:
+    """Text with units as a person would write it: 3 um for 0.003 mm, 20 mm/min for 0.333 mm/s."""
+    if isinstance(value, list):
+        return [_readable(v) for v in value]
+    if not isinstance(value, str):
+        return value
+    first, _, unit = value.partition(" ")
+    try:
+        number = float(first)
+    except ValueError:
+        return value
+    if unit == "mm" and 0.0 < abs(number) < 0.1:
+        return _short(1.0e3 * number, "um", back=1.0e-3) or value
+    if unit == "MPa" and 1.0e4 <= abs(number) < math.inf:
+        return _short(1.0e-3 * number, "GPa", back=1.0e3) or value
+    if unit == "mm/s":
+        return _short(60.0 * number, "mm/min", back=1.0 / 60.0) or value
+    return _short(number, unit, back=1.0) or value
+
+
+def _short(number: float, unit: str, *, back: float) -> str | None:
+    """Few digits, if they are all there are."""
+    text = f"{number:g} {unit}"
+    exact = abs(float(f"{number:g}") * back - number * back) <= 1e-15 * abs(number * back)
+    return text if exact or number == float(f"{number:g}") else None
+
+
+def _without_nothing(nested: dict[str, Any]) -> dict[str, Any]:
+    """TOML has no word for None: such keys are left out. Tuples become lists."""
+    kept: dict[str, Any] = {}
+    for key, value in nested.items():
+        if isinstance(value, dict):
+            kept[key] = _without_nothing(value)
+        elif value is not None:
+            kept[key] = list(value) if isinstance(value, tuple) else value
+    return kept
+
+
+def sentence(error: ValidationError, model: type[BaseModel]) -> str:
+    """The first problem of a study, for its author."""
+    # A misspelt section is unknown and leaves the right one missing: the first is the cause.
+    first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
+    # Branches of a union (an int or one of some words) are pydantic's, not the user's.
+    name = ".".join(
+        str(p) for p in first["loc"] if not str(p).startswith(("literal[", "constrained-", "function-"))
+    )
+    kind, value = first["type"], first.get("input")
+    if kind == "extra_forbidden":
+        near = get_close_matches(name, all_keys(model), n=1, cutoff=0.5)
+        hint = (
+            f"; did you mean '{near[0]}'?" if near else f"; allowed are {', '.join(_siblings(model, name))}."
+        )
+        return f"'{name}' is no key of a study{hint}"
+    if kind == "missing":
+        return f"{name} is missing{_expected(model, name)}."
+    if kind in ("tuple_type", "list_type"):
+        return f"{name} = {value!r}: must be a list in brackets, such as ['30 mm', '240 mm']."
+    if kind in ("model_type", "dict_type", "model_attributes_type"):
+        return f"{name} = {value!r} is not a section; write [{name}] and its keys below it."
+    message = str(first["ctx"]["error"]) if "ctx" in first and "error" in first["ctx"] else first["msg"]
+    info = key_of(model, name)
+    if kind == "value_error" and (not name or (info and section_in(info.annotation))):
+        return f"{message}."  # of a whole section, so it says its names itself
+    if kind == "literal_error":
+        options = sorted(
+            {
+                str(e["ctx"]["expected"])
+                for e in error.errors()
+                if e["type"] == "literal_error" and e["loc"][:2] == first["loc"][:2]
+            }
+        )
+        more = " or a degree from 0 to 12" if name == "disc.level" else ""
+        return f"{name} = {value!r} is not allowed; allowed: {', '.join(options)}{more}."
+    if kind == "string_pattern_mismatch":  # of study.name, which names a folder
+        message = "allowed are up to 100 letters, digits, spaces and the signs . _ + -"
+    return f"{name} = {value!r}: {message[:1].lower()}{message[1:]}."
+
+
+def _siblings(model: type[BaseModel], name: str) -> list[str]:
+    depth = name.count(".")
+    parent = name.rpartition(".")[0]
+    return [k for k in all_keys(model) if k.count(".") == depth and k.rpartition(".")[0] == parent]
+
+
+def _expected(model: type[BaseModel], name: str) -> str:
+    info: Any = key_of(model, name)
+    section = section_in(info.annotation) if info is not None else None
+    if section is not None:
+        return f": a section [{name}] with {', '.join(section.model_fields)}"
+    meaning = getattr(info, "description", None)
+    return f": {meaning}" if meaning else ""

@@ -1,0 +1,144 @@
+"""Quantities in text, such as "9.4e-4 mm^3/N/m", to numbers in the units of the solver: mm, N, MPa, s."""
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from warpwear import lazy
+
+pint = lazy.module("pint")
+
+#: What to write in a message about a unit of each kind.
+EXAMPLES = {
+    "mm": "a length such as '1.5 mm'",
+    "mm^2": "an area such as '1.254 mm^2'",
+    "mm^3": "a volume such as '0.018 mm^3'",
+    "N": "a force such as '8 N'",
+    "MPa": "a pressure such as '590 MPa'",
+    "N/mm^3": "a foundation stiffness such as '2e5 N/mm^3'",
+    "mm/s": "a speed such as '20 mm/min'",
+    "s": "a time such as '2 min'",
+    "deg": "an angle such as '90 deg'",
+    "Hz": "a frequency such as '1 Hz'",
+    "mm^3/N/m": "a wear coefficient such as '9.4e-4 mm^3/N/m'",
+    "1/mm": "an inverse length such as '0.1 1/m'",
+    "N/mm": "an energy of an area such as '2 J/m^2'",
+}
+
+
+# One number, then units of letters; digits in a unit are exponents. Not left to a parser of expressions,
+# which would read "8,5 N" as 85 N and "2 400 mm" as 800 mm.
+_NUMBER_AND_UNIT = re.compile(
+    r"\s*(?P<number>[+-]?(?:\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|inf|nan))"
+    r"(?:\s+1(?=/))?\s*(?P<unit>/?\s*(?:[^\W\d_]|[²³])+(?:(?:\s*(?:\^|\*\*)\s*-?\d)|[^\W\d_]|[²³\s()*/·])*)?\s*"
+)
+
+
+@cache
+def _registry() -> Any:
+    return pint.UnitRegistry()
+
+
+def parse(value: Any, unit: str) -> float:
+    """A quantity in text as a number in `unit`. Raises ValueError with a sentence about what is allowed."""
+    if isinstance(value, bool) or not isinstance(value, str):
+        raise ValueError(f"needs its unit: {EXAMPLES[unit]}")
+    if "," in value:
+        raise ValueError(f"has a comma: write the number with a decimal point, {EXAMPLES[unit]}")
+    found = _NUMBER_AND_UNIT.fullmatch(value)
+    if found is None:
+        raise ValueError(f"is not one number with one unit: {EXAMPLES[unit]} is expected")
+    asked = found["unit"] or "dimensionless"
+    try:
+        quantity = _registry().Quantity(float(found["number"]), f"1{asked}" if asked[0] == "/" else asked)
+        number = float(quantity.to(unit).magnitude)
+    except pint.DimensionalityError:
+        raise ValueError(f"has the wrong dimension: {EXAMPLES[unit]} is expected") from None
+    except Exception:  # pint raises whatever its parser meets, AttributeError and tokenize errors included
+        raise ValueError(f"cannot be read: {EXAMPLES[unit]} is expected") from None
+    return number
+
+
+def text(value: float, unit: str) -> str:
+    """The number as text that `parse` reads back without loss."""
+    return f"{value!r} {unit}"
+
+
+#: Of a number that is neither 0 nor infinite, in the solver's units. Far beyond any contact, and such that no
+#: product of a few of them leaves the range of floating-point numbers.
+TINIEST, LARGEST = 1.0e-30, 1.0e30
+
+
+@dataclass(frozen=True)
+class Range:
+    """Which numbers a field allows."""
+
+    least: float = 0.0
+    or_equal: bool = False  # whether `least` itself is allowed
+    most: float = math.inf
+    infinite: bool = False
+
+    def check(self, number: float, unit: str = "") -> float:
+        """Raises ValueError, saying what is allowed, unless number lies in the range."""
+        if math.isnan(number):
+            raise ValueError("is not a number")
+        if math.isinf(number) and not self.infinite:
+            raise ValueError("must be finite")
+        if number < self.least or (number == self.least and not self.or_equal):
+            bound = "at least" if self.or_equal else "greater than"
+            raise ValueError(f"must be {bound} {self.least:g} {unit}".rstrip())
+        if number > self.most:
+            raise ValueError(f"must be at most {self.most:g} {unit}".rstrip())
+        if number != 0.0 and math.isfinite(number) and not TINIEST <= abs(number) <= LARGEST:
+            raise ValueError(
+                f"is beyond what can be computed with: from {TINIEST:g} to {LARGEST:g} {unit}".rstrip()
+            )
+        return number
+
+
+POSITIVE = Range()
+NOT_NEGATIVE = Range(or_equal=True)
+POSITIVE_OR_INFINITE = Range(infinite=True)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Annotation of a study's field: text with a unit in the study, a float in `unit` here."""
+
+    unit: str
+    range: Range = POSITIVE
+
+    def read(self, value: Any) -> float:
+        return self.range.check(parse(value, self.unit), self.unit)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(
+            self.read,
+            handler(float),
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda number: text(number, self.unit)
+            ),
+        )
+
+
+@dataclass(frozen=True)
+class Number:
+    """Annotation of a study's field: a number without a unit."""
+
+    range: Range = POSITIVE
+
+    def read(self, value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ValueError("must be a number without a unit")
+        try:
+            return self.range.check(float(value))
+        except OverflowError:
+            raise ValueError("is too large") from None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.read, handler(float))

@@ -1,0 +1,216 @@
+"""The report of the thesis: its printed results beside ours, one page and one file of numbers."""
+
+import json
+import math
+import platform
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import warp
+
+from warpwear.result import Result
+from warpwear.thesis.figures import FIGURES
+from warpwear.thesis.findings import FINDINGS
+from warpwear.thesis.numbers import Numbers, collect
+from warpwear.thesis.page import Picture, check_folder, embedded, render, write_folder
+from warpwear.thesis.runs import VERSIONS, Plan, Runs, published, running
+from warpwear.thesis.summary import ALL_ITEMS, OF_THESIS, SUMMARY
+from warpwear.thesis.verdicts import (
+    DIAMETER_TOLERANCE,
+    PRESSURE_TOLERANCE,
+    Kind,
+    Row,
+    Verdict,
+    as_printed,
+    number,
+)
+from warpwear.version import __version__
+
+PAGE, NUMBERS = "report.html", "numbers.json"
+#: Columns of the table at the top.
+PRINTED_COLUMNS = ("thesis V1", "thesis V2", "thesis V3", "experiment")
+
+
+def thesis_report(
+    out: str | Path,
+    *,
+    quick: bool = False,
+    threads: int | None = None,
+    device: str = "cpu",
+    overwrite: bool = False,
+    plan: Plan | None = None,
+    quiet: bool = True,
+) -> Path:
+    """Compute everything and write the folder `out` with report.html and numbers.json; returns the page.
+
+    quick: the fine rough model with cells of 5 µm. plan: other studies than the published ones. quiet:
+    without a line a run on standard error. Raises InputError for a folder or a device that cannot be used,
+    and leaves nothing behind then.
+    """
+    folder = Path(out)
+    check_folder(folder, (PAGE, NUMBERS), overwrite=overwrite)
+    started = time.perf_counter()
+    with running(plan or published(quick=quick), device=device, threads=threads, quiet=quiet) as runs:
+        numbers = collect(runs)
+        verdicts = judge(numbers)
+        pictures = {name: embedded(entry.draw(runs, numbers)) for name, entry in FIGURES.items()}
+        page = render_page(
+            runs, numbers, verdicts, pictures, quick=quick, elapsed=time.perf_counter() - started
+        )
+    write_folder(folder, {PAGE: page, NUMBERS: as_json(numbers, verdicts)})
+    return folder / PAGE
+
+
+def judge(numbers: Mapping[str, float]) -> dict[str, Verdict]:
+    """The verdict of every item by its id, from these numbers."""
+    return {item.id: item.judge(numbers) for item in ALL_ITEMS}
+
+
+def as_json(numbers: Numbers, verdicts: Mapping[str, Verdict]) -> str:
+    """Everything that is compared, for machines; without times, so that equal runs give equal files."""
+    content = {
+        "summary": [
+            _record(line.row, numbers) | {"verdict": line.judge(numbers), "item": line.item}
+            for line in SUMMARY
+        ],
+        "items": [
+            {
+                "id": item.id,
+                "place": item.place,
+                "title": item.title,
+                "verdict": verdicts[item.id].kind,
+                "reason": verdicts[item.id].reason,
+                "rows": [_record(row, numbers) for row in item.rows],
+            }
+            for item in ALL_ITEMS
+        ],
+        "numbers": {name: _finite(value) for name, value in numbers.items()},
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _record(row: Row, numbers: Numbers) -> dict[str, Any]:
+    """A row as values; ours in the row's unit, printed as printed."""
+    return {
+        "quantity": row.quantity,
+        "unit": row.unit,
+        "printed": {
+            column: {"value": p.value, "unit": p.unit, "place": p.place} for column, p in row.printed.items()
+        },
+        "ours": {column: _finite(row.factor * numbers[name]) for column, name in row.ours.items()},
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def render_page(
+    runs: Runs,
+    numbers: Numbers,
+    verdicts: Mapping[str, Verdict],
+    pictures: Mapping[str, Picture],
+    *,
+    quick: bool,
+    elapsed: float,
+) -> str:
+    """The page as text."""
+    first = runs["v1"]
+    return render(
+        "thesis.html",
+        {
+            "num": number,
+            "as_printed": as_printed,
+            "exact": repr,
+            "anchor": lambda kind: str(kind).replace(" ", "-"),
+        },
+        printed_columns=PRINTED_COLUMNS,
+        versions=VERSIONS,
+        summary=[(line.row, line.judge(numbers), line.item) for line in SUMMARY],
+        diameter_tolerance=DIAMETER_TOLERANCE,
+        pressure_tolerance=PRESSURE_TOLERANCE,
+        places={item.id: item.place or "finding" for item in ALL_ITEMS},
+        items=OF_THESIS,
+        findings={item.id: item for item in FINDINGS.items},
+        verdicts=verdicts,
+        kinds=_count(verdicts),
+        figures=FIGURES,
+        pictures=pictures,
+        n=numbers,
+        runs=_runs_table(runs),
+        refusal=runs.refusal,
+        increments=runs.plan.increments,
+        patches=runs.patches,
+        assumptions=_assumptions(runs),
+        quick=quick,
+        environment={
+            "warpwear": __version__,
+            "Warp": warp.__version__,
+            "Python": platform.python_version(),
+            "platform": platform.platform(),
+            "device": first.attributes["device"],
+            "threads": first.attributes["threads"],
+            "precision": first.attributes["precision"],
+            "elapsed": f"{elapsed:.0f} s for all runs and figures",
+        },
+    )
+
+
+def _count(verdicts: Mapping[str, Verdict]) -> dict[Kind, int]:
+    of_thesis = [verdicts[item.id].kind for item in OF_THESIS]
+    return {kind: of_thesis.count(kind) for kind in Kind if kind in of_thesis}
+
+
+def _runs_table(runs: Runs) -> list[dict[str, Any]]:
+    """Every run: its name, how it was computed, and what it warned of."""
+    found = {VERSIONS[name]: result for name, result in runs.versions.items()}
+    found |= {f"V1 implicit, {increment:g} mm": result for increment, result in runs.implicit.items()}
+    found |= {"V1, Hertz's area, explicit, forced": runs.beyond, "V1, Hertz's area, implicit": runs.steady}
+    return [{"name": name, **_how(result)} for name, result in found.items()]
+
+
+def _how(result: Result) -> dict[str, Any]:
+    study = result.study
+    first, growth, largest = study.stepping.plan
+    steps = f"{first:g} mm" if growth == 1.0 else f"{1e3 * first:g} µm growing to {largest:g} mm"
+    law = (
+        f"foundation, {number(study.law().stiffness)} N/mm³"
+        if study.study.model == "macro"
+        else f"hardness {study.hardness:g} MPa"
+    )
+    return {
+        "cell": f"{1e3 * study.grid.cell:g} µm",
+        "law": law,
+        "stepping": f"{study.stepping.scheme}, {steps}",
+        "steps": result.history["distance"].size,
+        "distance": study.sliding.total,
+        "factor": study.wear.distance_factor,
+        "warnings": result.record["warnings"],
+    }
+
+
+def _short(value: Any) -> str:
+    """A value of a study with six digits: 0.333333 mm/s."""
+    text, _, unit = str(value).partition(" ")
+    try:
+        return f"{float(text):.6g} {unit}".strip()
+    except ValueError:
+        return str(value)
+
+
+def _assumptions(runs: Runs) -> list[dict[str, Any]]:
+    """Each assumed key with its value and reason, and the studies that assume it."""
+    found: dict[tuple[str, str, str], list[str]] = {}
+    for name, result in runs.versions.items():
+        for key, reason in result.summary["assumptions"].items():
+            value: Any = result.study.model_dump()
+            for part in key.split("."):
+                value = value.get(part) if isinstance(value, dict) else None
+            shown = "" if value is None else _short(value)
+            found.setdefault((key, shown, reason), []).append(VERSIONS[name])
+    return [
+        {"key": key, "value": value, "reason": reason, "studies": ", ".join(studies)}
+        for (key, value, reason), studies in sorted(found.items())
+    ]

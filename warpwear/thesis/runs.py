@@ -1,0 +1,200 @@
+"""The runs behind the report of the thesis: which studies, and what is kept of them."""
+
+import math
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warpwear.calibration.wear import diameter_of_cap
+from warpwear.errors import InputError
+from warpwear.result import Result
+from warpwear.runs.run import run
+from warpwear.study.study import Study
+from warpwear.study.surface import surface_in
+from warpwear.surfaces.sphere import sag
+
+#: Cell of the fine rough model in a quick report; it takes a tenth of the time.
+QUICK_CELL = "5 um"
+#: Results shown side by side: name in numbers and files -> name for people.
+VERSIONS = {"v1": "V1", "v2": "V2", "v3": "V3", "fine": "V3 fine"}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that is computed for one report."""
+
+    studies: dict[str, Study]  # keys of VERSIONS
+    increments: tuple[float, ...] = (0.3, 3.0, 30.0)  # of the smooth model, implicit [mm]
+    seeds: tuple[int, ...] = tuple(range(1, 11))  # of the rough surface
+
+    def __post_init__(self) -> None:
+        if set(self.studies) != set(VERSIONS):
+            raise InputError(
+                f"studies = {', '.join(self.studies)}: those of a report are {', '.join(VERSIONS)}."
+            )
+        if not self.seeds or not self.increments:
+            raise InputError("seeds and increments of a report must each name at least one.")
+
+    @property
+    def runs(self) -> int:
+        """How many there are."""
+        again = sum(seed != _seed(self.studies["v3"]) for seed in self.seeds)
+        return len(self.studies) + len(self.increments) + 2 + again
+
+
+def published(*, quick: bool = False) -> Plan:
+    """The presets as they are; quick: the fine one with cells of 5 µm."""
+    fine = Study.load("v3-fine")
+    if quick:
+        fine = fine.replace({"grid.cell": QUICK_CELL})
+    return Plan({"v1": Study.load("v1"), "v2": Study.load("v2"), "v3": Study.load("v3"), "fine": fine})
+
+
+@dataclass(frozen=True)
+class RoughPatch:
+    """The touched patch of one rough surface, and what geometry says of it. All in mm."""
+
+    seed: int
+    along: float
+    across: float
+    predicted_along: float  # extents of the surface cut by the sphere that V1's patch belongs to
+    predicted_across: float
+    peak: float  # highest point over the mean plane near the rim, R_p
+    largest: float  # 2√(z(2R − z)), z = R − √(R² − a²) + R_p: both ends of a diameter on such a peak
+    farthest: float  # twice the distance of the farthest touched cell from the middle
+    disc_volume: float  # [mm³]
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Open results; closed with `running`."""
+
+    plan: Plan
+    versions: dict[str, Result]
+    implicit: dict[float, Result]  # increment [mm] -> V1, implicit
+    beyond: Result  # V1 beyond the limit of stability
+    steady: Result  # the same foundation, implicit
+    refusal: str  # what the solver says when it is not forced
+    patches: tuple[RoughPatch, ...]
+
+    def __getitem__(self, name: str) -> Result:
+        return self.versions[name]
+
+
+@contextmanager
+def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False) -> Iterator[Runs]:
+    """Compute everything, one line a run on standard error."""
+    done = 0
+    with ExitStack() as stack:
+
+        def compute(label: str, study: Study) -> Result:
+            nonlocal done
+            started = time.perf_counter()
+            result = run(study, device=device, threads=threads, plots=False)
+            stack.callback(result.close)
+            done += 1
+            if not quiet:
+                took = time.perf_counter() - started
+                print(
+                    f"report: run {done} of {plan.runs}, {label}: {took:.1f} s", file=sys.stderr, flush=True
+                )
+            return result
+
+        versions = {name: compute(VERSIONS[name], study) for name, study in plan.studies.items()}
+        smooth = plan.studies["v1"]
+        implicit = {
+            increment: compute(f"V1 implicit, {increment:g} mm", _implicit(smooth, increment))
+            for increment in plan.increments
+        }
+        area = {"contact.foundation": "area"}
+        step = smooth.stepping.plan[2]
+        beyond = compute(
+            f"V1 with Hertz's area, explicit {step:g} mm", smooth.replace(area | {"stepping.force": True})
+        )
+        steady = compute(f"V1 with Hertz's area, implicit {step:g} mm", _implicit(smooth, step).replace(area))
+
+        def patch(seed: int) -> RoughPatch:
+            if seed == _seed(plan.studies["v3"]):
+                return _rough_patch(seed, versions["v3"])
+            study = plan.studies["v3"].replace({"disc.synthetic.seed": seed})
+            return _rough_patch(seed, compute(f"V3, surface {seed}", study))
+
+        patches = tuple(patch(seed) for seed in plan.seeds)
+        yield Runs(plan, versions, implicit, beyond, steady, _refusal(smooth, area), patches)
+
+
+def _implicit(study: Study, increment: float) -> Study:
+    return study.replace({"stepping.scheme": "implicit", "stepping.increment": f"{increment!r} mm"})
+
+
+def _refusal(study: Study, changes: dict[str, str]) -> str:
+    """The sentence that refuses an unstable study; empty if it is not refused."""
+    try:
+        study.replace(changes)
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def _seed(study: Study) -> int | None:
+    return study.disc.synthetic.seed if study.disc.synthetic else None
+
+
+def _rough_patch(seed: int, result: Result) -> RoughPatch:
+    study = result.study
+    heights = surface_in(study).heights(result.x, result.y)
+    radius = 1.0 / study.sphere.curvature
+    smooth = worn_radius(study)
+    square = np.add.outer(result.x**2, result.y**2)
+    # A cell is touched where it stands above the sphere through the smooth patch's rim.
+    over_rim = sag(result.x, result.y, radius=radius) - depth_of_rim(smooth, radius=radius)
+    touched = np.asarray(heights >= over_rim)
+    near_rim = (over_rim >= 0.0) & (over_rim <= heights.max())
+    peak = float(heights[near_rim].max()) if near_rim.any() else 0.0
+    return RoughPatch(
+        seed,
+        along=float(result.history["patch_along"][-1]),
+        across=float(result.history["patch_across"][-1]),
+        predicted_along=_extent(touched, 1, study.grid.cell),
+        predicted_across=_extent(touched, 0, study.grid.cell),
+        peak=peak,
+        largest=2.0 * rim_at(depth_of_rim(smooth, radius=radius) + max(peak, 0.0), radius=radius),
+        farthest=2.0 * float(np.sqrt(square[result.snapshot(-1).wear_sphere > 0.0].max())),
+        disc_volume=float(result.history["wear_volume_disc"][-1]),
+    )
+
+
+def worn_radius(study: Study) -> float:
+    """Rim's radius of the patch of smooth bodies on a stationary footprint: of the cap K F L [mm]."""
+    return 0.5 * diameter_of_cap(_worn_volume(study), radius=1.0 / study.sphere.curvature)
+
+
+def worn_radius_of_paraboloid(study: Study) -> float:
+    """The same with a paraboloid for the sphere, (4 R K F L/π)^¼ [mm]; a little wider."""
+    return float((4.0 * _worn_volume(study) / (np.pi * study.sphere.curvature)) ** 0.25)
+
+
+def depth_of_rim(rim: float, *, radius: float) -> float:
+    """Height of a cap from its rim's radius, R − √(R² − a²) [mm], without its cancellation."""
+    return rim * rim / (radius + math.sqrt(radius * radius - rim * rim))
+
+
+def rim_at(depth: float, *, radius: float) -> float:
+    """The rim's radius of a cap of that height, √(z(2R − z)) [mm]: the inverse."""
+    return math.sqrt(depth * (2.0 * radius - depth))
+
+
+def _worn_volume(study: Study) -> float:
+    """Of both bodies together, K F L [mm³]."""
+    return sum(study.wear_coefficients) * study.contact.load * study.sliding.total
+
+
+def _extent(touched: NDArray[np.bool_], over: int, cell: float) -> float:
+    """Of the touched cells [mm]. over: the other axis."""
+    places = np.flatnonzero(touched.any(axis=over))
+    return float(places[-1] - places[0] + 1) * cell if places.size else 0.0

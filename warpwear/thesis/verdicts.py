@@ -1,0 +1,195 @@
+"""What the report of the thesis compares and how it judges: every verdict is computed from the numbers.
+
+An `Item` is declared with `@item` above the rule that judges it; the rule gets the numbers by name and
+returns a `Verdict`. The tables themselves are in `thesis_items_*` (figures and tables of the thesis) and
+`thesis_findings` (statements of our own); `thesis_items` has all of them.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from warpwear.thesis.printed import Printed
+
+
+class Kind(StrEnum):
+    """Of a verdict; the words are what the reader sees."""
+
+    AGREES = "agrees"
+    DISAGREES = "disagrees"
+    NOT_COMPARABLE = "cannot be compared"
+    WRONG = "wrong in the thesis"
+    HOLDS = "holds"
+    FAILS = "does not hold"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A judgement and its reason in one to three sentences."""
+
+    kind: Kind
+    reason: str
+
+
+class Unknown(Exception):
+    """A rule asked for a number that the runs cannot say."""
+
+
+class Known(Mapping[str, float]):
+    """Numbers by name; raises Unknown for one that is missing or not finite."""
+
+    def __init__(self, numbers: Mapping[str, float]) -> None:
+        self._numbers = numbers
+
+    def __getitem__(self, name: str) -> float:
+        value = self._numbers.get(name, math.nan)
+        if not math.isfinite(value):
+            raise Unknown(name)
+        return value
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._numbers)
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+
+Rule = Callable[[Known], Verdict]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity: what is printed and which of our numbers stand beside it, each under a column's name."""
+
+    quantity: str
+    unit: str
+    ours: Mapping[str, str]  # column -> name of a number
+    printed: Mapping[str, Printed] = field(default_factory=dict)  # column -> value
+    factor: float = 1.0  # from our numbers to the unit
+    printed_factor: float = 1.0  # from the printed unit to the unit
+
+
+@dataclass(frozen=True)
+class Item:
+    """One figure, table or statement with the rule that judges it."""
+
+    id: str
+    place: str
+    title: str
+    says: str  # what the thesis says or draws there, in our words; or what is claimed here
+    rule: Rule
+    rows: tuple[Row, ...] = ()
+    figures: tuple[str, ...] = ()  # names in thesis_figures
+
+    def judge(self, numbers: Mapping[str, float]) -> Verdict:
+        """The verdict on these numbers."""
+        try:
+            return self.rule(Known(numbers))
+        except Unknown as missing:
+            return Verdict(Kind.NOT_COMPARABLE, f"The runs do not say {missing}.")
+
+
+@dataclass(frozen=True)
+class Table:
+    """Items in their order, filled by decorators."""
+
+    items: list[Item] = field(default_factory=list)
+
+    def item(
+        self,
+        name: str,
+        place: str,
+        title: str,
+        *,
+        says: str,
+        rows: tuple[Row, ...] = (),
+        figures: tuple[str, ...] = (),
+    ) -> Callable[[Rule], Rule]:
+        """Adds an item with the decorated function as its rule."""
+
+        def add(rule: Rule) -> Rule:
+            self.items.append(Item(name, place, title, says, rule, rows, figures))
+            return rule
+
+        return add
+
+
+def agrees_if(condition: bool, yes: str, no: str) -> Verdict:
+    """Agrees, or disagrees."""
+    return Verdict(Kind.AGREES, yes) if condition else Verdict(Kind.DISAGREES, no)
+
+
+def wrong_if(condition: bool, yes: str, no: str) -> Verdict:
+    """Wrong in the thesis, or else what it says agrees with ours."""
+    return Verdict(Kind.WRONG, yes) if condition else Verdict(Kind.AGREES, no)
+
+
+def holds_if(condition: bool, yes: str, no: str) -> Verdict:
+    """For statements of our own."""
+    return Verdict(Kind.HOLDS, yes) if condition else Verdict(Kind.FAILS, no)
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number for people, with all its digits and a true minus sign; – for one that is not known."""
+    if not math.isfinite(value):
+        return "–"
+    if value == 0.0:
+        return "0"
+    shown = f"{value:#.{digits}g}"
+    if "e" in shown:
+        mantissa, exponent = shown.split("e")
+        power = int(exponent)
+        raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+        shown = f"{float(shown):.0f}" if 0 <= power < 7 else f"{mantissa.removesuffix('.')}·10{raised}"
+    return shown.removesuffix(".").replace("-", "−")
+
+
+def as_printed(printed: Printed, factor: float = 1.0) -> str:
+    """A number as the thesis writes it: millimetres with two decimals."""
+    if printed.unit == "mm" and printed.value < 10.0:
+        return f"{printed.value:.2f}"
+    return f"{factor * printed.value:.6g}"
+
+
+def percent(value: float, digits: int = 2) -> str:
+    """A ratio in per cent, with its sign where it is negative; round-off is 0."""
+    if abs(value) < 1e-9:
+        return "0 %"
+    return f"{number(100.0 * value, digits)} %"
+
+
+#: Growth of the area as the square root of the distance, and how far from it still counts as that.
+ROOT_EXPONENT, ROOT_LEVELLING, SHAPE_TOLERANCE = 0.5, 0.25, 0.05
+#: Largest relative difference of two volumes that count as one.
+SAME_VOLUME = 1e-3
+#: Rounding of a printed diameter plus two cells of 10 µm [mm].
+DIAMETER_TOLERANCE = 0.025
+#: Rounding of a printed limit of the pressure [MPa].
+PRESSURE_TOLERANCE = 5.0
+#: Part of a depth below which no figure shows a difference of shape.
+VISIBLE = 0.01
+
+
+def of_all(quantity: str, unit: str, key: str, *, factor: float = 1.0) -> Row:
+    """One quantity of the four versions."""
+    columns = {"V1": "v1", "V2": "v2", "V3": "v3", "V3 fine": "fine"}
+    return Row(quantity, unit, {column: f"{name}.{key}" for column, name in columns.items()}, factor=factor)
+
+
+def is_root(n: Known, name: str) -> bool:
+    """Whether an area grows as the square root of the distance."""
+    return (
+        abs(n[f"{name}.exponent_m"] - ROOT_EXPONENT) < SHAPE_TOLERANCE
+        and abs(n[f"{name}.levelling_lambda"] - ROOT_LEVELLING) < SHAPE_TOLERANCE
+    )
+
+
+def shape_of(n: Known, name: str) -> str:
+    """m and λ in words."""
+    return f"m = {number(n[f'{name}.exponent_m'])}, λ = {number(n[f'{name}.levelling_lambda'])}"
+
+
+#: Diameter of the worn patch: from the depths where the disc is smooth, as touched where it is rough.
+SMOOTH_PATCHES = {"V1": "v1.patch_by_depth_mm", "V2": "v2.patch_by_depth_mm"}
+ROUGH_PATCHES = {"V3": "v3.patch_along_mm", "V3 fine": "fine.patch_along_mm"}
