@@ -1,6 +1,6 @@
 """Imports put off until they are needed, so that `import warpwear` and `warpwear --help` stay quick.
 
-Internal names that are looked up late stand in three tables: of `warpwear.__init__`, `warpwear.cli.places` and
+Internal names that are looked up late stand in three tables: `warpwear.__init__`, `warpwear.cli.places` and
 `warpwear.result`. What other packages give late is a `module` at the top of the file that needs it.
 """
 

@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 from thesis import K_DISC, K_SPHERE, F, smooth
 
 from warpwear import InputError, Study, run
-from warpwear.models.rest.recession import Logistic
-from warpwear.study.surface import bearing_curve_of
+from warpwear.laws.bearing_curve import Logistic
+from warpwear.study.surface import bearing_curve_of, fit_bearing_curve
 
 
 @pytest.mark.parametrize("increment", ["0.3 mm", "30 mm"])
@@ -100,7 +100,7 @@ def test_the_logistic_is_that_of_logistic_heights() -> None:
     """Heights drawn from a logistic distribution: its own parameters come back."""
     ranks = (np.arange(200_000) + 0.5) / 200_000
     heights = 0.002 * np.log(ranks / (1.0 - ranks))
-    found = Logistic.fitted(heights)
+    found = fit_bearing_curve(heights)
     assert found.scale == pytest.approx(0.002, rel=1e-3)
     assert found.middle == pytest.approx(heights.max(), rel=1e-3)
     assert found.rms_error < 1e-3

@@ -26,7 +26,7 @@ from warpwear.runs import folder as run_folder
 from warpwear.runs import loop as step_loop
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 ENVIRONMENT = os.environ | {
     "PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH")))),
     "MPLBACKEND": "agg",
@@ -71,7 +71,7 @@ def test_a_disk_that_fills(count: int, tmp_path: Path) -> None:
     """From 1 MiB to more than enough: full at the start, a snapshot, a checkpoint, a table, a figure."""
     if not small_disks():
         pytest.skip("no file system of our own can be mounted here")
-    script = Path(__file__).with_name("small_disk.py")
+    script = ROOT / "tests" / "small_disk.py"
     disk = tmp_path / "disk"
     disk.mkdir()
     done = subprocess.run(
@@ -97,7 +97,7 @@ def test_a_limit_to_the_size_of_files(mebibytes: float, holds: str, tmp_path: Pa
     """As a quota: the disk has room, and a write fails all the same."""
     resource = pytest.importorskip("resource")
     code = (
-        "import resource, sys; from warpwear import cli\n"
+        "import resource, sys; from warpwear.cli import main as cli\n"
         "limit = int(float(sys.argv[1]) * 2**20)\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))\n"
         "cli.main(['run', sys.argv[2], '--out', sys.argv[3], '--no-plots'])"
@@ -123,7 +123,7 @@ def test_a_folder_that_must_not_be_written(tmp_path: Path) -> None:
     if not small_disks():
         pytest.skip("no file system of our own can be mounted here")
     code = (
-        "import subprocess, sys; from warpwear import cli\n"
+        "import subprocess, sys; from warpwear.cli import main as cli\n"
         f"subprocess.run('mount -t tmpfs none {tmp_path}'.split(), check=True)\n"
         f"subprocess.run('mkdir {tmp_path}/out'.split(), check=True)\n"
         f"subprocess.run('mount -o remount,ro {tmp_path}'.split(), check=True)\n"
@@ -250,9 +250,10 @@ def test_memory_that_runs_out(sizes: list[int], tmp_path: Path) -> None:
     code = (
         "import resource, sys\n"
         "import psutil\n"
-        "from warpwear import cli, runner\n"
+        "from warpwear.cli import main as cli\n"
+        "from warpwear.runs import run\n"
         "import matplotlib\n"
-        "from warpwear.execution import Executor\n"
+        "from warpwear.engine.executor import Executor\n"
         "from warpwear.grid import Grid\n"
         "Executor(Grid(8, 8, 1.0))\n"
         "here = psutil.Process().memory_info().vms\n"

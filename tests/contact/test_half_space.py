@@ -316,7 +316,7 @@ def test_a_gpu_without_its_library_is_told_in_one_sentence(monkeypatch: pytest.M
         CupyTransforms(executor, GRID.shape)
     assert "\n" not in str(refused.value)
     # What it names are the extras of the package.
-    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
     extras = project["project"]["optional-dependencies"]
     for package, extra in re.findall(r"(cupy-cuda\d+x) \((?:the extra )?(\w+)\)", str(refused.value)):
         assert [name.partition(">")[0] for name in extras.pop(extra)] == [package]

@@ -14,6 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import ConvergenceError, InputError, Result, Study
+from warpwear.contact import balance
 from warpwear.contact.balance import Found, newton_in_bracket
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
@@ -268,8 +269,10 @@ def test_iterations_and_residuals_of_a_run(distance: str) -> None:
 
 @pytest.mark.parametrize("kind", ["no bulk", "bulk", "load"])
 def test_a_step_that_does_not_converge_stops_the_run(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in ("load_shares", "prescribed_loads"):
-        monkeypatch.setattr(f"warpwear.{module}.MAX_EVALUATIONS", 3)
+    monkeypatch.setattr("warpwear.models.patches.shares.MAX_EVALUATIONS", 3)
+    if kind == "load":
+        found = partial(balance.find_offsets, most=3)
+        monkeypatch.setattr("warpwear.models.patches.shares.find_offsets", found)
     with pytest.raises(ConvergenceError, match=r"did not converge .*[0-9] (N|MPa) of") as caught:
         warpwear.run(of_kind(kind))
     assert "\n" not in str(caught.value)

@@ -36,7 +36,7 @@ from warpwear.runs import checkpoint
 from warpwear.runs import lock as run_lock
 from warpwear.runs.checkpoint import FILE_NAME
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 KILLS = ROOT / "bench" / "kills.py"
 _kills = runpy.run_path(str(KILLS))
 CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["study_of"]

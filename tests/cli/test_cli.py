@@ -11,7 +11,7 @@ import warp as wp
 
 from warpwear.cli.main import main
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parent.parent.parent
 QUICK = ["--set", "grid.cell=20 um", "--set", "sliding.distance=3 mm"]
 
 
@@ -127,7 +127,7 @@ def test_listing_and_showing(tmp_path: Path) -> None:
 
 
 def test_help_is_quick_and_needs_no_warp(tmp_path: Path) -> None:
-    code = "import sys; from warpwear.cli import main\ntry: main(['--help'])\nexcept SystemExit: pass\n"
+    code = "import sys; from warpwear.cli.main import main\ntry: main(['--help'])\nexcept SystemExit: pass\n"
     code += "print([m for m in ('warp', 'scipy', 'matplotlib', 'pint', 'h5py') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"

@@ -13,7 +13,7 @@ import warp as wp
 import warpwear
 from warpwear import Study
 
-_kills = runpy.run_path(str(Path(__file__).parents[1] / "bench" / "kills.py"))
+_kills = runpy.run_path(str(Path(__file__).parents[2] / "bench" / "kills.py"))
 CASES, study_of = _kills["CASES"], _kills["study_of"]
 
 

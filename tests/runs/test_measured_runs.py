@@ -8,7 +8,7 @@ import pytest
 import warpwear
 from warpwear import InputError, Study
 
-SHARED = Path(__file__).parents[2] / "shared" / "surfaces"
+SHARED = Path(__file__).parents[3] / "shared" / "surfaces"
 
 
 def study_of(path: Path, **changes: str) -> Study:

@@ -14,7 +14,7 @@ from warpwear.errors import InputError
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.sphere import sag
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 SHARED = ROOT.parent / "shared" / "surfaces"
 GIVEN = ("--pixel", "3 um", "--height-unit", "um")
 
