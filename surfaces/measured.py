@@ -261,7 +261,7 @@ def _sampling(pixel: float, cell: float, cut_off: float | None) -> list[str]:
     return []
 
 
-def _spline_rows(points: FloatArray, *, count: int, pixel: float, edge: str) -> sparse.csr_array:
+def _spline_rows(points: FloatArray, *, count: int, pixel: float, edge: str) -> Any:
     """Matrix that takes spline coefficients along an axis to values at the points [mm]: (points.size, count).
 
     Four weights of the cubic B-spline a row, their places folded back into the measurement.

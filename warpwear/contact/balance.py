@@ -291,8 +291,8 @@ def find_offsets(
     """Offsets at which each of many carries its target, give or take what is allowed.
 
     carried: what they carry, and the slopes, at offsets; it rises with them. offset, reach: where to begin,
-    and how long the first step may be. most: evaluations. Returns the offsets, what is carried there and the evaluations, also
-    where brackets came down to neighbouring numbers before all was met.
+    and how long the first step may be. most: evaluations. Returns the offsets, what is carried there and the
+    evaluations, also where brackets came down to neighbouring numbers before all was met.
     """
     low, high = np.full_like(offset, -math.inf), np.full_like(offset, math.inf)
     for evaluation in range(1, most):

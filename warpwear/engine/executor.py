@@ -36,9 +36,17 @@ Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
 class ListOfTiles(Protocol):
     """Tiles of a field that a kernel visits, row by row."""
 
-    list: Field  # numbers of the tiles of each row, shape (nx, tiles_per_row)
-    count: Field  # how many of them are visited, shape (nx,)
-    chunks: Sequence[tuple[int, int]]  # ranges of slots for the threads
+    @property
+    def list(self) -> Field:
+        """Numbers of the tiles of each row, shape (rows, tiles_per_row)."""
+
+    @property
+    def count(self) -> Field:
+        """How many of them are visited, shape (rows,)."""
+
+    @property
+    def chunks(self) -> Sequence[tuple[int, int]]:
+        """Ranges of slots for the threads."""
 
 
 class Executor:
@@ -104,7 +112,7 @@ class Executor:
         inputs: Sequence[Any],
         outputs: Sequence[Any],
         over: ListOfTiles | None = None,
-        chunks: list[tuple[int, int]] | None = None,
+        chunks: Sequence[tuple[int, int]] | None = None,
         often: bool = False,
     ) -> None:
         """Run a kernel over all slots; returns when it is done (CPU) or queued (GPU).
