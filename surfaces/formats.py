@@ -7,7 +7,8 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.surfaces.text import Table, gridded, read_table, units_in
+from warpwear.surfaces.point_cloud import gridded, units_in
+from warpwear.surfaces.text import NoTable, read_table
 
 h5py = lazy.module("h5py")
 
@@ -96,23 +97,23 @@ def _read_npz(path: Path, name: str | None) -> Raw:
 def _read_text(path: Path, given: tuple[float, float] | None) -> Raw:
     try:
         table = read_table(path)
+        values = table.numbers()
+    except NoTable:  # an instrument's own format by that name
+        return _read_instrument(path, given)
     except ValueError as error:
-        if str(error) in ("no text", "no table of numbers"):  # an instrument's own format by that name
-            return _read_instrument(path, given)
         raise refusal(path, f"cannot be read as text ({error})") from error
-    columns = table.values.shape[1]
-    lateral, height = units_in(table.header)
     told = () if table.ended else (CUT,)
-    if columns < 3:
-        return Raw(heights=table.values[:, 0], format="text")
-    if columns == 3 or 3 < columns <= 7 < table.values.shape[0]:
+    lateral, height = units_in(table.header)
+    if table.width < 3:
+        return Raw(heights=values[:, 0], format="text")
+    if table.width == 3 or 3 < table.width <= 7 < values.shape[0]:
         try:
-            cloud = gridded(table.values)
+            cloud = gridded(values)
         except ValueError as error:
-            if columns == 3:
+            if table.width == 3:
                 raise refusal(path, f"cannot be read as a list of points x y z ({error})") from error
         else:
-            extra = (f"columns after the third ignored, {columns - 3}",) if columns > 3 else ()
+            extra = (f"columns after the third ignored, {table.width - 3}",) if table.width > 3 else ()
             return Raw(
                 heights=cloud.heights,
                 format="xyz",
@@ -121,22 +122,15 @@ def _read_text(path: Path, given: tuple[float, float] | None) -> Raw:
                 height_unit=height,
                 notes=cloud.notes + extra + told,
             )
-    return _read_matrix(path, table, given)
-
-
-def _read_matrix(path: Path, table: Table, given: tuple[float, float] | None) -> Raw:
-    """A matrix in text; where it has a header, sizes and units as SurfaceTopography understands them."""
-    told = () if table.ended else (CUT,)
-    if table.header:
+    if table.header:  # sizes and units as SurfaceTopography understands them
         try:
             found = _read_instrument(path, given)
         except InputError:
             pass  # a header it does not know, or the package is not here: the numbers are read all the same
         else:
-            if found.heights.shape == table.values.T.shape:
+            if found.heights.shape == values.T.shape:
                 return replace(found, notes=found.notes + told)
-    lateral, height = units_in(table.header)
-    return Raw(heights=table.values.T, format="text", lateral_unit=lateral, height_unit=height, notes=told)
+    return Raw(heights=values.T, format="text", lateral_unit=lateral, height_unit=height, notes=told)
 
 
 def _refuse_results(path: Path) -> None:

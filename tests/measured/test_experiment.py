@@ -34,6 +34,8 @@ def read(folder: Path, content: str | bytes, **options: Any) -> Experiment:
         "Distance,mm,CoF\n0,0\n100,0.35\n200,0.4\n",
         "Distance (mm),COF,\n0,0,\n100,0.35,\n200,0.4,\n",
         "2 rows out of order\nDistance (mm),COF\n200,0.4\n0,0\n100,0.35\n",
+        "3\nClock;Date;Distance (mm);COF\n9:59;1.2.2024;0;0\n9:59:59;2.2.2024;100;.35\n;3.2.2024;200;.4\n",
+        "Distance (mm)\tCOF\n0\t0\n100;0.35\n200\t0.4\n",
     ],
 )
 def test_the_same_course_written_in_many_ways(tmp_path: Path, content: str | bytes) -> None:
@@ -126,6 +128,8 @@ def test_a_distance_that_starts_again_is_refused(tmp_path: Path) -> None:
         ("Distance (mm);COF\n1;0.2\n2;0,3\n", r"mixes decimal commas \(line 3\) and points \(line 2\)"),
         ("Distance (mm);COF\n1,5;0,2\n1.002,5;0,3\n", "mixes decimal commas"),
         ("Distance (mm),COF\n1,0.2\n2,0.3 end\n", "line 3 holds '0.3 end', which is no number"),
+        ('Distance (mm);COF\n1;0.2\n2;"0.3\n', "which is no number"),
+        ("Distance (mm);COF\n1;0.2\n2;٣.5\n", "which is no number"),
         ("Distance (mm),COF\n1,20\n2,0.3\n", "1 of 2 coefficients of friction exceed 3"),
         ("Distance (mm),COF\n1,-0.2\n2,-0.3\n", "negative everywhere"),
         ("Distance (mm),COF\n1,0.3\n2,-0.3\n3,0.3\n", "signed friction of both directions"),

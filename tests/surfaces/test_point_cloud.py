@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
+from warpwear.surfaces.point_cloud import gridded, units_in
 from warpwear.surfaces.reading import read
-from warpwear.surfaces.text import gridded, read_table, units_in
+from warpwear.surfaces.text import read_table
 
 NX, NY, PX, PY = 9, 7, 0.4, 0.25
 RNG = np.random.default_rng(0)
@@ -164,7 +165,12 @@ def turned(angle):
         (written(POINTS[:20]) + written(POINTS[20:], separator=","), "mixed separators"),
         (written(POINTS).replace("\t", ",", 1), "mixed separators"),
         ("1.234,5;2.345,6;0,1\n" * 30, "mixed separators"),
-        (written(POINTS[:20]) + "1.0\t2.0\n" + written(POINTS[20:]), "line 21 has 2 values.*ragged"),
+        ("1.5 2,5 0.1\n" * 30, r"mixes decimal commas \(line 1\) and points \(line 1\)"),
+        (written(POINTS[:20]) + written(POINTS[20:]).replace("\t", '\t"', 1), "line 21 holds"),
+        (
+            written(POINTS[:20]) + "1.0\t2.0\n" + written(POINTS[20:]),
+            "line 21 has 2 .*line 1 has 3: ragged",
+        ),
         (written(POINTS[:20]) + "1.0\ttwo\t3.0\n" + written(POINTS[20:]), "line 21 holds 'two'"),
         ("".join(f"{i},{j},{i * j},1\n" for i in range(9) for j in range(9)), "comma between all digits"),
         (written(POINTS[:, :2]), "line scan"),
@@ -185,6 +191,19 @@ def test_semicolons_on_some_lines_are_no_doubt(save):
 def test_the_angle_of_a_turned_grid_is_named():
     with pytest.raises(ValueError, match=r"turned"):
         gridded(turned(7.0))
+
+
+def test_a_header_tells_commas_between_whole_numbers_apart(save):
+    rows = "".join(f"{i},{j},{i * j},1\n" for i in range(9) for j in range(9))
+    heights = read(save("x,y,z,valid\n" + rows), **GIVEN).heights
+    assert np.array_equal(heights, 1e-3 * np.multiply.outer(np.arange(9.0), np.arange(9.0)))
+
+
+def test_units_and_fields_as_other_programs_write_them(save):
+    latin = read(save(written(POINTS, header="X [µm]\tY [µm]\tZ [nm]\n"), encoding="latin-1"))
+    assert latin.pixel == pytest.approx((4e-4, 2.5e-4))
+    quoted = "".join('"' + '","'.join(f"{v:.4f}" for v in point) + '"\n' for point in POINTS)
+    assert np.array_equal(read(save(quoted), **GIVEN).heights, 1e-3 * Z)
 
 
 @pytest.mark.parametrize("separator", ["\t", " ", ";", ","])
@@ -240,5 +259,5 @@ def test_many_points_in_any_order_make_their_grid(tmp_path):
     z = RNG.normal(size=x.size)
     row = np.array([f"{a:.3f};{b:.3f};{c:.4f}" for a, b, c in zip(x.ravel(), y.ravel(), z, strict=True)])
     path.write_text("\n".join(RNG.permutation(row)).replace(".", ","))
-    heights = gridded(read_table(path).values).heights
+    heights = gridded(read_table(path).numbers()).heights
     np.testing.assert_allclose(heights.ravel(), z, atol=6e-5)

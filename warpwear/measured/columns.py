@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from warpwear.errors import InputError
-from warpwear.measured.text import RecordText, is_unit
+from warpwear.measured.record import Record, is_unit
 from warpwear.study.units import parse
 
 _MEAN = r"(?:(?:mean|avg|average|abs|absolute|filtered|dynamic|kinetic|mittlere[rs]?) )?"
@@ -51,18 +51,18 @@ class Column:
     factor: float  # to mm, s, N or 1
 
 
-def choose(text: RecordText, picks: str | None = None) -> dict[str, Column]:
+def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
     """Role -> column. Raises InputError for what is missing or could be two things.
 
     picks: titles or numbers (from 1) of two columns, distance or time and CoF, or of four: time, friction
     force, normal force and position; a unit may follow in brackets where the file has none.
     """
-    titles = [_title(text, index) for index in range(text.width)]
+    titles = [_title(record, index) for index in range(record.table.width)]
     if picks is not None:
-        return _picked(text, titles, picks)
-    if not text.names:
+        return _picked(record, titles, picks)
+    if not record.names:
         raise InputError(
-            f"{text.path} has no header with a name for each of its {text.width} columns: such as "
+            f"{record.path} has no header with a name for each of its {record.table.width} columns: such as "
             "'Distance [mm]' and 'CoF' are expected, or --columns '1 [mm],2'"
         )
     roles: dict[str, list[int]] = {role: [] for role in NAMES}
@@ -72,32 +72,32 @@ def choose(text: RecordText, picks: str | None = None) -> dict[str, Column]:
             roles[role].append(index)
     if not roles["cof"] and not roles["friction force"]:
         raise InputError(
-            f"{text.path} has no column for the coefficient of friction among {_listed(text.names)}; a name "
-            "such as 'CoF' is expected, or --columns 'DISTANCE,COF' picks two of these"
+            f"{record.path} has no column for the coefficient of friction among {_listed(record.names)}; a "
+            "name such as 'CoF' is expected, or --columns 'DISTANCE,COF' picks two of these"
         )
     needed = ("distance", "time", "cycle", "cof") if roles["cof"] else tuple(NAMES)
     found = {}
     for role in needed:
         if len(roles[role]) > 1:
-            rivals = [text.names[i] for i in roles[role]]
+            rivals = [record.names[i] for i in roles[role]]
             how = "by name" if len(set(rivals)) == len(rivals) else "by number, counted from 1"
             raise InputError(
-                f"{text.path} has {len(rivals)} columns that could be the {_spoken(role)}: "
+                f"{record.path} has {len(rivals)} columns that could be the {_spoken(role)}: "
                 f"{_listed(rivals)}; --columns 'DISTANCE,COF' picks {how}"
             )
         if roles[role]:
             index = roles[role][0]
-            title = text.names[index]
-            found[role] = Column(index, title, _factor(text, role, title, titles[index][1]))
+            title = record.names[index]
+            found[role] = Column(index, title, _factor(record, role, title, titles[index][1]))
     return found
 
 
-def _title(text: RecordText, index: int) -> tuple[str, str]:
+def _title(record: Record, index: int) -> tuple[str, str]:
     """Name in small letters and unit of a column."""
-    if not text.names:
+    if not record.names:
         return "", ""
-    name, unit = split_unit(text.names[index])
-    below = text.units[index].strip("[]() ") if text.units else ""
+    name, unit = split_unit(record.names[index])
+    below = record.units[index].strip("[]() ") if record.units else ""
     return name, unit or below
 
 
@@ -122,25 +122,25 @@ def _role(name: str, unit: str) -> str | None:
     return next((role for role, pattern in NAMES.items() if re.fullmatch(pattern, name)), None)
 
 
-def _factor(text: RecordText, role: str, name: str, unit: str) -> float:
+def _factor(record: Record, role: str, name: str, unit: str) -> float:
     target = TARGETS[role]
     if target is None:
         if unit.lower() not in WITHOUT_UNIT:
             raise InputError(
-                f"{text.path}: the {_spoken(role)} '{name}' has the unit {unit}, where a plain number is "
+                f"{record.path}: the {_spoken(role)} '{name}' has the unit {unit}, where a plain number is "
                 "expected"
             )
         return 1.0
     if unit.lower() in WITHOUT_UNIT:
         raise InputError(
-            f"{text.path}: the {_spoken(role)} '{name}' has no unit; write it in the header, such as "
+            f"{record.path}: the {_spoken(role)} '{name}' has no unit; write it in the header, such as "
             f"'{name} [{target}]', or in --columns"
         )
     try:
         return parse(f"1 {LOCAL.get(unit.lower(), unit)}", target)
     except ValueError:
         raise InputError(
-            f"{text.path}: the {_spoken(role)} '{name}' has the unit {unit}, which is no unit of "
+            f"{record.path}: the {_spoken(role)} '{name}' has the unit {unit}, which is no unit of "
             f"{_KIND[target]}"
         ) from None
 
@@ -148,13 +148,14 @@ def _factor(text: RecordText, role: str, name: str, unit: str) -> float:
 _KIND = {"mm": "length", "s": "time", "N": "force"}
 
 
-def _picked(text: RecordText, titles: list[tuple[str, str]], picks: str) -> dict[str, Column]:
+def _picked(record: Record, titles: list[tuple[str, str]], picks: str) -> dict[str, Column]:
     parts = [part.strip() for part in picks.split(";" if ";" in picks else ",")]
-    chosen = _match(text, titles, parts)
+    chosen = _match(record, titles, parts)
+    known = _listed(record.names) or f"1 to {record.table.width}"
     if chosen is None or len(chosen) not in PICKED:
         raise InputError(
             f"--columns '{picks}': two columns (distance or time, CoF) or four (time, friction force, normal "
-            f"force, position) of {text.path} are expected: {_listed(text.names) or f'1 to {text.width}'}"
+            f"force, position) of {record.path} are expected: {known}"
         )
     roles: Mapping[int, str] = dict(enumerate(PICKED[len(chosen)]))
     found = {}
@@ -163,8 +164,8 @@ def _picked(text: RecordText, titles: list[tuple[str, str]], picks: str) -> dict
         unit = unit or given
         if role == "distance" and (_role(name, unit) in ("time", "cycle") or _is_time(unit)):
             role = "cycle" if _role(name, unit) == "cycle" else "time"
-        title = text.names[index] if text.names else f"column {index + 1}"
-        found[role] = Column(index, title, _factor(text, role, title, unit))
+        title = record.names[index] if record.names else f"column {index + 1}"
+        found[role] = Column(index, title, _factor(record, role, title, unit))
     return found
 
 
@@ -176,32 +177,32 @@ def _is_time(unit: str) -> bool:
     return True
 
 
-def _match(text: RecordText, titles: list[tuple[str, str]], parts: list[str]) -> list[tuple[int, str]] | None:
+def _match(record: Record, titles: list[tuple[str, str]], parts: list[str]) -> list[tuple[int, str]] | None:
     """Index and given unit of each pick; a title may itself hold commas."""
     if not parts:
         return []
     for count in range(len(parts), 0, -1):
-        index = _index(text, titles, ", ".join(parts[:count]))
+        index = _index(record, titles, ", ".join(parts[:count]))
         if index is None:
             continue
-        rest = _match(text, titles, parts[count:])
+        rest = _match(record, titles, parts[count:])
         if rest is not None:
             return [index, *rest]
     return None
 
 
-def _index(text: RecordText, titles: list[tuple[str, str]], pick: str) -> tuple[int, str] | None:
-    plain = [" ".join(name.lower().split()) for name in text.names]
+def _index(record: Record, titles: list[tuple[str, str]], pick: str) -> tuple[int, str] | None:
+    plain = [" ".join(name.lower().split()) for name in record.names]
     name, unit = split_unit(pick)
     for wanted, known in ((" ".join(pick.lower().split()), plain), (name, [title for title, _ in titles])):
         if known.count(wanted) > 1:
             raise InputError(
-                f"--columns: {text.path} has {known.count(wanted)} columns called '{pick}'; pick by number, "
-                f"from 1 to {text.width}"
+                f"--columns: {record.path} has {known.count(wanted)} columns called '{pick}'; pick by "
+                f"number, from 1 to {record.table.width}"
             )
         if wanted and wanted in known:
             return known.index(wanted), unit
-    if name.isdecimal() and 1 <= int(name) <= text.width:
+    if name.isdecimal() and 1 <= int(name) <= record.table.width:
         return int(name) - 1, unit
     return None
 

@@ -9,7 +9,7 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.columns import Column, choose
-from warpwear.measured.text import read_record
+from warpwear.measured.record import read_record
 from warpwear.measured.tribometer import from_forces
 
 #: A coefficient of friction beyond this is a mistake: a force, percent, or a load that is not yet on.
@@ -63,9 +63,9 @@ def read_experiment(
     take, see `warpwear.measured.columns.choose`. Raises InputError for whatever could be read in two ways.
     """
     path = Path(path)
-    text = read_record(path)
-    chosen = choose(text, columns)
-    values = text.columns([column.index for column in chosen.values()])
+    record = read_record(path)
+    chosen = choose(record, columns)
+    values = record.columns([column.index for column in chosen.values()])
     table = {role: column.factor * values[:, place] for place, (role, column) in enumerate(chosen.items())}
     table, notes = _without_gaps(path, table)
     if "cof" not in table:
