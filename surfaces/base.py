@@ -9,28 +9,28 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Surface(Protocol):
-    """A surface as a function of place: the same one at any cell size and in any window.
+    """A surface is a function of place: the same one at any cell size and in any window.
 
     Implementations are frozen dataclasses: nothing is regenerated for a mesh, nothing remembered of one.
     """
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Heights [mm] over the mean plane, positive out of the material, shape (x.size, y.size).
+        """Return heights [mm] over the mean plane, positive out of the material, shape (x.size, y.size).
 
         x (along the sliding direction) and y are the points of the grid x × y [mm]: 1-D, uniform, increasing,
         0 = the middle of the contact.
         """
 
     def notices(self, x: FloatArray, y: FloatArray) -> list[str]:
-        """What a user must know about this surface on the grid x × y [mm]: repeats, filtered, too coarse."""
+        """Say what a user must know about this surface on the grid x × y [mm], such as repeats or filters."""
 
     def record(self) -> dict[str, Any]:
-        """What the surface is and what was done to it, JSON-ready, units in the key names (``sq_um``).
+        """Say what the surface is and what was done to it, JSON-ready, units in the key names (``sq_um``).
 
-        Always there: ``kind``. What depends on the points asked for is told by `notices` instead.
+        ``kind`` is always there. What depends on the points asked for is said by `notices` instead.
         """
 
 
 def spacing(points: FloatArray) -> float:
-    """Mean distance [mm] of the uniform, increasing points [mm], shape (n,); 0 for a single point."""
+    """Return the mean distance [mm] of uniform, increasing points [mm], shape (n,); 0 for a single point."""
     return float(points[-1] - points[0]) / (points.size - 1) if points.size > 1 else 0.0

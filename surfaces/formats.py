@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,20 +25,21 @@ HEIGHT_NAMES = ("heights", "height", "z", "surface", "topography")  # of the arr
 
 @dataclass(frozen=True, eq=False)
 class Raw:
-    """A file's values in its own units; pixel None where it has none, unit None where it names none."""
+    """A file holds values in its own units; what it does not say is None."""
 
     heights: np.ma.MaskedArray | np.ndarray
     format: str
-    pixel: tuple[float, ...] | None = None
+    pixel: tuple[float, ...] | None = None  # in the lateral unit
     lateral_unit: str | None = None
     height_unit: str | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  # what was decided while reading, in sentences
 
 
 def read_raw(path: Path, *, pixel: tuple[float, float] | None, array: str | None) -> Raw:
-    """What a file holds. pixel: that is given [mm]; array: the one to take of a .npz that holds several.
+    """Read what a file holds, by its ending: .npy, .npz, text, or an instrument's format.
 
-    Raises InputError, naming ``disc.surface``, for what cannot be read.
+    pixel: the one given [mm], if any; array: the one to take of a .npz that holds several. Raises InputError,
+    naming ``disc.surface``, for what cannot be read.
     """
     suffix = path.suffix.lower()
     if suffix == ".npy":
@@ -50,7 +52,7 @@ def read_raw(path: Path, *, pixel: tuple[float, float] | None, array: str | None
 
 
 def refusal(path: Path, what: str) -> InputError:
-    """Of a file that does not hold a surface, and why."""
+    """Return the error for a file that holds no surface. what: the reason, to go on after its name."""
     return InputError(f"disc.surface '{path}' {what}: {READABLE}")
 
 
@@ -62,11 +64,7 @@ def _read_npy(path: Path) -> Raw:
                 raise ValueError("there is more in it than its array")
     except Exception as error:  # the reader is foreign: whatever it raises is a bad file
         raise refusal(path, f"cannot be read as .npy ({_first_line(error)})") from error
-    if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu":
-        raise refusal(path, "is not an array of real numbers")
-    if array.size == 0:
-        raise refusal(path, "is empty")
-    return Raw(heights=array, format="npy")
+    return Raw(heights=_real(path, array), format="npy")
 
 
 def _read_npz(path: Path, name: str | None) -> Raw:
@@ -87,14 +85,19 @@ def _read_npz(path: Path, name: str | None) -> Raw:
         held = ", ".join(names) or "none"
         asked = f"no array {name!r}" if name is not None else "several arrays"
         raise InputError(f"disc.surface '{path}' holds {asked}: disc.array names one of: {held}")
-    if array.dtype.kind not in "fiu":
+    return Raw(heights=_real(path, array), format="npz", notes=(f"array {chosen!r} of the file",))
+
+
+def _real(path: Path, array: Any) -> np.ndarray:
+    if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu":
         raise refusal(path, "is not an array of real numbers")
     if array.size == 0:
         raise refusal(path, "is empty")
-    return Raw(heights=array, format="npz", notes=(f"array {chosen!r} of the file",))
+    return array
 
 
 def _read_text(path: Path, given: tuple[float, float] | None) -> Raw:
+    """Read points x y z of a grid, or a matrix whose lines follow y."""
     try:
         table = read_table(path)
         values = table.numbers()
@@ -114,14 +117,7 @@ def _read_text(path: Path, given: tuple[float, float] | None) -> Raw:
                 raise refusal(path, f"cannot be read as a list of points x y z ({error})") from error
         else:
             extra = (f"columns after the third ignored, {table.width - 3}",) if table.width > 3 else ()
-            return Raw(
-                heights=cloud.heights,
-                format="xyz",
-                pixel=cloud.pixel,
-                lateral_unit=lateral,
-                height_unit=height,
-                notes=cloud.notes + extra + told,
-            )
+            return Raw(cloud.heights, "xyz", cloud.pixel, lateral, height, cloud.notes + extra + told)
     if table.header:  # sizes and units as SurfaceTopography understands them
         try:
             found = _read_instrument(path, given)
@@ -130,11 +126,11 @@ def _read_text(path: Path, given: tuple[float, float] | None) -> Raw:
         else:
             if found.heights.shape == values.T.shape:
                 return replace(found, notes=found.notes + told)
-    return Raw(heights=values.T, format="text", lateral_unit=lateral, height_unit=height, notes=told)
+    return Raw(values.T, "text", None, lateral, height, told)
 
 
 def _refuse_results(path: Path) -> None:
-    """A result of ours holds many fields, none of them a measurement."""
+    """Refuse a result of warpwear, which holds many fields, none of them a measurement."""
     try:
         with h5py.File(path, "r") as file:
             is_result = "snapshots" in file and "study" in file.attrs
@@ -145,6 +141,7 @@ def _refuse_results(path: Path) -> None:
 
 
 def _read_instrument(path: Path, given: tuple[float, float] | None) -> Raw:
+    """Read the channel of heights that SurfaceTopography takes; given: pixel [mm] where the file has none."""
     try:
         open_topography = lazy.load("SurfaceTopography").open_topography  # 2 s, so only when needed
     except ImportError as error:
@@ -176,18 +173,13 @@ def _read_instrument(path: Path, given: tuple[float, float] | None) -> Raw:
                 raise ValueError("a list of points x y z that is no complete regular grid")
             unit = topography.unit if isinstance(topography.unit, str) else None
             pixel = tuple(float(p) for p in topography.pixel_size) if sizes is None else None
-            return Raw(
-                heights=heights,
-                format=str(reader.format()),
-                pixel=pixel,
-                lateral_unit=unit,
-                height_unit=unit,
-            )
+            return Raw(heights, str(reader.format()), pixel, lateral_unit=unit, height_unit=unit)
     except Exception as error:  # the reader is foreign: whatever it raises is a bad file
         raise refusal(path, f"cannot be read as a surface ({_first_line(error)})") from error
 
 
 def _first_line(error: Exception) -> str:
+    """Return the beginning of what a foreign reader says, to stand in brackets."""
     if type(error).__name__ == "CannotDetectFileFormat":  # its text is what every reader had to say
         return "no reader knows the format"
     text = str(error).strip() or type(error).__name__

@@ -18,23 +18,31 @@ UNIT = (
     r"|meters?|metres?)"
 )
 WORDS = {"micro": "µm", "milli": "mm", "meter": "m", "metre": "m"}
+#: A unit behind the name of its axis, such as "X [µm]", "z in nm" or "x-unit: um".
+AXIS_UNIT = re.compile(
+    r"\b([xyz])(?:\b|(?=[-_ ]))[ _-]*(?:axis|position|pos|coordinate|height|unit|units)?"
+    rf"[ ]*[:=]?[ ]*[\[(/]?[ ]*(?:in[ ]+)?({UNIT})\b",
+    re.I,
+)
+HEIGHT_UNIT = re.compile(rf"\b(?:z|height)[ _-]*units?\b[ ]*[:=]?[ ]*({UNIT})\b", re.I)
+ANY_UNIT = re.compile(rf"\b(?:units?|einheit)\b[ ]*[:=]?[ ]*[\[(]?[ ]*({UNIT})\b", re.I)
 
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """A gridded cloud: heights in the file's unit, shape (nx, ny), NaN where no point is; x increases with
-    axis 0 and y with axis 1. pixel: distance of the points along both, in the file's lateral unit."""
+    """Points on a grid are a height map, in the units of their file."""
 
-    heights: FloatArray
-    pixel: tuple[float, float]
-    notes: tuple[str, ...]
+    heights: FloatArray  # shape (nx, ny), x increasing with axis 0 and y with axis 1, NaN where no point is
+    pixel: tuple[float, float]  # distance of the points along x and y
+    notes: tuple[str, ...]  # what was decided, in sentences
 
 
 def gridded(points: FloatArray) -> Cloud:
-    """The height map of points, shape (n, 3 or more): x, y, z in the first columns.
+    """Return the height map of points, shape (n, 3 or more), with x, y, z in the first columns.
 
-    A full grid or one with holes, in any order. The same point twice counts once. ValueError, with the end of
-    a sentence, for one point with two heights, and for points of no axis-parallel, evenly spaced grid.
+    They fill a grid, or one with holes, in any order. A point that comes twice counts once. Raises
+    ValueError, with the end of a sentence, for one point with two heights, and for points of no evenly spaced
+    grid along the axes.
     """
     x, y, z = points[:, 0], points[:, 1], points[:, 2]
     placed = np.isfinite(x) & np.isfinite(y)
@@ -66,24 +74,17 @@ def gridded(points: FloatArray) -> Cloud:
 
 
 def units_in(header: Sequence[str]) -> tuple[str | None, str | None]:
-    """Lateral unit and height unit that a header states, each None unless unambiguous."""
+    """Return the lateral unit and the unit of heights that a header states, None where not unambiguous."""
     found: dict[str, set[str]] = {"x": set(), "y": set(), "z": set(), "": set()}
-    words_between = r"(?:axis|position|pos|coordinate|height|unit|units)?"
-    named = rf"\b([xyz])(?:\b|(?=[-_ ]))[ _-]*{words_between}[ ]*[:=]?[ ]*[\[(/]?[ ]*(?:in[ ]+)?({UNIT})\b"
-    general = rf"\b(?:units?|einheit)\b[ ]*[:=]?[ ]*[\[(]?[ ]*({UNIT})\b"
     for line in header:
-        names = re.findall(named, line, re.I)
-        for axis, unit in names:
-            found[axis.lower()].add(_canonical(unit))
-        if names:
-            continue
-        height = re.search(rf"\b(?:z|height)[ _-]*units?\b[ ]*[:=]?[ ]*({UNIT})\b", line, re.I)
-        if height:
-            found["z"].add(_canonical(height[1]))
-        elif match := re.search(general, line, re.I):
+        if names := AXIS_UNIT.findall(line):
+            for axis, unit in names:
+                found[axis.lower()].add(_canonical(unit))
+        elif match := HEIGHT_UNIT.search(line):
+            found["z"].add(_canonical(match[1]))
+        elif match := ANY_UNIT.search(line):
             found[""].add(_canonical(match[1]))
-        else:
-            # a line of units alone, under the names of the columns
+        else:  # perhaps a line of units alone, under the names of the columns
             words = re.findall(rf"(?<![\w])({UNIT})(?![\w])", line)
             rest = re.sub(rf"{UNIT}|[\[\]()#%;,\s]", "", line)
             if len(words) == 3 and not rest:
@@ -106,7 +107,10 @@ def _canonical(unit: str) -> str:
 
 
 def _axis(places: FloatArray, name: str) -> tuple[np.ndarray, int, float]:
-    """Index of each place on its axis, their number, and the spacing."""
+    """Return the index of each place along an axis, shape (n,), the number of places, and their spacing.
+
+    name: of the axis, for the ValueError that places of no evenly spaced grid raise.
+    """
     sorted_places, inverse = np.unique(places, return_inverse=True)
     span = float(sorted_places[-1] - sorted_places[0])
     if span == 0.0:
@@ -128,13 +132,13 @@ def _axis(places: FloatArray, name: str) -> tuple[np.ndarray, int, float]:
 
 
 def _scattered(x: FloatArray, y: FloatArray) -> str:
-    """What kind of no grid: the angle of a turned one from neighbours of some points."""
-
+    """Say what points of no grid are: turned by an angle, told from neighbours of some, or scattered."""
     points = np.column_stack([x, y])
     near = spatial.cKDTree(points).query(points[:: max(1, len(points) // 500)], k=2)[1]
     step = points[near[:, 1]] - points[near[:, 0]]
-    angle = np.angle(np.exp(4j * np.arctan2(step[:, 1], step[:, 0])).sum()) / 4.0
-    agree = float(np.abs(np.exp(4j * np.arctan2(step[:, 1], step[:, 0])).mean()))
-    if agree > 0.95 and abs(np.degrees(angle)) > 0.05:
+    # fourfold, so that the four directions of a grid count as one
+    mean = np.exp(4j * np.arctan2(step[:, 1], step[:, 0])).mean()
+    angle = np.angle(mean) / 4.0
+    if abs(mean) > 0.95 and abs(np.degrees(angle)) > 0.05:
         return f"points of a grid turned by {np.degrees(angle):.3g}° from the axes"
     return "scattered points, of no regular grid"

@@ -1,6 +1,5 @@
-"""Measured files in mm: their heights and pixel, after what they say of their units or what is given."""
+"""Height maps in mm: what a file holds, in the units that it states or that are given."""
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,25 +22,24 @@ MILLIMETRES = {
     "pm": 1e-9,
     "fm": 1e-12,
 }
-SMALLEST_PIXEL, LARGEST_PIXEL = 1e-7, 1.0  # mm: what no instrument for roughness goes beyond
 UNITS = "m, mm, um, µm, nm"  # that a study may give; a file may state any of MILLIMETRES
+SMALLEST_PIXEL = 1e-7  # mm: no instrument for roughness goes below
+LARGEST_PIXEL = 1.0  # mm: nor beyond
 FARTHEST = 1.0e4  # mm: no height is beyond it
+PIXELS_ALLOWED = "allowed is one length or one per axis, from 0.1 nm to 1 mm"
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What a file holds: heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm].
+    """A height map in mm says what a file holds, and where its pixel and unit are from."""
 
-    unit is that of the heights; notes say what was decided while reading.
-    """
-
-    heights: FloatArray
-    pixel: tuple[float, float]
+    heights: FloatArray  # [mm], shape (nx, ny), NaN where missing
+    pixel: tuple[float, float]  # (px, py) [mm]
     format: str
-    unit: str
+    unit: str  # of the heights in the file
     pixel_given: bool
     unit_given: bool
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  # what was decided while reading, in sentences
     overrides: tuple[str, ...] = ()  # where the study contradicts the file, in sentences
 
 
@@ -56,8 +54,8 @@ def read(
 
     pixel [mm] (one, or one per axis of the file) and height_unit override what the file says; .npy, .npz and
     text without them need both. array: the one to take of a .npz that holds several. Axis 0 is the file's x:
-    the columns of a text matrix, whose lines follow y. InputError, naming ``disc.surface``, ``disc.pixel`` or
-    ``disc.height_unit``, for whatever is no areal measurement or cannot be.
+    the columns of a text matrix, whose lines follow y. Raises InputError, naming ``disc.surface``,
+    ``disc.pixel`` or ``disc.height_unit``, for whatever is no areal measurement or cannot be.
     """
     path = Path(path)
     if not path.exists():
@@ -71,7 +69,7 @@ def read(
     if size == 0:
         raise refusal(path, "is empty")
     given = None if pixel is None else _given_pixel(pixel)
-    if height_unit is not None and height_unit.strip().replace("μ", "µ") not in MILLIMETRES:
+    if height_unit is not None and _millimetres(height_unit) is None:
         raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {UNITS}")
     raw = read_raw(path, pixel=given, array=array)
     if raw.heights.ndim != 2 or min(raw.heights.shape) < 2:
@@ -79,7 +77,7 @@ def read(
         raise refusal(path, f"holds a line scan or single values (shape {shape})")
     unit = height_unit if height_unit is not None else raw.height_unit
     factor = _height_factor(path, unit)
-    used = given if given is not None else _pixel_of_file(path, raw.pixel, raw.lateral_unit)
+    used = given if given is not None else _pixel_of_file(path, raw)
     overrides = _overrides(raw, unit=height_unit, pixel=given)
     heights = np.ma.filled(raw.heights.astype(np.float64), np.nan) * factor
     heights[~np.isfinite(heights)] = np.nan
@@ -99,13 +97,18 @@ def read(
     )
 
 
+def _millimetres(unit: str | None) -> float | None:
+    """Return a unit's length in mm, None for none and for one that is not known."""
+    return MILLIMETRES.get((unit or "").strip().replace("μ", "µ"))
+
+
 def _overrides(raw: Raw, *, unit: str | None, pixel: tuple[float, float] | None) -> tuple[str, ...]:
-    """Where what is given differs from what the file says, in sentences."""
+    """Say, in sentences, where what is given differs from what the file says."""
     told = []
-    of_file = MILLIMETRES.get((raw.height_unit or "").strip().replace("μ", "µ"))
-    if unit is not None and of_file is not None and MILLIMETRES[unit.strip().replace("μ", "µ")] != of_file:
+    of_file = _millimetres(raw.height_unit)
+    if unit is not None and of_file is not None and _millimetres(unit) != of_file:
         told.append(f"disc.height_unit = {unit} overrides the unit that the file states, {raw.height_unit}")
-    lateral = MILLIMETRES.get((raw.lateral_unit or "").strip().replace("μ", "µ"))
+    lateral = _millimetres(raw.lateral_unit)
     if pixel is not None and raw.pixel is not None and lateral is not None:
         stated = [p * lateral for p in raw.pixel]
         if any(abs(a - b) > 1e-6 * b for a, b in zip(pixel, stated, strict=True)):
@@ -116,12 +119,13 @@ def _overrides(raw: Raw, *, unit: str | None, pixel: tuple[float, float] | None)
 
 def _given_pixel(pixel: float | tuple[float, float]) -> tuple[float, float]:
     pair = (pixel, pixel) if isinstance(pixel, (int, float)) else tuple(pixel)
-    if len(pair) != 2 or not all(SMALLEST_PIXEL <= p <= LARGEST_PIXEL for p in pair):
-        raise InputError(
-            f"disc.pixel is {' × '.join(f'{p:g}' for p in pair)} mm: allowed is one length or one per axis, "
-            f"from 0.1 nm to 1 mm"
-        )
+    if len(pair) != 2 or not all(map(_is_pixel, pair)):
+        raise InputError(f"disc.pixel is {' × '.join(f'{p:g}' for p in pair)} mm: {PIXELS_ALLOWED}")
     return float(pair[0]), float(pair[1])
+
+
+def _is_pixel(length: float) -> bool:
+    return SMALLEST_PIXEL <= length <= LARGEST_PIXEL
 
 
 def _height_factor(path: Path, unit: str | None) -> float:
@@ -130,7 +134,7 @@ def _height_factor(path: Path, unit: str | None) -> float:
             f"disc.height_unit is not given and disc.surface '{path}' names no unit: allowed is one of "
             f"{UNITS}"
         )
-    factor = MILLIMETRES.get(unit.strip().replace("μ", "µ"))
+    factor = _millimetres(unit)
     if factor is None:
         raise InputError(
             f"disc.surface '{path}' has the unit {unit!r}: allowed is one of {UNITS}, or "
@@ -139,16 +143,13 @@ def _height_factor(path: Path, unit: str | None) -> float:
     return factor
 
 
-def _pixel_of_file(path: Path, pixel: tuple[float, ...] | None, unit: str | None) -> tuple[float, float]:
-    if pixel is None or unit is None:
-        lacks = "names none" if pixel is None else "gives its own without a unit"
-        raise InputError(
-            f"disc.pixel is not given and disc.surface '{path}' {lacks}: allowed is one length or one per "
-            "axis, from 0.1 nm to 1 mm"
-        )
-    factor = _height_factor(path, unit)
-    along, across = (p * factor for p in pixel)
-    if not all(math.isfinite(p) and SMALLEST_PIXEL <= p <= LARGEST_PIXEL for p in (along, across)):
+def _pixel_of_file(path: Path, raw: Raw) -> tuple[float, float]:
+    if raw.pixel is None or raw.lateral_unit is None:
+        lacks = "names none" if raw.pixel is None else "gives its own without a unit"
+        raise InputError(f"disc.pixel is not given and disc.surface '{path}' {lacks}: {PIXELS_ALLOWED}")
+    factor = _height_factor(path, raw.lateral_unit)
+    along, across = (p * factor for p in raw.pixel)
+    if not (_is_pixel(along) and _is_pixel(across)):
         raise InputError(
             f"disc.surface '{path}' has a pixel of {along:g} × {across:g} mm: allowed is from 0.1 nm to "
             "1 mm, or give disc.pixel"
