@@ -1,6 +1,5 @@
 """Measured surfaces: prepared by a chain of operations, and interpolated at any points."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,8 +9,8 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.surfaces.base import FloatArray, spacing
-from warpwear.surfaces.chain import Chain, prepare
 from warpwear.surfaces.levelling import low_pass
+from warpwear.surfaces.preparation import Preparation, prepare
 from warpwear.surfaces.reading import Reading, read
 from warpwear.surfaces.roughness import roughness
 from warpwear.surfaces.spectrum import slope_against_cut_off
@@ -19,26 +18,26 @@ from warpwear.surfaces.spectrum import slope_against_cut_off
 ndimage = lazy.module("scipy.ndimage")
 sparse = lazy.module("scipy.sparse")
 
+DEFAULT = Preparation()  # takes the plane off
 EXTENSIONS = ("refuse", "mirror", "periodic")
 CUT_OFF_CELLS = 2.0  # cut-off wavelength of the filter against aliasing: the shortest wave cells can carry
 BLOCK_VALUES = 2**18  # 2 MiB of float64: what one block of rows may hold beside the output
 SLACK = 1e-9  # relative, for lengths that should be equal
 SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: more is worth a notice
-MUCH_MISSING = 5.0  # percent
-MANY_OUTLIERS = 0.5  # percent
-
-
+MUCH_MISSING = 5.0  # percent of the points
+MANY_OUTLIERS = 0.5  # percent of the points
 COARSE = 0.05  # mm: pixel and Sq both above it look like micrometres called millimetres
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measured:
-    """A complete measurement: `levelled` heights [mm], shape (nx, ny), of pixels `pixel` (px, py) [mm].
+    """A complete measurement is a surface: `levelled` heights [mm], shape (nx, ny), of pixels (px, py) [mm].
 
     The middle of the measurement is the middle of the contact. A pixel stands for its whole square, so the
     measurement is (nx·px, ny·py) wide. `extend` says what is beyond: "refuse" (an error), "mirror" (reflected
     at the outer edge, without seams) or "periodic" (repeated, with a seam unless the measurement has none).
-    `details` is what `record` tells beside the roughness.
+    `details` is what `record` says beside the roughness. Raises InputError, naming ``disc.extend``, for
+    another word.
     """
 
     levelled: FloatArray
@@ -51,16 +50,16 @@ class Measured:
 
     @property
     def size(self) -> tuple[float, float]:
-        """Width of the measurement [mm] along axis 0 and axis 1."""
+        """Return the width of the measurement [mm] along axis 0 and axis 1."""
         return self.levelled.shape[0] * self.pixel[0], self.levelled.shape[1] * self.pixel[1]
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Heights [mm] at the points x × y [mm], shape (x.size, y.size), by cubic splines.
+        """Return heights [mm] at the points x × y [mm], shape (x.size, y.size), by cubic splines.
 
         Along an axis whose pixel is finer than the spacing of the points, the measurement is first low-passed
         against aliasing by the Gaussian filter of ISO 16610-61 (separable: 16610-21 along each axis) with a
-        cut-off of two cells, where it transmits half. Takes two more fields of the measurement.
-        InputError naming ``disc.extend`` where the points leave the measurement and `extend` is "refuse".
+        cut-off of two cells, where it transmits half. That takes the memory of two more fields. Raises
+        InputError, naming ``disc.extend``, where the points leave the measurement and `extend` is "refuse".
         """
         self._check_reach(x, y)
         edge = "grid-wrap" if self.extend == "periodic" else "reflect"
@@ -78,9 +77,10 @@ class Measured:
         return sampled
 
     def notices(self, x: FloatArray, y: FloatArray) -> list[str]:
-        """Whether the points leave the measurement, were filtered for, or are finer than its pixels.
+        """Say whether the points x × y [mm] leave the measurement or are finer or coarser than its pixels.
 
-        And whether much of the measurement is missing, or its rms slope depends on the shortest wavelength.
+        Further notices are of overridden units, many missing points or outliers, and an rms slope that
+        depends on the shortest wavelength.
         """
         told = list(self.details.get("overrides", []))
         reach = _reach(x, y)
@@ -103,22 +103,18 @@ class Measured:
         return told + self._doubts(max(*cells, *self.pixel))
 
     def record(self) -> dict[str, Any]:
-        """File, format, grid, pixel, what was done, and the roughness of the levelled measurement."""
+        """Return file, format, grid, pixel, what was done, and the roughness of the levelled measurement."""
         found = roughness(self.levelled, pixel=self.pixel)
         return {
             "kind": "measured",
             **self.details,
             "extend": self.extend,
-            "sa_um": found["sa"] * 1e3,
-            "sq_um": found["sq"] * 1e3,
-            "sz_um": found["sz"] * 1e3,
-            "ssk": found["ssk"],
-            "sku": found["sku"],
-            "rms_slope": found["rms_slope"],
+            **{f"{name}_um": found[name] * 1e3 for name in ("sa", "sq", "sz")},
+            **{name: found[name] for name in ("ssk", "sku", "rms_slope")},
         }
 
     def _doubts(self, cell: float) -> list[str]:
-        """What is uncertain about the measurement itself when its finest point is one cell [mm] wide."""
+        """Say what is uncertain about the measurement itself, sampled at points one cell [mm] apart."""
         told = []
         filled = self.details.get("filled_percent", 0.0)
         if filled > MUCH_MISSING:
@@ -160,7 +156,7 @@ class Measured:
             )
 
     def _cut_offs(self, x: FloatArray, y: FloatArray) -> tuple[float | None, float | None]:
-        """Cut-off wavelength [mm] of the filter along each axis, None where none is needed."""
+        """Return the cut-off wavelength [mm] of the filter along each axis, None where none is needed."""
         along, across = (
             CUT_OFF_CELLS * spacing(points) if pixel * (1 + SLACK) < spacing(points) else None
             for points, pixel in zip((x, y), self.pixel, strict=True)
@@ -170,41 +166,26 @@ class Measured:
 
 def read_measured(
     path: str | Path,
+    preparation: Preparation = DEFAULT,
     *,
     extend: str = "refuse",
     pixel: float | tuple[float, float] | None = None,
     height_unit: str | None = None,
     array: str | None = None,
-    height_sign: str = "up",
-    crop: Sequence[float] | None = None,
-    sliding_axis: str = "x",
-    outliers: float | None = None,
-    level: str | int = "plane",
-    s_filter: float | None = None,
-    l_filter: float | None = None,
 ) -> Measured:
-    """The surface in a measured file.
+    """Read and prepare the surface in a measured file; its heights are over their mean.
 
     pixel [mm] (one, or one per axis of the file) and height_unit override the file; .npy needs both. array:
-    which of a .npz. The other options are the chain of operations, in the order in which they are done: see
-    `chain.Chain`. Heights are over their mean in the end. InputError, naming the field of ``disc``, for
-    anything that is no plausible areal measurement.
+    which of a .npz. extend: see `Measured`. Raises InputError, naming the field of ``disc``, for anything
+    that is no plausible areal measurement.
     """
     _check_extend(extend)
-    chain = Chain(
-        height_sign=height_sign,
-        crop=crop,
-        sliding_axis=sliding_axis,
-        outliers=outliers,
-        level=level,
-        s_filter=s_filter,
-        l_filter=l_filter,
-    )
     reading = read(path, pixel=pixel, height_unit=height_unit, array=array)
-    prepared = prepare(reading, chain, name=str(path))
-    details = _of_file(Path(path), reading) | {"sliding_axis": sliding_axis, "level": level}
+    prepared = prepare(reading, preparation, name=str(path))
     size = prepared.heights.size
-    details |= {
+    details = _of_file(Path(path), reading) | {
+        "sliding_axis": preparation.sliding_axis,
+        "level": preparation.level,
         "missing": prepared.missing,
         "missing_percent": 100.0 * prepared.missing / size,
         "outliers_removed": prepared.removed,
@@ -213,13 +194,14 @@ def read_measured(
         "overrides": list(reading.overrides),
         "sq_valid_points_um": prepared.sq_valid * 1e3,
     }
-    if s_filter is not None:
-        details["s_filter_um"] = s_filter * 1e3
+    if preparation.s_filter is not None:
+        details["s_filter_um"] = preparation.s_filter * 1e3
     prepared.heights.flags.writeable = False
     return Measured(levelled=prepared.heights, pixel=prepared.pixel, extend=extend, details=details)
 
 
 def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
+    """Return what a file holds, for the record, before anything is done to it."""
     nx, ny = reading.heights.shape
     px, py = reading.pixel
     return {
@@ -243,11 +225,12 @@ def _check_extend(extend: str) -> None:
 
 
 def _reach(x: FloatArray, y: FloatArray) -> tuple[float, float]:
-    """Width [mm], along each axis, of a measurement centred at 0 that holds all the points."""
+    """Return the width [mm], along each axis, of a measurement centred at 0 that holds all the points."""
     return 2.0 * float(np.abs(x).max()), 2.0 * float(np.abs(y).max())
 
 
 def _sampling(pixel: float, cell: float, cut_off: float | None) -> list[str]:
+    """Say what the distances of pixels and of points [mm] along an axis make of the shortest waves."""
     if cut_off is not None:
         return [
             f"pixel {_um(pixel)} is finer than the cell {_um(cell)}: Gaussian low-pass (ISO 16610-61), "
@@ -262,9 +245,10 @@ def _sampling(pixel: float, cell: float, cut_off: float | None) -> list[str]:
 
 
 def _spline_rows(points: FloatArray, *, count: int, pixel: float, edge: str) -> Any:
-    """Matrix that takes spline coefficients along an axis to values at the points [mm]: (points.size, count).
+    """Return the matrix from spline coefficients along an axis to values at the points [mm].
 
-    Four weights of the cubic B-spline a row, their places folded back into the measurement.
+    Its shape is (points.size, count): four weights of the cubic B-spline a row, their places folded back into
+    the measurement.
     """
     place = points / pixel + 0.5 * (count - 1)
     first = np.floor(place)

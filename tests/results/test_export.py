@@ -52,9 +52,10 @@ def test_another_reader_reads_the_sdf(tmp_path: Path, result: Result) -> None:
     pytest.importorskip("SurfaceTopography")
     pytest.importorskip("sdfio")
     from warpwear.surfaces.measured import read_measured
+    from warpwear.surfaces.preparation import Preparation
 
     export(result, tmp_path, formats=["sdf"])
-    again = read_measured(tmp_path / "disc_worn.sdf", level="none")
+    again = read_measured(tmp_path / "disc_worn.sdf", Preparation(level="none"))
     heights = worn_heights(result, result.snapshot(-1), "disc")
     read = again.heights(result.x, result.y)
     np.testing.assert_allclose(read - read.mean(), heights - heights.mean(), atol=1e-9)

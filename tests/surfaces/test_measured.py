@@ -8,6 +8,7 @@ import pytest
 
 from warpwear.errors import InputError
 from warpwear.surfaces.measured import Measured, read_measured
+from warpwear.surfaces.preparation import Preparation
 
 PIXEL = 0.001
 
@@ -150,7 +151,7 @@ def test_memory_stays_near_the_output(rough):
 
 
 def test_npy_round_trip(saved, rough):
-    surface = read_measured(saved, level="none", pixel=PIXEL, height_unit="um")
+    surface = read_measured(saved, Preparation(level="none"), pixel=PIXEL, height_unit="um")
     np.testing.assert_allclose(surface.levelled, rough - rough.mean(), rtol=0, atol=1e-17)
     assert surface.pixel == (PIXEL, PIXEL)
     record = json.loads(json.dumps(surface.record()))
@@ -173,9 +174,9 @@ def test_a_tilt_goes_and_is_told(tmp_path, rough):
     assert record["sq_as_read_um"] == pytest.approx(tilted.std() * 1e3)
     assert record["sq_um"] == pytest.approx(rough.std() * 1e3, rel=0.01)
     assert "plane" in record["operations"][0]
-    bent = read_measured(tmp_path / "tilted.npy", pixel=PIXEL, height_unit="mm", level=4)
+    bent = read_measured(tmp_path / "tilted.npy", Preparation(level=4), pixel=PIXEL, height_unit="mm")
     assert bent.record()["sq_um"] < record["sq_um"]
-    left = read_measured(tmp_path / "tilted.npy", pixel=PIXEL, height_unit="mm", level="none")
+    left = read_measured(tmp_path / "tilted.npy", Preparation(level="none"), pixel=PIXEL, height_unit="mm")
     assert left.record()["sq_um"] == pytest.approx(tilted.std() * 1e3)
 
 
@@ -193,7 +194,8 @@ def test_missing_points_are_filled_and_counted(tmp_path, rough):
 
 def test_sliding_axis_transposes(saved, rough):
     along_x = read_measured(saved, pixel=(0.001, 0.002), height_unit="um")
-    along_y = read_measured(saved, pixel=(0.001, 0.002), height_unit="um", sliding_axis="y")
+    turned = Preparation(sliding_axis="y")
+    along_y = read_measured(saved, turned, pixel=(0.001, 0.002), height_unit="um")
     assert along_y.pixel == (0.002, 0.001)
     np.testing.assert_allclose(along_y.levelled, along_x.levelled.T, rtol=0, atol=1e-17)
     x, y = centres(20), centres(30)
@@ -211,11 +213,6 @@ def test_heights_cannot_be_written_to(saved):
     ("bad", "field"),
     [
         ({"extend": "repeat"}, "extend"),
-        ({"level": "cubic"}, "level"),
-        ({"level": -1}, "level"),
-        ({"level": 13}, "level"),
-        ({"level": True}, "level"),
-        ({"sliding_axis": "z"}, "sliding_axis"),
         ({"height_unit": "m"}, "surface"),
     ],
 )
@@ -223,3 +220,20 @@ def test_refuses_bad_options_by_name(saved, bad, field):
     # a unit of metres makes Sq one metre: absurd
     with pytest.raises(InputError, match=rf"disc\.{field}\b.*allowed is"):
         read_measured(saved, **{"pixel": PIXEL, "height_unit": "um", **bad})
+
+
+@pytest.mark.parametrize(
+    ("bad", "field"),
+    [
+        ({"level": "cubic"}, "level"),
+        ({"level": -1}, "level"),
+        ({"level": 13}, "level"),
+        ({"level": True}, "level"),
+        ({"sliding_axis": "z"}, "sliding_axis"),
+        ({"height_sign": "left"}, "height_sign"),
+        ({"outliers": 2.0}, "outliers"),
+    ],
+)
+def test_refuses_bad_preparations_by_name(bad, field):
+    with pytest.raises(InputError, match=rf"disc\.{field}\b.*allowed is"):
+        Preparation(**bad)

@@ -9,6 +9,7 @@ from warpwear.surfaces.made.milled import Milled
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.outliers import outliers
+from warpwear.surfaces.preparation import Preparation
 
 PIXEL = 0.002
 SPIKE = 0.05
@@ -98,7 +99,9 @@ def test_many_removed_is_a_notice(tmp_path, rough):
     plateau = np.where(rough < -0.001, rough, 1e-4 * rough)
     for name, height, told in (("plateau", plateau, True), ("rough", rough, False)):
         np.save(tmp_path / f"{name}.npy", height)
-        surface = read_measured(tmp_path / f"{name}.npy", pixel=PIXEL, height_unit="mm", outliers=6.0)
+        surface = read_measured(
+            tmp_path / f"{name}.npy", Preparation(outliers=6.0), pixel=PIXEL, height_unit="mm"
+        )
         notices = [text for text in surface.notices(points, points) if text.startswith("outliers: ")]
         assert len(notices) == told
         removed = surface.record()["outliers_removed"]

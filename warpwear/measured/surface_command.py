@@ -25,8 +25,8 @@ from warpwear.study.bodies import Disc
 from warpwear.study.surface import surface_of
 from warpwear.study.text import sentence
 from warpwear.study.units import POSITIVE, parse
-from warpwear.surfaces.chain import degree_of
 from warpwear.surfaces.measured import Measured
+from warpwear.surfaces.preparation import degree_of
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
 from warpwear.surfaces.worn.track import Track, find_track
 

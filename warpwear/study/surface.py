@@ -1,6 +1,6 @@
 """From the [disc] section of a study to its surface."""
 
-from typing import Any
+from dataclasses import fields
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from warpwear.surfaces.made.milled import Milled
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.made.synthetic import Flat
 from warpwear.surfaces.measured import read_measured
+from warpwear.surfaces.preparation import Preparation
 from warpwear.surfaces.roughness import material_ratio_curve
 
 optimize = lazy.module("scipy.optimize")
@@ -62,30 +63,19 @@ def fit_bearing_curve(heights: FloatArray) -> Logistic:
 
 
 def surface_of(disc: Disc) -> Surface:
-    """The disc's surface. Raises InputError for a file that cannot be used."""
-    if disc.synthetic is not None:
-        given: dict[str, Any] = {
-            name: getattr(disc.synthetic, name)
-            for name in ("ra", "sq", "hurst", "roll_off", "cut_off", "seed", "period")
-        }
-        if disc.synthetic.kind == "flat":
-            return Flat()
-        if disc.synthetic.kind == "self-affine":
-            return SelfAffine(**given)
-        return Milled(
-            **given, feed=disc.synthetic.feed, fine_ra=disc.synthetic.fine_ra, lay=disc.synthetic.lay
+    """Return the disc's surface. Raises InputError, naming the field of ``disc``, where it cannot be used."""
+    made = disc.synthetic
+    if made is None:
+        preparation = Preparation(**{field.name: getattr(disc, field.name) for field in fields(Preparation)})
+        return read_measured(
+            str(disc.surface),
+            preparation,
+            extend=disc.extend,
+            pixel=disc.pixel,
+            height_unit=disc.height_unit,
+            array=disc.array,
         )
-    return read_measured(
-        str(disc.surface),
-        extend=disc.extend,
-        pixel=disc.pixel,
-        height_unit=disc.height_unit,
-        array=disc.array,
-        height_sign=disc.height_sign,
-        crop=disc.crop,
-        sliding_axis=disc.sliding_axis,
-        outliers=disc.outliers,
-        level=disc.level,
-        s_filter=disc.s_filter,
-        l_filter=disc.l_filter,
-    )
+    if made.kind == "flat":
+        return Flat()
+    kind = SelfAffine if made.kind == "self-affine" else Milled
+    return kind(**{field.name: getattr(made, field.name) for field in fields(kind)})

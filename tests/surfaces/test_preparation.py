@@ -11,6 +11,7 @@ from warpwear.surfaces.made.milled import Milled
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.outliers import outliers
+from warpwear.surfaces.preparation import Preparation
 from warpwear.surfaces.sphere import Sphere, fit_sphere, places
 
 PIXEL = 0.002
@@ -26,7 +27,7 @@ def rough():
 def measure(tmp_path):
     def read(heights, **options):
         np.save(tmp_path / "disc.npy", heights)
-        return read_measured(tmp_path / "disc.npy", pixel=PIXEL, height_unit="mm", **options)
+        return read_measured(tmp_path / "disc.npy", Preparation(**options), pixel=PIXEL, height_unit="mm")
 
     return read
 

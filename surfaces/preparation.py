@@ -1,4 +1,4 @@
-"""What is done to a measurement before it is a surface: a fixed order of operations, each one recorded."""
+"""The preparation of a measurement: operations in a fixed order, each one recorded."""
 
 import math
 from collections.abc import Sequence
@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from warpwear.errors import InputError
 from warpwear.surfaces.base import FloatArray
@@ -15,28 +14,30 @@ from warpwear.surfaces.outliers import outliers
 from warpwear.surfaces.reading import Reading
 from warpwear.surfaces.sphere import NoSphere, fit_sphere, places
 
-HIGHEST_DEGREE = 12
+HIGHEST_DEGREE = 12  # of a polynomial taken off
 LARGEST_SQ = 1.0  # mm: above it a unit is wrong
-STEEPEST = (
-    5.0  # median slope: above it a unit is wrong, as no instrument sees a surface of 79° over half its area
-)
-FEWEST_DEVIATIONS = 3.0
+#: Median slope above which a unit is wrong, as no instrument sees a surface of 79° over half its area.
+STEEPEST = 5.0
+FEWEST_DEVIATIONS = 3.0  # robust standard deviations: fewer would take off the surface's own peaks
 LARGEST_MISSING = 0.5  # share of the points: beyond it the surface would be invented, not measured
 
 
 @dataclass(frozen=True, kw_only=True)
-class Chain:
-    """The operations, in the order in which they are done; every default does nothing but take the plane off.
+class Preparation:
+    """A measurement is prepared by these operations, in this order; by default only the plane is taken off.
 
     height_sign: "up" as in the file, "down" turns heights over (files that give depths).
     crop: (x0, x1, y0, y1) [mm] in the file's frame, whose zero is the outer corner of its first pixel; or
         (size_x, size_y) [mm] around the middle.
-    sliding_axis: which of the file's axes lies along the sliding direction; "y" transposes.
-    outliers: points farther than so many robust standard deviations from the local median become missing.
+    sliding_axis: which of the file's axes, "x" or "y", lies along the sliding direction; "y" transposes.
+    outliers: how many robust standard deviations from the local median make a point count as missing, at
+        least 3; None keeps all (see `outliers.outliers`).
     level: form removed by least squares: "none" (the mean only), "plane", a degree from 0 to 12, "sphere".
-    (Missing points are then filled from their rim, coarse to fine; see `levelling.filled`.)
+        Missing points are then filled from their rim, coarse to fine (see `levelling.filled`).
     s_filter, l_filter: cut-offs [mm] of the areal Gaussian filters of ISO 16610-61 that take off what is
         shorter (S) and longer (L), 50 % transmission at the cut-off, mirrored at the edges.
+
+    Raises InputError, naming the field of ``disc``, for what is not allowed.
     """
 
     height_sign: str = "up"
@@ -63,46 +64,44 @@ class Chain:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prepared:
-    """Complete heights [mm], shape (nx, ny), over their mean; pixel [mm], axis 0 along sliding.
+    """A prepared measurement is complete, over its mean, and says what was done to it."""
 
-    measured: which of them the file holds and the outlier step left. operations: what was done, one sentence
-    each, in order. missing, removed: numbers of points missing in the file and of outliers.
-    sq_valid: Sq [mm] of the measured points after levelling, before the filters.
+    heights: FloatArray  # [mm], shape (nx, ny), axis 0 along sliding
+    pixel: tuple[float, float]  # along both axes [mm]
+    operations: tuple[str, ...]  # what was done, one sentence each, in order
+    missing: int  # number of points that the file lacks
+    removed: int  # number of points that were outliers
+    sq_valid: float  # Sq [mm] of the measured points after levelling, before the filters
+
+
+def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepared:
+    """Prepare what was read from the file `name`.
+
+    Raises InputError, naming the field of ``disc``, for operations that the measurement does not allow and
+    for heights that no measurement has.
     """
-
-    heights: FloatArray
-    pixel: tuple[float, float]
-    measured: npt.NDArray[np.bool_]
-    operations: tuple[str, ...]
-    missing: int
-    removed: int
-    sq_valid: float
-
-
-def prepare(reading: Reading, chain: Chain, *, name: str) -> Prepared:
-    """Apply the chain to what was read from the file `name`. InputError for what cannot be or is absurd."""
     heights, pixel = reading.heights, reading.pixel
     done = list(reading.notes)
-    if chain.height_sign == "down":
+    if preparation.height_sign == "down":
         heights = -heights
         done.append("heights turned over: the file gives depths")
-    if chain.crop is not None:
-        heights, told = _cropped(heights, pixel, chain.crop)
+    if preparation.crop is not None:
+        heights, told = _cropped(heights, pixel, preparation.crop)
         done.append(told)
-    if chain.sliding_axis == "y":
+    if preparation.sliding_axis == "y":
         heights, pixel = np.ascontiguousarray(heights.T), (pixel[1], pixel[0])
         done.append("transposed: the file's y is along the sliding direction")
     missing = int(np.isnan(heights).sum())
     if missing == heights.size:
         raise InputError(f"disc.crop leaves no valid point of disc.surface '{name}'")
     removed = 0
-    if chain.outliers is not None:
-        found = outliers(heights, deviations=chain.outliers)
+    if preparation.outliers is not None:
+        found = outliers(heights, deviations=preparation.outliers)
         heights = np.where(found.where, np.nan, heights)
         removed = found.points
         done.append(
-            f"outliers: {removed} points in {found.groups} groups farther than {chain.outliers:g} robust "
-            f"standard deviations ({1e3 * found.limit:.4g} µm) from the median of 5 × 5 points removed"
+            f"outliers: {removed} points in {found.groups} groups farther than {preparation.outliers:g} "
+            f"robust standard deviations ({1e3 * found.limit:.4g} µm) from the median of 5 × 5 points removed"
             + (f", the farthest {1e3 * found.farthest:.4g} µm" if removed else "")
         )
     share = (missing + removed) / heights.size
@@ -112,22 +111,20 @@ def prepare(reading: Reading, chain: Chain, *, name: str) -> Prepared:
             + (f", {removed} of them removed by disc.outliers" if removed else "")
             + f": allowed are at most {100 * LARGEST_MISSING:g} %"
         )
-    heights, told = _levelled(heights, pixel, chain.level)
+    heights, told = _levelled(heights, pixel, preparation.level)
     done.append(told)
     sq = float(np.sqrt(np.nanmean(np.square(heights))))
     _check_plausible(heights, pixel, sq, name=name, unit=reading.unit)
-    measured = ~np.isnan(heights)
     if missing + removed:
         heights = filled(heights)
         done.append(
             f"{missing + removed} missing points ({100 * share:.3g} %) filled from their rim (harmonic, "
             "coarse to fine)"
         )
-    heights, told_filters = _filtered(heights, pixel, chain)
+    heights, told_filters = _filtered(heights, pixel, preparation)
     return Prepared(
         heights=heights,
         pixel=pixel,
-        measured=measured,
         operations=(*done, *told_filters),
         missing=missing,
         removed=removed,
@@ -136,7 +133,10 @@ def prepare(reading: Reading, chain: Chain, *, name: str) -> Prepared:
 
 
 def degree_of(level: str | int) -> int | Literal["sphere"]:
-    """Degree of the polynomial that a level takes off, or "sphere". InputError for anything else."""
+    """Return the degree of the polynomial that a level takes off, or "sphere".
+
+    level: as in `Preparation`. Raises InputError, naming ``disc.level``, for anything else.
+    """
     if level == "sphere":
         return "sphere"
     degree = {"none": 0, "plane": 1}.get(level) if isinstance(level, str) else level
@@ -151,6 +151,7 @@ def degree_of(level: str | int) -> int | Literal["sphere"]:
 def _cropped(
     heights: FloatArray, pixel: tuple[float, float], crop: Sequence[float]
 ) -> tuple[FloatArray, str]:
+    """Return the part of the heights that a crop [mm] leaves, and what was done."""
     extent = tuple(n * p for n, p in zip(heights.shape, pixel, strict=True))
     if len(crop) == 2:
         bounds = [
@@ -181,6 +182,7 @@ def _cropped(
 
 
 def _levelled(heights: FloatArray, pixel: tuple[float, float], level: str | int) -> tuple[FloatArray, str]:
+    """Return the heights less the form of a level, and what was done."""
     degree = degree_of(level)
     if degree == "sphere":
         try:
@@ -200,33 +202,36 @@ def _levelled(heights: FloatArray, pixel: tuple[float, float], level: str | int)
     return without_polynomial(heights, degree=degree), told
 
 
-def _filtered(heights: FloatArray, pixel: tuple[float, float], chain: Chain) -> tuple[FloatArray, list[str]]:
+def _filtered(
+    heights: FloatArray, pixel: tuple[float, float], preparation: Preparation
+) -> tuple[FloatArray, list[str]]:
+    """Return the heights after the S- and the L-filter, and what was done."""
     told = []
     shortest = 2.0 * max(pixel)
     longest = min(n * p for n, p in zip(heights.shape, pixel, strict=True))
     for key in ("s_filter", "l_filter"):
-        cut_off = getattr(chain, key)
+        cut_off = getattr(preparation, key)
         if cut_off is not None and not shortest * (1 - 1e-9) <= cut_off <= longest:
             raise InputError(
                 f"disc.{key} is {1e3 * cut_off:.4g} µm: allowed is from two pixels, {1e3 * shortest:.4g} µm, "
                 f"to the measurement's shorter side, {1e3 * longest:.4g} µm"
             )
-    if chain.s_filter is not None and chain.l_filter is not None and chain.s_filter >= chain.l_filter:
+    short, long = preparation.s_filter, preparation.l_filter
+    if short is not None and long is not None and short >= long:
         raise InputError(
-            f"disc.s_filter is {1e3 * chain.s_filter:.4g} µm: allowed is less than disc.l_filter, "
-            f"{1e3 * chain.l_filter:.4g} µm"
+            f"disc.s_filter is {1e3 * short:.4g} µm: allowed is less than disc.l_filter, {1e3 * long:.4g} µm"
         )
-    if chain.s_filter is not None:
-        heights = areal_low_pass(heights, pixel=pixel, cut_off=chain.s_filter)
-        told.append(_of_filter("S", "shorter", chain.s_filter))
-    if chain.l_filter is not None:
-        heights = heights - areal_low_pass(heights, pixel=pixel, cut_off=chain.l_filter)
+    if short is not None:
+        heights = areal_low_pass(heights, pixel=pixel, cut_off=short)
+        told.append(_filter_told("S", "shorter", short))
+    if long is not None:
+        heights = heights - areal_low_pass(heights, pixel=pixel, cut_off=long)
         heights -= heights.mean()
-        told.append(_of_filter("L", "longer", chain.l_filter))
+        told.append(_filter_told("L", "longer", long))
     return heights, told
 
 
-def _of_filter(kind: str, side: str, cut_off: float) -> str:
+def _filter_told(kind: str, side: str, cut_off: float) -> str:
     return (
         f"{kind}-filter: Gaussian (ISO 16610-61), waves {side} than {1e3 * cut_off:.4g} µm taken off, half "
         "transmitted there, mirrored at the edges"
@@ -236,6 +241,7 @@ def _of_filter(kind: str, side: str, cut_off: float) -> str:
 def _check_plausible(
     heights: FloatArray, pixel: tuple[float, float], sq: float, *, name: str, unit: str
 ) -> None:
+    """Raise InputError for heights, NaN where missing, that no measured surface has: a unit is wrong."""
     smaller = {"km": "m", "m": "mm", "cm": "mm", "mm": "um", "µm": "nm", "um": "nm"}.get(unit)
     advice = "or give disc.height_unit" + (f', such as "{smaller}" instead of {unit}' if smaller else "")
     if not sq <= LARGEST_SQ:
