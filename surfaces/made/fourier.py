@@ -15,11 +15,11 @@ BLOCK_VALUES = 2**18  # 2 MiB of float64: what one block of rows may hold beside
 def fourier_blocks(
     amplitudes: ComplexArray, wave_x: FloatArray, wave_y: FloatArray, x: FloatArray, y: FloatArray
 ) -> Iterator[tuple[slice, FloatArray]]:
-    """Re Σ c_ij exp(i(p_i x + q_j y)) at the points x × y, a block of rows at a time.
+    """Yield Re Σ c_ij exp(i(p_i x + q_j y)) at the points x × y, a block of rows at a time.
 
     amplitudes: c [mm], shape (wave_x.size, wave_y.size); wave_x, wave_y: p, q [rad/mm]; x, y: points [mm].
-    Yields the rows and their values [mm], shape (rows, y.size). Exact at any points: two matrix products, the
-    second in real arithmetic, so nothing is tied to a mesh as an FFT would be.
+    Each block is its rows and their values [mm], shape (rows, y.size). The sum is exact at any points: two
+    matrix products, the second in real arithmetic, so nothing is tied to a mesh as an FFT would be.
     """
     # Re((P + iQ)(cos + i sin)) = P cos − Q sin
     phase_y = np.multiply.outer(wave_y, y)
@@ -37,7 +37,7 @@ def fourier_blocks(
 def fourier_sum(
     amplitudes: ComplexArray, wave_x: FloatArray, wave_y: FloatArray, x: FloatArray, y: FloatArray
 ) -> FloatArray:
-    """The whole sum of `fourier_blocks` [mm], shape (x.size, y.size)."""
+    """Return the whole sum of `fourier_blocks` [mm], shape (x.size, y.size)."""
     field = np.empty((x.size, y.size))
     for rows, values in fourier_blocks(amplitudes, wave_x, wave_y, x, y):
         field[rows] = values
@@ -45,21 +45,21 @@ def fourier_sum(
 
 
 def uniform_draws(count: int, *, seed: int, stream: int = 0) -> FloatArray:
-    """Random numbers in [0, 1), shape (count,): the first n are the same whatever the count.
+    """Return random numbers in [0, 1), shape (count,): the first n are the same whatever the count.
 
-    From the raw bits of PCG64, whose stream NumPy guarantees for ever (it does not for its distributions).
-    Streams of one seed are independent of each other.
+    They are made from the raw bits of PCG64, whose stream NumPy guarantees for ever (it does not for its
+    distributions). Streams of one seed are independent of each other.
     """
     bits = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(stream,))).random_raw(count)
     return (bits >> np.uint64(11)).astype(np.float64) * 2.0**-53
 
 
 def half_plane_draws(largest: int, *, seed: int) -> ComplexArray:
-    """Complex Gaussian draws for the modes (i, j), −n ≤ i ≤ n, 0 ≤ j ≤ n, n = largest; shape (2n + 1, n + 1).
+    """Return complex Gaussian draws for the modes (i, j), −n ≤ i ≤ n, 0 ≤ j ≤ n, n = largest.
 
-    One of each pair (i, j), (−i, −j), since a real field fixes the other; modes (i ≤ 0, 0) are zero. Real and
-    imaginary part have variance 1. A draw depends on the seed and (i, j) only, not on n: modes are counted in
-    rings of max(|i|, j), of 4·ring modes each.
+    Their shape is (2n + 1, n + 1). One of each pair (i, j), (−i, −j) is drawn, since a real field fixes the
+    other; modes (i ≤ 0, 0) are zero. Real and imaginary part have variance 1. A draw depends on the seed and
+    (i, j) only, not on n: modes are counted in rings of max(|i|, j), of 4·ring modes each.
     """
     i = np.arange(-largest, largest + 1)[:, None]
     j = np.arange(largest + 1)[None, :]

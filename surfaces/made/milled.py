@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -13,58 +13,40 @@ from warpwear.errors import InputError
 from warpwear.surfaces.base import FloatArray
 from warpwear.surfaces.made.fourier import BLOCK_VALUES, uniform_draws
 from warpwear.surfaces.made.self_affine import SelfAffine
-from warpwear.surfaces.made.synthetic import (
-    POINTS_PER_CUT_OFF,
-    SLACK,
-    asked,
-    check,
-    check_roughness,
-    check_spectrum,
-    points_along,
-    repeats,
-    unresolved,
-)
+from warpwear.surfaces.made.synthetic import POINTS_PER_CUT_OFF, SLACK, RandomPart, points_along
 
 optimize = lazy.module("scipy.optimize")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Milled:
-    """Feed marks of a finishing cut with a fine self-affine roughness on them.
+class Milled(RandomPart):
+    """Feed marks of a finishing cut carry a fine self-affine roughness.
 
     A cutter of round edge leaves parabolic grooves that meet in cusps, one per `feed` (0.65 mm per tooth:
     thesis table 3.2): over one feed z ∝ (2u/feed)², as a Fourier series cut at the wavelength `cut_off`. The
     ridges run at `lay` degrees to the sliding direction (90: across it); where they lie is drawn from `seed`.
     The fine part is a `SelfAffine` of Ra `fine_ra` (none for 0) with the other parameters.
 
-    Lengths in mm; exactly one of `ra`, `sq`: the feed marks are scaled until the whole has it, about its
-    mean, on a fixed grid of pitch ≤ cut_off/4: whole feeds along the axis nearer to the feed's, one period
-    along the other. InputError, naming ``disc.synthetic.NAME``, for bad values, also when the fine part alone
-    is as rough as the whole is to be.
+    `ra` or `sq` is that of the whole: the feed marks are scaled until the whole has it, about its mean, on a
+    fixed grid of pitch ≤ cut_off/4: whole feeds along the axis nearer to the feed's, one period along the
+    other. Lengths are in mm. Raises InputError, naming ``disc.synthetic.NAME``, for bad values, also when the
+    fine part alone is as rough as the whole is to be.
     """
 
     feed: float = 0.65
     fine_ra: float = 0.0003
     lay: float = 90.0
-    hurst: float = 0.8
-    roll_off: float = 0.1
-    cut_off: float = 0.008
-    seed: int = 0
-    period: float = 2.0
-    ra: float | None = None
-    sq: float | None = None
 
     def __post_init__(self) -> None:
-        check_roughness(self.ra, self.sq)
-        check_spectrum(self.hurst, self.roll_off, self.cut_off, self.seed, self.period)
-        check("feed", self.feed, self.feed > self.cut_off, f"more than cut_off ({self.cut_off:g} mm)")
-        check("fine_ra", self.fine_ra, self.fine_ra >= 0.0, "0 or a positive length")
-        check("lay", self.lay, abs(self.lay) <= 180.0, "an angle from -180 to 180 degrees", unit="degrees")
+        super().__post_init__()
+        self._check("feed", self.feed > self.cut_off, f"more than cut_off ({self.cut_off:g} mm)")
+        self._check("fine_ra", self.fine_ra >= 0.0, "0 or a positive length")
+        self._check("lay", abs(self.lay) <= 180.0, "an angle from -180 to 180 degrees", unit="degrees")
         if self.fine_ra >= (self.ra or self.sq or 0.0):  # Ra is below Sq, so this refuses nothing sound
             raise self._too_fine()
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Heights [mm] at the points x × y [mm], shape (x.size, y.size)."""
+        """Return heights [mm] at the points x × y [mm], shape (x.size, y.size)."""
         field = np.empty((x.size, y.size))
         for rows, values in self._marks(x, y):
             np.multiply(values, self._peak_to_valley, out=field[rows])
@@ -74,30 +56,25 @@ class Milled:
         return field
 
     def notices(self, x: FloatArray, y: FloatArray) -> list[str]:
-        """Whether the fine part repeats within the grid, or the grid is too coarse for the cut-off."""
-        return (repeats(self.period, x, y) if self._fine else []) + unresolved(self.cut_off, x, y)
+        """Say whether the fine part repeats in the grid x × y [mm], or it is too coarse for the cut-off."""
+        return (self._repeats(x, y) if self._fine else []) + self._unresolved(x, y)
 
     @property
     def rms_slope(self) -> float:
-        """Root mean square gradient [-] from both spectra, which are taken to be uncorrelated."""
+        """Return the root mean square gradient [-] from both spectra, which are taken to be uncorrelated."""
         wave = 2.0 * math.pi / self.feed * self._orders
         marks = 0.5 * float(np.sum((wave * self._series) ** 2)) * self._peak_to_valley**2
         return math.sqrt(marks + (self._fine.rms_slope**2 if self._fine is not None else 0.0))
 
     def record(self) -> dict[str, Any]:
-        """Parameters, what was asked for, and the Ra, Sq and rms slope that the surface has."""
+        """Return the parameters, what was asked for, and the Ra, Sq and rms slope that the surface has."""
         return {
             "kind": "milled",
-            "asked": asked(self.ra, self.sq),
+            **self._parameters(),
             "feed_mm": self.feed,
             "feed_marks_peak_to_valley_um": self._peak_to_valley * 1e3,
             "fine_ra_um": self.fine_ra * 1e3,
             "lay_degrees": self.lay,
-            "hurst": self.hurst,
-            "roll_off_um": self.roll_off * 1e3,
-            "cut_off_um": self.cut_off * 1e3,
-            "seed": self.seed,
-            "period_mm": self.period,
             "ra_um": self._scaled[1] * 1e3,
             "sq_um": self._scaled[2] * 1e3,
             "rms_slope": self.rms_slope,
@@ -112,35 +89,31 @@ class Milled:
 
     @cached_property
     def _fine(self) -> SelfAffine | None:
+        """Return the fine part, None where there is none."""
         if self.fine_ra == 0.0:
             return None
-        return SelfAffine(
-            hurst=self.hurst,
-            roll_off=self.roll_off,
-            cut_off=self.cut_off,
-            seed=self.seed,
-            period=self.period,
-            ra=self.fine_ra,
-        )
+        shared = {field.name: getattr(self, field.name) for field in fields(RandomPart)}
+        return SelfAffine(**(shared | {"ra": self.fine_ra, "sq": None}))
 
     @cached_property
     def _orders(self) -> FloatArray:
+        """Return the orders 1, 2, … of the Fourier series of a feed mark, down to the cut-off."""
         return np.arange(1.0, int(self.feed / self.cut_off * (1 + SLACK)) + 1)
 
     @cached_property
     def _series(self) -> FloatArray:
-        """Cosine amplitudes of (2u/feed)² on |u| ≤ feed/2, less its mean 1/3."""
+        """Return the cosine amplitudes of (2u/feed)² on |u| ≤ feed/2, less its mean 1/3."""
         return 4.0 / math.pi**2 * (-1.0) ** self._orders / self._orders**2
 
     @cached_property
     def _normal(self) -> tuple[float, float]:
-        """Unit vector of the feed: across the ridges."""
+        """Return the unit vector of the feed, which is across the ridges."""
         return math.sin(math.radians(self.lay)), -math.cos(math.radians(self.lay))
 
     def _marks(self, x: FloatArray, y: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
-        """Feed marks of unit peak-to-valley height (before the cut), in blocks of rows.
+        """Yield blocks of rows of feed marks of unit peak-to-valley height (before the cut).
 
-        cos k(a + b) = cos ka cos kb − sin ka sin kb makes a plane wave at any angle a matrix product.
+        The sum cos k(a + b) = cos ka cos kb − sin ka sin kb makes a plane wave at any angle a matrix product.
         """
         unit = 2.0 * math.pi / self.feed
         start = 2.0 * math.pi * float(uniform_draws(1, seed=self.seed, stream=1)[0])
@@ -154,7 +127,7 @@ class Milled:
             yield block, left[block] @ right
 
     def _reference(self) -> tuple[FloatArray, FloatArray]:
-        """Unit feed marks [-] and fine part less its mean [mm] on the grid on which Ra and Sq are defined."""
+        """Return unit feed marks [-] and fine part [mm], over its mean, where Ra and Sq are defined."""
         steep = max(abs(part) for part in self._normal)
         whole = max(1, round(self.period * steep / self.feed)) * self.feed / steep
         sides = (whole, self.period) if abs(self._normal[0]) == steep else (self.period, whole)
@@ -168,12 +141,12 @@ class Milled:
 
     @property
     def _peak_to_valley(self) -> float:
-        """Height [mm] of the feed marks before the cut-off."""
+        """Return the height [mm] of the feed marks before the cut-off."""
         return self._scaled[0]
 
     @cached_property
     def _scaled(self) -> tuple[float, float, float]:
-        """Factor [mm] on the unit feed marks that makes the whole as rough as asked; its Ra and Sq [mm]."""
+        """Return the factor [mm] on unit feed marks that makes the whole as rough as asked; its Ra, Sq."""
         marks, fine = self._reference()
         factor = self._factor_for_sq(marks, fine) if self.ra is None else self._factor_for_ra(marks, fine)
         marks *= factor

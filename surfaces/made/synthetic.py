@@ -1,4 +1,4 @@
-"""What surfaces from formulae have in common: their parameters and notices; and the flat one."""
+"""What surfaces from formulas have in common: their parameters and notices; and the flat one."""
 
 import math
 from dataclasses import dataclass
@@ -16,88 +16,105 @@ SLACK = 1e-9  # relative, so that 2.0/0.008 counts as 250 and a window of one pe
 
 @dataclass(frozen=True, kw_only=True)
 class Flat:
-    """The plane z = 0."""
+    """A flat surface is the plane z = 0."""
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Zeros [mm], shape (x.size, y.size)."""
+        """Return zeros [mm], shape (x.size, y.size)."""
         return np.zeros((x.size, y.size))
 
     def notices(self, x: FloatArray, y: FloatArray) -> list[str]:
-        """None."""
+        """Return no notice: a plane has no grid that is too coarse for it."""
         return []
 
     def record(self) -> dict[str, Any]:
-        """Kind, and the parameters every synthetic surface has."""
+        """Return the kind, and the roughness that every synthetic surface records."""
         return {"kind": "flat", "ra_um": 0.0, "sq_um": 0.0, "rms_slope": 0.0}
 
 
-def check(name: str, value: float, allowed: bool, expected: str, *, unit: str = "mm") -> None:
-    """Raises InputError, naming ``disc.synthetic.NAME``, for a value that is not allowed."""
-    if not (math.isfinite(value) and allowed):
-        shown = f"{value:g} {unit}".rstrip()
-        raise InputError(f"disc.synthetic.{name} is {shown}: allowed is {expected}")
+@dataclass(frozen=True, kw_only=True)
+class RandomPart:
+    """Surfaces with a random part share these parameters: its spectrum, and the roughness of the whole.
 
+    Lengths are in mm; exactly one of `ra`, `sq` is given. Raises InputError, naming
+    ``disc.synthetic.NAME``, for a value that is not allowed.
+    """
 
-def check_roughness(ra: float | None, sq: float | None) -> None:
-    """Raises InputError unless exactly one of Ra and Sq [mm] is given, and is positive."""
-    if (ra is None) == (sq is None):
-        given = "neither is given" if ra is None else f"both are given ({ra:g} mm and {sq:g} mm)"
-        raise InputError(
-            f"disc.synthetic.ra and disc.synthetic.sq: {given}, "
-            "allowed is exactly one of the two, a positive length"
+    hurst: float = 0.8
+    roll_off: float = 0.1  # wavelength above which the spectrum is flat
+    cut_off: float = 0.008  # shortest wavelength
+    seed: int = 0
+    period: float = 2.0  # distance after which the random part repeats, along both axes
+    ra: float | None = None
+    sq: float | None = None
+
+    def __post_init__(self) -> None:
+        if (self.ra is None) == (self.sq is None):
+            both = f"both are given ({self.ra:g} mm and {self.sq:g} mm)" if self.ra is not None else ""
+            raise InputError(
+                f"disc.synthetic.ra and disc.synthetic.sq: {both or 'neither is given'}, "
+                "allowed is exactly one of the two, a positive length"
+            )
+        for name in ("ra", "sq"):
+            if getattr(self, name) is not None:
+                self._check(name, getattr(self, name) > 0.0, "a positive length")
+        self._check("hurst", 0.0 < self.hurst <= 1.0, "more than 0 and at most 1", unit="")
+        self._check("cut_off", self.cut_off > 0.0, "a positive length")
+        self._check("period", self.period > 0.0, "a positive length")
+        self._check(
+            "roll_off",
+            self.cut_off < self.roll_off < self.period,
+            f"more than cut_off ({self.cut_off:g} mm) and less than period ({self.period:g} mm)",
         )
-    for name, value in (("ra", ra), ("sq", sq)):
-        if value is not None:
-            check(name, value, value > 0.0, "a positive length")
+        self._check(
+            "cut_off",
+            self.period / self.cut_off <= LARGEST_MODE * (1 + SLACK),
+            f"at least period/{LARGEST_MODE} ({self.period / LARGEST_MODE:g} mm)",
+        )
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            raise InputError(f"disc.synthetic.seed is {self.seed!r}: allowed is a whole number from 0")
 
+    def _check(self, name: str, allowed: bool, expected: str, *, unit: str = "mm") -> None:
+        """Raise InputError unless the value of a parameter is finite and allowed."""
+        value = getattr(self, name)
+        if not (math.isfinite(value) and allowed):
+            shown = f"{value:g} {unit}".rstrip()
+            raise InputError(f"disc.synthetic.{name} is {shown}: allowed is {expected}")
 
-def check_spectrum(hurst: float, roll_off: float, cut_off: float, seed: int, period: float) -> None:
-    """Raises InputError for a spectrum that cannot be: lengths in mm."""
-    check("hurst", hurst, 0.0 < hurst <= 1.0, "more than 0 and at most 1", unit="")
-    check("cut_off", cut_off, cut_off > 0.0, "a positive length")
-    check("period", period, period > 0.0, "a positive length")
-    check(
-        "roll_off",
-        roll_off,
-        cut_off < roll_off < period,
-        f"more than cut_off ({cut_off:g} mm) and less than period ({period:g} mm)",
-    )
-    check(
-        "cut_off",
-        cut_off,
-        period / cut_off <= LARGEST_MODE * (1 + SLACK),
-        f"at least period/{LARGEST_MODE} ({period / LARGEST_MODE:g} mm)",
-    )
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise InputError(f"disc.synthetic.seed is {seed!r}: allowed is a whole number from 0")
+    def _parameters(self) -> dict[str, Any]:
+        """Return the parameters for the record: the roughness asked for, the spectrum, the seed."""
+        given = {"ra_um": self.ra, "sq_um": self.sq}
+        return {
+            "asked": {name: 1e3 * value for name, value in given.items() if value is not None},
+            "hurst": self.hurst,
+            "roll_off_um": self.roll_off * 1e3,
+            "cut_off_um": self.cut_off * 1e3,
+            "seed": self.seed,
+            "period_mm": self.period,
+        }
+
+    def _repeats(self, x: FloatArray, y: FloatArray) -> list[str]:
+        """Return a notice where the grid is wider than the period."""
+        widest = max(float(p[-1] - p[0]) + spacing(p) for p in (x, y))
+        if widest <= self.period * (1 + SLACK):
+            return []
+        return [
+            f"the random surface repeats: its period {self.period:g} mm is shorter than the grid, "
+            f"{widest:g} mm"
+        ]
+
+    def _unresolved(self, x: FloatArray, y: FloatArray) -> list[str]:
+        """Return a notice where the grid is too coarse for the shortest waves."""
+        coarsest = max(spacing(x), spacing(y))
+        if coarsest <= self.cut_off / 2 * (1 + SLACK):
+            return []
+        return [
+            f"cells of {coarsest * 1e3:.4g} µm do not resolve the shortest waves of the surface, "
+            f"{self.cut_off * 1e3:.4g} µm: that takes cells of at most {self.cut_off * 500:.4g} µm"
+        ]
 
 
 def points_along(side: float, count: int) -> FloatArray:
-    """So many points of a side [mm], the first at 0, its end left out."""
+    """Return `count` even points of a side [mm], the first at 0 and its end left out, shape (count,)."""
     points = np.arange(count).astype(np.float64)
     points *= side / count
     return points
-
-
-def asked(ra: float | None, sq: float | None) -> dict[str, float]:
-    """The roughness that was asked for [µm], for the record."""
-    return {name: value * 1e3 for name, value in (("ra_um", ra), ("sq_um", sq)) if value is not None}
-
-
-def repeats(period: float, x: FloatArray, y: FloatArray) -> list[str]:
-    """A notice where the grid is wider than the period [mm]."""
-    widest = max(float(p[-1] - p[0]) + spacing(p) for p in (x, y))
-    if widest <= period * (1 + SLACK):
-        return []
-    return [f"the random surface repeats: its period {period:g} mm is shorter than the grid, {widest:g} mm"]
-
-
-def unresolved(cut_off: float, x: FloatArray, y: FloatArray) -> list[str]:
-    """A notice where the grid is too coarse for the shortest waves [mm]."""
-    coarsest = max(spacing(x), spacing(y))
-    if coarsest <= cut_off / 2 * (1 + SLACK):
-        return []
-    return [
-        f"cells of {coarsest * 1e3:.4g} µm do not resolve the shortest waves of the surface, "
-        f"{cut_off * 1e3:.4g} µm: that takes cells of at most {cut_off * 500:.4g} µm"
-    ]
