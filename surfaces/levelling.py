@@ -1,4 +1,4 @@
-"""Levelling and filling of measured heights."""
+"""Levelling, filling and filtering of measured heights."""
 
 import numpy as np
 import numpy.typing as npt
@@ -16,11 +16,11 @@ SWEEPS = 8  # of the relaxation at each scale; more changes a filled height by l
 def without_polynomial(
     heights: FloatArray, *, degree: int, where: npt.NDArray[np.bool_] | None = None
 ) -> FloatArray:
-    """Heights [mm], shape (nx, ny), NaN where missing, less their least-squares polynomial of total degree.
+    """Return heights [mm], shape (nx, ny), NaN where missing, less a least-squares polynomial.
 
-    Degree 0 takes off the mean, 1 the mean plane. Fitted to the valid points (of `where`, same shape, if
-    given: to them only) by normal equations, in products of Legendre polynomials over the field: there they
-    stay well conditioned.
+    degree: its total degree; 0 takes off the mean, 1 the mean plane. It is fitted to the valid points (of
+    `where`, shape (nx, ny), if given) by normal equations, in products of Legendre polynomials over the
+    field, which stay well conditioned there.
     """
     nx, ny = heights.shape
     basis_x = legendre.legvander(np.linspace(-1.0, 1.0, nx), degree)
@@ -50,11 +50,12 @@ def without_polynomial(
 
 
 def filled(heights: FloatArray) -> FloatArray:
-    """Heights [mm], shape (nx, ny), with missing points (NaN) filled; valid points are untouched.
+    """Return heights [mm], shape (nx, ny), with missing points (NaN) filled; valid ones are untouched.
 
-    Coarse to fine: block means of 2 × 2 valid points are filled first in the same way, their values start the
-    missing points, then a few sweeps pull every missing point to the mean of its four neighbours (a discrete
-    harmonic surface: smooth, no higher or lower than the rim). Time is a few passes whatever the holes.
+    It goes from coarse to fine: block means of 2 × 2 valid points are filled first in the same way, their
+    values start the missing points, then a few sweeps pull every missing point to the mean of its four
+    neighbours (a discrete harmonic surface: smooth, no higher or lower than the rim). That takes a few passes
+    whatever the holes.
     """
     missing = np.isnan(heights)
     if not missing.any():
@@ -67,6 +68,7 @@ def filled(heights: FloatArray) -> FloatArray:
 
 
 def _from_coarse(heights: FloatArray, missing: npt.NDArray[np.bool_]) -> FloatArray:
+    """Return the filled means of blocks of 2 × 2 points, repeated over each block: shape (nx, ny)."""
     nx, ny = heights.shape
     pad = ((0, nx % 2), (0, ny % 2))
     weight = np.pad((~missing).astype(np.float64), pad)
@@ -78,6 +80,7 @@ def _from_coarse(heights: FloatArray, missing: npt.NDArray[np.bool_]) -> FloatAr
 
 
 def _neighbour_mean(field: FloatArray) -> FloatArray:
+    """Return the mean of each point's four neighbours; at the rim the point itself stands for what lacks."""
     framed = np.pad(field, 1, mode="edge")
     return 0.25 * (framed[2:, 1:-1] + framed[:-2, 1:-1] + framed[1:-1, 2:] + framed[1:-1, :-2])
 
@@ -85,11 +88,12 @@ def _neighbour_mean(field: FloatArray) -> FloatArray:
 def low_pass(
     field: FloatArray, *, axis: int, pixel: float, cut_off: float, edge: str = "reflect"
 ) -> FloatArray:
-    """Gaussian low-pass of heights [mm], shape (nx, ny), along an axis; pixel and cut-off in mm.
+    """Return heights [mm], shape (nx, ny), after a Gaussian low-pass along an axis; pixel and cut-off in mm.
 
-    ISO 16610-21: transmission exp(−π (α λc/λ)²), α² = ln 2/π, that is 2^−(λc/λ)²: half at the cut-off.
-    Applied to the waves themselves, since weights sampled at pixels are off where the cut-off is only a few
-    of them. edge: "reflect" goes on beyond the ends in the mirror, "grid-wrap" repeats the field.
+    The filter is that of ISO 16610-21: it transmits exp(−π (α λc/λ)²), α² = ln 2/π, that is 2^−(λc/λ)², half
+    at the cut-off. It is applied to the waves themselves, since weights sampled at pixels are off where the
+    cut-off is only a few of them. edge: "reflect" goes on beyond the ends in the mirror, "grid-wrap" repeats
+    the field.
     """
     count = field.shape[axis]
     if edge == "grid-wrap":
@@ -109,10 +113,11 @@ def low_pass(
 
 
 def areal_low_pass(field: FloatArray, *, pixel: tuple[float, float], cut_off: float) -> FloatArray:
-    """Areal Gaussian low-pass (ISO 16610-61) of complete heights [mm], shape (nx, ny); pixel, cut-off [mm].
+    """Return complete heights [mm], shape (nx, ny), after an areal Gaussian low-pass; pixel, cut-off [mm].
 
-    Isotropic: the product of the filters along both axes. Beyond its edges the field is mirrored, so that no
-    height is lost there; within half a cut-off of them the result knows only one side.
+    The filter is that of ISO 16610-61, isotropic as the product of the filters along both axes. Beyond its
+    edges the field is mirrored, so that no height is lost there; within half a cut-off of them the result
+    knows only one side.
     """
     along = low_pass(field, axis=0, pixel=pixel[0], cut_off=cut_off)
     return low_pass(along, axis=1, pixel=pixel[1], cut_off=cut_off)

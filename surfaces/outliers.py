@@ -14,7 +14,7 @@ from warpwear.surfaces.levelling import filled
 ndimage = lazy.module("scipy.ndimage")
 
 WINDOW = 5  # pixels of the local median: outvotes spikes of up to 12 pixels
-HALF = WINDOW // 2
+HALF = WINDOW // 2  # pixels from the rim to the nearest middle of a window that fits
 ROUNDS = 12  # bounded, as walls of what is wider than the window would be eaten from their corners
 SAMPLES = 200_000  # of a spread, about: more say nothing new of its median
 TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, of Gaussian values
@@ -24,28 +24,25 @@ BoolArray = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Outliers:
-    """Where outliers are, shape (nx, ny); the limit [mm] used, and how far off the farthest was [mm].
+    """Outliers are points that lie farther than a limit from the surface around them."""
 
-    The limit is that inside; on the outer two rows and columns it is higher.
-    """
-
-    where: BoolArray
-    limit: float
-    farthest: float
+    where: BoolArray  # shape (nx, ny)
+    limit: float  # inside [mm]; on the outer two rows and columns it is higher
+    farthest: float  # distance of the farthest [mm], 0 where there is none
 
     @property
     def points(self) -> int:
-        """Their number."""
+        """Return how many points are outliers."""
         return int(self.where.sum())
 
     @property
     def groups(self) -> int:
-        """Number of connected groups, corners counted as connections."""
+        """Return how many connected groups they form, corners counted as connections."""
         return int(ndimage.label(self.where, structure=np.ones((3, 3)))[1])
 
 
 def outliers(heights: FloatArray, *, deviations: float) -> Outliers:
-    """Points farther than so many robust standard deviations from the local median surface.
+    """Find the points farther than `deviations` robust standard deviations from the local median surface.
 
     heights [mm], shape (nx, ny), NaN where missing. The local median is that of 5 × 5 pixels. At the rim,
     where no window fits, it goes on straight (odd reflection of the medians, not of the heights, so a spike
@@ -99,12 +96,12 @@ def outliers(heights: FloatArray, *, deviations: float) -> Outliers:
 
 
 def _continued(inner: FloatArray) -> FloatArray:
-    """Values of the windows that fit, continued straight to the rim."""
+    """Return values of the windows that fit, continued straight to the rim: shape (nx, ny)."""
     return np.pad(inner, HALF, mode="reflect", reflect_type="odd")
 
 
 def _mean(field: FloatArray) -> FloatArray:
-    """Means of the windows that fit."""
+    """Return the means of the windows that fit, shape (nx − 4, ny − 4)."""
     return ndimage.uniform_filter(field, size=WINDOW)[HALF:-HALF, HALF:-HALF]
 
 
@@ -117,7 +114,7 @@ def _update(median: FloatArray, field: FloatArray, changed: BoolArray) -> None:
 
 
 def _limits(field: FloatArray, valid: BoolArray, deviations: float) -> FloatArray:
-    """Limit [mm] of the distance from the median surface at every point."""
+    """Return the limit [mm] of the distance from the median surface at every point, shape (nx, ny)."""
     mean = _mean(field)
     flat = 1e-12 * float(np.abs(field).max())
     limits = np.empty(field.shape)
@@ -131,15 +128,15 @@ def _limits(field: FloatArray, valid: BoolArray, deviations: float) -> FloatArra
     return limits
 
 
-def _at(to_inside: int, count: int) -> list[int]:
-    """Places along an axis that lie so many pixels outside of the middles of the windows that fit."""
-    if to_inside == 0:
+def _at(outside: int, count: int) -> list[int]:
+    """Return the places along an axis of `count` that lie `outside` pixels off the windows' middles."""
+    if outside == 0:
         return list(range(HALF, count - HALF))
-    return [HALF - to_inside, count - 1 - HALF + to_inside]
+    return [HALF - outside, count - 1 - HALF + outside]
 
 
 def _missed(field: FloatArray, valid: BoolArray, mean: FloatArray, to_x: int, to_y: int) -> FloatArray:
-    """How far a mean continued by so many pixels is from the heights, at valid points all over the field."""
+    """Return how far [mm] a mean continued by to_x, to_y pixels is from the heights, at valid points."""
     nx, ny = (n - 2 * t for n, t in zip(mean.shape, (to_x, to_y), strict=True))
     if nx < 1 or ny < 1:
         return np.abs(_continued(mean) - field)[valid]
@@ -154,7 +151,7 @@ def _missed(field: FloatArray, valid: BoolArray, mean: FloatArray, to_x: int, to
 
 
 def _robust(spread: FloatArray, flat: float) -> float:
-    """Standard deviation of absolute deviations, or of those that are none by rounding if half are."""
+    """Return the standard deviation behind absolute deviations, less those up to `flat` if half are."""
     sigma = TO_SIGMA * float(np.median(spread)) if spread.size else math.inf
     if sigma > flat:
         return sigma

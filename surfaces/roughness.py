@@ -1,4 +1,4 @@
-"""Roughness parameters of a field of heights."""
+"""Roughness: height parameters, slopes, the bearing area curve, and Ra of filtered profiles."""
 
 import math
 from dataclasses import dataclass
@@ -9,49 +9,15 @@ from warpwear.errors import InputError
 from warpwear.surfaces.base import FloatArray
 from warpwear.surfaces.levelling import low_pass
 
+SECANT = 0.4  # of the material ratio, ISO 13565-2
+STARTS = 2001  # of secants tried; the flattest is broad
 #: λc [mm] of ISO 3274, largest first, and the λs [mm] that belongs to each.
 CUT_OFFS = {8.0: 0.025, 2.5: 0.008, 0.8: 0.0025, 0.25: 0.0025, 0.08: 0.0025}
 SAMPLING_LENGTHS = 5  # usual; fewer are told, and without a single one λc is reduced
 
 
-def slope_along(heights: FloatArray, *, pixel: tuple[float, float], axis: int) -> float:
-    """Root mean square slope [-] along one axis by forward differences; see `rms_slope`."""
-    return math.sqrt(float(np.mean(np.square(np.diff(heights, axis=axis))))) / pixel[axis]
-
-
-@dataclass(frozen=True)
-class ProfileRoughness:
-    """Ra [mm] of profiles along one axis: mean and standard deviation over them, and their number.
-
-    cut_off, short: λc and λs used [mm], None where not filtered; notes: why they are not those asked for.
-    """
-
-    ra: float
-    scatter: float
-    profiles: int
-    cut_off: float | None
-    short: float | None
-    notes: tuple[str, ...]
-
-
-def rms_slope(heights: FloatArray, *, pixel: tuple[float, float]) -> float:
-    """Root mean square gradient [-] by forward differences.
-
-    heights [mm], shape (nx, ny), complete; pixel (px, py) [mm]. ISO 25178-2 calls it Sdq. A difference
-    over a pixel is blind to waves near two pixels, so the value grows with finer pixels until the shortest
-    waves of the surface are resolved.
-    """
-    along = (
-        float(np.mean(np.square(np.diff(heights, axis=0)))) / pixel[0] ** 2 if heights.shape[0] > 1 else 0.0
-    )
-    across = (
-        float(np.mean(np.square(np.diff(heights, axis=1)))) / pixel[1] ** 2 if heights.shape[1] > 1 else 0.0
-    )
-    return math.sqrt(along + across)
-
-
 def roughness(heights: FloatArray, *, pixel: tuple[float, float]) -> dict[str, float]:
-    """Height parameters of ISO 25178-2 about the mean height, and the rms slope.
+    """Return the height parameters of ISO 25178-2 about the mean height, and the rms slope.
 
     heights [mm], shape (nx, ny), complete (no NaN), already levelled; pixel (px, py) [mm]. Keys: those of
     `height_parameters` and ``rms_slope`` [-].
@@ -60,7 +26,7 @@ def roughness(heights: FloatArray, *, pixel: tuple[float, float]) -> dict[str, f
 
 
 def height_parameters(heights: FloatArray) -> dict[str, float]:
-    """Height parameters of ISO 25178-2 about the mean height.
+    """Return the height parameters of ISO 25178-2 about the mean height.
 
     heights [mm], any shape, complete, levelled. Keys: ``sa``, ``sq``, ``sz`` (highest minus lowest) [mm];
     ``ssk``, ``sku`` (skewness and kurtosis, 0 and 3 for Gaussian heights; both 0 for a flat).
@@ -78,10 +44,110 @@ def height_parameters(heights: FloatArray) -> dict[str, float]:
     }
 
 
+def rms_slope(heights: FloatArray, *, pixel: tuple[float, float]) -> float:
+    """Return the root mean square gradient [-] by forward differences: Sdq of ISO 25178-2.
+
+    heights [mm], shape (nx, ny), complete; pixel (px, py) [mm]. A difference over a pixel is blind to waves
+    near two pixels, so the value grows with finer pixels until the shortest waves of the surface are
+    resolved.
+    """
+    along, across = (_mean_square_slope(heights, pixel=pixel, axis=axis) for axis in (0, 1))
+    return math.sqrt(along + across)
+
+
+def slope_along(heights: FloatArray, *, pixel: tuple[float, float], axis: int) -> float:
+    """Return the root mean square slope [-] along one axis by forward differences; see `rms_slope`."""
+    return math.sqrt(_mean_square_slope(heights, pixel=pixel, axis=axis))
+
+
+def _mean_square_slope(heights: FloatArray, *, pixel: tuple[float, float], axis: int) -> float:
+    """Return the mean square slope [-] along one axis, 0 along an axis of one point."""
+    if heights.shape[axis] < 2:
+        return 0.0
+    return float(np.mean(np.square(np.diff(heights, axis=axis)))) / pixel[axis] ** 2
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """A bearing area curve has a core between peaks and valleys (ISO 25178-2)."""
+
+    sk: float  # core height [mm]
+    spk: float  # reduced peak height [mm]
+    svk: float  # reduced valley depth [mm]
+    smr1: float  # material ratio at which the core begins [%]
+    smr2: float  # material ratio at which it ends [%]
+    top: float  # height of the equivalent line at 0 % [mm]
+    bottom: float  # height of the equivalent line at 100 % [mm]
+
+
+def material_ratio_curve(heights: FloatArray, *, points: int = 501) -> tuple[FloatArray, FloatArray]:
+    """Return material ratios [%] from 0 to 100 and the height [mm] that such a part of the area reaches.
+
+    heights [mm], any shape, complete. Both arrays have the shape (points,): highest at 0 %, lowest at 100 %.
+    """
+    falling = np.sort(heights, axis=None)[::-1]
+    ratio = np.linspace(0.0, 100.0, points)
+    return ratio, np.interp(ratio / 100.0, _ratios(falling.size), falling)
+
+
+def bearing_parameters(heights: FloatArray) -> Bearing:
+    """Return Sk, Spk, Svk, Smr1 and Smr2 of ISO 25178-2 (by the construction of ISO 13565-2).
+
+    heights [mm], any shape, complete, levelled. The equivalent line is that of least squares through the 40 %
+    of the curve whose secant is flattest (the first, should there be several); it cuts the axes 0 and 100 %
+    Sk apart. Spk and Svk are heights of the triangles over Smr1 and 100 % − Smr2 with the areas of the peaks
+    above and valleys below the core. They are meant for S-shaped curves: on a pure sine the flattest 40 % is
+    an end.
+    """
+    falling = np.sort(heights, axis=None)[::-1]
+    count = falling.size
+    ratio = _ratios(count)
+    start = np.linspace(0.0, 1.0 - SECANT, STARTS)
+    drop = np.interp(start, ratio, falling) - np.interp(start + SECANT, ratio, falling)
+    # equal to rounding counts as equal, or a straight curve would choose by chance
+    first = int(np.argmax(drop <= drop.min() + 1e-9 * (falling[0] - falling[-1])))
+    low, high = np.searchsorted(ratio, [start[first], start[first] + SECANT])
+    core_ratio, core = ratio[low:high], falling[low:high]
+    centred = core_ratio - core_ratio.mean()
+    slope = float(centred @ core / (centred @ centred))
+    top = float(core.mean() - slope * core_ratio.mean())
+    bottom = top + slope
+    peaks = int(np.searchsorted(-falling, -top))  # points above the core
+    valleys = count - int(np.searchsorted(-falling, -bottom, side="right"))
+    area_peaks = float((falling[:peaks] - top).sum()) / count
+    area_valleys = float((bottom - falling[count - valleys :]).sum()) / count
+    return Bearing(
+        sk=top - bottom,
+        spk=2.0 * area_peaks * count / peaks if peaks else 0.0,
+        svk=2.0 * area_valleys * count / valleys if valleys else 0.0,
+        smr1=100.0 * peaks / count,
+        smr2=100.0 * (1.0 - valleys / count),
+        top=top,
+        bottom=bottom,
+    )
+
+
+def _ratios(count: int) -> FloatArray:
+    """Return the material ratio [-] of each of `count` falling heights, shape (count,)."""
+    return np.asarray((np.arange(count) + 0.5) / count)
+
+
+@dataclass(frozen=True)
+class ProfileRoughness:
+    """Profiles along one axis have a mean Ra, which scatters over them."""
+
+    ra: float  # mean over the profiles [mm]
+    scatter: float  # standard deviation over the profiles [mm]
+    profiles: int  # their number
+    cut_off: float | None  # λc used [mm], None where not filtered
+    short: float | None  # λs used [mm], None where not filtered
+    notes: tuple[str, ...]  # why they are not those asked for, in sentences
+
+
 def profile_roughness(
     heights: FloatArray, *, pixel: tuple[float, float], axis: int, cut_off: float, short: float
 ) -> ProfileRoughness:
-    """Ra (ISO 21920-2, formerly ISO 4287) of every profile along an axis.
+    """Return Ra (ISO 21920-2, formerly ISO 4287) of the profiles along an axis.
 
     heights [mm], shape (nx, ny), complete, levelled; cut_off and short: λc and λs [mm] of the Gaussian
     profile filters (ISO 16610-21). Their mirror at the ends is not evaluated: after filtering, λc/2 is
@@ -139,76 +205,5 @@ def profile_roughness(
 
 
 def _sampling_lengths(length: float, cut_off: float) -> int:
-    """Whole sampling lengths in a profile [mm] less λc/2 at each end; a thousandth of one may be missing."""
+    """Count the sampling lengths in a profile [mm] less λc/2 at each end; 0.001 of one may be missing."""
     return math.floor(length / cut_off - 1.0 + 1e-3)
-
-
-SECANT = 0.4  # of the material ratio, ISO 13565-2
-STARTS = 2001  # of secants tried; the flattest is broad
-
-
-@dataclass(frozen=True)
-class Bearing:
-    """Parameters of the bearing area curve: heights [mm], material ratios in percent.
-
-    sk: core height; spk, svk: reduced peak height and valley depth; smr1, smr2: material ratios between which
-    the core lies. top, bottom: heights of the equivalent line at 0 and 100 %.
-    """
-
-    sk: float
-    spk: float
-    svk: float
-    smr1: float
-    smr2: float
-    top: float
-    bottom: float
-
-
-def material_ratio_curve(heights: FloatArray, *, points: int = 501) -> tuple[FloatArray, FloatArray]:
-    """Material ratio [%] from 0 to 100 and the height [mm] reached by so much of the area: shape (points,).
-
-    heights [mm], any shape, complete: highest at 0 %, lowest at 100 %.
-    """
-    falling = np.sort(heights, axis=None)[::-1]
-    ratio = np.linspace(0.0, 100.0, points)
-    return ratio, np.interp(ratio / 100.0, _ratios(falling.size), falling)
-
-
-def bearing_parameters(heights: FloatArray) -> Bearing:
-    """Sk, Spk, Svk, Smr1 and Smr2 of ISO 25178-2 (the construction of ISO 13565-2).
-
-    heights [mm], any shape, complete, levelled. The equivalent line is that of least squares through the 40 %
-    of the curve whose secant is flattest (the first, should there be several); it cuts the axes 0 and 100 %
-    Sk apart. Spk and Svk are heights of the triangles over Smr1 and 100 % − Smr2 with the areas of the peaks
-    above and valleys below the core. Meant for S-shaped curves: on a pure sine the flattest 40 % is an end.
-    """
-    falling = np.sort(heights, axis=None)[::-1]
-    count = falling.size
-    ratio = _ratios(count)
-    start = np.linspace(0.0, 1.0 - SECANT, STARTS)
-    drop = np.interp(start, ratio, falling) - np.interp(start + SECANT, ratio, falling)
-    # equal to rounding counts as equal, or a straight curve would choose by chance
-    first = int(np.argmax(drop <= drop.min() + 1e-9 * (falling[0] - falling[-1])))
-    low, high = np.searchsorted(ratio, [start[first], start[first] + SECANT])
-    core_ratio, core = ratio[low:high], falling[low:high]
-    centred = core_ratio - core_ratio.mean()
-    slope = float(centred @ core / (centred @ centred))
-    top = float(core.mean() - slope * core_ratio.mean())
-    bottom = top + slope
-    peaks = int(np.searchsorted(-falling, -top))  # points above the core
-    valleys = count - int(np.searchsorted(-falling, -bottom, side="right"))
-    area_peaks = float((falling[:peaks] - top).sum()) / count
-    area_valleys = float((bottom - falling[count - valleys :]).sum()) / count
-    return Bearing(
-        sk=top - bottom,
-        spk=2.0 * area_peaks * count / peaks if peaks else 0.0,
-        svk=2.0 * area_valleys * count / valleys if valleys else 0.0,
-        smr1=100.0 * peaks / count,
-        smr2=100.0 * (1.0 - valleys / count),
-        top=top,
-        bottom=bottom,
-    )
-
-
-def _ratios(count: int) -> FloatArray:
-    return np.asarray((np.arange(count) + 0.5) / count)

@@ -10,9 +10,11 @@ from warpwear.surfaces.base import FloatArray
 
 fft = lazy.module("scipy.fft")
 
-BINS_PER_DECADE = 12
+BINS_PER_DECADE = 12  # of wavelength
 FINE_BINS = 4096  # of frequency, for sums over filtered waves
-FLAT_BINS, STEEP_BINS = 3, 4  # that a knee needs below and above it
+FLAT_BINS = 3  # that a knee needs below it
+STEEP_BINS = 4  # that a knee needs above it
+KNEES = 200  # tried between the longest and the shortest wave
 LEAST_EXPONENT = 1.0  # of the decay above a knee
 STEEPEST = -6.0  # exponent that no rough surface has: 2 + 2H is at most 4
 SURE_MODES = 100  # of a bin, below which its scatter may look as steep
@@ -20,32 +22,31 @@ SURE_MODES = 100  # of a bin, below which its scatter may look as steep
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Radially averaged power spectral density.
+    """A power spectral density is averaged over all directions; empty bins are left out.
 
-    wavelength [mm], decreasing; density C [mm⁴] at the wavenumbers q = 2π/wavelength, normalised such that
-    ∫ C d²q/(2π)² = Sq²; modes: number of waves averaged. All of shape (bins,), empty bins left out.
+    It is normalised such that ∫ C d²q/(2π)² = Sq².
     """
 
-    wavelength: FloatArray
-    density: FloatArray
-    modes: FloatArray
+    wavelength: FloatArray  # [mm], decreasing, shape (bins,)
+    density: FloatArray  # C [mm⁴] at the wavenumbers q = 2π/wavelength, shape (bins,)
+    modes: FloatArray  # number of waves averaged, shape (bins,)
 
 
 @dataclass(frozen=True)
 class RollOff:
-    """Suggested roll-off wavelength [mm], how it was found, the Hurst exponent above it (None: unknown)."""
+    """A roll-off wavelength is suggested, or none where the surface does not tell one."""
 
-    wavelength: float | None
-    source: str
-    hurst: float | None = None
+    wavelength: float | None  # [mm]
+    source: str  # how it was found
+    hurst: float | None = None  # exponent at shorter waves; None where unknown
 
 
 def power_spectrum(heights: FloatArray, *, pixel: tuple[float, float]) -> Spectrum:
-    """Radially averaged power spectrum of complete, levelled heights [mm], shape (nx, ny); pixel [mm].
+    """Return the power spectrum of complete, levelled heights [mm], shape (nx, ny), over all directions.
 
-    From the Fourier transform under a Hann window, which keeps the jump between opposite edges out of the
-    spectrum; its loss of power is made up for (Jacobs, Junge and Pastewka 2017, sections 3 and 4). Up to the
-    Nyquist frequency of the coarser pixel.
+    pixel: (px, py) [mm]. It is computed from the Fourier transform under a Hann window, which keeps the jump
+    between opposite edges out of the spectrum; its loss of power is made up for (Jacobs, Junge and Pastewka
+    2017, sections 3 and 4). Up to the Nyquist frequency of the coarser pixel.
     """
     nx, ny = heights.shape
     window = np.multiply.outer(_hann(nx), _hann(ny))
@@ -82,7 +83,7 @@ def power_spectrum(heights: FloatArray, *, pixel: tuple[float, float]) -> Spectr
 def slope_against_cut_off(
     heights: FloatArray, *, pixel: tuple[float, float], cut_offs: FloatArray
 ) -> FloatArray:
-    """Rms slope [-] after an S-filter with each of the cut-offs [mm], shape (n,); 0 is none.
+    """Return the rms slope [-] after an S-filter with each of the cut-offs [mm], shape (n,); 0 is none.
 
     heights [mm], shape (nx, ny), complete. The filter is the Gaussian one of ISO 16610-61, mirrored at the
     edges; slopes are those of the waves themselves, so that pixels only limit the waves.
@@ -109,10 +110,11 @@ def slope_against_cut_off(
 def autocorrelation_length(
     heights: FloatArray, *, pixel: tuple[float, float], level: float = 0.2
 ) -> float | None:
-    """Shortest distance [mm] in which the autocorrelation falls to `level`: Sal of ISO 25178-2.
+    """Return the shortest distance [mm] in which the autocorrelation falls to `level`: Sal of ISO 25178-2.
 
-    heights [mm], shape (nx, ny), complete, levelled. None when it does not fall so far within a quarter of
-    the field. Padded with zeros, so that opposite edges do not meet; the loss of overlap is made up for.
+    heights [mm], shape (nx, ny), complete, levelled; pixel (px, py) [mm]. It is None when the autocorrelation
+    does not fall to `level` within a quarter of the field. The field is padded with zeros, so that opposite
+    edges do not meet; the loss of overlap is made up for.
     """
     nx, ny = heights.shape
     shape = [fft.next_fast_len(n + n // 4, real=True) for n in (nx, ny)]
@@ -132,7 +134,9 @@ def autocorrelation_length(
 
 
 def suggested_roll_off(spectrum: Spectrum, *, correlation: float | None, resolved: float) -> RollOff:
-    """The wavelength above which the spectrum is flat: its knee, or else from the autocorrelation length.
+    """Suggest the wavelength above which a spectrum is flat: its knee, or four autocorrelation lengths.
+
+    correlation: autocorrelation length [mm], None where it is not known.
 
     The knee is that of the best fit of a constant below it and a power law above, in logarithms, among
     wavelengths above `resolved` [mm] (two pixels, or the S-filter). It counts when at least three bins lie
@@ -150,7 +154,7 @@ def suggested_roll_off(spectrum: Spectrum, *, correlation: float | None, resolve
     # few waves to a bin scatter much; many differ by the model's faults, not by chance
     weight = 1.0 / (0.02 + 1.0 / spectrum.modes[kept])
     best: tuple[float, float, float] | None = None
-    for knee in np.linspace(q[0], q[-1], 200) if q.size > FLAT_BINS + STEEP_BINS else []:
+    for knee in np.linspace(q[0], q[-1], KNEES) if q.size > FLAT_BINS + STEEP_BINS else []:
         if np.sum(q <= knee) < FLAT_BINS or np.sum(q > knee) < STEEP_BINS:
             continue
         ramp = np.maximum(q - knee, 0.0)
@@ -177,4 +181,5 @@ def suggested_roll_off(spectrum: Spectrum, *, correlation: float | None, resolve
 
 
 def _hann(count: int) -> FloatArray:
+    """Return a Hann window at the middles of `count` pixels, shape (count,)."""
     return 0.5 - 0.5 * np.cos(2.0 * math.pi * (np.arange(count) + 0.5) / count)

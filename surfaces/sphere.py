@@ -1,4 +1,4 @@
-"""The smooth sphere in NumPy: the reference for kernels, tests and figures."""
+"""Spheres: the height of a smooth one over its apex, and the one fitted to measured heights."""
 
 import math
 from dataclasses import dataclass
@@ -12,13 +12,17 @@ from warpwear.surfaces.base import FloatArray
 
 optimize = lazy.module("scipy.optimize")
 
+FIT_POINTS = 200_000  # more change a radius by less than the roughness does
+FEWEST_POINTS = 10  # that a sphere is fitted to
+
 
 def sag(x: FloatArray, y: FloatArray, *, radius: float) -> FloatArray:
-    """Height [mm] of the sphere's lower side over its apex at the points x × y, shape (x.size, y.size).
+    """Return the height [mm] of a sphere's lower side over its apex at the points x × y.
 
-    r²/(R + √(R² − r²)), equal to R − √(R² − r²) (thesis eq 3.1) without its cancellation near the apex.
-    x, y: points [mm], 1-D, 0 = below the apex. radius: R [mm]; infinite for a rigid flat (sag 0).
-    Beyond the sphere's edge (r > R) the sag is infinite. InputError for a radius that is not positive.
+    x, y: points [mm], 1-D, 0 = below the apex. radius: R [mm]; infinite for a rigid flat (sag 0). The shape
+    is (x.size, y.size). It is r²/(R + √(R² − r²)), equal to R − √(R² − r²) (thesis eq 3.1) without its
+    cancellation near the apex, and infinite beyond the sphere's edge (r > R). Raises InputError for a radius
+    that is not positive.
     """
     if not radius > 0:
         raise InputError(f"sphere.radius is {radius:g} mm: allowed is any positive length, or inf for a flat")
@@ -35,29 +39,29 @@ def sag(x: FloatArray, y: FloatArray, *, radius: float) -> FloatArray:
     return squared
 
 
-FIT_POINTS = 200_000  # more change a radius by less than the roughness does
-
-
 class NoSphere(ValueError):
     """The heights have no curvature that a sphere could be fitted to."""
 
 
 @dataclass(frozen=True)
 class Sphere:
-    """Apex (x, y, z) [mm] from the middle of the field, and signed radius [mm]: positive bulges outward."""
+    """A sphere has an apex (x, y, z) [mm] from the middle of the field and a signed radius [mm].
+
+    A positive radius bulges outward.
+    """
 
     apex: tuple[float, float, float]
     radius: float
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Heights [mm] at the points x × y [mm], shape (x.size, y.size); NaN beyond the equator."""
+        """Return heights [mm] at the points x × y [mm], shape (x.size, y.size); NaN beyond the equator."""
         squared = np.add.outer(np.square(x - self.apex[0]), np.square(y - self.apex[1]))
         with np.errstate(invalid="ignore"):
             return self.apex[2] - _sag(squared, 1.0 / self.radius)
 
 
 def places(shape: tuple[int, int], pixel: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-    """Middles of the pixels [mm] along both axes from the middle of the field."""
+    """Return the middles of pixels [mm] from the middle of a field of a shape (nx, ny): (nx,) and (ny,)."""
     x, y = (
         np.asarray((np.arange(n) - 0.5 * (n - 1)) * p, dtype=np.float64)
         for n, p in zip(shape, pixel, strict=True)
@@ -72,15 +76,16 @@ def fit_sphere(
     where: npt.NDArray[np.bool_] | None = None,
     radius: float | None = None,
 ) -> Sphere:
-    """The sphere of least squares in heights through the valid points (of `where`).
+    """Fit a sphere by least squares of heights to the valid points (of `where`, if given).
 
-    heights [mm], shape (nx, ny), NaN where missing; pixel [mm]; radius [mm] fixes it, else it is fitted. A
-    parabola starts it. NoSphere when the points have no curvature to speak of or the fit leaves the field.
+    heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm]; where: points to fit to, shape
+    (nx, ny); radius [mm] fixes it, else it is fitted. A parabola starts the fit. Raises NoSphere where there
+    are fewer than ten points, they have no curvature to speak of, or they lie beyond the equator.
     """
     x, y = places(heights.shape, pixel)
     valid = np.isfinite(heights) if where is None else np.isfinite(heights) & where
     i, j = np.nonzero(valid)
-    if i.size < 10:
+    if i.size < FEWEST_POINTS:
         raise NoSphere("fewer than ten points")
     keep = slice(None, None, max(1, i.size // FIT_POINTS))
     px, py, z = x[i[keep]], y[j[keep]], heights[i[keep], j[keep]]
@@ -115,5 +120,5 @@ def fit_sphere(
 
 
 def _sag(squared: FloatArray, curvature: float) -> FloatArray:
-    """κ r²/(1 + √(1 − κ² r²)) [mm], without cancellation near the apex; NaN beyond the equator."""
+    """Return κ r²/(1 + √(1 − κ² r²)) [mm] for r² [mm²] and κ [1/mm]; NaN beyond the equator."""
     return np.asarray(curvature * squared / (1.0 + np.sqrt(1.0 - curvature**2 * squared)))

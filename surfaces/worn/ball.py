@@ -16,12 +16,14 @@ ndimage = lazy.module("scipy.ndimage")
 
 THRESHOLD = 4.0  # robust standard deviations of the unworn surface by which the worn patch lies below
 FIRST_RING = 0.5  # of the field's half width: the unworn part is looked for outside of it first
-CORNERS = 1.0  # of the same in an ellipse: a second start, which must come to the same volume
+CORNERS = 1.0  # of the field's half width in an ellipse: a second start, which must come to the same volume
 LEAST_UNWORN = 0.1  # of the field
 LEAST_FOR_RADIUS = 0.25  # of the field, where the radius is to be fitted too
 AGREEMENT = 0.03  # of the volume, or three standard errors, by which two starts may differ
-ROUNDS = 30
+ROUNDS = 30  # in which the patch is found
+SMOOTHED = 5  # pixels along each side of the mean in which the deeper part is looked for
 RINGS = 40  # around the patch, looked at for its edge; each is 3 % of its mean radius wide, or 2 pixels
+RING_WIDTH = 0.03  # of the patch's mean radius
 RIM = 0.15  # of the patch's mean radius: the width beside it that is neither worn nor fitted
 BLOCKS = 8  # along each side of the field, whose means tell how far roughness averages out
 LEAST_BLOCK = 0.25  # of a block that must be unworn
@@ -35,42 +37,36 @@ Mask = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Cap:
-    """A cap cut off a ball: height and the radius of its rim a [mm], volume [mm³]."""
+    """A flat cut takes a cap off a ball."""
 
-    height: float
-    rim: float
-    volume: float
+    height: float  # [mm]
+    rim: float  # radius of its rim [mm]
+    volume: float  # [mm³]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WornBall:
-    """sphere: the unworn one; lost: depth below it [mm], shape (nx, ny); patch: the worn points.
+    """A worn ball has lost what its topography lacks of the unworn sphere."""
 
-    volume: sum of `lost` over the patch, roughness averaged out [mm³]; volume_error: its standard error from
-    the roughness in the patch and from that under the fit of the sphere [mm³]. piled_up: net volume above the
-    sphere in the rim beside the patch [mm³], of which roughness averages out too, so that it may be negative;
-    piled_up_error: its standard error [mm³]. depth: largest [mm]; along, across: extents of the patch [mm];
-    noise: robust scatter of the unworn surface [mm].
-    """
-
-    sphere: Sphere
-    lost: FloatArray
-    patch: Mask
-    volume: float
-    volume_error: float
-    piled_up: float
-    piled_up_error: float
-    depth: float
-    along: float
-    across: float
-    noise: float
+    sphere: Sphere  # the unworn one
+    lost: FloatArray  # depth below it [mm], shape (nx, ny)
+    patch: Mask  # the worn points, shape (nx, ny)
+    volume: float  # sum of `lost` over the patch, roughness averaged out [mm³]
+    volume_error: float  # its standard error: of roughness in the patch and under the sphere's fit [mm³]
+    piled_up: float  # net volume above the sphere beside the patch [mm³]; roughness may make it negative
+    piled_up_error: float  # its standard error [mm³]
+    depth: float  # largest [mm]
+    along: float  # extent of the patch along axis 0 [mm]
+    across: float  # extent of the patch along axis 1 [mm]
+    noise: float  # robust scatter of the unworn surface [mm]
 
 
 def cap_of_diagonals(first: float, second: float, *, radius: float) -> Cap:
-    """The flat cap whose rim has two measured diagonals [mm], on a ball of a radius [mm].
+    """Return the flat cap whose rim has two measured diagonals [mm], on a ball of a radius R [mm].
 
-    h = R − √(R² − a²) (thesis eq 3.1, without its cancellation) with a half their mean, V = π h² (3R − h)/3.
-    InputError for diagonals that are not positive or wider than the ball.
+    Its height is h = R − √(R² − a²) (thesis eq 3.1, without its cancellation) with a half the diagonals'
+    mean, its volume V = π h² (3R − h)/3. Raises InputError for a radius or diagonals that are not positive,
+    and for diagonals wider than the ball.
     """
     if not (0.0 < radius < math.inf):
         raise InputError(f"--radius is {radius:g} mm: allowed is any positive length")
@@ -87,14 +83,15 @@ def cap_of_diagonals(first: float, second: float, *, radius: float) -> Cap:
 def find_worn_ball(
     heights: FloatArray, *, pixel: tuple[float, float], radius: float | None = None
 ) -> WornBall:
-    """The worn patch of a ball in complete heights [mm], shape (nx, ny), positive out of it; pixel [mm].
+    """Find the worn patch of a ball in complete heights [mm], shape (nx, ny), positive out of the material.
 
-    A sphere (of the given radius [mm], or fitted) goes through what is not worn: first the outer part of the
-    field, then, in rounds, all that does not lie below it by four times its scatter or next to what does.
-    The patch is the largest connected piece below, grown to where its surroundings no longer lie lower on
-    average. A fitted radius must give the same volume from a start in the corners of the field alone,
-    and the patch must be deeper in its middle: where little is unworn, its flat may pass for the sphere.
-    InputError where no sphere fits, nothing is worn, or too little is unworn to tell the radius.
+    pixel: (px, py) [mm]. A sphere (of the given radius [mm], or fitted) goes through what is not worn: first
+    the outer part of the field, then, in rounds, all that does not lie below it by four times its scatter or
+    next to what does. The patch is the largest connected piece below, grown to where its surroundings no
+    longer lie lower on average. A fitted radius must give the same volume from a start in the corners of the
+    field alone, and the patch must be deeper in its middle: where little is unworn, its flat may pass for the
+    sphere. Raises InputError where no sphere fits, nothing is worn, or too little is unworn to tell the
+    radius.
     """
     x, y = places((heights.shape[0], heights.shape[1]), pixel)
     u, v = (np.abs(p) / (0.5 * np.ptp(p)) for p in (x, y))
@@ -111,6 +108,7 @@ def find_worn_ball(
 
 
 def _find(heights: FloatArray, start: Mask, *, pixel: tuple[float, float], radius: float | None) -> WornBall:
+    """Find the worn patch from a start: the points that are taken as unworn at first, shape (nx, ny)."""
     x, y = places((heights.shape[0], heights.shape[1]), pixel)
     area = pixel[0] * pixel[1]
     unworn, patch = start, ~start
@@ -130,7 +128,7 @@ def _find(heights: FloatArray, start: Mask, *, pixel: tuple[float, float], radiu
         rest = lost[unworn]
         noise = TO_SIGMA * float(np.median(np.abs(rest - np.median(rest))))
         limit = max(THRESHOLD * noise, 1e-6 * float(np.ptp(lost)))
-        smooth = ndimage.uniform_filter(lost, 5, mode="nearest")
+        smooth = ndimage.uniform_filter(lost, SMOOTHED, mode="nearest")
         labels, pieces = ndimage.label(smooth > limit / 2.0)
         if not pieces:
             raise InputError("nothing on the ball stands out as worn")
@@ -169,7 +167,7 @@ def _find(heights: FloatArray, start: Mask, *, pixel: tuple[float, float], radiu
 
 
 def _bend(lost: FloatArray, patch: Mask, pixel: tuple[float, float]) -> float:
-    """Factor of x² + y² [1/mm] in the depth lost over the patch: negative where the middle is deepest."""
+    """Return the factor of x² + y² [1/mm] in the depth lost over the patch; below 0 its middle is deepest."""
     x, y = places((lost.shape[0], lost.shape[1]), pixel)
     i, j = np.nonzero(patch)
     design = np.stack([np.ones(i.size), x[i], y[j], x[i] ** 2 + y[j] ** 2], axis=1)
@@ -177,14 +175,15 @@ def _bend(lost: FloatArray, patch: Mask, pixel: tuple[float, float]) -> float:
 
 
 def _grown(lost: FloatArray, seed: Mask, *, pixel: tuple[float, float], density: float) -> tuple[Mask, Mask]:
-    """The whole patch about its deeper part, and the rim beside it, with pile-up if there is any.
+    """Return the whole patch about its deeper part, and the rim beside it, with pile-up if there is any.
 
-    Rings about the deeper part are added while they lie below the sphere on average by more than a standard
-    error; then, to the rim, while they lie above it so.
+    seed: the deeper part, shape (nx, ny); density: see `_density` [mm⁴]. Rings about the deeper part are
+    added while they lie below the sphere on average by more than a standard error; then, to the rim, while
+    they lie above it so.
     """
     area = pixel[0] * pixel[1]
     mean_radius = math.sqrt(float(seed.sum()) * area / math.pi)
-    width = max(2.0 * max(pixel), 0.03 * mean_radius)
+    width = max(2.0 * max(pixel), RING_WIDTH * mean_radius)
     distance = ndimage.distance_transform_edt(~seed, sampling=pixel)
     ring = np.where(seed, 0, np.ceil(distance / width)).astype(np.int64)
     count = np.bincount(ring.ravel())
@@ -203,10 +202,10 @@ def _grown(lost: FloatArray, seed: Mask, *, pixel: tuple[float, float], density:
 
 
 def _density(lost: FloatArray, unworn: Mask, *, area: float, terms: int) -> float:
-    """Variance of a mean over an area, times the area [mm⁴]: from means over blocks of the unworn surface.
+    """Return the variance of a mean over an area, times that area [mm⁴], from blocks of the unworn surface.
 
-    terms: of the fit, which the blocks have lost as degrees of freedom. Roughness that is correlated over
-    less than a block is counted in full.
+    area: of a pixel [mm²]; terms: of the fit, which the blocks have lost as degrees of freedom. Roughness
+    that is correlated over less than a block is counted in full.
     """
     nx, ny = lost.shape
     block = np.add.outer(np.arange(nx) * BLOCKS // nx * BLOCKS, np.arange(ny) * BLOCKS // ny).ravel()
@@ -218,9 +217,10 @@ def _density(lost: FloatArray, unworn: Mask, *, area: float, terms: int) -> floa
 
 
 def _error(part: Mask, unworn: Mask, *, pixel: tuple[float, float], density: float, fitted: bool) -> float:
-    """Standard error of a volume [mm³] over a part of the field: of its roughness and of the sphere's fit.
+    """Return the standard error of a volume [mm³] over a part of the field.
 
-    The fit is taken as one of 1, x, y and, where the radius is `fitted`, x² + y².
+    It is that of its roughness and of the sphere's fit. The fit is taken as one of 1, x, y and, where the
+    radius is `fitted`, x² + y².
     """
     x, y = places((part.shape[0], part.shape[1]), pixel)
     scale = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0

@@ -15,58 +15,56 @@ from warpwear.surfaces.outliers import TO_SIGMA
 ndimage = lazy.module("scipy.ndimage")
 
 THRESHOLD = 4.0  # robust standard deviations of the unworn mean profile that a track stands out by
-FOOT = 2.0  # and to which it reaches down from there
+FOOT = 2.0  # robust standard deviations to which it reaches down from there
 MARGIN = 0.2  # of its width, added on both sides: the ends of pile-up are low
 LEAST_OUTSIDE = 0.05  # of the width across on each side of the track, to level by
-ROUNDS = 20
+ROUNDS = 20  # in which the track is found
 LEAST_ERRORS = 3.0  # standard errors that the net section of a track found must exceed
 BLOCKS = 10  # along the track, whose means are taken as correlated with their neighbours at most
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Track:
-    """A track along axis 0.
+    """A worn track lies along axis 0 of a measurement.
 
-    levelled: heights [mm] over the reference, the form of the surface outside the track, shape (nx, ny).
-    y: places across [mm] from the middle of the field, (ny,); edges: the track's [mm]; inside: (ny,).
-    below, above: section areas [mm²] under and over the reference inside the track, (nx,), each of a single
-    section, so both hold its roughness too; their difference, in which that averages out, is what was lost.
-    length: of the measured piece [mm].
+    Section areas are those of single sections, so both hold the roughness too; their difference, in which
+    that averages out, is what was lost.
     """
 
-    levelled: FloatArray
-    y: FloatArray
-    inside: npt.NDArray[np.bool_]
-    edges: tuple[float, float]
-    below: FloatArray
-    above: FloatArray
-    length: float
+    levelled: FloatArray  # heights [mm] over the form of the surface outside the track, shape (nx, ny)
+    y: FloatArray  # places across [mm] from the middle of the field, shape (ny,)
+    inside: npt.NDArray[np.bool_]  # which of them belong to the track, shape (ny,)
+    edges: tuple[float, float]  # of the track across [mm]
+    below: FloatArray  # section areas under the reference inside the track [mm²], shape (nx,)
+    above: FloatArray  # section areas over the reference inside the track [mm²], shape (nx,)
+    length: float  # of the measured piece [mm]
 
     @property
     def net(self) -> FloatArray:
-        """Section area lost [mm²], below less above, (nx,)."""
+        """Return the section areas lost [mm²], below less above, shape (nx,)."""
         return self.below - self.above
 
     @property
     def below_of_mean(self) -> float:
-        """Area of the mean section under the reference [mm²]: of the trough, roughness averaged out first."""
+        """Return the area of the mean section under the reference [mm²]: of the trough without roughness."""
         return self._of_mean(-1.0)
 
     @property
     def above_of_mean(self) -> float:
-        """Area of the mean section over the reference [mm²]: of pile-up, roughness averaged out first."""
+        """Return the area of the mean section over the reference [mm²]: of pile-up without roughness."""
         return self._of_mean(1.0)
 
     def _of_mean(self, sign: float) -> float:
+        """Return the area [mm²] of the mean section on one side of the reference: below for sign −1."""
         mean = self.levelled.mean(axis=0)[self.inside]
         pixel = (self.edges[1] - self.edges[0]) / mean.size
         return float(np.maximum(sign * mean, 0.0).sum()) * pixel
 
     @property
     def net_error(self) -> float:
-        """Standard error of the mean net section [mm²], from means over ten pieces of the length.
+        """Return the standard error of the mean net section [mm²], from means over ten pieces of the length.
 
-        That of the sections, and that of the reference beside the track times the track's width.
+        It is that of the sections, and that of the reference beside the track times the track's width.
         """
         width = self.edges[1] - self.edges[0]
         reference = self.levelled[:, ~self.inside].mean(axis=1)
@@ -74,11 +72,11 @@ class Track:
 
     @property
     def depth(self) -> float:
-        """Deepest point of the mean profile below the reference [mm]."""
+        """Return how far the mean profile's deepest point lies below the reference [mm]."""
         return float(-self.levelled.mean(axis=0)[self.inside].min())
 
     def volume(self, length: float | None = None) -> tuple[float, float]:
-        """Volume lost over a length (default: the measured piece) and its standard error [mm³]."""
+        """Return the volume lost over a length [mm] (by default the measured piece) and its error [mm³]."""
         over = self.length if length is None else length
         return float(self.net.mean()) * over, self.net_error * over
 
@@ -86,13 +84,13 @@ class Track:
 def find_track(
     heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1, width: float | None = None
 ) -> Track:
-    """The track along axis 0 of complete heights [mm], shape (nx, ny); pixel [mm].
+    """Find the worn track along axis 0 of complete heights [mm], shape (nx, ny); pixel (px, py) [mm].
 
     The surface is levelled by a polynomial of the given total degree through what lies outside the track.
     The track is where the mean profile across stands out of its scatter outside, found in rounds, with its
     pile-up and a margin, if its net section exceeds three standard errors; or, with `width` [mm] and
     whatever its section, the piece of that width about the middle of the deepest part.
-    InputError where there is none, or too little surface beside it to level by.
+    Raises InputError where there is none, or too little surface beside it to level by.
     """
     nx, ny = heights.shape
     y = (np.arange(ny) - 0.5 * (ny - 1)) * pixel[1]
@@ -131,7 +129,10 @@ def find_track(
 
 
 def _standard_error(values: FloatArray) -> float:
-    """Of the mean, from means over blocks; neighbouring blocks that go together count as fewer."""
+    """Return the standard error of a mean, from means over blocks.
+
+    Neighbouring blocks that go together count as fewer.
+    """
     blocks = np.array([block.mean() for block in np.array_split(values, min(BLOCKS, values.size))])
     rest = blocks - blocks.mean()
     variance = float(rest @ rest) / (blocks.size - 1)
@@ -140,9 +141,10 @@ def _standard_error(values: FloatArray) -> float:
 
 
 def _first_guess(profile: FloatArray) -> npt.NDArray[np.bool_]:
-    """The deeper half of a trough in a mean profile [mm], (ny,), and as much again on each side.
+    """Return where a mean profile [mm] has the deeper half of its trough, and as much again on each side.
 
-    Before the first levelling a track tilts and lifts its own reference, so no scatter can be told yet.
+    Shapes are (ny,). Before the first levelling a track tilts and lifts its own reference, so no scatter can
+    be told yet.
     """
     count = profile.size
     centre, deepest = float(np.median(profile)), int(np.argmin(profile))
@@ -158,7 +160,11 @@ def _first_guess(profile: FloatArray) -> npt.NDArray[np.bool_]:
 def _span(
     profile: FloatArray, outside: npt.NDArray[np.bool_], *, pixel: float, width: float | None
 ) -> npt.NDArray[np.bool_]:
-    """Which points across belong to the track of the mean profile [mm], shape (ny,)."""
+    """Return which points across belong to the track of a mean profile [mm], shape (ny,).
+
+    outside: points taken as unworn so far, shape (ny,); pixel: their distance [mm]; width: the track's [mm],
+    None to find it.
+    """
     count = profile.size
     if width is not None:
         points = round(width / pixel)
@@ -194,6 +200,7 @@ def _span(
 
 
 def _check(inside: npt.NDArray[np.bool_], *, width: float | None) -> None:
+    """Raise InputError where too little surface is left on a side of the track to level by."""
     columns = np.flatnonzero(inside)
     least = LEAST_OUTSIDE * inside.size
     if columns[0] < least or inside.size - 1 - columns[-1] < least:
