@@ -44,18 +44,19 @@ PICKED = {2: ("distance", "cof"), 4: ("time", "friction force", "normal force", 
 
 @dataclass(frozen=True)
 class Column:
-    """A column in its role."""
+    """A column plays a role: its numbers times a factor are in mm, s, N or 1."""
 
-    index: int
+    index: int  # from 0
     title: str  # as the file has it
-    factor: float  # to mm, s, N or 1
+    factor: float
 
 
 def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
-    """Role -> column. Raises InputError for what is missing or could be two things.
+    """Return the columns to take, role -> column.
 
     picks: titles or numbers (from 1) of two columns, distance or time and CoF, or of four: time, friction
-    force, normal force and position; a unit may follow in brackets where the file has none.
+    force, normal force and position; a unit may follow in brackets where the file has none. Without picks
+    the names in the header tell. Raises InputError for what is missing or could be two things.
     """
     titles = [_title(record, index) for index in range(record.table.width)]
     if picks is not None:
@@ -93,7 +94,7 @@ def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
 
 
 def _title(record: Record, index: int) -> tuple[str, str]:
-    """Name in small letters and unit of a column."""
+    """Return the name in small letters and the unit of a column, "" for what the header does not say."""
     if not record.names:
         return "", ""
     name, unit = split_unit(record.names[index])
@@ -102,7 +103,7 @@ def _title(record: Record, index: int) -> tuple[str, str]:
 
 
 def split_unit(title: str) -> tuple[str, str]:
-    """ "Sliding distance, mm" -> ("sliding distance", "mm"); names in small letters."""
+    """Split a title such as "Sliding distance, mm" into its name in small letters and its unit, or ""."""
     title = unicodedata.normalize("NFKC", title).strip().replace("_", " ")
     for pattern in (
         r"(.*?)\s*[\[(]([^\[\]()]*)[\])]$",
@@ -117,12 +118,14 @@ def split_unit(title: str) -> tuple[str, str]:
 
 
 def _role(name: str, unit: str) -> str | None:
+    """Return the role that a name in small letters and a unit stand for, None for none."""
     if name in ("friction", "reibung"):  # a force or a coefficient, which the unit tells
         return {"n": "friction force", "-": "cof", "1": "cof"}.get(unit.lower())
     return next((role for role, pattern in NAMES.items() if re.fullmatch(pattern, name)), None)
 
 
 def _factor(record: Record, role: str, name: str, unit: str) -> float:
+    """Return the factor from a unit to that of a role. Raises InputError for another kind of unit."""
     target = TARGETS[role]
     if target is None:
         if unit.lower() not in WITHOUT_UNIT:
@@ -178,7 +181,7 @@ def _is_time(unit: str) -> bool:
 
 
 def _match(record: Record, titles: list[tuple[str, str]], parts: list[str]) -> list[tuple[int, str]] | None:
-    """Index and given unit of each pick; a title may itself hold commas."""
+    """Return index and given unit of each pick, None where one is no column; a title may hold commas."""
     if not parts:
         return []
     for count in range(len(parts), 0, -1):

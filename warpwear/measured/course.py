@@ -1,7 +1,7 @@
-"""A measured course of friction: coefficient of friction over the distance slid, read from a file."""
+"""A measured course of friction: the coefficient over the distance slid, from a file, and its gaps."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,23 +10,29 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.columns import Column, choose
 from warpwear.measured.record import read_record
-from warpwear.measured.tribometer import from_forces
+from warpwear.measured.tribometer import Course, from_forces
 
 #: A coefficient of friction beyond this is a mistake: a force, percent, or a load that is not yet on.
 LARGEST_COF = 3.0
-#: Of the rows: more negative coefficients than this are a sign that changes with the direction.
+#: Share of the rows: more negative coefficients than this are a sign that changes with the direction.
 NEGATIVE_SHARE = 0.1
 #: Distances that go up or down for longer than this many rows are a course, not rows out of order.
 RUN = 2.5
-#: Part of the whole distance that may be covered twice.
+#: Share of the whole distance that may be covered twice.
 OVERLAP = 0.05
+#: A gap between two points is longer than this share of the range that is looked at ...
+GAP = 0.05
+#: ... and longer than this many times the mean distance between points.
+MEAN_GAPS = 2.0
+#: Largest share of the range that may lie in gaps.
+MOST_IN_GAPS = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """A measured coefficient of friction over the distance slid."""
+    """A measured coefficient of friction depends on the distance slid."""
 
-    name: str
+    name: str  # of the file, without its ending
     distance: FloatArray  # [mm], rising, shape (points,)
     cof: FloatArray  # shape (points,)
     notes: tuple[str, ...] = ()  # what was assumed and done, each a sentence
@@ -35,12 +41,15 @@ class Experiment:
 
     @property
     def final_cof(self) -> float:
-        """Mean over the last tenth of the distance."""
+        """Return the mean coefficient over the last tenth of the distance."""
         return mean_of_last_tenth(self.distance, self.cof)
 
 
 def mean_of_last_tenth(distance: FloatArray, values: FloatArray) -> float:
-    """Of the points in the last tenth of the distance: the end of a course that scatters."""
+    """Return the mean of the values in the last tenth of the distance: the end of a course that scatters.
+
+    distance [mm], rising, and values have the same shape (points,).
+    """
     return float(values[distance >= 0.9 * distance[-1]].mean())
 
 
@@ -52,7 +61,7 @@ def read_experiment(
     speed: float | None = None,
     columns: str | None = None,
 ) -> Experiment:
-    """Read a record of friction from text (.csv, .tsv, .txt, ...).
+    """Read a record of friction from text (.csv, .tsv, .txt, …).
 
     Two kinds are told apart by the names of the columns: distance (or time, or the number of the cycle) with
     the coefficient of friction; and the raw record of a reciprocating tribometer, friction force, normal
@@ -69,26 +78,20 @@ def read_experiment(
     table = {role: column.factor * values[:, place] for place, (role, column) in enumerate(chosen.items())}
     table, notes = _without_gaps(path, table)
     if "cof" not in table:
-        notes.append(_taken(chosen))
-        reading = from_forces(path, table, stroke=stroke, load=load, speed=speed)
-        distance, cof, cycles = reading.distance, reading.cof, reading.cycles
-        notes += reading.notes
-        warnings = reading.warnings
+        found = from_forces(path, table, stroke=stroke, load=load, speed=speed)
     else:
-        distance, how = sliding_distance(path, table, chosen, stroke=stroke, speed=speed)
-        used = {role: column for role, column in chosen.items() if role in ("cof", how)}
-        notes.append(_taken(used))
+        distance, how = _sliding_distance(path, table, chosen, stroke=stroke, speed=speed)
+        chosen = {role: column for role, column in chosen.items() if role in ("cof", how)}
+        found = _in_order(path, distance, table["cof"])
         if how != "distance":
             given = f"speed, {speed:g} mm/s" if how == "time" else f"two strokes of {stroke:g} mm"
-            notes.append(f"Distance is {how} times {given}.")
-        distance, cof, done = _in_order(path, distance, table["cof"])
-        notes += done
-        cycles, warnings = None, []
-    notes += _check_cof(path, distance, cof)
-    return Experiment(path.stem, distance, cof, tuple(notes), cycles, tuple(warnings))
+            found = replace(found, notes=(f"Distance is {how} times {given}.", *found.notes))
+    taken = ", ".join(f"{role} from {column.title!r}" for role, column in chosen.items())
+    notes += [f"Columns: {taken}.", *found.notes, *_check_cof(path, found.distance, found.cof)]
+    return Experiment(path.stem, found.distance, found.cof, tuple(notes), found.cycles, found.warnings)
 
 
-def sliding_distance(
+def _sliding_distance(
     path: Path,
     table: Mapping[str, FloatArray],
     chosen: Mapping[str, Column],
@@ -96,7 +99,11 @@ def sliding_distance(
     stroke: float | None,
     speed: float | None,
 ) -> tuple[FloatArray, str]:
-    """Distance slid [mm] and the role of the column it is from. Raises InputError."""
+    """Return the distance slid [mm], shape (rows,), and the role of the column it is from.
+
+    table: role -> values [mm, s]; stroke [mm] makes distance of cycles, speed [mm/s] of time. Raises
+    InputError where the table does not say how far the sliding went.
+    """
     if "distance" in table:
         return table["distance"], "distance"
     if "cycle" in table and stroke is not None:
@@ -125,11 +132,8 @@ def sliding_distance(
     )
 
 
-def _taken(chosen: Mapping[str, Column]) -> str:
-    return f"Columns: {', '.join(f'{role} from {column.title!r}' for role, column in chosen.items())}."
-
-
 def _without_gaps(path: Path, table: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], list[str]]:
+    """Return the rows with all values, and a note on the others."""
     rows = next(iter(table.values())).size
     whole = np.all([np.isfinite(values) for values in table.values()], axis=0)
     kept = int(whole.sum())
@@ -139,8 +143,11 @@ def _without_gaps(path: Path, table: dict[str, FloatArray]) -> tuple[dict[str, F
     return {role: values[whole] for role, values in table.items()}, notes
 
 
-def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> tuple[FloatArray, FloatArray, list[str]]:
-    """Rising distances, each once. Raises InputError for a distance that starts again or goes to and fro."""
+def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> Course:
+    """Return the course over rising distances [mm], each once, and notes on what was done.
+
+    Raises InputError for a distance that starts again or goes to and fro.
+    """
     notes = []
     before = distance < 0.0
     if before.any():
@@ -173,11 +180,11 @@ def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> tuple[FloatA
         cof = np.bincount(which, weights=cof) / np.bincount(which)
     if places.size < 2:
         raise InputError(f"{path} has one distance only; two or more are expected")
-    return places, cof, notes
+    return Course(places, cof, tuple(notes))
 
 
 def _covered_again(distance: FloatArray) -> int | None:
-    """Row where a distance first falls, if long rises or falls cover the same range; None if not."""
+    """Return the row where a distance first falls, if long rises or falls cover the same range, else None."""
     steps = np.sign(np.diff(distance))
     turns = np.concatenate([[0], np.flatnonzero(np.diff(steps) != 0.0) + 1, [steps.size]])
     if steps.size / (turns.size - 1) < RUN:
@@ -194,6 +201,7 @@ def _covered_again(distance: FloatArray) -> int | None:
 
 
 def _check_cof(path: Path, distance: FloatArray, cof: FloatArray) -> list[str]:
+    """Return notes on coefficients of friction. Raises InputError for those that no contact has."""
     negative = cof < 0.0
     if negative.all():
         raise InputError(
@@ -219,17 +227,11 @@ def _check_cof(path: Path, distance: FloatArray, cof: FloatArray) -> list[str]:
     return [f"Coefficients of friction below zero, kept: {negative.sum()} of {negative.size}."]
 
 
-#: A gap between two points is longer than this part of the range and than so many mean gaps.
-GAP, MEAN_GAPS = 0.05, 2.0
-#: Largest part of the range that may lie in gaps.
-MOST = 0.5
-
-
 def gaps(distance: FloatArray, start: float, end: float) -> list[tuple[float, float]]:
-    """Pieces of a range [mm] without a measured point nearby, from and to.
+    """Return the pieces of a range from start to end [mm] without a measured point nearby, from and to [mm].
 
-    Between two successive points that are much further apart than the others, whose spacing may well change:
-    records are often dense at first. distance: of the points, rising [mm].
+    Each lies between two successive points that are much further apart than the others, whose spacing may
+    well change: records are often dense at first. distance: of the points, rising [mm], shape (points,).
     """
     inside = (distance[1:] > start) & (distance[:-1] < end)
     low, high = distance[:-1][inside].clip(start, end), distance[1:][inside].clip(start, end)
@@ -241,20 +243,18 @@ def gaps(distance: FloatArray, start: float, end: float) -> list[tuple[float, fl
 
 
 def check_coverage(experiment: Experiment, start: float, end: float) -> list[str]:
-    """What is to be said of its gaps in a range [mm] that it is compared over, as sentences.
+    """Say, in sentences, where an experiment has gaps in the range from start to end [mm].
 
-    Raises InputError when more than half of the range lies in gaps.
+    That is the range over which it is compared. Raises InputError when more than half of it lies in gaps.
     """
     found = gaps(experiment.distance, start, end)
     if not found:
         return []
     missing = sum(high - low for low, high in found) / (end - start)
     low, high = max(found, key=lambda gap: gap[1] - gap[0])
-    told = (
-        f"{100.0 * missing:.0f} % of the distance shared with the runs, the longest piece from {low:.4g} to "
-    )
-    told += f"{high:.4g} mm"
-    if missing > MOST:
+    told = f"{100.0 * missing:.0f} % of the distance shared with the runs, the longest piece from "
+    told += f"{low:.4g} to {high:.4g} mm"
+    if missing > MOST_IN_GAPS:
         raise InputError(
             f"{experiment.name} has no measured point over {told}; points over half of it or more are "
             "expected"

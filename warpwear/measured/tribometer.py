@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -12,29 +12,39 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
 Rows: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
-#: Part of the stroke at each end whose samples are cut: the stage slows down, stands and turns there.
+#: Share of the stroke at each end whose samples are cut: the stage slows down, stands and turns there.
 CUT = 0.1
-#: A turn is told from noise by this part of the stroke on either side of its middle.
+#: A turn is told from noise by this share of the stroke on either side of its middle.
 HYSTERESIS = 0.25
+#: Quantile of the position that counts as an end of the stroke: single jumps lie beyond.
+END = 0.01
 #: Samples of a pass over those of the running mean that takes noise off the turning points, at least.
 LEAST_PARTS = 20
-#: A cycle whose normal force is below this part of the median was not yet, or no longer, under load.
+#: Turning points of two whole cycles, the fewest that a record of them needs.
+LEAST_TURNS = 5
+#: A cycle whose normal force is below this share of the median was not yet, or no longer, under load.
 UNLOADED = 0.5
-#: Relative difference of the normal force from the load that is told, and the factor that is refused.
-OTHER_LOAD, WRONG_LOAD = 0.1, 2.0
+#: Relative difference of the normal force from the load that is told.
+OTHER_LOAD = 0.1
+#: Factor between the normal force and the load that is refused.
+WRONG_LOAD = 2.0
+#: Relative difference of the stroke by the position from the one given that is refused.
+OTHER_STROKE = 0.1
+#: Share of the rows whose force may have the other sign in a record of sliding in one direction.
+OTHER_SIGN = 0.1
 #: Half the difference of the directions over their mean; below it the sign does not follow the direction.
 RECTIFIED = 0.2
 
 
 @dataclass(frozen=True, eq=False)
-class Reading:
-    """What the forces say."""
+class Course:
+    """A record says what the coefficient of friction was over the distance."""
 
-    distance: FloatArray  # [mm]
-    cof: FloatArray
-    cycles: FloatArray | None  # number of each point's cycle, from 1
-    notes: list[str]
-    warnings: list[str] = field(default_factory=list)  # what makes the whole doubtful
+    distance: FloatArray  # [mm], rising, shape (points,)
+    cof: FloatArray  # shape (points,)
+    notes: tuple[str, ...]  # what was assumed and done, each a sentence
+    cycles: FloatArray | None = None  # number of each point's cycle, from 1, shape (points,)
+    warnings: tuple[str, ...] = ()  # what makes the whole doubtful, each a sentence
 
 
 def from_forces(
@@ -44,35 +54,37 @@ def from_forces(
     stroke: float | None,
     load: float | None,
     speed: float | None,
-) -> Reading:
-    """Coefficient of friction from 'friction force' and 'normal force' [N] over 'position' [mm].
+) -> Course:
+    """Return the course of friction from 'friction force' and 'normal force' [N] over 'position' [mm].
 
-    A cycle is a pass and the one back. With F̄x and F̄z the means of a pass without the outer tenth of the
-    stroke at both ends, its coefficient is |F̄x(forth) − F̄x(back)| / (F̄z(forth) + F̄z(back)): an offset of the
-    force, half the sum of the directions, drops out and is told. The distance is the number of passes times
-    the stroke, given or from the turning points; noise of the position does not add up. Without a position,
-    'distance', or 'time' and a speed [mm/s], serve where the force keeps its sign. Raises InputError.
+    table: role -> values, all of shape (rows,); stroke: length of a pass [mm], None to find it; load: normal
+    load [N], for a record without a normal force and to compare with; speed [mm/s]. A cycle is a pass and the
+    one back. With F̄x and F̄z the means of a pass without the outer tenth of the stroke at both ends, its
+    coefficient is |F̄x(forth) − F̄x(back)| / (F̄z(forth) + F̄z(back)): an offset of the force, half the sum
+    of the directions, drops out and is told. The distance is the number of passes times the stroke, given or
+    from the turning points; noise of the position does not add up. Without a position, 'distance', or 'time'
+    and a speed, serve where the force keeps its sign. Raises InputError for a record that says too little.
     """
     friction = table["friction force"]
     normal, notes, warnings = _normal(path, table, load)
     if "position" in table:
-        reading = _by_cycles(path, table["position"], friction, normal, stroke)
+        found = _by_cycles(path, table["position"], friction, normal, stroke)
     else:
-        reading = _one_way(path, table, normal, speed)
-    return replace(reading, notes=notes + reading.notes, warnings=warnings)
+        found = _one_way(path, table, normal, speed)
+    return replace(found, notes=(*notes, *found.notes), warnings=warnings)
 
 
 def _normal(
     path: Path, table: Mapping[str, FloatArray], load: float | None
-) -> tuple[FloatArray, list[str], list[str]]:
-    """Normal force [N], pressing positive; notes and warnings."""
+) -> tuple[FloatArray, list[str], tuple[str, ...]]:
+    """Return the normal force [N], pressing positive, shape (rows,); notes and warnings."""
     if "normal force" not in table:
         if load is None:
             raise InputError(
                 f"{path} has a friction force but no normal force; a column such as 'Fz [N]' is expected"
             )
         told = f"The normal force is not in the record: {load:g} N."
-        return np.full_like(table["friction force"], load), [told], []
+        return np.full_like(table["friction force"], load), [told], ()
     normal = table["normal force"]
     middle = float(np.median(normal))
     if middle == 0.0:
@@ -84,21 +96,21 @@ def _normal(
         normal, middle = -normal, -middle
         notes.append("The normal force is negative in the record and was taken as pressing.")
     if load is None or abs(middle - load) <= OTHER_LOAD * load:
-        return normal, notes, []
+        return normal, notes, ()
     told = f"the median of the normal force is {middle:.3g} N where the run has {load:g} N"
     if not load / WRONG_LOAD <= middle <= load * WRONG_LOAD:
         raise InputError(
             f"{path}: {told}; less than a factor of {WRONG_LOAD:g} is expected, so the unit or the column is "
             "wrong, or the run is of another test"
         )
-    return normal, notes, [f"Warning: {told}."]
+    return normal, notes, (f"Warning: {told}.",)
 
 
-def _one_way(path: Path, table: Mapping[str, FloatArray], normal: FloatArray, speed: float | None) -> Reading:
-    """Sample by sample, for sliding in one direction."""
+def _one_way(path: Path, table: Mapping[str, FloatArray], normal: FloatArray, speed: float | None) -> Course:
+    """Return the course sample by sample, for sliding in one direction."""
     friction, notes = table["friction force"], []
     sign = np.sign(np.median(friction))
-    if sign == 0.0 or (sign * friction < 0.0).mean() > 0.1:
+    if sign == 0.0 or (sign * friction < 0.0).mean() > OTHER_SIGN:
         raise InputError(
             f"{path}: the friction force changes its sign and there is no position to tell the direction; a "
             "column such as 'Position [mm]' is expected"
@@ -122,16 +134,16 @@ def _one_way(path: Path, table: Mapping[str, FloatArray], normal: FloatArray, sp
     cof = np.bincount(which, weights=sign * friction[loaded] / normal[loaded]) / np.bincount(which)
     if distance.size < 2:
         raise InputError(f"{path} has one distance only; two or more are expected")
-    return Reading(
-        distance, cof, None, [*notes, "The coefficient is Fx/Fz of every row: sliding in one way."]
-    )
+    notes.append("The coefficient is Fx/Fz of every row: sliding in one way.")
+    return Course(distance, cof, tuple(notes))
 
 
 def _by_cycles(
     path: Path, position: FloatArray, friction: FloatArray, normal: FloatArray, stroke: float | None
-) -> Reading:
-    turns, smooth = turning_points(position)
-    if turns.size < 5:
+) -> Course:
+    """Return the course cycle by cycle, of the passes forth and back between the turning points."""
+    turns, smooth = _turning_points(position)
+    if turns.size < LEAST_TURNS:
         raise InputError(
             f"{path}: the position turns {turns.size} times, so there are no two whole cycles; a "
             "reciprocating record of four passes or more is expected"
@@ -139,7 +151,7 @@ def _by_cycles(
     ends = [float(np.median(smooth[turns[side::2]])) for side in (0, 1)]
     measured, middle = abs(ends[1] - ends[0]), 0.5 * (ends[0] + ends[1])
     notes = []
-    if stroke is not None and abs(measured - stroke) > 0.1 * stroke:
+    if stroke is not None and abs(measured - stroke) > OTHER_STROKE * stroke:
         raise InputError(
             f"{path}: the stroke is {measured:.3g} mm by the position where {stroke:g} mm was given; they "
             "must agree within a tenth (--stroke, or sliding.stroke of the runs)"
@@ -179,13 +191,16 @@ def _by_cycles(
         f"{100.0 * abs(offset) / typical:.2g} % of the friction (medians)."
     )
     cycles = 1.0 + np.flatnonzero(loaded).astype(np.float64)
-    return Reading(distance[loaded], half[loaded] / pressing[loaded], cycles, notes)
+    return Course(distance[loaded], half[loaded] / pressing[loaded], tuple(notes), cycles)
 
 
 def _pass_means(
     path: Path, values: FloatArray, inside: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]", turns: Rows
 ) -> FloatArray:
-    """Mean of the samples inside every pass from turn to turn; what lies before and after is left out."""
+    """Return the mean of the samples inside every pass from turn to turn, shape (passes,).
+
+    inside: which samples count, shape (rows,); what lies before the first turn and after the last does not.
+    """
     passes, count = np.searchsorted(turns, np.flatnonzero(inside), side="right") - 1, turns.size - 1
     number = np.bincount(passes, minlength=count)
     if number.min() == 0:
@@ -194,14 +209,14 @@ def _pass_means(
     return sums / number
 
 
-def turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:
-    """Rows at which the position turns, in order, and the smoothed position [mm].
+def _turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:
+    """Return the rows at which the position [mm] turns, in order, and the smoothed position [mm].
 
     Between two crossings of the middle of the stroke, each complete only when it leaves a band of half the
     stroke, lies one turn: the extreme of the smoothed position. Noise inside the band makes none. The first
     and the last count if they come so near to the stroke's end that only what is cut is missing.
     """
-    low, high = np.quantile(position, [0.01, 0.99])
+    low, high = np.quantile(position, [END, 1.0 - END])
     if high <= low:
         return np.zeros(0, dtype=np.intp), position
     away = (position - 0.5 * (low + high)) / (high - low)
@@ -222,7 +237,7 @@ def turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:
 
 
 def _smoothed(position: FloatArray, samples: int) -> FloatArray:
-    """A running mean for finding turns. samples: of one pass.
+    """Return the position [mm] after a running mean that finds its turns. samples: of one pass.
 
     The mean over w samples cuts v w/4 off a turn at speed v [mm a sample]; noise of deviation σ adds some
     2.5 σ/√w, the largest of many. Where both are equal they cancel: w = (10 σ/v)^(2/3).
