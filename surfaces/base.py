@@ -5,7 +5,11 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from warpwear.grid import FloatArray
+
+BoolArray = npt.NDArray[np.bool_]
+
+BLOCK_VALUES = 2**18  # 2 MiB of float64: what one block of rows may hold beside a field
 
 
 class Surface(Protocol):

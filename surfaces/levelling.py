@@ -1,11 +1,11 @@
 """Levelling, filling and filtering of measured heights."""
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from warpwear import lazy
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
 
 fft = lazy.module("scipy.fft")
 
@@ -13,9 +13,7 @@ ROWS = 64  # of a block: the terms of a polynomial at every point at once would 
 SWEEPS = 8  # of the relaxation at each scale; more changes a filled height by less than its neighbours differ
 
 
-def without_polynomial(
-    heights: FloatArray, *, degree: int, where: npt.NDArray[np.bool_] | None = None
-) -> FloatArray:
+def without_polynomial(heights: FloatArray, *, degree: int, where: BoolArray | None = None) -> FloatArray:
     """Return heights [mm], shape (nx, ny), NaN where missing, less a least-squares polynomial.
 
     degree: its total degree; 0 takes off the mean, 1 the mean plane. It is fitted to the valid points (of
@@ -67,7 +65,7 @@ def filled(heights: FloatArray) -> FloatArray:
     return fine
 
 
-def _from_coarse(heights: FloatArray, missing: npt.NDArray[np.bool_]) -> FloatArray:
+def _from_coarse(heights: FloatArray, missing: BoolArray) -> FloatArray:
     """Return the filled means of blocks of 2 × 2 points, repeated over each block: shape (nx, ny)."""
     nx, ny = heights.shape
     pad = ((0, nx % 2), (0, ny % 2))

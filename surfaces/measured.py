@@ -8,7 +8,8 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.surfaces.base import FloatArray, spacing
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BLOCK_VALUES, spacing
 from warpwear.surfaces.levelling import low_pass
 from warpwear.surfaces.preparation import Preparation, prepare
 from warpwear.surfaces.reading import Reading, read
@@ -21,7 +22,6 @@ sparse = lazy.module("scipy.sparse")
 DEFAULT = Preparation()  # takes the plane off
 EXTENSIONS = ("refuse", "mirror", "periodic")
 CUT_OFF_CELLS = 2.0  # cut-off wavelength of the filter against aliasing: the shortest wave cells can carry
-BLOCK_VALUES = 2**18  # 2 MiB of float64: what one block of rows may hold beside the output
 SLACK = 1e-9  # relative, for lengths that should be equal
 SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: more is worth a notice
 MUCH_MISSING = 5.0  # percent of the points

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-import numpy.typing as npt
 
 from warpwear import lazy
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.levelling import filled
 
 ndimage = lazy.module("scipy.ndimage")
@@ -18,8 +18,6 @@ HALF = WINDOW // 2  # pixels from the rim to the nearest middle of a window that
 ROUNDS = 12  # bounded, as walls of what is wider than the window would be eaten from their corners
 SAMPLES = 200_000  # of a spread, about: more say nothing new of its median
 TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, of Gaussian values
-
-BoolArray = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

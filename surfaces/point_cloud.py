@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpwear import lazy
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
 
 spatial = lazy.module("scipy.spatial")
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from warpwear.errors import InputError
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
 from warpwear.surfaces.levelling import areal_low_pass, filled, without_polynomial
 from warpwear.surfaces.outliers import outliers
 from warpwear.surfaces.reading import Reading

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from warpwear.errors import InputError
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
 from warpwear.surfaces.formats import Raw, read_raw, refusal
 
 MILLIMETRES = {

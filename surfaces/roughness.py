@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpwear.errors import InputError
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
 from warpwear.surfaces.levelling import low_pass
 
 SECANT = 0.4  # of the material ratio, ISO 13565-2

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpwear import lazy
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
 
 fft = lazy.module("scipy.fft")
 

@@ -4,11 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
 
 optimize = lazy.module("scipy.optimize")
 
@@ -73,7 +73,7 @@ def fit_sphere(
     heights: FloatArray,
     *,
     pixel: tuple[float, float],
-    where: npt.NDArray[np.bool_] | None = None,
+    where: BoolArray | None = None,
     radius: float | None = None,
 ) -> Sphere:
     """Fit a sphere by least squares of heights to the valid points (of `where`, if given).

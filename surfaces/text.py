@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
 
 COMMENTS = ("#", "%", "//")
 SEPARATORS = ("\t", ";", ",", None)  # in the order in which they are tried; None is any run of blanks

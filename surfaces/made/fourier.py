@@ -5,11 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BLOCK_VALUES
 
 ComplexArray = npt.NDArray[np.complex128]
-
-BLOCK_VALUES = 2**18  # 2 MiB of float64: what one block of rows may hold beside the output
 
 
 def fourier_blocks(

@@ -10,8 +10,9 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.surfaces.base import FloatArray
-from warpwear.surfaces.made.fourier import BLOCK_VALUES, uniform_draws
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BLOCK_VALUES
+from warpwear.surfaces.made.fourier import uniform_draws
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.made.synthetic import POINTS_PER_CUT_OFF, SLACK, RandomPart, points_along
 

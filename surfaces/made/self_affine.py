@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
 from warpwear.surfaces.made.fourier import ComplexArray, fourier_blocks, fourier_sum, half_plane_draws
 from warpwear.surfaces.made.synthetic import POINTS_PER_CUT_OFF, SLACK, RandomPart, points_along
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from warpwear.errors import InputError
-from warpwear.surfaces.base import FloatArray, spacing
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import spacing
 
 LARGEST_MODE = 2048  # 17 million amplitudes; beyond, the spectrum no longer fits a small machine
 POINTS_PER_CUT_OFF = 4  # of the reference grid on which Ra is defined

@@ -4,11 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
 
@@ -32,8 +32,6 @@ NOT_TOLD = (
     "needed"
 )
 
-Mask = npt.NDArray[np.bool_]
-
 
 @dataclass(frozen=True)
 class Cap:
@@ -50,7 +48,7 @@ class WornBall:
 
     sphere: Sphere  # the unworn one
     lost: FloatArray  # depth below it [mm], shape (nx, ny)
-    patch: Mask  # the worn points, shape (nx, ny)
+    patch: BoolArray  # the worn points, shape (nx, ny)
     volume: float  # sum of `lost` over the patch, roughness averaged out [mm³]
     volume_error: float  # its standard error: of roughness in the patch and under the sphere's fit [mm³]
     piled_up: float  # net volume above the sphere beside the patch [mm³]; roughness may make it negative
@@ -93,7 +91,7 @@ def find_worn_ball(
     sphere. Raises InputError where no sphere fits, nothing is worn, or too little is unworn to tell the
     radius.
     """
-    x, y = places((heights.shape[0], heights.shape[1]), pixel)
+    x, y = places(heights.shape, pixel)
     u, v = (np.abs(p) / (0.5 * np.ptp(p)) for p in (x, y))
     found = _find(heights, np.maximum.outer(u, v) > FIRST_RING, pixel=pixel, radius=radius)
     if radius is None:
@@ -107,9 +105,11 @@ def find_worn_ball(
     return found
 
 
-def _find(heights: FloatArray, start: Mask, *, pixel: tuple[float, float], radius: float | None) -> WornBall:
+def _find(
+    heights: FloatArray, start: BoolArray, *, pixel: tuple[float, float], radius: float | None
+) -> WornBall:
     """Find the worn patch from a start: the points that are taken as unworn at first, shape (nx, ny)."""
-    x, y = places((heights.shape[0], heights.shape[1]), pixel)
+    x, y = places(heights.shape, pixel)
     area = pixel[0] * pixel[1]
     unworn, patch = start, ~start
     for _ in range(ROUNDS):
@@ -166,15 +166,17 @@ def _find(heights: FloatArray, start: Mask, *, pixel: tuple[float, float], radiu
     )
 
 
-def _bend(lost: FloatArray, patch: Mask, pixel: tuple[float, float]) -> float:
+def _bend(lost: FloatArray, patch: BoolArray, pixel: tuple[float, float]) -> float:
     """Return the factor of x² + y² [1/mm] in the depth lost over the patch; below 0 its middle is deepest."""
-    x, y = places((lost.shape[0], lost.shape[1]), pixel)
+    x, y = places(lost.shape, pixel)
     i, j = np.nonzero(patch)
     design = np.stack([np.ones(i.size), x[i], y[j], x[i] ** 2 + y[j] ** 2], axis=1)
     return float(np.linalg.lstsq(design, lost[patch], rcond=None)[0][3])
 
 
-def _grown(lost: FloatArray, seed: Mask, *, pixel: tuple[float, float], density: float) -> tuple[Mask, Mask]:
+def _grown(
+    lost: FloatArray, seed: BoolArray, *, pixel: tuple[float, float], density: float
+) -> tuple[BoolArray, BoolArray]:
     """Return the whole patch about its deeper part, and the rim beside it, with pile-up if there is any.
 
     seed: the deeper part, shape (nx, ny); density: see `_density` [mm⁴]. Rings about the deeper part are
@@ -201,7 +203,7 @@ def _grown(lost: FloatArray, seed: Mask, *, pixel: tuple[float, float], density:
     return patch, ~patch & (ring < max(end, edge + math.ceil(RIM * whole / width)))
 
 
-def _density(lost: FloatArray, unworn: Mask, *, area: float, terms: int) -> float:
+def _density(lost: FloatArray, unworn: BoolArray, *, area: float, terms: int) -> float:
     """Return the variance of a mean over an area, times that area [mm⁴], from blocks of the unworn surface.
 
     area: of a pixel [mm²]; terms: of the fit, which the blocks have lost as degrees of freedom. Roughness
@@ -216,13 +218,15 @@ def _density(lost: FloatArray, unworn: Mask, *, area: float, terms: int) -> floa
     return float(np.sum(np.square(total[used]) / count[used])) * area / freedom
 
 
-def _error(part: Mask, unworn: Mask, *, pixel: tuple[float, float], density: float, fitted: bool) -> float:
+def _error(
+    part: BoolArray, unworn: BoolArray, *, pixel: tuple[float, float], density: float, fitted: bool
+) -> float:
     """Return the standard error of a volume [mm³] over a part of the field.
 
     It is that of its roughness and of the sphere's fit. The fit is taken as one of 1, x, y and, where the
     radius is `fitted`, x² + y².
     """
-    x, y = places((part.shape[0], part.shape[1]), pixel)
+    x, y = places(part.shape, pixel)
     scale = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0
     px, py = np.meshgrid(x / scale, y / scale, indexing="ij")
     terms = [np.ones_like(px), px, py, *([px**2 + py**2] if fitted else [])]

@@ -4,13 +4,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.surfaces.base import FloatArray
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.sphere import places
 
 ndimage = lazy.module("scipy.ndimage")
 
@@ -33,7 +34,7 @@ class Track:
 
     levelled: FloatArray  # heights [mm] over the form of the surface outside the track, shape (nx, ny)
     y: FloatArray  # places across [mm] from the middle of the field, shape (ny,)
-    inside: npt.NDArray[np.bool_]  # which of them belong to the track, shape (ny,)
+    inside: BoolArray  # which of them belong to the track, shape (ny,)
     edges: tuple[float, float]  # of the track across [mm]
     below: FloatArray  # section areas under the reference inside the track [mm²], shape (nx,)
     above: FloatArray  # section areas over the reference inside the track [mm²], shape (nx,)
@@ -92,8 +93,7 @@ def find_track(
     whatever its section, the piece of that width about the middle of the deepest part.
     Raises InputError where there is none, or too little surface beside it to level by.
     """
-    nx, ny = heights.shape
-    y = (np.arange(ny) - 0.5 * (ny - 1)) * pixel[1]
+    y = places(heights.shape, pixel)[1]
     start = without_polynomial(heights, degree=degree).mean(axis=0)
     inside = _first_guess(start) if width is None else _span(start, start < 0.0, pixel=pixel[1], width=width)
     outside = ~inside
@@ -117,7 +117,7 @@ def find_track(
         edges=(float(y[columns[0]]) - 0.5 * pixel[1], float(y[columns[-1]]) + 0.5 * pixel[1]),
         below=np.maximum(-across, 0.0).sum(axis=1) * pixel[1],
         above=np.maximum(across, 0.0).sum(axis=1) * pixel[1],
-        length=nx * pixel[0],
+        length=heights.shape[0] * pixel[0],
     )
     net = float(track.net.mean())
     if width is None and net <= LEAST_ERRORS * track.net_error:
@@ -140,7 +140,7 @@ def _standard_error(values: FloatArray) -> float:
     return math.sqrt((variance + 2.0 * max(shared, 0.0)) / blocks.size)
 
 
-def _first_guess(profile: FloatArray) -> npt.NDArray[np.bool_]:
+def _first_guess(profile: FloatArray) -> BoolArray:
     """Return where a mean profile [mm] has the deeper half of its trough, and as much again on each side.
 
     Shapes are (ny,). Before the first levelling a track tilts and lifts its own reference, so no scatter can
@@ -157,9 +157,7 @@ def _first_guess(profile: FloatArray) -> npt.NDArray[np.bool_]:
     return (place >= first) & (place <= last)
 
 
-def _span(
-    profile: FloatArray, outside: npt.NDArray[np.bool_], *, pixel: float, width: float | None
-) -> npt.NDArray[np.bool_]:
+def _span(profile: FloatArray, outside: BoolArray, *, pixel: float, width: float | None) -> BoolArray:
     """Return which points across belong to the track of a mean profile [mm], shape (ny,).
 
     outside: points taken as unworn so far, shape (ny,); pixel: their distance [mm]; width: the track's [mm],
@@ -199,7 +197,7 @@ def _span(
     return (place >= columns[0] - margin) & (place <= columns[-1] + margin)
 
 
-def _check(inside: npt.NDArray[np.bool_], *, width: float | None) -> None:
+def _check(inside: BoolArray, *, width: float | None) -> None:
     """Raise InputError where too little surface is left on a side of the track to level by."""
     columns = np.flatnonzero(inside)
     least = LEAST_OUTSIDE * inside.size
