@@ -167,6 +167,8 @@ def _first_row(lines: list[str], *, words: bool) -> tuple[int, str | None]:
             continue
         separator, width = _first_split(line, words=words)
         if width and (count or not following or len(split(following, separator)) == width):
+            while not words and index and _is_missing(split(lines[index - 1], separator), width):
+                index -= 1
             return index, separator
         if count > 1 and not width:
             raise ValueError(f"mixed separators: line {index + 1} has different ones between its numbers")
@@ -205,6 +207,11 @@ def _is_row(fields: list[str], *, words: bool) -> bool:
         if not _is_value(field)
     )
     return numbers > 1 and values + others == len(fields)
+
+
+def _is_missing(fields: list[str], width: int) -> bool:
+    """Return whether all of `width` fields are words for missing values, and no line of dashes."""
+    return len(fields) == width and all(MISSING.fullmatch(field) and field.strip("-–") for field in fields)
 
 
 def _is_value(field: str) -> bool:

@@ -23,12 +23,12 @@ SMALL = {
     "stepping.growth": 1.4,
     "run.checkpoint": "0 s",
 }
-#: So many in each test run, and so many among the slow ones.
+#: Broken files in each test run, and among the slow ones.
 COUNTS = [60, pytest.param(1000, marks=pytest.mark.slow)]
 
 
 def records() -> dict[str, tuple[bytes, dict[str, Any]]]:
-    """Of a course, and of the forces of a reciprocating tribometer."""
+    """Return records of a course, and of the forces of a reciprocating tribometer."""
     dice = np.random.default_rng(1)
     distance = np.linspace(0.0, 60.0, 120)
     cof = 0.3 + 0.2 * np.sqrt(distance / 60.0) + 0.01 * dice.normal(size=distance.size)

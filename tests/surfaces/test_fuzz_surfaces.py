@@ -27,7 +27,8 @@ from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.reading import Reading, read
 
 REAL = Path(__file__).resolve().parents[3] / "shared" / "surfaces"
-NX, NY = 24, 18
+NX = 24  # points along x
+NY = 18  # points along y
 GIVEN: dict[str, Any] = {"pixel": 1e-3, "height_unit": "um"}
 #: Whose content is covered by checksums.
 SUMMED = (".npz", ".x3p")
@@ -127,7 +128,7 @@ def changed(name: str, found: Reading, intact: Reading) -> str:
 
 
 def try_broken(name: str, count: int, folder: Path) -> Counter[str]:
-    """Cut at every hundredth, and so many broken otherwise; how they were read."""
+    """Count how a file was read when cut at every hundredth, and when broken otherwise `count` times."""
     content, options = content_of(name)
     path = folder / name
     intact = outcome(path, content, options)

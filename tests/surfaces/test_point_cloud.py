@@ -8,7 +8,10 @@ from warpwear.surfaces.point_cloud import gridded, units_in
 from warpwear.surfaces.reading import read
 from warpwear.surfaces.text import read_table
 
-NX, NY, PX, PY = 9, 7, 0.4, 0.25
+NX = 9  # points along x
+NY = 7  # points along y
+PX = 0.4  # µm
+PY = 0.25  # µm
 RNG = np.random.default_rng(0)
 Z = np.round(RNG.normal(size=(NX, NY)), 4)
 X, Y = np.meshgrid(PX * np.arange(NX), PY * np.arange(NY), indexing="ij")
@@ -222,6 +225,14 @@ def test_matrices_with_empty_fields_and_a_separator_at_each_end(save):
     heights = read(save(text, "disc.csv"), **GIVEN).heights
     assert heights.shape == (8, 3)
     assert np.argwhere(np.isnan(heights)).tolist() == [[0, 1], [2, 0], [7, 1]]
+
+
+def test_a_matrix_that_begins_with_missing_rows_keeps_them(save):
+    text = "title\nNaN\tBAD\tNaN\tNaN\n***\tnan\tnull\tbad\n" + "1\t2\t3\t4\n" * 5
+    heights = read(save(text, "disc.csv"), **GIVEN).heights
+    assert heights.shape == (4, 7)
+    assert np.isnan(heights[:, :2]).all()
+    assert np.isfinite(heights[:, 2:]).all()
 
 
 def test_sizes_in_the_header_of_a_matrix(save):

@@ -13,7 +13,8 @@ from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.made.synthetic import Flat
 from warpwear.surfaces.roughness import rms_slope, roughness
 
-PERIOD, CUT_OFF = 2.0, 0.008
+PERIOD = 2.0  # mm
+CUT_OFF = 0.008  # mm
 PINNED = [0.00865286921888097, 0.005101489513130521]  # mm
 
 

@@ -19,7 +19,7 @@ PLACES = (np.arange(800) - 399.5) * CELL
 
 @cache
 def rough_track():
-    """Of Ra 1 mm: heights are proportional to it, and making them takes long."""
+    """Return a rough track of Ra 1 mm: heights are proportional to it, and making them takes long."""
     return SelfAffine(ra=1.0, seed=1, period=2.5).heights(PLACES, PLACES)
 
 
@@ -145,7 +145,7 @@ FILE = {
 
 @cache
 def rough_ball(seed):
-    """Of Ra 1 mm. Longer waves than a ball's roughness has, for which no test of these asks."""
+    """Return a rough ball of Ra 1 mm, of longer waves than a ball has: no test asks for shorter ones."""
     return SelfAffine(ra=1.0, seed=seed, period=2.5, cut_off=0.016).heights(
         *places((400, 380), (0.005, 0.005))
     )

@@ -2,13 +2,13 @@
 
 import re
 import unicodedata
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from warpwear.errors import InputError
 from warpwear.measured.record import Record, is_unit
 from warpwear.study.units import parse
 
+#: What may stand before the name of a coefficient of friction.
 _MEAN = r"(?:(?:mean|avg|average|abs|absolute|filtered|dynamic|kinetic|mittlere[rs]?) )?"
 _COEFFICIENT = (
     r"cof|c\.o\.f\.?|μ|mu|coeff?(?:icient|\.)? of friction|friction coeff?(?:icient|\.)?|"
@@ -36,7 +36,11 @@ TARGETS = {
     "normal force": "N",
     "position": "mm",
 }
+#: What a unit of each target measures.
+KINDS = {"mm": "length", "s": "time", "N": "force"}
+#: What stands for a unit of a plain number.
 WITHOUT_UNIT = frozenset(("", "-", "–", "—", "1", "/", "none"))
+#: Units in small letters that are spelt otherwise in a study.
 LOCAL = {"sek": "s", "std": "h", "μm": "um"}
 #: What a number of columns picked by hand stands for.
 PICKED = {2: ("distance", "cof"), 4: ("time", "friction force", "normal force", "position")}
@@ -66,11 +70,7 @@ def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
             f"{record.path} has no header with a name for each of its {record.table.width} columns: such as "
             "'Distance [mm]' and 'CoF' are expected, or --columns '1 [mm],2'"
         )
-    roles: dict[str, list[int]] = {role: [] for role in NAMES}
-    for index, (name, unit) in enumerate(titles):
-        role = _role(name, unit)
-        if role is not None:
-            roles[role].append(index)
+    roles = {role: [i for i, title in enumerate(titles) if _role(*title) == role] for role in NAMES}
     if not roles["cof"] and not roles["friction force"]:
         raise InputError(
             f"{record.path} has no column for the coefficient of friction among {_listed(record.names)}; a "
@@ -139,19 +139,25 @@ def _factor(record: Record, role: str, name: str, unit: str) -> float:
             f"{record.path}: the {_spoken(role)} '{name}' has no unit; write it in the header, such as "
             f"'{name} [{target}]', or in --columns"
         )
+    factor = _converted(unit, target)
+    if factor is None:
+        raise InputError(
+            f"{record.path}: the {_spoken(role)} '{name}' has the unit {unit}, which is no unit of "
+            f"{KINDS[target]}"
+        )
+    return factor
+
+
+def _converted(unit: str, target: str) -> float | None:
+    """Return one of a unit in the target's, None where it is of another kind."""
     try:
         return parse(f"1 {LOCAL.get(unit.lower(), unit)}", target)
     except ValueError:
-        raise InputError(
-            f"{record.path}: the {_spoken(role)} '{name}' has the unit {unit}, which is no unit of "
-            f"{_KIND[target]}"
-        ) from None
-
-
-_KIND = {"mm": "length", "s": "time", "N": "force"}
+        return None
 
 
 def _picked(record: Record, titles: list[tuple[str, str]], picks: str) -> dict[str, Column]:
+    """Return the columns that a user picked, role -> column."""
     parts = [part.strip() for part in picks.split(";" if ";" in picks else ",")]
     chosen = _match(record, titles, parts)
     known = _listed(record.names) or f"1 to {record.table.width}"
@@ -160,24 +166,17 @@ def _picked(record: Record, titles: list[tuple[str, str]], picks: str) -> dict[s
             f"--columns '{picks}': two columns (distance or time, CoF) or four (time, friction force, normal "
             f"force, position) of {record.path} are expected: {known}"
         )
-    roles: Mapping[int, str] = dict(enumerate(PICKED[len(chosen)]))
     found = {}
-    for place, (index, given) in enumerate(chosen):
-        role, (name, unit) = roles[place], titles[index]
-        unit = unit or given
-        if role == "distance" and (_role(name, unit) in ("time", "cycle") or _is_time(unit)):
-            role = "cycle" if _role(name, unit) == "cycle" else "time"
+    for role, (index, given) in zip(PICKED[len(chosen)], chosen, strict=True):
+        name, unit = titles[index][0], titles[index][1] or given
+        meant = role
+        if role == "distance" and _role(name, unit) == "cycle":
+            meant = "cycle"
+        elif role == "distance" and (_role(name, unit) == "time" or _converted(unit, "s") is not None):
+            meant = "time"
         title = record.names[index] if record.names else f"column {index + 1}"
-        found[role] = Column(index, title, _factor(record, role, title, unit))
+        found[meant] = Column(index, title, _factor(record, meant, title, unit))
     return found
-
-
-def _is_time(unit: str) -> bool:
-    try:
-        parse(f"1 {LOCAL.get(unit.lower(), unit)}", "s")
-    except ValueError:
-        return False
-    return True
 
 
 def _match(record: Record, titles: list[tuple[str, str]], parts: list[str]) -> list[tuple[int, str]] | None:
@@ -195,6 +194,7 @@ def _match(record: Record, titles: list[tuple[str, str]], parts: list[str]) -> l
 
 
 def _index(record: Record, titles: list[tuple[str, str]], pick: str) -> tuple[int, str] | None:
+    """Return the index of the column that one pick means and the unit in it, None for none."""
     plain = [" ".join(name.lower().split()) for name in record.names]
     name, unit = split_unit(pick)
     for wanted, known in ((" ".join(pick.lower().split()), plain), (name, [title for title, _ in titles])):
