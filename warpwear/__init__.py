@@ -13,6 +13,7 @@ from warpwear.lazy import resolve
 from warpwear.version import __version__
 
 if TYPE_CHECKING:
+    from warpwear.contact.solve import solve_contact
     from warpwear.errors import ConvergenceError, InputError
     from warpwear.result import Result
     from warpwear.runs.run import run
@@ -24,9 +25,10 @@ _PUBLIC = {
     "Result": "warpwear.result:Result",
     "Study": "warpwear.study.study:Study",
     "run": "warpwear.runs.run:run",
+    "solve_contact": "warpwear.contact.solve:solve_contact",
 }
 
-__all__ = ["ConvergenceError", "InputError", "Result", "Study", "__version__", "run"]
+__all__ = ["ConvergenceError", "InputError", "Result", "Study", "__version__", "run", "solve_contact"]
 
 
 def _register(wing: str) -> None:

@@ -95,6 +95,6 @@ def check_threads(threads: int | None) -> int:
     cores = len(process.cpu_affinity()) if hasattr(process, "cpu_affinity") else psutil.cpu_count() or 1
     if threads is None:
         return cores
-    if not 1 <= threads <= cores:
-        raise InputError(f"threads = {threads} is not possible; allowed are 1 to {cores}, the cores here.")
+    if not isinstance(threads, int) or not 1 <= threads <= cores:
+        raise InputError(f"threads = {threads!r} is not possible; allowed are 1 to {cores}, the cores here.")
     return threads

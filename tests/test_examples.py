@@ -1,0 +1,51 @@
+"""Every example runs by itself in an empty folder, quickly, and answers the question in its docstring."""
+
+import ast
+import runpy
+import time
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pytest
+
+import warpwear
+
+FOLDER = Path(__file__).parent.parent / "examples"
+EXAMPLES = sorted(FOLDER.glob("*.py"))
+NAMES = [path.stem for path in EXAMPLES]
+#: Seconds, on a busy machine; on an idle one a second or two.
+LONGEST = 30.0
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=NAMES)
+def test_an_example_runs(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    begin = time.monotonic()
+    runpy.run_path(str(path), run_name="__main__")
+    plt.close("all")
+    printed = capsys.readouterr().out
+    assert printed.count("\n") >= 2
+    assert "nan" not in printed
+    assert time.monotonic() - begin < LONGEST
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=NAMES)
+def test_an_example_is_short_and_of_the_public_names_only(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert 20 <= len(text.splitlines()) <= 40
+    tree = ast.parse(text)
+    assert (ast.get_docstring(tree) or "").split("\n")[0].endswith("?")
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            assert not (node.module or "").startswith("warpwear"), node.module
+        if isinstance(node, ast.Import):
+            assert all(not name.name.startswith("warpwear.") for name in node.names)
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            assert node.value.id != "warpwear" or node.attr in warpwear.__all__
+
+
+def test_there_are_ten() -> None:
+    assert len(EXAMPLES) == 10

@@ -1,0 +1,428 @@
+"""The contact of a rigid plane or sphere with heights in an array, without a study.
+
+Numbers are in consistent units of the caller's choice. Every solver below works on cells of width 1 that a
+unit of pressure displaces by a unit of length, so that none of its thresholds is a length or a pressure of
+the caller's: see `_Task`.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from numbers import Real
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from warpwear.contact.balance import RIGID, Balancer
+from warpwear.contact.bearing_area import TIE, BearingArea
+from warpwear.contact.half_space import TOLERANCE, HalfSpace
+from warpwear.contact.half_space_window import WindowedHalfSpace
+from warpwear.contact.influence import Influence
+from warpwear.engine.device import free_memory
+from warpwear.engine.executor import Executor
+from warpwear.engine.tiles import Tiles
+from warpwear.errors import ConvergenceError, InputError
+from warpwear.grid import FloatArray, Grid
+from warpwear.kernels import contact as kernels
+from warpwear.kernels.cells import LANES, PADDING
+from warpwear.surfaces.sphere import sag
+
+#: Fields alive at the peak of a solve: measured were 11 (springs) to 18 (free boundary), without a GPU's.
+FIELDS_NEEDED = 24.0
+#: Relative rounding of a load: it may exceed as much what the hardness carries.
+ROUNDING = 1.0e-12
+#: Largest difference between the load carried and the load asked for, relatively.
+LOAD_TOLERANCE = 1.0e-9
+#: Cells that the lists of tiles hold at least, over those that carry the load at the hardness.
+SPARE = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class ArrayContact:
+    """A solved contact of an array of heights. Units are the caller's; fields have the shape of the heights.
+
+    approach: how far the plane, or the sphere's apex, lies below the heights' mean plane; negative while it
+    lies above. gap: distance between the bodies after elastic deformation; 0 under a pressure below the
+    hardness, negative where the hardness is reached (how deep the material has to flow), infinite beyond the
+    sphere's edge. residual: the largest violation of (gap = 0 under pressure, gap ≥ 0 elsewhere, gap ≤ 0 at
+    the hardness) over the rms height of the gap before contact. evaluations: pairs of Fourier transforms on a
+    half-space, else passes over the cells that a trial approach took.
+    """
+
+    pressure: FloatArray  # pressure, shape (nx, ny)
+    gap: FloatArray  # length, shape (nx, ny)
+    approach: float  # length
+    cell: float  # length
+    hardness: float | None  # pressure
+    residual: float
+    evaluations: int
+
+    @cached_property
+    def load(self) -> float:
+        """Sum of the pressures, each times the area of a cell: a force."""
+        return float(self.pressure.sum()) * self.cell**2
+
+    @property
+    def mean_pressure(self) -> float:
+        """Load over the nominal area."""
+        return self.load / self.nominal_area
+
+    @property
+    def nominal_area(self) -> float:
+        """Area of all cells of the array: a length²."""
+        return self.pressure.size * self.cell**2
+
+    @cached_property
+    def area(self) -> float:
+        """Real area of contact, of the cells that carry a pressure: a length²."""
+        return np.count_nonzero(self.pressure) * self.cell**2
+
+    @cached_property
+    def area_at_hardness(self) -> float:
+        """Area of the cells whose pressure is the hardness: a length²; 0 without a hardness."""
+        if self.hardness is None:
+            return 0.0
+        return np.count_nonzero(self.pressure >= self.hardness) * self.cell**2
+
+    def __repr__(self) -> str:
+        return (
+            f"<contact: area {self.area:.4g} of {self.nominal_area:.4g}, "
+            f"mean pressure {self.mean_pressure:.4g}, approach {self.approach:.4g}, "
+            f"{self.evaluations} evaluations>"
+        )
+
+
+def solve_contact(
+    heights: npt.ArrayLike,
+    *,
+    cell: float,
+    load: float | None = None,
+    mean_pressure: float | None = None,
+    approach: float | None = None,
+    hardness: float | None = None,
+    modulus: float | None = None,
+    stiffness: float | None = None,
+    boundary: str | None = None,
+    sphere_radius: float | None = None,
+    tolerance: float = TOLERANCE,
+    device: str = "cpu",
+    threads: int | None = None,
+) -> ArrayContact:
+    """Press a rigid plane, or a sphere, on heights and return the pressure and the gap of every cell.
+
+    All numbers are in consistent units of the caller's choice (mm, N and MPa, say, or m, N and Pa).
+
+    heights: of the surface, positive out of the material, shape (nx, ny), axis 0 = x; of any mean plane.
+    cell: width of the square cells. load, mean_pressure (load over the area of the array) or approach: one of
+    the three. hardness: largest pressure of a cell; None for no such limit.
+    modulus: E*, of an elastic half-space (two elastic bodies have 1/E* = Σ (1 − ν²)/E); or
+    stiffness: pressure over length, of independent springs under the cells (a Winkler foundation). Without
+    both every cell that is touched carries the hardness: the bearing area.
+    boundary: of the half-space; "periodic", where the surface repeats without end (by default under a
+    plane), or "free", where nothing lies beside the array (by default, and always, under a sphere).
+    sphere_radius: of the sphere, whose apex comes down on the middle of the array; None for a plane.
+    tolerance: largest violation of the contact conditions of the half-space over the rms height of the gap;
+    the other laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every
+    core; no result depends on it.
+
+    Raises InputError for what is not possible, ConvergenceError where the tolerance is not met. Sources:
+    Polonsky and Keer 1999, Wear 231, 206 and Almqvist et al. 2007, Tribol. Int. 40, 574 (half-space);
+    Johnson, Contact Mechanics, 1985, section 4.3 (springs).
+    """
+    surface = _checked_heights(heights)
+    cell, tolerance = _positive("cell", cell), _positive("tolerance", tolerance)
+    load, mean_pressure = _optional("load", load), _optional("mean_pressure", mean_pressure)
+    approach = _optional("approach", approach, any_sign=True)
+    modulus, stiffness = _optional("modulus", modulus), _optional("stiffness", stiffness)
+    hardness, sphere_radius = _optional("hardness", hardness), _optional("sphere_radius", sphere_radius)
+    _check_choice("exactly one", load=load, mean_pressure=mean_pressure, approach=approach)
+    _check_choice("at most one", modulus=modulus, stiffness=stiffness)
+    if hardness is modulus is stiffness is None:
+        raise InputError(
+            "hardness = None is not possible without modulus or stiffness; the bearing area needs a hardness."
+        )
+    edge = _boundary_of(boundary, modulus, sphere_radius)
+    grid = _grid_of(surface, cell)
+    gap = surface.mean() - surface
+    if sphere_radius is not None:
+        gap += sag(grid.x, grid.y, radius=sphere_radius)
+        if not np.isfinite(gap).any():
+            raise InputError(
+                f"sphere_radius = {sphere_radius:g} is not possible; it must reach the middle of a cell."
+            )
+    mean = mean_pressure if load is None else load / grid.area
+    if mean is not None and hardness is not None:
+        name, area = ("mean_pressure", 1.0) if load is None else ("load", grid.area)
+        mean = _within_capacity(name, mean, hardness * float(np.isfinite(gap).mean()), area)
+    if approach is not None and approach >= 0.0 and edge == "periodic" and hardness is None:
+        raise InputError(
+            f"approach = {approach:g} is not possible; a periodic half-space without a hardness is in full "
+            "contact when the plane reaches the mean plane, so it must be negative."
+        )
+    response = cell / modulus if modulus else 1.0 / stiffness if stiffness else 0.0
+    task = _Task.scaled(gap, mean, approach, hardness, response=response, edge=edge)
+    _check_memory(surface.shape, device)
+    with Executor(_grid_of(surface, 1.0), device=device, threads=threads) as executor:
+        try:
+            found = (
+                _solve_cells(task, executor) if edge is None else _solve_half_space(task, executor, tolerance)
+            )
+        except ConvergenceError as error:
+            raise ConvergenceError(
+                f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "
+                f"{error}"
+            ) from error
+    contact = _contact_of(task, found, cell, hardness)
+    if mean is not None and not abs(contact.mean_pressure / mean - 1.0) <= LOAD_TOLERANCE:
+        raise ConvergenceError(
+            f"solve_contact found a mean pressure of {contact.mean_pressure:g} instead of {mean:g}."
+        )
+    return contact
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A contact in units in which its cells are 1 wide and a unit of pressure displaces by a unit of length.
+
+    length: the caller's lengths over those here, of the order of what heights and displacements span.
+    pressure: the caller's pressures over those here, so that E* or the stiffness is 1 here, or the hardness
+    where there is neither.
+    """
+
+    gap: FloatArray  # from the mean planes, infinite beyond the sphere's edge, shape (nx, ny)
+    mean: float | None  # pressure; None at an approach
+    approach: float | None
+    cap: float
+    response: float  # displacement under a unit of pressure: 1, or 0 for the bearing area
+    edge: str | None  # boundary of the half-space; None: the cells do not feel each other
+    length: float
+    pressure: float
+
+    @classmethod
+    def scaled(
+        cls,
+        gap: FloatArray,
+        mean: float | None,
+        approach: float | None,
+        hardness: float | None,
+        *,
+        response: float,
+        edge: str | None,
+    ) -> Self:
+        """Scale what is in the caller's units. response: displacement under a unit of pressure."""
+        there = gap[np.isfinite(gap)]
+        # Heights may be next to nothing beside the displacements, or all the same.
+        pushed = max(0.0, (mean or 0.0) * response if approach is None else approach - float(there.min()))
+        length = max(float(np.ptp(there)), pushed) or 1.0
+        pressure = length / response if response else hardness
+        assert pressure is not None
+        return cls(
+            gap / length,
+            None if mean is None else mean / pressure,
+            None if approach is None else approach / length,
+            math.inf if hardness is None else hardness / pressure,
+            float(response > 0.0),
+            edge,
+            length,
+            pressure,
+        )
+
+
+class _Found(NamedTuple):
+    """A solved task, in its units."""
+
+    pressure: FloatArray
+    displacement: FloatArray
+    approach: float
+    evaluations: int
+
+
+def _solve_half_space(task: _Task, executor: Executor, tolerance: float) -> _Found:
+    """Solve on the cells that the other body can reach, then displace all of them."""
+    assert task.edge is not None
+    pressure, approach, transforms = np.zeros(task.gap.shape), task.approach, 0
+    options: dict[str, Any] = {"modulus": 1.0, "boundary": task.edge, "hardness": task.cap}
+    options["tolerance"] = tolerance
+    if task.mean is not None:
+        found = WindowedHalfSpace(executor, **options).solve(
+            _field(task.gap, executor), load=task.mean * task.gap.size
+        )
+        pressure[:], approach, transforms = found.pressure, found.approach, found.transforms
+    assert approach is not None
+    reached = task.gap < approach
+    if task.mean is None and reached.any():
+        window = (slice(None), slice(None)) if task.edge == "periodic" else _box(reached)
+        part = task.gap[window]
+        with Executor(_grid_of(part, 1.0), device=str(executor.device), threads=executor.threads) as smaller:
+            found = HalfSpace(smaller, **options).solve(_field(part, smaller), approach=approach)
+            pressure[window], transforms = found.pressure, found.transforms
+    field = executor.zeros()
+    Influence(executor, modulus=1.0, boundary=task.edge).respond(executor.field(pressure), field)
+    return _Found(pressure, executor.to_numpy(field).copy(), approach, transforms + 1)
+
+
+def _box(cells: npt.NDArray[np.bool_]) -> tuple[slice, slice]:
+    """The rows and the columns that hold all the cells."""
+    rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
+    return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+
+
+def _solve_cells(task: _Task, executor: Executor) -> _Found:
+    """Solve with springs, or the bearing area: to rounding."""
+    gap, ones = _field(task.gap, executor), np.ones((1, executor.vectors * LANES))
+    stiffness = executor.field(ones * (1.0 if task.response else RIGID))
+    load = (task.mean or 0.0) * task.gap.size
+    tiles = Tiles(executor, gap, gap, executor.field(ones), least=SPARE * load / task.cap)
+    # Where nothing yields a cell at the very approach is touched.
+    width = 0.0 if task.response else TIE
+    base, offset, tied, evaluations = task.approach or 0.0, 0.0, task.cap, 1
+    if task.approach is None:
+        if task.response:
+            found = Balancer(executor).foundation(gap, stiffness, tiles, load=load, hardness=task.cap)
+        else:
+            bearing = BearingArea(executor)
+            highest = bearing.bounds(gap, tiles)[1]
+            # No number of cells but the very one: else their pressure would exceed the hardness.
+            found = bearing.solve(
+                gap, tiles, highest=highest, load=load, hardness=task.cap, tolerance=ROUNDING * load
+            )
+        base, offset, _, width, tied = found.law
+        evaluations = found.evaluations
+    law = [base, offset, task.cap, width, tied if width else 0.0]
+    field = executor.zeros()
+    executor.launch(kernels.pressures, inputs=[*law, stiffness, gap], outputs=[field], over=tiles)
+    pressure = executor.to_numpy(field).copy()
+    approach = base + offset
+    if task.approach is None and not task.response:  # the lowest of those that touch these cells
+        approach = float(task.gap[pressure > 0.0].max())
+    return _Found(pressure, pressure * task.response, approach, evaluations)
+
+
+def _contact_of(task: _Task, found: _Found, cell: float, hardness: float | None) -> ArrayContact:
+    """A solved task in the caller's units, with the violation that is left."""
+    left = task.gap + found.displacement - found.approach
+    at_cap = found.pressure >= task.cap
+    under_pressure = np.where(at_cap, np.maximum(left, 0.0), np.abs(left))
+    violation = float(np.where(found.pressure > 0.0, under_pressure, np.maximum(-left, 0.0)).max())
+    there = task.gap[np.isfinite(task.gap)]
+    # Of a flat, over what it yields.
+    scale = float(there.std()) if np.ptp(there) else abs(found.approach) + float(found.pressure.mean())
+    pressure = found.pressure * task.pressure
+    if hardness is not None:
+        pressure = np.where(at_cap, hardness, np.minimum(pressure, hardness))
+    return ArrayContact(
+        pressure=pressure,
+        gap=left * task.length,
+        approach=found.approach * task.length,
+        cell=cell,
+        hardness=hardness,
+        residual=violation / scale if violation else 0.0,
+        evaluations=found.evaluations,
+    )
+
+
+def _grid_of(values: FloatArray, cell: float) -> Grid:
+    nx, ny = values.shape
+    return Grid(nx, ny, cell)
+
+
+def _field(gap: FloatArray, executor: Executor) -> Any:
+    """A field of a gap, with no surface beyond the sphere's edge and in the padding."""
+    padded = np.full((gap.shape[0], executor.vectors * LANES), PADDING)
+    padded[:, : gap.shape[1]] = np.minimum(gap, PADDING)
+    return executor.field(padded)
+
+
+def _checked_heights(heights: npt.ArrayLike) -> FloatArray:
+    try:
+        given = np.asanyarray(heights)
+        if np.ma.is_masked(given) or np.iscomplexobj(given):
+            raise TypeError("masked or complex")
+        values = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"heights of type {type(heights).__name__} are not possible ({error}); "
+            "they must be real numbers, none of them masked."
+        ) from error
+    if values.ndim != 2 or values.size == 0:
+        raise InputError(
+            f"heights of shape {values.shape} are not possible; they must be (nx, ny), with a cell or more."
+        )
+    wrong = np.argwhere(~np.isfinite(values))
+    if wrong.size:
+        i, j = wrong[0].tolist()
+        raise InputError(
+            f"heights[{i}, {j}] = {values[i, j]:g} is not possible ({len(wrong)} of {values.size} are not "
+            "finite); fill what is missing first."
+        )
+    return values
+
+
+def _positive(name: str, value: Any) -> float:
+    return _number(name, value, any_sign=False, allowed="a positive, finite number")
+
+
+def _optional(name: str, value: Any, *, any_sign: bool = False) -> float | None:
+    if value is None:
+        return None
+    sign = "" if any_sign else "positive, "
+    return _number(name, value, any_sign=any_sign, allowed=f"a {sign}finite number, or left out")
+
+
+def _number(name: str, value: Any, *, any_sign: bool, allowed: str) -> float:
+    is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+    if not is_number or not math.isfinite(value) or not (any_sign or value > 0.0):
+        shown = f"{float(value):g}" if is_number else repr(value)
+        raise InputError(f"{name} = {shown} is not possible; it must be {allowed}.")
+    return float(value)
+
+
+def _check_choice(how_many: str, **choice: float | None) -> None:
+    """InputError where more are given than may be, or none where one must be."""
+    given = [f"{name} = {value:g}" for name, value in choice.items() if value is not None]
+    if len(given) > 1 or (how_many == "exactly one" and not given):
+        names = " and ".join([", ".join(list(choice)[:-1]), list(choice)[-1]])
+        raise InputError(f"{' and '.join(given) or 'nothing'} is given; {how_many} of {names} must be.")
+
+
+def _boundary_of(boundary: str | None, modulus: float | None, sphere_radius: float | None) -> str | None:
+    """The boundary of the half-space; None where there is no half-space."""
+    if modulus is None:
+        if boundary is not None:
+            raise InputError(
+                f"boundary = {boundary!r} is only for a half-space; leave it out, or give a modulus."
+            )
+        return None
+    if boundary not in (None, "periodic", "free"):
+        raise InputError(f'boundary = {boundary!r} is unknown; allowed are "periodic" and "free".')
+    if sphere_radius is None:
+        return boundary or "periodic"
+    if boundary == "periodic":
+        raise InputError(
+            f'boundary = "periodic" is not possible with sphere_radius = {sphere_radius:g}; '
+            'it must be "free".'
+        )
+    return "free"
+
+
+def _within_capacity(name: str, mean: float, most: float, area: float) -> float:
+    """A mean pressure, not larger by rounding than what the hardness carries.
+
+    name, area: of the argument that it was given by, and its value over the mean pressure.
+    """
+    if mean > most * (1.0 + ROUNDING):
+        raise InputError(
+            f"{name} = {mean * area:g} is not possible; with all cells at the hardness it is {most * area:g}."
+        )
+    return min(mean, most)
+
+
+def _check_memory(shape: tuple[int, ...], device: str) -> None:
+    needed = FIELDS_NEEDED * 8.0 * math.prod(shape)
+    for place, there in free_memory(device).items():
+        if needed > there:
+            raise InputError(
+                f"heights of shape {shape} need {needed / 2**30:.1f} GiB of memory; {place} has "
+                f"{there / 2**30:.1f} GiB free."
+            )
