@@ -8,6 +8,7 @@ from warpwear.lazy import resolve
 PLACES = {
     "Result": "warpwear.result:Result",
     "Study": "warpwear.study.study:Study",
+    "SurfaceOptions": "warpwear.measured.surface_command:SurfaceOptions",
     "WRITERS": "warpwear.results.export:WRITERS",
     "animate_result": "warpwear.figures.film:animate",
     "calibrate_energy": "warpwear.calibration.energy:calibrate_energy",
