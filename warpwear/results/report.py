@@ -90,28 +90,25 @@ def record(rows: Iterable[Row]) -> dict[str, Any]:
     return found
 
 
-def lines(rows: Iterable[Row], *, indent: int = 2) -> list[str]:
+def lines(rows: Iterable[Row]) -> list[str]:
     """The lines of a report for people: label and value; each text of a list has a line of its own."""
     found: list[str] = []
     for row in rows:
-        if _are_rows(row.value) and not row.label:
-            found += lines(row.value, indent=indent)
+        if not row.label:
+            found += lines(_inner(row.value))
         elif _visible([row]):
-            label = " " * indent + row.label
+            label = f"  {row.label}"
             for text in row.value if _are_texts(row.value) else [row.text]:
                 found.append(f"{label:<{VALUES - 1}} {text}")
                 label = ""
     return found
 
 
-def table(groups: Mapping[str, Sequence[Row]], corner: str = "", *, indent: int = 2) -> list[str]:
-    """An aligned table with a line for each group of rows and a column for each row.
-
-    groups: name at the left -> rows of equal labels. corner: what stands over the names.
-    """
-    head = [f"{row.label}, {row.units}".removesuffix(", ") for row in _visible(next(iter(groups.values())))]
-    cells = [[name, *(row.number for row in _visible(rows))] for name, rows in groups.items()]
-    return [" " * indent + line for line in aligned([[corner, *head], *cells])]
+def table(groups: Sequence[Sequence[Row]]) -> list[str]:
+    """An aligned table with a line for each group and a column for each of its rows, alike in all groups."""
+    head = [f"{row.label}, {row.units}".removesuffix(", ") for row in _visible(groups[0])]
+    cells = [[row.number for row in _visible(rows)] for rows in groups]
+    return ["  " + line for line in aligned([head, *cells])]
 
 
 def aligned(cells: Sequence[Sequence[str]]) -> list[str]:
@@ -179,9 +176,16 @@ def _are_rows(value: Any) -> bool:
     return isinstance(value, list | tuple) and bool(value) and isinstance(value[0], Row)
 
 
+def _inner(value: Any) -> list[Row]:
+    """The rows in a value that is a list of rows, or of lists of them."""
+    if isinstance(value, list | tuple):
+        return [row for part in value for row in _inner(part)]
+    return [value] if isinstance(value, Row) else []
+
+
 def _are_texts(value: Any) -> bool:
     return isinstance(value, list | tuple) and all(isinstance(part, str) for part in value)
 
 
 def _visible(rows: Iterable[Row]) -> list[Row]:
-    return [row for row in rows if row.label and row.value is not None]
+    return [row for row in rows if row.label and row.value is not None and row.value != {}]
