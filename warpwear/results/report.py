@@ -74,7 +74,7 @@ class Row:
         told = f"{self.number} {self.units}".rstrip()
         if _are_rows(self.value):
             told = ", ".join(f"{row.label} {row.text}" for row in _visible(self.value))
-        return told + " " * (self.note[:1] not in ("", ",", ";")) + self.note
+        return told + " " * (self.note[:1] not in ("", ",", ";", ":")) + self.note
 
 
 def record(rows: Iterable[Row]) -> dict[str, Any]:
