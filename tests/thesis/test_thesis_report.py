@@ -15,8 +15,7 @@ from warpwear.cli.report import report
 from warpwear.errors import InputError
 from warpwear.study.study import Study
 from warpwear.thesis import page as report_page
-from warpwear.thesis.figures import FIGURES
-from warpwear.thesis.report import judge, thesis_report
+from warpwear.thesis.report import FIGURES, judge, thesis_report
 from warpwear.thesis.runs import Plan
 from warpwear.thesis.summary import ALL_ITEMS, SUMMARY
 from warpwear.thesis.verdicts import Kind, as_printed, number
