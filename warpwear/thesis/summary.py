@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from warpwear.thesis import printed as thesis
 from warpwear.thesis.findings import FINDINGS
-from warpwear.thesis.items_appendix import TABLE as APPENDIX
 from warpwear.thesis.items_compared import TABLE as COMPARED
 from warpwear.thesis.items_v1 import TABLE as V1
 from warpwear.thesis.items_v2_v3 import TABLE as V2_V3
@@ -19,6 +18,7 @@ from warpwear.thesis.verdicts import (
     Kind,
     Row,
     of_all,
+    patches,
 )
 
 
@@ -40,7 +40,7 @@ class Line:
         A column 'thesis V1' stands beside our V1, the experiment's beside all of ours.
         """
         pairs = [
-            (self.row.printed_factor * printed.value, self.row.factor * numbers.get(name, math.nan))
+            (self.row.factor * printed.value, self.row.factor * numbers.get(name, math.nan))
             for column, printed in self.row.printed.items()
             for version, name in self.row.ours.items()
             if column in (f"thesis {version}", "experiment")
@@ -54,13 +54,7 @@ class Line:
 
 
 def _patch(which: str, ours: dict[str, str], printed: tuple[str, ...], item: str) -> Line:
-    columns = {f"thesis {v.upper()}" if v in ("v1", "v2", "v3") else v: v for v in printed}
-    row = Row(
-        f"worn patch of the sphere, {which}",
-        "mm",
-        ours,
-        {column: thesis.PATCH_DIAMETERS[v] for column, v in columns.items()},
-    )
+    row = Row(f"worn patch of the sphere, {which}", "mm", ours, patches(*printed))
     return Line(row, item, DIAMETER_TOLERANCE)
 
 
@@ -90,8 +84,6 @@ SUMMARY: tuple[Line, ...] = (
 
 
 #: Figures and tables of the thesis.
-OF_THESIS: tuple[Item, ...] = tuple(
-    entry for table in (V1, V2_V3, COMPARED, APPENDIX) for entry in table.items
-)
+OF_THESIS: tuple[Item, ...] = tuple(entry for table in (V1, V2_V3, COMPARED) for entry in table.items)
 #: Those, then statements of our own.
 ALL_ITEMS: tuple[Item, ...] = (*OF_THESIS, *FINDINGS.items)
