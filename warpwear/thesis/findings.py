@@ -84,10 +84,8 @@ def _patch(n: Known) -> Verdict:
 @item(
     "line",
     "V3's friction is a straight line, and its pressure pinned, by construction and not by the mesh",
-    (
-        "p = H on every cell in contact makes the area F/H at any mesh; a running sum of equal areas is "
-        "straight."
-    ),
+    "p = H on every cell in contact makes the area F/H at any mesh; a running sum of equal areas is "
+    "straight.",
     Row("R² of the running sum", "–", of("v3.sum_straightness_R2")),
     Row("running sum over V1's worn area", "–", of("v3.sum_over_worn_patch")),
     Row("scatter of the mean pressure", "MPa", of("v3.pressure_scatter_MPa")),
@@ -150,10 +148,8 @@ def _increments(n: Known) -> Verdict:
 @item(
     "stability",
     "Beyond the limit of explicit wear the area is wrong, and nothing else shows it",
-    (
-        "V1 with the foundation that matches Hertz's area, explicit at 0.3 mm; the solver refuses it "
-        "unless forced."
-    ),
+    "V1 with the foundation that matches Hertz's area, explicit at 0.3 mm; the solver refuses it "
+    "unless forced.",
     Row("limit of the increment", "mm", {"Hertz's area": "beyond.limit_mm", "V1": "v1.limit_mm"}),
     Row(
         "area against the stable run",
@@ -192,10 +188,8 @@ def _stability(n: Known) -> Verdict:
 @item(
     "surfaces",
     "V3's patch is as wide as the highest peaks at its rim allow",
-    (
-        "Touched is where the disc stands above the sphere's worn shape: at most 2√(z(2R − z)) across, with "
-        "z = R − √(R² − a²) + R_p."
-    ),
+    "Touched is where the disc stands above the sphere's worn shape: at most 2√(z(2R − z)) across, with "
+    "z = R − √(R² − a²) + R_p.",
     Row(
         "patch, along and across, over all surfaces",
         "mm",

@@ -30,10 +30,8 @@ item = TABLE.item
 @item(
     "figure-4.31",
     "Disc profiles of the three versions",
-    (
-        "V3's wear is deeper and its contact larger than that of V1 and V2, because of its high "
-        "constant pressure."
-    ),
+    "V3's wear is deeper and its contact larger than that of V1 and V2, because of its high "
+    "constant pressure.",
     of_all("deepest cell of the disc", "µm", "disc_depth_um"),
     Row("mean depth in the scar", "µm", of("v1.mean_disc_depth_um", "v3.mean_disc_depth_um")),
     of_all("area ever touched", "mm²", "area_touched_mm2"),

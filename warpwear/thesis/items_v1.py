@@ -26,10 +26,7 @@ item = TABLE.item
 @item(
     "table-3.4",
     "The test",
-    (
-        "Four speeds, each with its time and a sliding distance of 2400 mm; Table 3.3: 8 N, 40 motions "
-        "of 60 mm."
-    ),
+    "Four speeds, each with its time and a sliding distance of 2400 mm; Table 3.3: 8 N, 40 motions of 60 mm.",
     Row(
         "sliding distance",
         "mm",

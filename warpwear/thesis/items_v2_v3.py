@@ -137,10 +137,8 @@ def _topography(n: Known) -> Verdict:
 @item(
     "figure-4.30",
     "Pressure maps at the end",
-    (
-        "(a) V1 constant, (b) V2 varying across sliding, (c) V3 always between 580 and 600 MPa on the "
-        "same number of points."
-    ),
+    "(a) V1 constant, (b) V2 varying across sliding, (c) V3 always between 580 and 600 MPa on the "
+    "same number of points.",
     of_all("mean pressure at the end", "MPa", "pressure_end_MPa"),
     Row(
         "smallest mean of a step",
