@@ -5,7 +5,15 @@ from dataclasses import dataclass
 
 from warpwear.calibration.wear import WearCalibration, cap, diameter_of_cap, volume_given, wear_coefficient
 from warpwear.results.report import Row, lines, record, table, to_json
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import (
+    DISTANCE,
+    LOAD,
+    PATCH_DIAMETERS,
+    SPHERE_RADIUS,
+    STROKE,
+    WEAR_COEFFICIENTS,
+    Printed,
+)
 
 #: Digits to which the volumes are rounded before they are turned back into Table 4.1.
 DIGITS = 4
@@ -31,14 +39,14 @@ class Patch:
     asked_small: float
 
 
-def table_4_1() -> dict[str, tuple[thesis.Printed, WearCalibration]]:
+def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
     """Rows of Table 4.1: what is printed, and K of the volume that it implies, rounded to four digits.
 
     The text prints no volume: they are K F L, so that this checks units and arithmetic, not the measurement.
     """
-    load, distance = thesis.LOAD.value, thesis.DISTANCE.value
+    load, distance = LOAD.value, DISTANCE.value
     found = {}
-    for name, printed in thesis.WEAR_COEFFICIENTS.items():
+    for name, printed in WEAR_COEFFICIENTS.items():
         volume = float(f"{1e-3 * printed.value * load * distance:.{DIGITS}g}")
         found[name] = (printed, wear_coefficient([volume_given(volume)], load=load, distance=distance))
     return found
@@ -46,9 +54,9 @@ def table_4_1() -> dict[str, tuple[thesis.Printed, WearCalibration]]:
 
 def patch() -> Patch:
     """The 0.80 mm of figure 4.36 and Table 4.1's K of the ball, each turned into the other."""
-    radius, diameter = thesis.SPHERE_RADIUS.value, thesis.PATCH_DIAMETERS["experiment"].value
-    load, distance = thesis.LOAD.value, thesis.DISTANCE.value
-    printed = 1e-3 * thesis.WEAR_COEFFICIENTS["sphere"].value
+    radius, diameter = SPHERE_RADIUS.value, PATCH_DIAMETERS["experiment"].value
+    load, distance = LOAD.value, DISTANCE.value
+    printed = 1e-3 * WEAR_COEFFICIENTS["sphere"].value
     flat = cap(diameter, radius=radius)
     ellipsoid = volume_given(4.0 / 3.0 * math.pi * (0.5 * diameter) ** 2 * (flat.depth or 0.0))
     volume = printed * load * distance
@@ -69,7 +77,7 @@ def patch() -> Patch:
 
 def calibrate_thesis(*, as_json: bool = False) -> str:
     """Set Table 4.1 beside the patch that does not go with it: the text for people, or JSON."""
-    load, distance, radius = thesis.LOAD.value, thesis.DISTANCE.value, thesis.SPHERE_RADIUS.value
+    load, distance, radius = LOAD.value, DISTANCE.value, SPHERE_RADIUS.value
     groups = {name: _row_of_table(printed, found) for name, (printed, found) in table_4_1().items()}
     head = [
         Row("load", "load_N", load, digits=6),
@@ -98,10 +106,10 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
     )
 
 
-def _row_of_table(printed: thesis.Printed, found: WearCalibration) -> list[Row]:
+def _row_of_table(printed: Printed, found: WearCalibration) -> list[Row]:
     """Declare a row of Table 4.1. found: of the volume that it implies."""
     volume, again = found.volumes[0].volume, 1e3 * found.mean
-    section = 1e6 * volume / thesis.STROKE.value
+    section = 1e6 * volume / STROKE.value
     return [
         Row("of", "of", printed.note),
         Row("printed", "", _k(printed.value)),
@@ -110,7 +118,7 @@ def _row_of_table(printed: thesis.Printed, found: WearCalibration) -> list[Row]:
         Row("", "volume_from", "K F L, rounded; the text prints no volume"),
         Row("K of it", "", _k(again)),
         Row("", "wear_coefficient_mm3_per_Nm", again),
-        Row(f"section over {thesis.STROKE.value:g} mm", "section_um2", section),
+        Row(f"section over {STROKE.value:g} mm", "section_um2", section),
     ]
 
 
@@ -121,7 +129,7 @@ def _patch_rows(worn: Patch) -> list[Row]:
     asked = f"by the cap, {worn.asked_small:.3f} mm by π d⁴/(64 R)"
     return [
         Row("diameter", "diameter_mm", worn.diameter),
-        Row("printed in", "place", thesis.PATCH_DIAMETERS["experiment"].place),
+        Row("printed in", "place", PATCH_DIAMETERS["experiment"].place),
         _coefficient("flat cap", "by_cap", worn.by_cap.mean, cap_told),
         _coefficient("full ellipsoid", "by_ellipsoid", worn.by_ellipsoid.mean, ELLIPSOID),
         _coefficient("wide cap", "by_mean_diagonal_as_rim", worn.by_mean_as_rim.mean, WIDE_CAP),

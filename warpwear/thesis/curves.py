@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
-from warpwear.thesis import printed as thesis
 from warpwear.thesis.figures import EXPERIMENT, LINES, PRINTED, Gallery, over_distance, versions
 from warpwear.thesis.numbers import Numbers
+from warpwear.thesis.printed import PATCH_DIAMETERS, SLOWS_AFTER
 from warpwear.thesis.runs import VERSIONS, Runs, worn_radius
 from warpwear.thesis.verdicts import ROUGH_PATCHES, SMOOTH_PATCHES
 
@@ -31,7 +31,7 @@ def radius_and_pressure(axes: Any, runs: Runs, numbers: Numbers) -> None:
         right.spines["right"].set_visible(True)
         pressure = {"color": fs.MEAN_PRESSURE, "ls": ":", "label": "mean pressure (right)"}
         right.plot(distance, history["pressure_mean"], **pressure)
-        left.axvline(thesis.SLOWS_AFTER.value, color=PRINTED, lw=0.8, ls="--", label="0.1 m")
+        left.axvline(SLOWS_AFTER.value, color=PRINTED, lw=0.8, ls="--", label="0.1 m")
         left.set_xscale(scale)
         if scale == "log":
             fs.logarithmic(left)
@@ -208,7 +208,7 @@ def stability(axes: Any, runs: Runs, numbers: Numbers) -> None:
 def rough_patches(axes: Any, runs: Runs, numbers: Numbers) -> None:
     patches = runs.patches
     seeds = np.arange(len(patches))
-    axes.axhline(thesis.PATCH_DIAMETERS["v3"].value, color=fs.HARDNESS, lw=0.8, label="printed, 1.37 mm")
+    axes.axhline(PATCH_DIAMETERS["v3"].value, color=fs.HARDNESS, lw=0.8, label="printed, 1.37 mm")
     smooth = numbers["closed_form_patch_mm"]
     axes.axhline(smooth, color=PRINTED, lw=0.8, ls="--", label="smooth, cap of K F L")
 
@@ -264,7 +264,7 @@ def disc_depths(axes: Any, runs: Runs, numbers: Numbers) -> None:
 @figure("Diameter of the sphere's worn patch (mm) as printed and of our runs.", width=5.0)
 def patch_bars(axes: Any, runs: Runs, numbers: Numbers) -> None:
     ours = [numbers[name] for name in (SMOOTH_PATCHES | ROUGH_PATCHES).values()]
-    printed = [thesis.PATCH_DIAMETERS[name].value for name in ("experiment", "v1", "v2", "v3")]
+    printed = [PATCH_DIAMETERS[name].value for name in ("experiment", "v1", "v2", "v3")]
     places, colours = np.arange(4), [line["color"] for line in LINES.values()]
     beside = places - np.array([0.0, 0.19, 0.19, 0.19])
     for bars in (

@@ -1,6 +1,6 @@
 """What the report says of the thesis's models in its own words, each statement with a rule that can fail."""
 
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import PATCH_DIAMETERS, WEAR_COEFFICIENTS
 from warpwear.thesis.verdicts import (
     SAME_VOLUME,
     Kind,
@@ -64,11 +64,11 @@ def _volume(n: Known) -> Verdict:
         "K_s of 0.80 mm",
         "10⁻⁴ mm³/(N·m)",
         {"cap": "experiment.K_by_cap", "full ellipsoid": "experiment.K_by_ellipsoid"},
-        {"Table 4.1": thesis.WEAR_COEFFICIENTS["sphere"]},
+        {"Table 4.1": WEAR_COEFFICIENTS["sphere"]},
     ),
 )
 def _patch(n: Known) -> Verdict:
-    measured = thesis.PATCH_DIAMETERS["experiment"].value
+    measured = PATCH_DIAMETERS["experiment"].value
     alone, both = n["experiment.patch_of_printed_K_mm"], n["closed_form_patch_mm"]
     return holds_if(
         alone > 1.1 * measured and both > 1.1 * alone,
@@ -214,7 +214,7 @@ def _stability(n: Known) -> Verdict:
     figures=("rough_patches",),
 )
 def _surfaces(n: Known) -> Verdict:
-    printed = thesis.PATCH_DIAMETERS["v3"].value
+    printed = PATCH_DIAMETERS["v3"].value
     explained = (
         n["surfaces.prediction_error_mm"] < 4.0 * n["surfaces.cell_mm"]
         and n["surfaces.bound_exceeded_mm"] < n["surfaces.cell_mm"]

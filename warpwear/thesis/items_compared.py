@@ -1,6 +1,6 @@
 """The thesis's figures of its versions side by side and beside the experiment, with verdicts."""
 
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import PATCH_DIAMETERS
 from warpwear.thesis.verdicts import (
     DIAMETER_TOLERANCE,
     ROUGH_PATCHES,
@@ -73,8 +73,8 @@ def _disc_profiles(n: Known) -> Verdict:
 )
 def _sphere_patches(n: Known) -> Verdict:
     ours = {v: n[f"{v}.patch_by_depth_mm"] for v in ("v1", "v2")}
-    smooth = all(abs(d - thesis.PATCH_DIAMETERS[v].value) < DIAMETER_TOLERANCE for v, d in ours.items())
-    printed = thesis.PATCH_DIAMETERS["v3"].value
+    smooth = all(abs(d - PATCH_DIAMETERS[v].value) < DIAMETER_TOLERANCE for v, d in ours.items())
+    printed = PATCH_DIAMETERS["v3"].value
     low, high = n["surfaces.patch_smallest_mm"], n["surfaces.patch_largest_mm"]
     rough = low - DIAMETER_TOLERANCE < printed < high + DIAMETER_TOLERANCE
     told = (
@@ -183,7 +183,7 @@ def _disc_depths(n: Known) -> Verdict:
     figures=("patch_bars",),
 )
 def _patch_bars(n: Known) -> Verdict:
-    ours, measured = n["v1.patch_by_depth_mm"], thesis.PATCH_DIAMETERS["experiment"].value
+    ours, measured = n["v1.patch_by_depth_mm"], PATCH_DIAMETERS["experiment"].value
     return wrong_if(
         ours > 1.2 * measured,
         f"Our models give what the thesis's give, and both are {percent(ours / measured - 1.0)} above the "

@@ -1,6 +1,13 @@
 """The thesis's test, its wear coefficients, and its figures of V1 beside ours, with verdicts."""
 
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import (
+    DISTANCE,
+    MISPRINTED_DISTANCE,
+    PATCH_DIAMETERS,
+    SPEEDS,
+    TEST_TIMES,
+    WEAR_COEFFICIENTS,
+)
 from warpwear.thesis.verdicts import (
     DIAMETER_TOLERANCE,
     ROOT_EXPONENT,
@@ -31,13 +38,13 @@ item = TABLE.item
         "sliding distance",
         "mm",
         {"strokes × passes": "experiment.distance_by_strokes_mm"},
-        {"thesis": thesis.DISTANCE},
+        {"thesis": DISTANCE},
     ),
 )
 def _test(n: Known) -> Verdict:
     by_strokes = n["experiment.distance_by_strokes_mm"]
-    by_time = {s.value * t.value for s, t in zip(thesis.SPEEDS, thesis.TEST_TIMES, strict=True)}
-    printed, elsewhere = thesis.DISTANCE.value, thesis.MISPRINTED_DISTANCE.value
+    by_time = {s.value * t.value for s, t in zip(SPEEDS, TEST_TIMES, strict=True)}
+    printed, elsewhere = DISTANCE.value, MISPRINTED_DISTANCE.value
     return agrees_if(
         by_strokes == printed and by_time == {printed},
         f"Strokes and times give the same {number(printed, 4)} mm; every run here slides as far. The "
@@ -54,13 +61,13 @@ def _test(n: Known) -> Verdict:
         "K of the ball from its 0.80 mm patch, by a cap",
         "10⁻⁴ mm³/(N·m)",
         {"from the patch": "experiment.K_by_cap"},
-        {"thesis": thesis.WEAR_COEFFICIENTS["sphere"]},
+        {"thesis": WEAR_COEFFICIENTS["sphere"]},
     ),
     Row(
         "the same, by a full ellipsoid (4/3)πa²h",
         "10⁻⁴ mm³/(N·m)",
         {"from the patch": "experiment.K_by_ellipsoid"},
-        {"thesis": thesis.WEAR_COEFFICIENTS["sphere"]},
+        {"thesis": WEAR_COEFFICIENTS["sphere"]},
     ),
     Row(
         "patch that the printed K alone wears",
@@ -71,7 +78,7 @@ def _test(n: Known) -> Verdict:
 )
 def _coefficients(n: Known) -> Verdict:
     over, ellipsoid = n["experiment.K_over_cap"], n["experiment.K_by_ellipsoid"]
-    printed = thesis.WEAR_COEFFICIENTS["sphere"].value
+    printed = WEAR_COEFFICIENTS["sphere"].value
     guess = (
         f" A full ellipsoid gives {number(1e4 * ellipsoid)}·10⁻⁴, near the printed value: probably that "
         "formula was used (an inference)."
@@ -149,12 +156,7 @@ def _disc_of_v1(n: Known) -> Verdict:
     "figure-4.20",
     "Final track and patch of V1",
     "The worn disc and the worn sphere of V1 in 3-D.",
-    Row(
-        "patch, from the two depths",
-        "mm",
-        of("v1.patch_by_depth_mm"),
-        {"thesis": thesis.PATCH_DIAMETERS["v1"]},
-    ),
+    Row("patch, from the two depths", "mm", of("v1.patch_by_depth_mm"), {"thesis": PATCH_DIAMETERS["v1"]}),
     Row(
         "patch of the volume K F L",
         "mm",
@@ -163,7 +165,7 @@ def _disc_of_v1(n: Known) -> Verdict:
     figures=("disc_3d_of_v1", "sphere_3d_of_v1"),
 )
 def _shapes_of_v1(n: Known) -> Verdict:
-    ours, printed = n["v1.patch_by_depth_mm"], thesis.PATCH_DIAMETERS["v1"].value
+    ours, printed = n["v1.patch_by_depth_mm"], PATCH_DIAMETERS["v1"].value
     return agrees_if(
         abs(ours - printed) < DIAMETER_TOLERANCE,
         f"The diameter is {number(ours, 4)} mm against {printed} mm printed. The disc's scar is as round as "

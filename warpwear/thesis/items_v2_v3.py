@@ -1,6 +1,6 @@
 """The thesis's figures of V2 and V3 beside ours, with verdicts."""
 
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import V3_PRESSURES
 from warpwear.thesis.verdicts import (
     PRESSURE_TOLERANCE,
     Kind,
@@ -140,21 +140,14 @@ def _topography(n: Known) -> Verdict:
     "(a) V1 constant, (b) V2 varying across sliding, (c) V3 always between 580 and 600 MPa on the "
     "same number of points.",
     of_all("mean pressure at the end", "MPa", "pressure_end_MPa"),
-    Row(
-        "smallest mean of a step",
-        "MPa",
-        of("v3.pressure_smallest_MPa"),
-        {"thesis V3": thesis.V3_PRESSURES[0]},
-    ),
-    Row(
-        "largest mean of a step", "MPa", of("v3.pressure_largest_MPa"), {"thesis V3": thesis.V3_PRESSURES[1]}
-    ),
+    Row("smallest mean of a step", "MPa", of("v3.pressure_smallest_MPa"), {"thesis V3": V3_PRESSURES[0]}),
+    Row("largest mean of a step", "MPa", of("v3.pressure_largest_MPa"), {"thesis V3": V3_PRESSURES[1]}),
     Row("steps within the printed limits", "%", of("v3.pressures_within_printed")),
     figures=("pressure_maps",),
 )
 def _pressure_maps(n: Known) -> Verdict:
     low, high = n["v3.pressure_smallest_MPa"], n["v3.pressure_largest_MPa"]
-    printed = [p.value for p in thesis.V3_PRESSURES]
+    printed = [p.value for p in V3_PRESSURES]
     smooth = n["v1.pressure_unevenness"] < 0.01 and n["v2.edge_pressure_excess"] > 0.0
     return agrees_if(
         low >= printed[0] - PRESSURE_TOLERANCE and high <= printed[1] + PRESSURE_TOLERANCE,

@@ -13,9 +13,9 @@ from warpwear.figures.data import Window
 from warpwear.grid import FloatArray
 from warpwear.result import Result
 from warpwear.results.export import worn_heights
-from warpwear.thesis import printed as thesis
 from warpwear.thesis.figures import Gallery
 from warpwear.thesis.numbers import Numbers, snapshot_at
+from warpwear.thesis.printed import DRAWN_AT, STROKE
 from warpwear.thesis.runs import VERSIONS, Runs
 
 FIGURES = Gallery()
@@ -108,7 +108,7 @@ def pressure_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
 def disc_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v1 = runs["v1"]
     distance, depth = v1.history["distance"], 1e3 * v1.history["wear_depth_disc"]
-    kept = {s.distance: s for s in (snapshot_at(v1, printed.value) for printed in thesis.DRAWN_AT)}
+    kept = {s.distance: s for s in (snapshot_at(v1, printed.value) for printed in DRAWN_AT)}
     for snapshot, line in zip(kept.values(), fs.in_time(fs.DISC, len(kept)), strict=True):
         axes[0].plot(v1.y, -1e3 * _middle(snapshot.wear_disc, 1), label=fs.after(snapshot.distance), **line)
     axes[0].set_xlabel("across sliding, y, mm")
@@ -181,7 +181,7 @@ def contact_areas(axes: Any, runs: Runs, numbers: Numbers) -> None:
     hertz = v1.study.hertz
     assert hertz is not None
     window = window_of(v1)
-    shown = [v1.snapshot(0), snapshot_at(v1, thesis.STROKE.value), v1.snapshot(-1)]
+    shown = [v1.snapshot(0), snapshot_at(v1, STROKE.value), v1.snapshot(-1)]
     for panel, snapshot, title in zip(axes, shown, ("start", "", ""), strict=True):
         contact = window.largest((snapshot.pressure > 0.0).astype(float))
         draw_map(panel, contact, window, ListedColormap(["#FFFFFF", fs.CONTACT]), None, low=0.0, high=1.0)

@@ -12,8 +12,17 @@ from warpwear.grid import FloatArray
 from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results.summary import shape_of_growth
-from warpwear.thesis import printed as thesis
 from warpwear.thesis.coefficients import patch
+from warpwear.thesis.printed import (
+    DISTANCE,
+    LOAD,
+    PASSES,
+    PATCH_DIAMETERS,
+    SLOWS_AFTER,
+    STROKE,
+    V3_PRESSURES,
+    WEAR_COEFFICIENTS,
+)
 from warpwear.thesis.runs import VERSIONS, Runs, depth_of_rim, rim_at, worn_radius, worn_radius_of_paraboloid
 
 Numbers = dict[str, float]
@@ -104,7 +113,7 @@ def _smooth(runs: Runs) -> Numbers:
     assert hertz is not None  # the smooth model needs elastic constants
     distance, mean = history["distance"], history["pressure_mean"]
     radius = np.sqrt(history["area_contact"] / np.pi)
-    early = thesis.SLOWS_AFTER.value
+    early = SLOWS_AFTER.value
     late = distance >= 0.5 * distance[-1]
     depth = history["wear_depth_disc"]
     return {
@@ -157,7 +166,7 @@ def _factor(runs: Runs) -> Numbers:
 def _rough(runs: Runs) -> Numbers:
     """What roughness does: V3 and the fine model beside V1 and V2."""
     v1, v2, v3, fine = (runs[name].history for name in VERSIONS)
-    low, high = (printed.value for printed in thesis.V3_PRESSURES)
+    low, high = (printed.value for printed in V3_PRESSURES)
     mean, cells = v3["pressure_mean"], v3["cells_in_contact"]
     rough, study = runs["v3"].study, runs["fine"].study
     hardness, load, tolerance = rough.hardness, rough.contact.load, rough.load_tolerance
@@ -204,7 +213,7 @@ def _patches(runs: Runs) -> Numbers:
     measured = np.array([[p.along, p.across] for p in patches])
     volumes = np.array([p.disc_volume for p in patches]) / runs["v2"].history["wear_volume_disc"][-1] - 1.0
     radius, smooth = 1.0 / runs["v3"].study.sphere.curvature, worn_radius(runs["v3"].study)
-    printed = 0.5 * thesis.PATCH_DIAMETERS["v3"].value
+    printed = 0.5 * PATCH_DIAMETERS["v3"].value
     found: Numbers = {
         "surfaces": len(patches),
         "surfaces.patch_mean_mm": float(np.mean([0.5 * (p.along + p.across) for p in patches])),
@@ -278,13 +287,13 @@ def calibration() -> Numbers:
     """Find what the printed patch of the ball and the printed wear coefficients say of each other."""
     worn = patch()
     by_cap, by_ellipsoid = 1e3 * worn.by_cap.mean, 1e3 * worn.by_ellipsoid.mean  # [mm³/(N m)]
-    groove = 1e-3 * thesis.WEAR_COEFFICIENTS["disc"].value * thesis.LOAD.value * thesis.DISTANCE.value
+    groove = 1e-3 * WEAR_COEFFICIENTS["disc"].value * LOAD.value * DISTANCE.value
     return {
         "experiment.K_by_cap": by_cap,
         "experiment.K_by_ellipsoid": by_ellipsoid,
         "experiment.K_over_cap": 1e3 * worn.printed / by_cap,
         "experiment.patch_of_printed_K_mm": worn.asked,
         # A groove with the profile of a parabola, as wide as the patch and as long as the stroke.
-        "experiment.groove_depth_um": 1e3 * 1.5 * groove / (worn.diameter * thesis.STROKE.value),
-        "experiment.distance_by_strokes_mm": thesis.STROKE.value * thesis.PASSES.value,
+        "experiment.groove_depth_um": 1e3 * 1.5 * groove / (worn.diameter * STROKE.value),
+        "experiment.distance_by_strokes_mm": STROKE.value * PASSES.value,
     }

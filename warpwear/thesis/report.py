@@ -14,7 +14,7 @@ from warpwear.thesis import curves, maps
 from warpwear.thesis.figures import OF_RUNS
 from warpwear.thesis.findings import FINDINGS
 from warpwear.thesis.numbers import Numbers, collect
-from warpwear.thesis.page import Picture, check_folder, embedded, render, write_folder
+from warpwear.thesis.page import Picture, check_report, embedded, render, write_report
 from warpwear.thesis.runs import VERSIONS, Plan, Runs, published, running
 from warpwear.thesis.summary import ALL_ITEMS, OF_THESIS, SUMMARY
 from warpwear.thesis.verdicts import (
@@ -53,7 +53,7 @@ def thesis_report(
     and leaves nothing behind then.
     """
     folder = Path(out)
-    check_folder(folder, (PAGE, NUMBERS), overwrite=overwrite)
+    check_report(folder, (PAGE, NUMBERS), overwrite=overwrite)
     started = time.perf_counter()
     with running(plan or published(quick=quick), device=device, threads=threads, quiet=quiet) as runs:
         numbers = collect(runs)
@@ -62,7 +62,7 @@ def thesis_report(
         page = render_page(
             runs, numbers, verdicts, pictures, quick=quick, elapsed=time.perf_counter() - started
         )
-    write_folder(folder, {PAGE: page, NUMBERS: as_json(numbers, verdicts)})
+    write_report(folder, {PAGE: page, NUMBERS: as_json(numbers, verdicts)})
     return folder / PAGE
 
 
