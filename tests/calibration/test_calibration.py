@@ -8,7 +8,6 @@ from scipy import integrate
 
 from warpwear.calibration.energy import dissipation, friction_work
 from warpwear.calibration.friction import fit_friction
-from warpwear.calibration.options import scientific
 from warpwear.calibration.wear import (
     cap,
     circular_track,
@@ -19,8 +18,9 @@ from warpwear.calibration.wear import (
     wear_coefficient,
 )
 from warpwear.errors import InputError
+from warpwear.results.report import scientific
 from warpwear.thesis import printed as thesis
-from warpwear.thesis.coefficients import patch, table
+from warpwear.thesis.coefficients import patch, table_4_1
 
 
 def k_of(*volumes, **more):
@@ -126,7 +126,7 @@ def test_the_numbers_of_the_thesis():
     assert k_of(volume_given(0.01805)) == pytest.approx(9.4e-4, abs=0.05e-4)
     assert k_of(volume_given(0.02438)) == pytest.approx(12.7e-4, abs=0.05e-4)
     assert k_of(groove(812.8e-6, length=30.0)) == pytest.approx(12.7e-4, rel=1e-12)
-    for printed, found in table().values():
+    for printed, found in table_4_1().values():
         assert 1e3 * found.mean == pytest.approx(printed.value, rel=1e-3)
     worn = patch()
     assert 1e3 * worn.by_cap.mean == pytest.approx(3.5e-4, abs=0.05e-4)

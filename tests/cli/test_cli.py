@@ -104,7 +104,7 @@ def test_a_smooth_run_stands_beside_hertz(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     # K_N = 3/π E*/a with E* = 1.072e5 MPa and a = 55.2 µm
     assert "1.856e+06 N/mm³" in done.stdout
-    assert "Hertz, unworn: radius 55.2 µm, peak 1255 MPa, approach 1.01 µm" in done.stdout
+    assert "Hertz, unworn    radius 55.2 µm, peak 1255 MPa, approach 1.01 µm" in done.stdout
 
 
 def test_listing_and_showing(tmp_path: Path) -> None:

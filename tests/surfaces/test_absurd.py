@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from warpwear import InputError, Study, run
-from warpwear.measured.surface_command import describe
+from warpwear.measured.surface_command import SurfaceOptions, describe
 from warpwear.surfaces.measured import read_measured
 
 RANDOM = np.random.default_rng(3)
@@ -58,6 +58,7 @@ def test_a_result_is_no_measurement(tmp_path: Path) -> None:
 def test_a_flat_has_a_page_and_a_figure(tmp_path: Path) -> None:
     path = saved(tmp_path, np.zeros((40, 40)))
     figure = tmp_path / "flat.png"
-    page = describe(path, pixel="1 um", height_unit="um", figure=figure)
+    given = {"pixel": "1 um", "height_unit": "um"}
+    page = describe(path, SurfaceOptions(figure=figure, preparation=given))
     assert "Sq 0" in page
     assert figure.is_file()

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
-from warpwear.measured.surface_report import ball_page, ball_record, track_page, track_record
+from warpwear.measured.surface_report import ball_rows, track_rows
+from warpwear.results.report import lines
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.sphere import Sphere, places
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
@@ -119,28 +120,10 @@ def test_the_mean_section_has_no_roughness_in_it():
     assert found.above_of_mean < 0.015 * section
     assert found.below_of_mean == pytest.approx(section, rel=0.05)
     assert found.below_of_mean - found.above_of_mean == pytest.approx(found.net.mean())
-    text = track_page(FILE, track_record(found, length=None), degree=1)
+    text = "\n".join(lines(track_rows(found, length=None)))
     assert "mean section" in text
     assert "averaged along the track first" in text
     assert "above, with the roughness in it" in text
-
-
-FILE = {
-    "file": "a.sur",
-    "format": "SUR",
-    "file_grid": [400, 400],
-    "file_pixel_um": [5.0, 5.0],
-    "file_extent_mm": [2.0, 2.0],
-    "pixel_from": "file",
-    "unit_from": "file",
-    "height_min_um": -1.0,
-    "height_max_um": 1.0,
-    "unit": "um",
-    "sq_as_read_um": 1.0,
-    "missing": 0,
-    "missing_percent": 0.0,
-    "operations": [],
-}
 
 
 @cache
@@ -210,9 +193,9 @@ def test_pile_up_beside_the_patch_is_net():
     found = find_worn_ball(heights + ridge, pixel=(0.005, 0.005), radius=3.0)
     assert found.piled_up == pytest.approx(ridge.sum() * 0.005**2, rel=0.05)
     assert found.volume == pytest.approx(volume, rel=0.01)
-    text = ball_page(FILE, ball_record(found), cap_of_diagonals(found.along, found.across, radius=3.0))
+    text = "\n".join(lines(ball_rows(found)))
     assert "net above the sphere in the rim beside the patch" in text
-    assert f"± {found.volume_error:.1g} mm³ lost in the patch" in text
+    assert f"± {found.volume_error:.2g} mm³ lost in the patch" in text
 
 
 def test_balls_that_are_none():

@@ -15,8 +15,7 @@ from warpwear.cli.report import report
 from warpwear.errors import InputError
 from warpwear.study.study import Study
 from warpwear.thesis import page as report_page
-from warpwear.thesis.figures import FIGURES
-from warpwear.thesis.report import judge, thesis_report
+from warpwear.thesis.report import FIGURES, judge, thesis_report
 from warpwear.thesis.runs import Plan
 from warpwear.thesis.summary import ALL_ITEMS, SUMMARY
 from warpwear.thesis.verdicts import Kind, as_printed, number
@@ -369,8 +368,8 @@ def test_other_files_are_left_alone(tmp_path: Path) -> None:
 
 def test_overwriting_replaces_both_files_and_nothing_else(tmp_path: Path) -> None:
     files = {"report.html": "old", "numbers.json": "old"}
-    report_page.write_folder(tmp_path / "a" / "b", files)
-    report_page.write_folder(tmp_path / "a" / "b", dict.fromkeys(files, "new"))
+    report_page.write_report(tmp_path / "a" / "b", files)
+    report_page.write_report(tmp_path / "a" / "b", dict.fromkeys(files, "new"))
     assert {p.name: p.read_text() for p in (tmp_path / "a" / "b").iterdir()} == dict.fromkeys(files, "new")
 
 

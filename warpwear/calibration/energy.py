@@ -12,11 +12,15 @@ from warpwear.calibration import options
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.result import Result
+from warpwear.results.report import Row, lines, record, table, to_json
 
 
 @dataclass(frozen=True, kw_only=True)
 class AtSpeed:
-    """One sliding speed [mm/s]: time [s], mean and final frictional power [W], PV [MPa·m/s] by pressure."""
+    """What depends on one sliding speed [mm/s].
+
+    time [s]; power, power_end: frictional power, mean and at the end [W]; pv: name of a pressure -> MPa·m/s.
+    """
 
     speed: float
     time: float
@@ -27,9 +31,10 @@ class AtSpeed:
 
 @dataclass(frozen=True, kw_only=True)
 class Dissipation:
-    """energy [J] over a distance [mm] under a load [N]; cof: mean over the distance, and at the end.
+    """An energy [J] that friction dissipates over a distance [mm] under a load [N].
 
-    pressures: name -> MPa, at the end. speeds: what depends on the speed; the energy does not.
+    cof, cof_end: coefficient, mean over the distance and at the end. pressures: name -> MPa, at the end.
+    speeds: what depends on the speed; the energy does not.
     """
 
     energy: float
@@ -42,10 +47,10 @@ class Dissipation:
 
 
 def friction_work(distance: FloatArray, force: FloatArray) -> float:
-    """∫ friction force dL [J] of a run's rows: distance [mm] at the end of each step, force [N] in it, (n,).
+    """Integrate the friction force over the distance slid: ∫ F dL [J].
 
-    Trapezoids between the ends of the steps; before the end of the first there is no other row, so its force
-    holds from the start. N·mm = 1e-3 J.
+    distance [mm] at the end of each step, force [N] in it, both (n,). Trapezoids between the ends of the
+    steps; before the end of the first there is no other row, so its force holds from the start.
     """
     between = 0.5 * (force[1:] + force[:-1]) * np.diff(distance)
     return 1e-3 * (float(force[0] * distance[0]) + float(between.sum()))
@@ -60,7 +65,10 @@ def dissipation(
     pressures: dict[str, float],
     speeds: Sequence[float],
 ) -> Dissipation:
-    """What an energy [J] over a distance [mm] means at several speeds [mm/s]. Raises InputError."""
+    """Find what an energy [J] over a distance [mm] means at several speeds [mm/s].
+
+    load [N]; cof_end: coefficient at the end; pressures: name -> MPa. Raises InputError.
+    """
     for name, value, unit in (("distance", distance, "mm"), ("load", load, "N"), ("energy", energy, "J")):
         if not 0.0 < value < math.inf:
             raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number")
@@ -87,12 +95,6 @@ def dissipation(
     )
 
 
-RATE = (
-    "the model is rate-independent: the energy is the same at every speed; only time, power and PV change "
-    "with it"
-)
-
-
 def calibrate_energy(
     *,
     result: Path | None = None,
@@ -104,9 +106,10 @@ def calibrate_energy(
     usual_speeds: Sequence[Any] = (),
     as_json: bool = False,
 ) -> str:
-    """The text for people, or JSON. Raises InputError.
+    """Say what a run, or a constant coefficient, dissipates: as text for people, or as JSON.
 
-    usual_speeds: each with a value and a unit, where no speed is given.
+    load, distance, area, speed: text with a unit. usual_speeds: each with a value and a unit, for where no
+    speed is given. Raises InputError.
     """
     texts = speed or tuple(f"{s.value:g} {s.unit}" for s in usual_speeds)
     speeds = [options.quantity("--speed", text, "mm/s") for text in texts]
@@ -131,11 +134,16 @@ def calibrate_energy(
             speeds=speeds,
         )
         source = f"a constant coefficient of {mu:g}"
-    return options.as_json(_record(found, source)) if as_json else _page(found, source)
+    energy, at_speeds = Row("", "energy_J", found.energy, digits=5), [_at_speed(row) for row in found.speeds]
+    rows = _rows(found, source)
+    if as_json:
+        return to_json(record([rows[0], energy, *rows[1:], Row("", "speeds", at_speeds)]))
+    title = f"dissipated energy ∫ μ F dL = {energy.text}"
+    return "\n".join([title, *lines(rows), *table(at_speeds)])
 
 
 def _of_run(folder: Path, speeds: list[float]) -> tuple[Dissipation, str]:
-
+    """Find what a run dissipates, and say where that is from. speeds [mm/s]. Raises InputError."""
     with Result.open(folder) as result:
         history, finished = result.history, result.finished
     slid, cof = float(history["distance"][-1]), history["cof"]
@@ -160,49 +168,28 @@ def _of_run(folder: Path, speeds: list[float]) -> tuple[Dissipation, str]:
     return found, f"the run {folder}, {'whole' if finished else 'interrupted'}"
 
 
-def _record(found: Dissipation, source: str) -> dict[str, Any]:
-    return {
-        "source": source,
-        "energy_J": found.energy,
-        "distance_mm": found.distance,
-        "load_N": found.load,
-        "cof_mean": found.cof,
-        "cof_end": found.cof_end,
-        "pressure_MPa": found.pressures,
-        "rate_independent": True,
-        "speeds": [
-            {
-                "speed_mm_per_min": 60.0 * row.speed,
-                "time_s": row.time,
-                "power_mean_W": row.power,
-                "power_end_W": row.power_end,
-                "pv_MPa_m_per_s": row.pv,
-            }
-            for row in found.speeds
-        ],
-    }
-
-
-def _page(found: Dissipation, source: str) -> str:
-    names = {"nominal": "PV nominal", "contact": "PV in contact", "given": "PV"}
-    lines = [
-        f"dissipated energy ∫ μ F dL = {found.energy:.5g} J: {found.load:g} N over {found.distance:g} mm, "
-        f"{source}",
-        f"  coefficient      {found.cof:.4g} mean over the distance, {found.cof_end:.4g} at the end",
+def _rows(found: Dissipation, source: str) -> list[Row]:
+    """Declare what holds at every speed. source: where the coefficient is from."""
+    cof = [Row("mean over the distance", "cof_mean", found.cof), Row("end", "cof_end", found.cof_end)]
+    rate = "the energy is the same at every speed; only time, power and PV change with it"
+    return [
+        Row("source", "source", source),
+        Row("distance", "distance_mm", found.distance, digits=6),
+        Row("load", "load_N", found.load, digits=6),
+        Row("coefficient", "", cof),
+        Row("mean pressure", "pressure_MPa", found.pressures, note="at the end"),
+        Row("", "rate_independent", True),
+        Row("rate-independent", "", rate),
     ]
-    if found.pressures:
-        words = {"nominal": " nominal", "contact": " in contact", "given": ""}
-        shown = ", ".join(f"{value:.4g} MPa{words[name]}" for name, value in found.pressures.items())
-        lines.append(f"  mean pressure    {shown}, at the end")
-    else:
-        lines.append("  mean pressure    not known: --area gives PV too")
-    head = f"  {'speed':>14} {'time':>11} {'mean power':>13} {'power at end':>14}"
-    lines.append(head + "".join(f" {names[name]:>16}" for name in found.pressures))
-    units = f"  {'mm/min':>14} {'min':>11} {'W':>13} {'W':>14}"
-    lines.append(units + "".join(f" {'MPa·m/s':>16}" for _ in found.pressures))
-    for row in found.speeds:
-        lines.append(
-            f"  {60.0 * row.speed:>14.5g} {row.time / 60.0:>11.5g} {row.power:>13.4g} {row.power_end:>14.4g}"
-            + "".join(f" {value:>16.4g}" for value in row.pv.values())
-        )
-    return "\n".join([*lines, f"  {RATE}"])
+
+
+def _at_speed(found: AtSpeed) -> list[Row]:
+    """Declare what depends on the speed."""
+    return [
+        Row("speed", "speed_mm_per_min", 60.0 * found.speed, digits=5),
+        Row("time", "", found.time / 60.0, digits=5, unit="min"),
+        Row("", "time_s", found.time),
+        Row("mean power", "power_mean_W", found.power),
+        Row("power at the end", "power_end_W", found.power_end),
+        Row("PV", "pv_MPa_m_per_s", found.pv),
+    ]

@@ -10,15 +10,18 @@ from warpwear.errors import InputError
 from warpwear.measured.course import read_experiment
 from warpwear.result import Result
 from warpwear.results import friction
+from warpwear.results.report import Row, lines, record, table, to_json
 from warpwear.study.contact import Friction
 
-AREAS = ("contact", "touched", "cumulative", "nominal")
+#: Area of a run -> what it is called for people.
 WORDS = {
     "contact": "in contact",
     "touched": "ever touched",
     "cumulative": "running sum",
     "nominal": "nominal (the scar as an ellipse)",
 }
+AREAS = tuple(WORDS)
+INDEPENDENT = "points scatter as much: the errors allow for scatter that goes together"
 
 
 def calibrate_friction(
@@ -34,9 +37,10 @@ def calibrate_friction(
     speed: str | None = None,
     as_json: bool = False,
 ) -> str:
-    """The text for people, or JSON: τ0 of a measured coefficient, or the fit of a curve. Raises InputError.
+    """Find τ0 of a measured coefficient, or fit a curve: the text for people, or JSON.
 
-    area: a quantity with `load`, or the name of a run's area.
+    load, stroke, speed: text with a unit; area: one too with `load`, else the name of a run's area.
+    Raises InputError.
     """
     if result is not None and load is not None:
         raise InputError("--load and --result exclude each other: the run has its load")
@@ -51,7 +55,7 @@ def calibrate_friction(
             "stroke": options.optional("--stroke", stroke, "mm"),
             "speed": options.optional("--speed", speed, "mm/s"),
         }
-        record, text = _of_curve(experiment, result, _name(area or "contact"), reading)
+        rows, text = _of_curve(experiment, result, _name(area or "contact"), reading)
     else:
         for option, given in (("--columns", columns), ("--stroke", stroke), ("--speed", speed)):
             if given is not None:
@@ -63,12 +67,12 @@ def calibrate_friction(
         if measured <= offset:
             raise InputError(f"--cof = {measured:g} must exceed --ploughing = {offset:g}")
         if result is not None:
-            record, text = _of_run(result, measured, offset, None if area is None else _name(area))
+            rows, text = _of_run(result, measured, offset, None if area is None else _name(area))
         elif area is not None and load is not None:
-            record, text = _of_area(area, load, measured, offset)
+            rows, text = _of_area(area, load, measured, offset)
         else:
             raise InputError("the area is missing: --result, or --area and --load such as '1.254 mm^2' '8 N'")
-    return options.as_json(record) if as_json else text
+    return to_json(record(rows)) if as_json else "\n".join(text)
 
 
 def _name(area: str) -> str:
@@ -77,166 +81,128 @@ def _name(area: str) -> str:
     return area
 
 
-def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[dict[str, Any], str]:
+def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[list[Row], list[str]]:
+    """Declare τ0 from an area and a load given as text. Raises InputError."""
     size, force = options.quantity("--area", area, "mm^2"), options.quantity("--load", load, "N")
     tau = (cof - ploughing) * force / size
     if not 0.0 < tau < math.inf:
-        raise InputError(f"--area {area} and --load {load} make no finite shear strength")
-    record = {
-        "cof": cof,
-        "ploughing": ploughing,
-        "load_N": force,
-        "area_mm2": size,
-        "shear_strength_MPa": tau,
-    }
-    text = (
-        f"shear strength τ0 = (μ0 − μ_p) F/A = {tau:.4g} MPa (thesis eq 4.19)\n"
-        f"  μ0 {cof:g}, μ_p {ploughing:g}, F {force:g} N, A {size:g} mm²\n"
-        f'  in a study       [friction] shear_strength = "{tau:.4g} MPa"'
-    )
-    return record, text
+        made = f"--area {area} and --load {load} make a shear strength of {tau:g} MPa"
+        raise InputError(f"{made}: allowed is any positive number")
+    strength = Row("", "shear_strength_MPa", tau)
+    study = Row("in a study", "", f'[friction] shear_strength = "{strength.text}"')
+    rows = [*_given(force, cof, ploughing), Row("area A", "area_mm2", size, digits=6), strength, study]
+    return rows, [f"shear strength τ0 = (μ0 − μ_p) F/A = {strength.text} (thesis eq 4.19)", *lines(rows)]
 
 
-def _of_run(folder: Path, cof: float, ploughing: float, area: str | None) -> tuple[dict[str, Any], str]:
+def _given(load: float, cof: float, ploughing: float) -> list[Row]:
+    """Declare what τ0 is found from. load [N]."""
+    return [
+        Row("load F", "load_N", load, digits=6),
+        Row("coefficient μ0", "cof", cof, digits=6),
+        Row("ploughing μ_p", "ploughing", ploughing, digits=6),
+    ]
+
+
+def _of_run(folder: Path, cof: float, ploughing: float, area: str | None) -> tuple[list[Row], list[str]]:
+    """Declare τ0 from the areas of a run, at its start and at its end. area: its name, None for all four."""
     with Result.open(folder) as result:
-        load, history, finished = result.study.contact.load, result.history, result.finished
-        taus = friction.calibrations(
-            Friction(coefficient=cof, ploughing=ploughing),
-            history,
-            load=load,
-            hardness=result.study.hardness,
-            lap=result.study.lap,
+        study, history, finished = result.study, result.history, result.finished
+    load, lap = study.contact.load, study.lap
+    taus = friction.calibrations(
+        Friction(coefficient=cof, ploughing=ploughing), history, load=load, hardness=study.hardness, lap=lap
+    )
+    slid = float(history["distance"][-1])
+    sizes: dict[str, list[Row]] = {}
+    for name in AREAS if area is None else (area,):
+        start, end = (
+            friction.mean_over(history, history[f"area_{name}"], when, lap) for when in friction.WHEN
         )
-        slid = float(history["distance"][-1])
-        sizes = {
-            name: [
-                friction.mean_over(history, history[f"area_{name}"], when, result.study.lap)
-                for when in friction.WHEN
-            ]
-            for name in AREAS
-        }
-    names = AREAS if area is None else (area,)
-    record = {
-        "result": str(folder),
-        "finished": finished,
-        "distance_mm": slid,
-        "load_N": load,
-        "cof": cof,
-        "ploughing": ploughing,
-        "areas": {
-            name: {
-                "area_initial_mm2": sizes[name][0],
-                "area_end_mm2": sizes[name][1],
-                "shear_strength_initial_MPa": taus[f"{name}_initial"],
-                "shear_strength_end_MPa": taus[f"{name}_end"],
-            }
-            for name in names
-        },
-        "shear_strength_from_hardness_MPa": taus.get("hardness"),
-    }
-    lines = [
-        f"shear strength τ0 = (μ0 − μ_p) F/A of {folder} (thesis eq 4.19): μ0 {cof:g}, μ_p {ploughing:g}, "
-        f"F {load:g} N",
-        f"  {'area':<34} {'at the end, mm²':>16} {'τ0, MPa':>10} {'at the start, mm²':>19} {'τ0, MPa':>10}",
+        sizes[name] = [
+            Row("area", "", WORDS[name]),
+            Row("at the start", "area_initial_mm2", start),
+            Row("at the end", "area_end_mm2", end),
+            Row("τ0 of the start", "shear_strength_initial_MPa", taus[f"{name}_initial"]),
+            Row("τ0 of the end", "shear_strength_end_MPa", taus[f"{name}_end"]),
+        ]
+    ended = "" if finished else ", where it was interrupted"
+    head = [
+        Row("", "result", str(folder)),
+        Row("", "finished", finished),
+        Row("distance", "distance_mm", slid, digits=6, note=ended),
+        *_given(load, cof, ploughing),
     ]
-    lines += [
-        f"  {WORDS[name]:<34} {sizes[name][1]:>16.4g} {taus[f'{name}_end']:>10.4g} {sizes[name][0]:>19.4g} "
-        f"{taus[f'{name}_initial']:>10.4g}"
-        for name in names
-    ]
-    if "hardness" in taus:
-        lines.append(f"  from the hardness, H/(3√3): {taus['hardness']:.4g} MPa")
-    if not finished:
-        lines.append(f"  note: the run was interrupted: its end is {slid:g} mm")
-    lines.append(
-        "  τ0 belongs to its area and to the moment it was fixed at: choose both by the physics, not by τ0"
-    )
-    return record, "\n".join(lines)
+    hardness = Row("from the hardness, H/(3√3):", "shear_strength_from_hardness_MPa", taus.get("hardness"))
+    advice = "τ0 belongs to its area and to the moment it was fixed at: choose both by the physics, not by τ0"
+    title = f"shear strength τ0 = (μ0 − μ_p) F/A of {folder} (thesis eq 4.19)"
+    text = [title, *lines(head), *table(list(sizes.values())), *lines([hardness]), f"  {advice}"]
+    return [*head, Row("", "areas", sizes), hardness], text
 
 
-def _of_curve(file: Path, folder: Path, area: str, reading: dict[str, Any]) -> tuple[dict[str, Any], str]:
-    """reading: what `read_experiment` is told about the file beside the run's load."""
+def _of_curve(file: Path, folder: Path, area: str, reading: dict[str, Any]) -> tuple[list[Row], list[str]]:
+    """Declare the fit of a measured curve with an area of a run.
+
+    reading: what `read_experiment` is told about the file beside the run's load. Raises InputError.
+    """
     with Result.open(folder) as result:
-        load = result.study.contact.load
-        measured = read_experiment(file, load=load, **reading)
-        found = _fit(measured.distance, measured.cof, result, area)
-    record = {
-        "experiment": str(file),
-        "notes": [*measured.warnings, *measured.notes],
-        "result": str(folder),
-        "area": area,
-        "load_N": load,
-        **fit_record(found),
-    }
-    text = fit_page(found, f"{file} with the area {WORDS[area]} of {folder}, F {load:g} N", area=area)
-    return record, "\n".join([text, *(f"  note: {note}" for note in (*measured.warnings, *measured.notes))])
-
-
-def _fit(distance: Any, cof: Any, result: "Result", area: str) -> FrictionFit:
-    history = result.history
+        load, history = result.study.contact.load, result.history
+    measured = read_experiment(file, load=load, **reading)
     if history["distance"].size < 2:
-        raise InputError("the run is a static contact: one area is no course to fit")
-    return fit_friction(
-        distance,
-        cof,
+        raise InputError(f"{folder} is a static contact: one area is no course to fit")
+    fit = fit_friction(
+        measured.distance,
+        measured.cof,
         run_distance=history["distance"],
         run_area=history[f"area_{area}"],
-        load=result.study.contact.load,
+        load=load,
     )
-
-
-def fit_record(fit: FrictionFit) -> dict[str, Any]:
-    """A fit, JSON-ready."""
-    return {
-        **_shear_record(fit),
-        "ploughing": fit.ploughing,
-        "ploughing_error": fit.ploughing_error,
-        "distance_used_mm": [fit.first, fit.last],
-        "points_used": fit.points,
-        "points_left_out": fit.left_out,
-        "points_effective": fit.effective_points,
-        "condition_index": fit.condition,
-        "area_variation": fit.area_variation,
-        "without_ploughing": _shear_record(fit.without_ploughing),
-        "doubts": list(fit.doubts),
-    }
-
-
-def _shear_record(fit: FrictionFit | ShearFit) -> dict[str, Any]:
-    return {
-        "shear_strength_MPa": fit.shear_strength,
-        "shear_strength_error_MPa": fit.shear_strength_error,
-        "rms_residual": fit.rms,
-        "r_squared": fit.r_squared,
-    }
-
-
-def fit_page(fit: FrictionFit, title: str, *, area: str) -> str:
-    """A fit for people. title: what was fitted with what; area: its name in a study."""
-    alone = fit.without_ploughing
-    lines = [
-        f"least squares of μ = μ_p + τ0 A/F: {title}",
-        f"  used             {fit.points} points from {fit.first:g} to {fit.last:g} mm"
-        + (f", {fit.left_out} beyond the run's distances left out" if fit.left_out else ""),
-        f"  τ0               {fit.shear_strength:.4g} ± {fit.shear_strength_error:.2g} MPa (standard error)",
-        f"  μ_p              {fit.ploughing:.4g} ± {fit.ploughing_error:.2g}",
-        f"  fit              RMS residual {fit.rms:.3g}, R² {_r_squared(fit.r_squared)}",
-        f"  with μ_p = 0     τ0 {alone.shear_strength:.4g} ± {alone.shear_strength_error:.2g} MPa, RMS "
-        f"residual {alone.rms:.3g}, R² {_r_squared(alone.r_squared)}",
-        f"  errors           allow for scatter that goes together: {fit.effective_points:.3g} independent "
-        "points",
+    source = [
+        Row("experiment", "experiment", str(file)),
+        Row("note", "notes", [*measured.warnings, *measured.notes]),
+        Row("run", "result", str(folder)),
+        Row("", "area", area),
+        Row("area A", "", WORDS[area]),
+        Row("load F", "load_N", load, digits=6),
     ]
-    lines += [f"  warning: {doubt}" for doubt in fit.doubts]
+    rows = fit_rows(fit)
+    study = Row("in a study", "", in_study(fit, area=area))
+    title = "least squares of μ = μ_p + τ0 A/F"
+    return [*source, *rows], [title, *lines([*source, *rows, study])]
+
+
+def fit_rows(fit: FrictionFit) -> list[Row]:
+    """Declare a fit."""
+    left_out = f", {fit.left_out} beyond the run's distances left out" if fit.left_out else ""
+    return [
+        *_shear_rows(fit),
+        Row("μ_p", "ploughing", fit.ploughing, error=("ploughing_error", fit.ploughing_error)),
+        Row("", "distance_used_mm", [fit.first, fit.last]),
+        Row(
+            "points used", "points_used", fit.points, note=f"from {fit.first:g} to {fit.last:g} mm{left_out}"
+        ),
+        Row("", "points_left_out", fit.left_out),
+        Row("independent", "points_effective", fit.effective_points, digits=3, note=INDEPENDENT),
+        Row("condition index", "condition_index", fit.condition, digits=3),
+        Row("area varies by", "area_variation", fit.area_variation, digits=3, note="of its mean"),
+        Row("with μ_p = 0", "without_ploughing", _shear_rows(fit.without_ploughing)),
+        Row("warning", "doubts", list(fit.doubts)),
+    ]
+
+
+def _shear_rows(fit: FrictionFit | ShearFit) -> list[Row]:
+    """Declare what a fit with and one without ploughing have in common."""
+    error = ("shear_strength_error_MPa", fit.shear_strength_error)
+    return [
+        Row("τ0", "shear_strength_MPa", fit.shear_strength, error=error, note="(standard error)"),
+        Row("RMS residual", "rms_residual", fit.rms, digits=3),
+        Row("R²", "r_squared", fit.r_squared),
+    ]
+
+
+def in_study(fit: FrictionFit, *, area: str) -> str | None:
+    """Write a fit as keys of a study, without a negative ploughing; None for no positive shear strength."""
     tau, offset = fit.shear_strength, fit.ploughing
     if offset < 0.0:
-        tau, offset = alone.shear_strength, 0.0
-    if tau > 0.0:
-        lines.append(
-            f'  in a study       [friction] area = "{area}", shear_strength = "{tau:.4g} MPa", '
-            f"ploughing = {offset:.4g}"
-        )
-    return "\n".join(lines)
-
-
-def _r_squared(value: float | None) -> str:
-    return "undefined (a constant coefficient)" if value is None else f"{value:.4f}"
+        tau, offset = fit.without_ploughing.shear_strength, 0.0
+    if tau <= 0.0:
+        return None
+    return f'[friction] area = "{area}", shear_strength = "{tau:.4g} MPa", ploughing = {offset:.4g}'

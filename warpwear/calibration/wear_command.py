@@ -1,11 +1,12 @@
 """The command `warpwear calibrate wear`: from its options to the text it prints."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from warpwear.calibration import options
-from warpwear.calibration.options import scientific
+from warpwear.calibration import options as given
 from warpwear.calibration.wear import (
     WearCalibration,
     WornVolume,
@@ -17,30 +18,50 @@ from warpwear.calibration.wear import (
 )
 from warpwear.errors import InputError
 from warpwear.measured.surface_command import read_surface, track_in
+from warpwear.results.report import Row, lines, record, scientific, to_json
 from warpwear.surfaces.worn.ball import find_worn_ball
 
-#: Which lengths every source needs, and which it may have.
-NEEDS = {
-    "--volume": ((), ()),
-    "--diagonals": (("--radius",), ()),
-    "--scar": (("--radius",), ()),
-    "--width": (("--radius", "--track-radius"), ()),
-    "--section": ((), ("--length",)),
-    "--track": ((), ("--length", "--track-width")),
-    "--ball": ((), ("--radius",)),
+
+@dataclass(frozen=True)
+class Source:
+    """A kind of measurement.
+
+    relation: how a volume follows from it; worn: the body, where that is certain; needs, may_have: options of
+    the lengths that it must and can be given with.
+    """
+
+    relation: str
+    worn: str | None = None
+    needs: tuple[str, ...] = ()
+    may_have: tuple[str, ...] = ()
+
+
+SOURCES = {
+    "--volume": Source("a measured volume"),
+    "--diagonals": Source(
+        "two diameters of the worn patch; flat cap, a half their mean (thesis eq 3.1)",
+        "sphere",
+        ("--radius",),
+    ),
+    "--scar": Source("diameter of the worn patch; flat cap", "sphere", ("--radius",)),
+    "--width": Source(
+        "width of a circular track; an unworn ball's circular section", "disc", ("--radius", "--track-radius")
+    ),
+    "--section": Source("cross-section of a groove × length", "disc", may_have=("--length",)),
+    "--track": Source(
+        "topography of the track; mean net section × length", "disc", may_have=("--length", "--track-width")
+    ),
+    "--ball": Source(
+        "topography of the ball; lost below the sphere through what is unworn",
+        "sphere",
+        may_have=("--radius",),
+    ),
 }
-#: What was worn, where the source tells it.
-WORN = {"--diagonals": "sphere", "--scar": "sphere", "--ball": "sphere", "--width": "disc"}
-WORN |= {"--section": "disc", "--track": "disc"}
-RELATIONS = {
-    "--volume": "a measured volume",
-    "--diagonals": "two diameters of the worn patch; flat cap, a half their mean (thesis eq 3.1)",
-    "--scar": "diameter of the worn patch; flat cap",
-    "--width": "width of a circular track; an unworn ball's circular section",
-    "--section": "cross-section of a groove × length",
-    "--track": "topography of the track; mean net section × length",
-    "--ball": "topography of the ball; lost below the sphere through what is unworn",
-}
+#: Sources whose volume is a section times a length.
+GROOVES = ("--section", "--track")
+#: Sources that are files.
+TOPOGRAPHIES = ("--track", "--ball")
+LENGTHS = ("--radius", "--track-radius", "--length", "--track-width")
 #: ASTM test methods: sources they go with, and what they take for granted.
 STANDARDS = {
     "g99-ball": (("--scar", "--diagonals"), "ASTM G99, spherical pin end: no wear of the disc"),
@@ -50,140 +71,134 @@ STANDARDS = {
 }
 
 
-def calibrate_wear(
-    *,
-    volume: tuple[str, ...] = (),
-    diagonals: tuple[tuple[str, str], ...] = (),
-    scar: tuple[str, ...] = (),
-    width: tuple[str, ...] = (),
-    section: tuple[str, ...] = (),
-    track: tuple[Path, ...] = (),
-    ball: tuple[Path, ...] = (),
-    radius: str | None = None,
-    track_radius: str | None = None,
-    track_width: str | None = None,
-    length: str | None = None,
-    uncertainty: str | None = None,
-    standard: str | None = None,
-    load: str | None = None,
-    distance: str | None = None,
-    passes: int | None = None,
-    stroke: str | None = None,
-    hardness: str | None = None,
-    as_json: bool = False,
-    **preparation: str | None,
-) -> str:
-    """The text for people, or JSON. Quantities are text with a unit. Raises InputError.
+@dataclass(frozen=True, kw_only=True)
+class WearOptions:
+    """Options of `warpwear calibrate wear`: quantities are text with a unit, None for those not given.
 
-    preparation: keys of [disc], as text, for a measured file.
+    volume to ball: the sources, one of them with a value a test. preparation: keys of [disc], as text, for a
+    measured file.
     """
-    sources: dict[str, tuple[Any, ...]] = {
-        "--volume": volume,
-        "--diagonals": diagonals,
-        "--scar": scar,
-        "--width": width,
-        "--section": section,
-        "--track": track,
-        "--ball": ball,
-    }
-    lengths = {
-        "--radius": radius,
-        "--track-radius": track_radius,
-        "--length": length,
-        "--track-width": track_width,
-    }
-    source = _source(sources)
-    _check(source, standard, lengths, preparation, uncertainty)
-    force = options.load_of(load)
-    slid = options.distance_of(distance, passes, stroke)
-    if stroke is not None and passes is None and source not in ("--section", "--track"):
-        raise InputError("--stroke needs --passes")
-    if source in ("--section", "--track") and length is None:
-        if stroke is None:
-            raise InputError(f"{source} needs --length, that of the whole track, such as '30 mm'")
-        lengths["--length"] = stroke
-    mm = {name: options.optional(name, value, "mm") for name, value in lengths.items()}
-    if standard == "g133-flat" and stroke is not None:
-        slid_once = options.quantity("--stroke", stroke, "mm")
-        if not math.isclose(mm["--length"] or 0.0, slid_once, rel_tol=1e-9):
-            raise InputError(
-                f"--length is {mm['--length']:g} mm and --stroke {slid_once:g} mm: --standard g133-flat "
-                "takes the mean cross-section × the stroke, so allowed is the stroke alone"
-            )
+
+    volume: tuple[str, ...] = ()
+    diagonals: tuple[tuple[str, str], ...] = ()
+    scar: tuple[str, ...] = ()
+    width: tuple[str, ...] = ()
+    section: tuple[str, ...] = ()
+    track: tuple[Path, ...] = ()
+    ball: tuple[Path, ...] = ()
+    radius: str | None = None
+    track_radius: str | None = None
+    track_width: str | None = None
+    length: str | None = None
+    uncertainty: str | None = None
+    standard: str | None = None
+    load: str | None = None
+    distance: str | None = None
+    passes: int | None = None
+    stroke: str | None = None
+    hardness: str | None = None
+    as_json: bool = False
+    preparation: Mapping[str, str | None] = field(default_factory=dict)
+
+    def __getitem__(self, option: str) -> Any:
+        """The value of an option by its name on the command line, such as --track-width."""
+        return getattr(self, option.removeprefix("--").replace("-", "_"))
+
+
+def calibrate_wear(options: WearOptions) -> str:
+    """Find a wear coefficient: the text for people, or JSON. Raises InputError."""
+    source = _source(options)
+    _check(source, options)
+    load = given.load_of(options.load)
+    distance = given.distance_of(options.distance, options.passes, options.stroke)
+    lengths = _lengths(source, options)
     found = wear_coefficient(
-        [_volume(source, value, mm, uncertainty, preparation) for value in sources[source]],
-        load=force,
-        distance=slid,
-        hardness=options.optional("--hardness", hardness, "MPa"),
+        [_volume(source, value, lengths, options) for value in options[source]],
+        load=load,
+        distance=distance,
+        hardness=given.optional("--hardness", options.hardness, "MPa"),
     )
-    relation = RELATIONS[source] if standard is None else STANDARDS[standard][1]
-    worn = WORN.get(source)
-    if as_json:
-        return options.as_json(record_of(found, relation=relation, worn=worn))
-    return page(found, relation=relation, worn=worn)
+    relation = SOURCES[source].relation if options.standard is None else STANDARDS[options.standard][1]
+    rows = wear_rows(found, relation=relation, worn=SOURCES[source].worn)
+    if options.as_json:
+        return to_json(record(rows))
+    work = 1e-3 * found.load * found.distance
+    return "\n".join([f"wear coefficient K = V/(F L), F L = {work:.5g} N·m", *lines(rows)])
 
 
-def _source(sources: dict[str, tuple[Any, ...]]) -> str:
-    names = options.given(sources)
+def _source(options: WearOptions) -> str:
+    """Name the one source that was given. Raises InputError for none and for several."""
+    names = [name for name in SOURCES if options[name]]
     if len(names) == 1:
         return names[0]
     if names:
         raise InputError(f"{' and '.join(names)} exclude each other: a wear coefficient has one source")
-    raise InputError(f"what was measured is missing: one of {', '.join(sources)}")
+    raise InputError(f"what was measured is missing: one of {', '.join(SOURCES)}")
 
 
-def _check(
-    source: str,
-    standard: str | None,
-    lengths: dict[str, str | None],
-    preparation: dict[str, str | None],
-    uncertainty: str | None,
-) -> None:
+def _check(source: str, options: WearOptions) -> None:
+    """Raise InputError for options that do not go with the source."""
+    standard, kind = options.standard, SOURCES[source]
     if standard is not None and source not in STANDARDS[standard][0]:
         raise InputError(
             f"--standard {standard} is for {' or '.join(STANDARDS[standard][0])}, not for {source}"
         )
-    needed, possible = NEEDS[source]
-    for name in needed:
-        if lengths[name] is None:
+    for name in kind.needs:
+        if options[name] is None:
             raise InputError(f"{source} needs {name}, a length such as '3 mm'")
-    for name in options.given(lengths):
-        if name not in needed + possible:
+    for name in LENGTHS:
+        if options[name] is not None and name not in kind.needs + kind.may_have:
             raise InputError(f"{name} is not for {source}")
-    if source in ("--track", "--ball"):
-        if uncertainty is not None:
-            raise InputError(f"--uncertainty is not for {source}: a topography brings its own standard error")
-        if source == "--ball" and preparation.get("level") is not None:
-            raise InputError("--level is not for --ball: its form is the sphere through what is unworn")
-    elif options.given(preparation):
-        name = options.given(preparation)[0].replace("_", "-")
-        raise InputError(f"--{name} is not for {source}: it prepares a measured file")
+    prepared = [name.replace("_", "-") for name, value in options.preparation.items() if value is not None]
+    if source not in TOPOGRAPHIES and prepared:
+        raise InputError(f"--{prepared[0]} is not for {source}: it prepares a measured file")
+    if source in TOPOGRAPHIES and options.uncertainty is not None:
+        raise InputError(f"--uncertainty is not for {source}: a topography brings its own standard error")
+    if source == "--ball" and "level" in prepared:
+        raise InputError("--level is not for --ball: its form is the sphere through what is unworn")
+    if source not in GROOVES and options.stroke is not None and options.passes is None:
+        raise InputError("--stroke needs --passes")
 
 
-def _volume(
-    source: str,
-    value: Any,
-    mm: dict[str, float | None],
-    uncertainty: str | None,
-    preparation: dict[str, str | None],
-) -> WornVolume:
-    radius, length = mm["--radius"] or 0.0, mm["--length"] or 0.0
+def _lengths(source: str, options: WearOptions) -> dict[str, float | None]:
+    """Turn the lengths into mm: option -> length; a groove is as long as the stroke unless told otherwise."""
+    texts = {name: options[name] for name in LENGTHS}
+    if source in GROOVES and options.length is None:
+        if options.stroke is None:
+            raise InputError(f"{source} needs --length, that of the whole track, such as '30 mm'")
+        texts["--length"] = options.stroke
+    lengths = {name: given.optional(name, text, "mm") for name, text in texts.items()}
+    if options.standard == "g133-flat" and options.stroke is not None:
+        stroke, length = given.quantity("--stroke", options.stroke, "mm"), lengths["--length"] or 0.0
+        if not math.isclose(length, stroke, rel_tol=1e-9):
+            raise InputError(
+                f"--length is {length:g} mm and --stroke {stroke:g} mm: --standard g133-flat takes the mean "
+                "cross-section × the stroke, so allowed is the stroke alone"
+            )
+    return lengths
+
+
+def _volume(source: str, value: Any, lengths: dict[str, float | None], options: WearOptions) -> WornVolume:
+    """Find the volume of one test. value: of the source's option; lengths [mm]. Raises InputError."""
+    radius, length = lengths["--radius"] or 0.0, lengths["--length"] or 0.0
     match source:
         case "--volume":
-            error = options.uncertainty(uncertainty, "mm^3")
-            return volume_given(options.quantity(source, value, "mm^3"), error=error)
+            error = given.uncertainty(options.uncertainty, "mm^3")
+            return volume_given(given.quantity(source, value, "mm^3"), error=error)
         case "--section":
-            error = options.uncertainty(uncertainty, "mm^2")
-            return groove(options.quantity(source, value, "mm^2"), length=length, error=error)
+            error = given.uncertainty(options.uncertainty, "mm^2")
+            return groove(given.quantity(source, value, "mm^2"), length=length, error=error)
         case "--track":
-            return _of_track(value, length=length, width=mm["--track-width"], preparation=preparation)
+            return _of_track(value, options.preparation, length=length, width=lengths["--track-width"])
         case "--ball":
-            return _of_ball(value, radius=mm["--radius"], preparation=preparation)
-    error = options.uncertainty(uncertainty, "mm")
+            return _of_ball(value, options.preparation, radius=lengths["--radius"])
+    error = given.uncertainty(options.uncertainty, "mm")
     if source == "--width":
-        wide = options.quantity(source, value, "mm")
-        return circular_track(wide, radius=radius, track_radius=mm["--track-radius"] or 0.0, error=error)
-    across = [options.quantity(source, v, "mm") for v in ((value,) if source == "--scar" else value)]
+        width = given.quantity(source, value, "mm")
+        return circular_track(
+            width, radius=radius, track_radius=lengths["--track-radius"] or 0.0, error=error
+        )
+    across = [given.quantity(source, v, "mm") for v in ((value,) if source == "--scar" else value)]
     if max(across) > 2.0 * radius:
         raise InputError(
             f"{source} has {max(across):g} mm: allowed is up to the ball's diameter, {2 * radius:g} mm"
@@ -192,145 +207,122 @@ def _volume(
 
 
 def _of_track(
-    file: Path, *, length: float, width: float | None, preparation: dict[str, str | None]
+    file: Path, preparation: Mapping[str, str | None], *, length: float, width: float | None
 ) -> WornVolume:
-    surface = read_surface(file, preparation | {"level": "none"})
+    """Find the volume of a track of a length [mm] from a topography of it, or of a piece of it.
+
+    width: of the track [mm], None to find it. Raises InputError.
+    """
+    surface = read_surface(file, {**preparation, "level": "none"})
     found, degree = track_in(surface, level=preparation.get("level"), width=width)
     if length < found.length * (1.0 - 1e-9):
         raise InputError(
             f"--length is {length:g} mm: allowed is at least the piece in {file}, {found.length:g} mm"
         )
-    volume, error = found.volume(length)
     section = f"section {1e6 * found.net.mean():.5g} ± {1e6 * found.net_error:.2g} µm² × {length:g} mm"
-    measured = f"{file}: {section}, degree {degree} beside it"
     source = "standard error of roughness and reference"
     if found.length < 0.9 * length:
         source += f", were the whole track like the measured {found.length:.4g} mm"
-    return _measured(file, volume, error, depth=found.depth, measured=measured, source=source)
+    volume, error = found.volume(length)
+    measured = f"{section}, degree {degree} beside it"
+    return _of_topography(file, volume, error, depth=found.depth, measured=measured, source=source)
 
 
-def _of_ball(file: Path, *, radius: float | None, preparation: dict[str, str | None]) -> WornVolume:
-    surface = read_surface(file, preparation | {"level": "none"})
+def _of_ball(file: Path, preparation: Mapping[str, str | None], *, radius: float | None) -> WornVolume:
+    """Find what a ball lost, from its topography. radius [mm], None to fit it. Raises InputError."""
+    surface = read_surface(file, {**preparation, "level": "none"})
     found = find_worn_ball(surface.levelled, pixel=surface.pixel, radius=radius)
-    told = "fitted" if radius is None else "given"
-    measured = (
-        f"{file}: patch {found.along:.4g} × {found.across:.4g} mm on a radius of "
-        f"{found.sphere.radius:.5g} mm ({told})"
-    )
+    sphere = f"a radius of {found.sphere.radius:.5g} mm ({'fitted' if radius is None else 'given'})"
+    measured = f"patch {found.along:.4g} × {found.across:.4g} mm on {sphere}"
     source = "standard error of roughness and of the sphere's fit"
-    return _measured(
-        file, found.volume, found.volume_error, depth=found.depth, measured=measured, source=source
-    )
+    volume, error = found.volume, found.volume_error
+    return _of_topography(file, volume, error, depth=found.depth, measured=measured, source=source)
 
 
-def _measured(
+def _of_topography(
     file: Path, volume: float, error: float, *, depth: float, measured: str, source: str
 ) -> WornVolume:
+    """Make a worn volume [mm³] of what a file holds. depth [mm]. Raises InputError where nothing was lost."""
     if volume <= 0.0:
         raise InputError(
             f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a wear coefficient needs a loss"
         )
     return WornVolume(
-        volume=volume,
-        error=error,
-        error_from=source,
-        depth=depth,
-        measured=measured,
+        volume=volume, error=error, error_from=source, depth=depth, measured=f"{file}: {measured}"
     )
 
 
-def record_of(found: WearCalibration, *, relation: str, worn: str | None) -> dict[str, Any]:
-    """A wear coefficient, JSON-ready. relation: how the volumes were found; worn: the body, if it is told."""
-
-    def per_nm(value: float | None) -> float | None:
-        return None if value is None else 1e3 * value
-
-    factor = 1.0 / (found.load * found.distance)
-    return {
-        "relation": relation,
-        "worn": worn,
-        "load_N": found.load,
-        "distance_mm": found.distance,
-        "wear_coefficient_mm3_per_Nm": per_nm(found.mean),
-        "uncertainty_mm3_per_Nm": per_nm(found.uncertainty),
-        "wear_coefficient_per_Pa": 1e-6 * found.mean,
-        "hardness_MPa": found.hardness,
-        "wear_coefficient_dimensionless": found.dimensionless,
-        "count": len(found.volumes),
-        "standard_deviation_mm3_per_Nm": per_nm(found.deviation),
-        "standard_error_mm3_per_Nm": per_nm(found.standard_error),
-        "uses": "exact",
-        "tests": [
-            {
-                "measured": v.measured,
-                "depth_um": None if v.depth is None else 1e3 * v.depth,
-                "volume_mm3": v.volume,
-                "volume_uncertainty_mm3": v.error,
-                "uncertainty_from": v.error_from,
-                "volume_by_approximation_mm3": v.approximate,
-                "wear_coefficient_mm3_per_Nm": per_nm(value),
-                "uncertainty_mm3_per_Nm": per_nm(error),
-                "by_approximation_mm3_per_Nm": per_nm(
-                    None if v.approximate is None else v.approximate * factor
-                ),
-            }
-            for v, value, error in zip(found.volumes, found.values, found.errors, strict=True)
-        ],
-    }
-
-
-def page(found: WearCalibration, *, relation: str, worn: str | None) -> str:
-    """The same for people."""
-    work = 1e-3 * found.load * found.distance
-    lines = [
-        f"wear coefficient K = V/(F L): {found.load:g} N over {found.distance:g} mm, F L = {work:.5g} N·m",
-        f"  from             {relation}",
-    ]
-    for worn_volume, value, error in zip(found.volumes, found.values, found.errors, strict=True):
-        lines += _test_lines(worn_volume, value=value, error=error, work=work)
-    count, many = len(found.volumes), len(found.volumes) > 1
-    if found.deviation is not None:
-        lines.append(
-            f"  of {count} tests       standard deviation {scientific(1e3 * found.deviation, digits=2)} "
-            f"({found.deviation / found.mean:.2g} of the mean); below ± the standard error of the mean"
-        )
-    known = found.uncertainty
-    plus = (
-        f" (standard {'error' if many else 'uncertainty'}, {known / found.mean:.2g} of K)"
-        if known is not None
-        else "; its uncertainty is unknown"
+def wear_rows(found: WearCalibration, *, relation: str, worn: str | None) -> list[Row]:
+    """Declare a wear coefficient. relation: how the volumes were found; worn: the body, if it is told."""
+    count, deviation, known = len(found.volumes), found.deviation, found.uncertainty
+    told = "; its uncertainty is unknown"
+    if known is not None:
+        told = f"(standard {'error' if count > 1 else 'uncertainty'}, {known / found.mean:.2g} of K)"
+    scatter = ""
+    if deviation is not None:
+        scatter = f"standard deviation of {count} tests ({deviation / found.mean:.2g} of the mean)"
+    dimensionless = (
+        f"dimensionless, with the hardness {found.hardness:g} MPa (V = k F L/H)" if found.hardness else ""
     )
-    lines += [
-        f"  K                {scientific(1e3 * found.mean, None if known is None else 1e3 * known)} "
-        f"mm³/(N·m){plus}",
-        f"                   {scientific(1e-6 * found.mean)} m²/N (Pa⁻¹)",
+    in_study = f'[wear] {worn or "sphere or disc"} = "{scientific(1e3 * found.mean)} mm^3/N/m"'
+    return [
+        Row("from", "relation", relation),
+        Row("", "worn", worn),
+        Row("load F", "load_N", found.load, digits=6),
+        Row("distance L", "distance_mm", found.distance, digits=6),
+        _k("K", 1e3 * found.mean, _times(1e3, known), note=told),
+        Row("  or", "wear_coefficient_per_Pa", 1e-6 * found.mean, scientific=True),
+        Row("", "hardness_MPa", found.hardness),
+        Row(
+            "  or",
+            "wear_coefficient_dimensionless",
+            found.dimensionless,
+            note=dimensionless,
+            scientific=True,
+        ),
+        Row("", "count", count),
+        Row(
+            "scatter",
+            "standard_deviation_mm3_per_Nm",
+            _times(1e3, deviation),
+            digits=2,
+            note=scatter,
+            scientific=True,
+        ),
+        Row("", "standard_error_mm3_per_Nm", _times(1e3, found.standard_error)),
+        Row("", "uses", "exact"),
+        Row("in a study", "", in_study),
+        Row("", "tests", [_test_rows(found, test) for test in range(count)]),
     ]
-    if found.dimensionless is not None:
-        lines.append(
-            f"                   {scientific(found.dimensionless)} dimensionless, with the hardness "
-            f"{found.hardness:g} MPa (V = k F L/H)"
-        )
-    lines.append(
-        f'  in a study       [wear] {worn or "sphere or disc"} = "{scientific(1e3 * found.mean)} mm^3/N/m"'
-    )
-    return "\n".join(lines)
 
 
-def _test_lines(worn: WornVolume, *, value: float, error: float | None, work: float) -> list[str]:
-    plus = f" ± {worn.error:.2g}" if worn.error is not None else ""
-    depth = "" if worn.depth is None else f", {1e3 * worn.depth:.4g} µm deep"
-    of_k = scientific(1e3 * value, None if error is None else 1e3 * error)
-    lines = [
-        f"  measured         {worn.measured}{depth}",
-        f"    volume         {worn.volume:.5g}{plus} mm³: K {of_k}",
-        f"    uncertainty    {worn.error_from}",
-    ]
+def _test_rows(found: WearCalibration, test: int) -> list[Row]:
+    """Declare one of the tests."""
+    worn, value, error = found.volumes[test], found.values[test], found.errors[test]
+    small, note = None, ""
     if worn.approximate is not None:
-        lines.append(
-            f"    approximation  {worn.approximate:.5g} mm³ for a small scar: K "
-            f"{scientific(worn.approximate / work)}, {worn.approximate / worn.volume - 1.0:+.2%}; "
-            "not used, K is of the exact volume"
-        )
-    if worn.error is not None and worn.error > worn.volume / 3.0:
-        lines.append("    warning        the volume is within three standard uncertainties of nothing")
-    return lines
+        small = 1e3 * (worn.approximate * (1.0 / (found.load * found.distance)))
+        change = f"{worn.approximate / worn.volume - 1.0:+.2%}"
+        note = f"for a small scar: K {scientific(small)}, {change}; not used, K is of the exact volume"
+    doubted = worn.error is not None and worn.error > worn.volume / 3.0
+    warning = "the volume is within three standard uncertainties of nothing" if doubted else None
+    return [
+        Row("measured", "measured", worn.measured),
+        Row("  depth", "depth_um", _times(1e3, worn.depth)),
+        Row("  volume", "volume_mm3", worn.volume, digits=5, error=("volume_uncertainty_mm3", worn.error)),
+        Row("  uncertainty", "uncertainty_from", worn.error_from),
+        Row("  approximation", "volume_by_approximation_mm3", worn.approximate, digits=5, note=note),
+        _k("  K", 1e3 * value, _times(1e3, error)),
+        Row("", "by_approximation_mm3_per_Nm", small),
+        Row("  warning", "", warning),
+    ]
+
+
+def _k(label: str, value: float, error: float | None, *, note: str = "") -> Row:
+    """Declare a wear coefficient [mm³/(N·m)] and its standard uncertainty."""
+    key, uncertainty = "wear_coefficient_mm3_per_Nm", ("uncertainty_mm3_per_Nm", error)
+    return Row(label, key, value, error=uncertainty, note=note, scientific=True)
+
+
+def _times(factor: float, value: float | None) -> float | None:
+    return None if value is None else factor * value

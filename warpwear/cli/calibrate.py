@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from warpwear.cli.places import heavy
-from warpwear.cli.surface import PREPARATION
+from warpwear.cli.surface import prepared, with_preparation
 
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 LOAD = click.option("--load", metavar="F", help="Normal load, e.g. '8 N'.")
@@ -16,8 +16,9 @@ RESULT = click.option(
     "--result", metavar="DIR", type=click.Path(path_type=Path), help="Run folder of `warpwear run`."
 )
 
-#: Of a track the form is that of the unworn part.
-LEVEL = {"--level": "--track: none, plane or a degree, taken off beside it. [default: plane]"}
+#: The form of a track is that of the unworn part.
+LEVEL = "--track: none, plane or a degree, taken off beside it. [default: plane]"
+#: Option of a source -> how its values are shown, their type, and its help; one value a test.
 REPEATED = {
     "--volume": ("V", str, "A worn volume, e.g. '0.01805 mm^3'."),
     "--scar": ("D", str, "Diameter of a flat scar on a ball. Needs --radius."),
@@ -29,8 +30,8 @@ REPEATED = {
 
 
 def _with_sources(command: Callable[..., Any]) -> Callable[..., Any]:
-    for name, text in reversed((PREPARATION | LEVEL).items()):
-        command = click.option(name, metavar="VALUE", help=text)(command)
+    """Give a command the options of `REPEATED`, and those that prepare a measured file."""
+    command = with_preparation(command, level=LEVEL)
     for name, (metavar, kind, text) in reversed(REPEATED.items()):
         command = click.option(name, metavar=metavar, type=kind, multiple=True, help=text)(command)
     return command
@@ -81,9 +82,8 @@ def wear(**options: Any) -> None:
     warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
         --load "8 N" --distance "2400 mm"
     """
-    calibrate_wear = heavy("calibrate_wear")
-
-    click.echo(calibrate_wear(**options))
+    calibrate_wear, wear_options = heavy("calibrate_wear"), heavy("WearOptions")
+    click.echo(calibrate_wear(wear_options(preparation=prepared(options), **options)))
 
 
 @calibrate.command()
@@ -107,9 +107,7 @@ def friction(**options: Any) -> None:
 
     The areas of a run are contact, touched, cumulative and nominal; a fit uses contact unless told otherwise.
     """
-    calibrate_friction = heavy("calibrate_friction")
-
-    click.echo(calibrate_friction(**options))
+    click.echo(heavy("calibrate_friction")(**options))
 
 
 @calibrate.command()
@@ -127,15 +125,11 @@ def friction(**options: Any) -> None:
 @AS_JSON
 def energy(**options: Any) -> None:
     """Dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""
-    calibrate_energy = heavy("calibrate_energy")
-
-    click.echo(calibrate_energy(**options, usual_speeds=heavy("thesis_speeds")))
+    click.echo(heavy("calibrate_energy")(**options, usual_speeds=heavy("thesis_speeds")))
 
 
 @calibrate.command()
 @AS_JSON
 def thesis(**options: Any) -> None:
     """Wear coefficients that the thesis prints, and the worn patch that does not go with them."""
-    calibrate_thesis = heavy("calibrate_thesis")
-
-    click.echo(calibrate_thesis(**options))
+    click.echo(heavy("calibrate_thesis")(**options))

@@ -8,7 +8,9 @@ from warpwear.lazy import resolve
 PLACES = {
     "Result": "warpwear.result:Result",
     "Study": "warpwear.study.study:Study",
+    "SurfaceOptions": "warpwear.measured.surface_command:SurfaceOptions",
     "WRITERS": "warpwear.results.export:WRITERS",
+    "WearOptions": "warpwear.calibration.wear_command:WearOptions",
     "animate_result": "warpwear.figures.film:animate",
     "calibrate_energy": "warpwear.calibration.energy:calibrate_energy",
     "calibrate_friction": "warpwear.calibration.friction_command:calibrate_friction",

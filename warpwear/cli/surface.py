@@ -23,11 +23,17 @@ PREPARATION = {
 }
 
 
-def with_preparation(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options of `PREPARATION`."""
+def with_preparation(command: Callable[..., Any], **other: str) -> Callable[..., Any]:
+    """Give a command the options of `PREPARATION`. other: name without dashes -> another help."""
     for name, text in reversed(PREPARATION.items()):
+        text = other.get(name.removeprefix("--"), text)
         command = click.option(name, metavar="VALUE", help=text)(command)
     return command
+
+
+def prepared(options: dict[str, Any]) -> dict[str, str | None]:
+    """Take what `with_preparation` gave out of a command's options: key of [disc] -> text or None."""
+    return {key: options.pop(key) for name in PREPARATION if (key := name[2:].replace("-", "_"))}
 
 
 @click.command()
@@ -51,6 +57,5 @@ def surface(file: Path | None, **options: Any) -> None:
 
     With --track the volume of a worn track, with --ball that of a worn ball.
     """
-    describe = heavy("describe")
-
-    click.echo(describe(file, **options))
+    describe, surface_options = heavy("describe"), heavy("SurfaceOptions")
+    click.echo(describe(file, surface_options(preparation=prepared(options), **options)))

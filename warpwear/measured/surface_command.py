@@ -1,6 +1,7 @@
 """The command `warpwear surface`: from its options to the text it prints and the figure it writes."""
 
-import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -9,18 +10,8 @@ from pydantic import ValidationError
 
 from warpwear.errors import InputError
 from warpwear.measured.surface_figure import ball_figure, save, surface_figure, track_figure
-from warpwear.measured.surface_report import (
-    LAMBDA_C,
-    LAMBDA_S,
-    ball_page,
-    ball_record,
-    cap_page,
-    cap_record,
-    examine,
-    page,
-    track_page,
-    track_record,
-)
+from warpwear.measured.surface_report import ball_rows, cap_rows, examine, file_lines, track_rows
+from warpwear.results.report import Row, lines, record, to_json
 from warpwear.study.bodies import Disc
 from warpwear.study.surface import surface_of
 from warpwear.study.text import sentence
@@ -30,95 +21,88 @@ from warpwear.surfaces.preparation import degree_of
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
 from warpwear.surfaces.worn.track import Track, find_track
 
+#: Endings of files that a figure can be written to.
 FORMATS = (".png", ".pdf", ".svg")
+#: Keys of [disc] that may hold several values, separated by commas.
 LISTS = ("pixel", "crop")
 
 
-def describe(
-    file: Path | None,
-    *,
-    as_json: bool = False,
-    figure: Path | None = None,
-    overwrite: bool = False,
-    track: bool = False,
-    track_width: str | None = None,
-    track_length: str | None = None,
-    ball: bool = False,
-    radius: str | None = None,
-    diagonals: tuple[str, str] | None = None,
-    lambda_c: str = "2.5 mm",
-    lambda_s: str = "8 um",
-    **preparation: str | None,
-) -> str:
-    """The text for people, or JSON; writes the figure. Lengths are text with a unit. Raises InputError.
+@dataclass(frozen=True, kw_only=True)
+class SurfaceOptions:
+    """Options of `warpwear surface`, lengths as text with a unit.
 
-    preparation: keys of [disc], as text.
+    figure: where to draw, None for a name made from the file's. track, ball: whether the file is a worn one.
+    preparation: keys of [disc], as text, None for those not given.
     """
-    _check_together(file, track=track, ball=ball, diagonals=diagonals)
-    for name, value in (("--track-width", track_width), ("--track-length", track_length)):
-        if value is not None and not track:
-            raise InputError(f"{name} needs --track")
-    if radius is not None and not ball:
-        raise InputError("--radius needs --ball")
-    if diagonals is not None:
-        return _by_diagonals(diagonals, radius, as_json=as_json)
+
+    as_json: bool = False
+    figure: Path | None = None
+    overwrite: bool = False
+    track: bool = False
+    track_width: str | None = None
+    track_length: str | None = None
+    ball: bool = False
+    radius: str | None = None
+    diagonals: tuple[str, str] | None = None
+    lambda_c: str = "2.5 mm"
+    lambda_s: str = "8 um"
+    preparation: Mapping[str, str | None] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What is said of a file, to JSON and to people, and how it is drawn."""
+
+    rows: list[Row]
+    text: list[str]
+    draw: Callable[[], Figure]
+
+
+def describe(file: Path | None, options: SurfaceOptions) -> str:
+    """Say what is in a measured file, as text for people or as JSON, and write its figure.
+
+    file: None where the diagonals of a ball are given. Raises InputError.
+    """
+    _check_together(file, options)
+    if options.diagonals is not None:
+        return _by_diagonals(options.diagonals, options.radius, as_json=options.as_json)
     assert file is not None  # checked together
-    kind = "track" if track else "ball" if ball else "surface"
-    wanted = figure if figure is not None or as_json else Path(f"{file.stem}-{kind}.png")
-    if wanted is not None:
-        _check_figure(wanted, overwrite=overwrite)
-    level = preparation.get("level")
-    if track or ball:  # the form is that of the unworn part
-        preparation = preparation | {"level": "none"}
-    surface = read_surface(file, preparation)
-    if track:
-        text, record, drawn = _track(
-            surface,
-            level=level,
-            width=_length("--track-width", track_width),
-            length=_length("--track-length", track_length),
-            draw=wanted is not None,
-        )
-    elif ball:
-        text, record, drawn = _ball(surface, radius=_length("--radius", radius), draw=wanted is not None)
-    else:
-        text, record, drawn = _roughness(
-            surface,
-            cut_off=_length("--lambda-c", lambda_c),
-            short=_length("--lambda-s", lambda_s),
-            draw=wanted is not None,
-        )
-    if drawn is not None and wanted is not None:
-        save(drawn, wanted)
-    if as_json:
-        return json.dumps(record, indent=2, ensure_ascii=False)
-    return f"{text}\nwritten to {wanted}"
+    kind = "track" if options.track else "ball" if options.ball else "surface"
+    figure = options.figure
+    if figure is None and not options.as_json:
+        figure = Path(f"{file.stem}-{kind}.png")
+    if figure is not None:
+        _check_figure(figure, overwrite=options.overwrite)
+    # The form of a worn body is that of its unworn part.
+    level = {} if kind == "surface" else {"level": "none"}
+    surface = read_surface(file, {**options.preparation, **level})
+    found = {"surface": _roughness, "track": _track, "ball": _ball}[kind](surface, options)
+    if figure is not None:
+        save(found.draw(), figure)
+    if options.as_json:
+        return to_json(record(found.rows))
+    return "\n".join([*found.text, f"written to {figure}"])
 
 
-Outcome = tuple[str, dict[str, Any], "Figure | None"]
+def _roughness(surface: Measured, options: SurfaceOptions) -> Outcome:
+    cut_off, short = _length("--lambda-c", options.lambda_c), _length("--lambda-s", options.lambda_s)
+    report = examine(surface, cut_off=cut_off, short=short)
+    text = [*file_lines(record(report.rows)), *lines(report.rows)]
+    return Outcome(report.rows, text, lambda: surface_figure(report))
 
 
-def _roughness(surface: "Measured", *, cut_off: float | None, short: float | None, draw: bool) -> Outcome:
-    report = examine(surface, cut_off=cut_off or LAMBDA_C, short=short or LAMBDA_S)
-    drawn = None
-    if draw:
-        drawn = surface_figure(report)
-    return page(report.record), report.record, drawn
+def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
+    width = _optional("--track-width", options.track_width)
+    length = _optional("--track-length", options.track_length)
+    track, degree = track_in(surface, level=options.preparation.get("level"), width=width)
+    file = surface.record()
+    rows = [Row("", "surface", file), Row("", "track", track_rows(track, length=length))]
+    then = f"polynomial of degree {degree} through the surface beside the track taken off"
+    return Outcome(rows, [*file_lines(file, then), *lines(rows)], lambda: track_figure(track))
 
 
-def _track(
-    surface: "Measured", *, level: str | None, width: float | None, length: float | None, draw: bool
-) -> Outcome:
-    track, degree = track_in(surface, level=level, width=width)
-    file, found = surface.record(), track_record(track, length=length)
-    drawn = None
-    if draw:
-        drawn = track_figure(track)
-    return track_page(file, found, degree=degree), {"surface": file, "track": found}, drawn
-
-
-def track_in(surface: "Measured", *, level: str | None, width: float | None) -> tuple["Track", int]:
-    """The worn track of a surface read with level none, and the degree taken off beside it.
+def track_in(surface: Measured, *, level: str | None, width: float | None) -> tuple[Track, int]:
+    """Find the worn track of a surface read with level none, and the degree taken off beside it.
 
     level: as in [disc], as text; width [mm], None to find it. Raises InputError.
     """
@@ -128,28 +112,31 @@ def track_in(surface: "Measured", *, level: str | None, width: float | None) -> 
     return find_track(surface.levelled, pixel=surface.pixel, degree=degree, width=width), degree
 
 
-def _ball(surface: "Measured", *, radius: float | None, draw: bool) -> Outcome:
+def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
+    radius = _optional("--radius", options.radius)
     ball = find_worn_ball(surface.levelled, pixel=surface.pixel, radius=radius)
-    cap = cap_of_diagonals(ball.along, ball.across, radius=ball.sphere.radius)
-    file, found = surface.record(), ball_record(ball)
-    drawn = None
-    if draw:
-        drawn = ball_figure(ball, size=surface.size)
-    record = {"surface": file, "ball": found, "by_two_diagonals": cap_record(cap)}
-    return ball_page(file, found, cap), record, drawn
+    flat = cap_of_diagonals(ball.along, ball.across, radius=ball.sphere.radius)
+    file = surface.record()
+    rows = [
+        Row("", "surface", file),
+        Row("", "ball", ball_rows(ball)),
+        Row("by two diagonals", "by_two_diagonals", cap_rows(flat), note=", were the patch flat"),
+    ]
+    return Outcome(rows, [*file_lines(file), *lines(rows)], lambda: ball_figure(ball, size=surface.size))
 
 
 def _by_diagonals(diagonals: tuple[str, str], radius: str | None, *, as_json: bool) -> str:
-    given = _length("--radius", radius)
-    if given is None:
+    if radius is None:
         raise InputError("--diagonals needs --radius, a length such as '3 mm'")
-    first, second = (_length("--diagonals", d) or 0.0 for d in diagonals)
-    cap = cap_of_diagonals(first, second, radius=given)
-    return json.dumps(cap_record(cap), indent=2) if as_json else cap_page(cap)
+    first, second = (_length("--diagonals", diagonal) for diagonal in diagonals)
+    rows = cap_rows(cap_of_diagonals(first, second, radius=_length("--radius", radius)))
+    if as_json:
+        return to_json(record(rows))
+    return f"worn ball by two diagonals: {Row('', '', rows).text} (a flat patch)"
 
 
-def read_surface(file: Path, preparation: dict[str, str | None]) -> "Measured":
-    """A measured file, prepared by keys of [disc] that are given as text. Raises InputError."""
+def read_surface(file: Path, preparation: Mapping[str, str | None]) -> Measured:
+    """Read a measured file, prepared by keys of [disc] that are given as text. Raises InputError."""
     given: dict[str, Any] = {name: value for name, value in preparation.items() if value is not None}
     for name in LISTS:
         if name in given and "," in given[name]:
@@ -176,24 +163,34 @@ def _level(text: str) -> str | int:
     return int(text) if text.strip().isdecimal() else text
 
 
-def _length(option: str, value: str | None) -> float | None:
-    if value is None:
-        return None
+def _length(option: str, value: str) -> float:
+    """Turn an option's text into a length [mm]. Raises InputError."""
     try:
         return POSITIVE.check(parse(value, "mm"), "mm")
     except ValueError as error:
         raise InputError(f"{option} = {value!r}: {error}") from error
 
 
-def _check_together(file: Path | None, *, track: bool, ball: bool, diagonals: tuple[str, str] | None) -> None:
-    if track and ball:
+def _optional(option: str, value: str | None) -> float | None:
+    return None if value is None else _length(option, value)
+
+
+def _check_together(file: Path | None, options: SurfaceOptions) -> None:
+    """Raise InputError where options exclude or need each other."""
+    o = options
+    if o.track and o.ball:
         raise InputError("--track and --ball exclude each other")
-    if diagonals is not None and not ball:
+    if o.diagonals is not None and not o.ball:
         raise InputError("--diagonals needs --ball")
-    if diagonals is not None and file is not None:
+    if o.diagonals is not None and file is not None:
         raise InputError("--diagonals are for a ball without a FILE: leave one of them out")
-    if diagonals is None and file is None:
+    if o.diagonals is None and file is None:
         raise InputError("FILE is missing: a measured surface, or --ball with --radius and --diagonals")
+    for name, value in (("--track-width", o.track_width), ("--track-length", o.track_length)):
+        if value is not None and not o.track:
+            raise InputError(f"{name} needs --track")
+    if o.radius is not None and not o.ball:
+        raise InputError("--radius needs --ball")
 
 
 def _check_figure(path: Path, *, overwrite: bool) -> None:

@@ -1,10 +1,7 @@
 """What a run leaves beside its HDF5 file: the study, the history and the summary as text."""
 
-import json
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -13,23 +10,16 @@ from warpwear.history.columns import Column, columns_of
 from warpwear.results.evolution import COLUMNS as EVOLUTION
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.file import ResultFile
+from warpwear.results.report import to_json
 from warpwear.results.summary import summarise
 from warpwear.study.study import Study
 
 
 def _write_table(path: Path, columns: Sequence[Column], table: Mapping[str, FloatArray]) -> None:
+    """Write columns of a table as CSV with units in its header. table: name -> values, (steps,)."""
     header = ",".join(f"{column.name} [{column.units}]" for column in columns)
     rows = np.column_stack([table[column.name] for column in columns])
     np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.12g")
-
-
-def _without_nan(values: Any) -> Any:
-    """The same, None for what is no finite number: JSON has no word for it."""
-    if isinstance(values, dict):
-        return {name: _without_nan(value) for name, value in values.items()}
-    if isinstance(values, list | tuple):
-        return [_without_nan(value) for value in values]
-    return None if isinstance(values, float) and not math.isfinite(values) else values
 
 
 def write_tables(folder: Path, study: Study, result: ResultFile) -> None:
@@ -37,7 +27,5 @@ def write_tables(folder: Path, study: Study, result: ResultFile) -> None:
     (folder / "study.toml").write_text(study.to_toml(), encoding="utf-8")
     _write_table(folder / "history.csv", columns_of(study), result.history)
     _write_table(folder / "surface.csv", EVOLUTION, surface_evolution(result).table)
-    summary = _without_nan(summarise(result))
-    (folder / "summary.json").write_text(
-        json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
-    )
+    summary = to_json(summarise(result))
+    (folder / "summary.json").write_text(f"{summary}\n", encoding="utf-8")

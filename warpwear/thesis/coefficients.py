@@ -2,14 +2,23 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
-from warpwear.calibration import options
 from warpwear.calibration.wear import WearCalibration, cap, diameter_of_cap, volume_given, wear_coefficient
-from warpwear.thesis import printed as thesis
+from warpwear.results.report import Row, lines, record, table, to_json
+from warpwear.thesis.printed import (
+    DISTANCE,
+    LOAD,
+    PATCH_DIAMETERS,
+    SPHERE_RADIUS,
+    STROKE,
+    WEAR_COEFFICIENTS,
+    Printed,
+)
 
 #: Digits to which the volumes are rounded before they are turned back into Table 4.1.
 DIGITS = 4
+ELLIPSOID = "by (4/3) π a² h: Table 4.1's number looks like this one"
+WIDE_CAP = "with the whole mean diagonal for a: eq 3.1 to the letter"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,14 +39,14 @@ class Patch:
     asked_small: float
 
 
-def table() -> dict[str, tuple[thesis.Printed, WearCalibration]]:
+def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
     """Rows of Table 4.1: what is printed, and K of the volume that it implies, rounded to four digits.
 
     The text prints no volume: they are K F L, so that this checks units and arithmetic, not the measurement.
     """
-    load, distance = thesis.LOAD.value, thesis.DISTANCE.value
+    load, distance = LOAD.value, DISTANCE.value
     found = {}
-    for name, printed in thesis.WEAR_COEFFICIENTS.items():
+    for name, printed in WEAR_COEFFICIENTS.items():
         volume = float(f"{1e-3 * printed.value * load * distance:.{DIGITS}g}")
         found[name] = (printed, wear_coefficient([volume_given(volume)], load=load, distance=distance))
     return found
@@ -45,9 +54,9 @@ def table() -> dict[str, tuple[thesis.Printed, WearCalibration]]:
 
 def patch() -> Patch:
     """The 0.80 mm of figure 4.36 and Table 4.1's K of the ball, each turned into the other."""
-    radius, diameter = thesis.SPHERE_RADIUS.value, thesis.PATCH_DIAMETERS["experiment"].value
-    load, distance = thesis.LOAD.value, thesis.DISTANCE.value
-    printed = 1e-3 * thesis.WEAR_COEFFICIENTS["sphere"].value
+    radius, diameter = SPHERE_RADIUS.value, PATCH_DIAMETERS["experiment"].value
+    load, distance = LOAD.value, DISTANCE.value
+    printed = 1e-3 * WEAR_COEFFICIENTS["sphere"].value
     flat = cap(diameter, radius=radius)
     ellipsoid = volume_given(4.0 / 3.0 * math.pi * (0.5 * diameter) ** 2 * (flat.depth or 0.0))
     volume = printed * load * distance
@@ -67,76 +76,75 @@ def patch() -> Patch:
 
 
 def calibrate_thesis(*, as_json: bool = False) -> str:
-    """The text for people, or JSON."""
-    rows, worn = table(), patch()
-    return options.as_json(_record(rows, worn)) if as_json else _page(rows, worn)
-
-
-def _record(rows: dict[str, tuple[thesis.Printed, WearCalibration]], worn: Patch) -> dict[str, Any]:
-    return {
-        "load_N": thesis.LOAD.value,
-        "distance_mm": thesis.DISTANCE.value,
-        "table_4_1": {
-            name: {
-                "printed_mm3_per_Nm": printed.value,
-                "of": printed.note,
-                "volume_mm3": found.volumes[0].volume,
-                "volume_from": "K F L, rounded; the text prints no volume",
-                "wear_coefficient_mm3_per_Nm": 1e3 * found.mean,
-                "section_um2": 1e6 * found.volumes[0].volume / thesis.STROKE.value,
-            }
-            for name, (printed, found) in rows.items()
-        },
-        "patch": {
-            "diameter_mm": worn.diameter,
-            "place": thesis.PATCH_DIAMETERS["experiment"].place,
-            "by_cap_mm3_per_Nm": 1e3 * worn.by_cap.mean,
-            "by_ellipsoid_mm3_per_Nm": 1e3 * worn.by_ellipsoid.mean,
-            "by_mean_diagonal_as_rim_mm3_per_Nm": 1e3 * worn.by_mean_as_rim.mean,
-            "printed_mm3_per_Nm": 1e3 * worn.printed,
-            "diameter_asked_for_mm": worn.asked,
-            "diameter_asked_for_small_scar_mm": worn.asked_small,
-            "agree": False,
-        },
-    }
-
-
-def _page(rows: dict[str, tuple[thesis.Printed, WearCalibration]], worn: Patch) -> str:
-    load, distance, stroke = thesis.LOAD.value, thesis.DISTANCE.value, thesis.STROKE.value
-    lines = [
-        f"Table 4.1 of the thesis, K in mm³/(N·m): {load:g} N over {distance:g} mm, F L = "
-        f"{1e-3 * load * distance:g} N·m",
-        f"  {'':<36} {'printed':>8} {'volume, mm³':>12} {'K of it':>8}   section of a {stroke:g} mm track",
+    """Set Table 4.1 beside the patch that does not go with it: the text for people, or JSON."""
+    load, distance, radius = LOAD.value, DISTANCE.value, SPHERE_RADIUS.value
+    groups = {name: _row_of_table(printed, found) for name, (printed, found) in table_4_1().items()}
+    head = [
+        Row("load", "load_N", load, digits=6),
+        Row("distance", "distance_mm", distance, digits=6),
+        Row("F L", "", 1e-3 * load * distance, digits=6, unit="N·m"),
     ]
-    for name, (printed, found) in rows.items():
-        volume, again = found.volumes[0].volume, _k(1e3 * found.mean)
-        section = "" if name == "sphere" else f"   {1e6 * volume / stroke:.1f} µm²"
-        lines.append(
-            f"  {printed.note:<36} {_k(printed.value):>8} {volume:>12.{DIGITS}g} {again:>8}{section}"
-        )
-    cap_volume = worn.by_cap.volumes[0]
-    place, printed_k = thesis.PATCH_DIAMETERS["experiment"].place, 1e3 * worn.printed
+    worn = patch()
+    rows = _patch_rows(worn)
+    if as_json:
+        return to_json(record([*head, Row("", "table_4_1", groups), Row("", "patch", rows)]))
     ratio = worn.printed / worn.by_cap.mean
-    lines += [
-        "  The text prints no volumes: these are K F L to four digits. Units and arithmetic agree; it is no",
-        "  check of the measurement.",
-        "",
-        f"The ball's patch of {worn.diameter:.2f} mm ({place}) and Table 4.1's {_k(printed_k)} do not agree "
-        f"(radius {thesis.SPHERE_RADIUS.value:g} mm):",
-        f"  flat cap, π h² (3R − h)/3            K {_k(1e3 * worn.by_cap.mean)}: "
-        f"{cap_volume.volume:.4g} mm³, {1e3 * (cap_volume.depth or 0.0):.3g} µm deep",
-        f"  full ellipsoid, (4/3) π a² h         K {_k(1e3 * worn.by_ellipsoid.mean)}: Table 4.1's number "
-        "looks like this one",
-        f"  cap, a the whole mean diagonal       K {_k(1e3 * worn.by_mean_as_rim.mean)}: eq 3.1 to the "
-        "letter",
-        f"  Table 4.1 asks for a patch of        {worn.asked:.3f} mm by the cap, {worn.asked_small:.3f} mm "
-        "by π d⁴/(64 R)",
-        "  That it is the ellipsoid is an inference: the thesis prints no relation of volume to depth.",
-        f"  Table 4.1's K of the ball is {ratio:.2f} times what the cap of the patch says.",
+    return "\n".join(
+        [
+            "Table 4.1 of the thesis, K in mm³/(N·m)",
+            *lines(head),
+            *table(list(groups.values())),
+            "  The text prints no volumes: these are K F L to four digits. Units and arithmetic agree; it",
+            "  is no check of the measurement.",
+            "",
+            f"The ball's patch of {worn.diameter:.2f} mm and Table 4.1's {_k(1e3 * worn.printed)} do not "
+            f"agree (radius {radius:g} mm):",
+            *lines(rows),
+            "  That it is the ellipsoid is an inference: the thesis prints no relation of volume to depth.",
+            f"  Table 4.1's K of the ball is {ratio:.2f} times what the cap of the patch says.",
+        ]
+    )
+
+
+def _row_of_table(printed: Printed, found: WearCalibration) -> list[Row]:
+    """Declare a row of Table 4.1. found: of the volume that it implies."""
+    volume, again = found.volumes[0].volume, 1e3 * found.mean
+    section = 1e6 * volume / STROKE.value
+    return [
+        Row("of", "of", printed.note),
+        Row("printed", "", _k(printed.value)),
+        Row("", "printed_mm3_per_Nm", printed.value),
+        Row("volume", "volume_mm3", volume, digits=DIGITS),
+        Row("", "volume_from", "K F L, rounded; the text prints no volume"),
+        Row("K of it", "", _k(again)),
+        Row("", "wear_coefficient_mm3_per_Nm", again),
+        Row(f"section over {STROKE.value:g} mm", "section_um2", section),
     ]
-    return "\n".join(lines)
+
+
+def _patch_rows(worn: Patch) -> list[Row]:
+    """Declare what the printed patch and the printed K of the ball say of each other."""
+    flat = worn.by_cap.volumes[0]
+    cap_told = f"by π h² (3R − h)/3: {flat.volume:.4g} mm³, {1e3 * (flat.depth or 0.0):.3g} µm deep"
+    asked = f"by the cap, {worn.asked_small:.3f} mm by π d⁴/(64 R)"
+    return [
+        Row("diameter", "diameter_mm", worn.diameter),
+        Row("printed in", "place", PATCH_DIAMETERS["experiment"].place),
+        _coefficient("flat cap", "by_cap", worn.by_cap.mean, cap_told),
+        _coefficient("full ellipsoid", "by_ellipsoid", worn.by_ellipsoid.mean, ELLIPSOID),
+        _coefficient("wide cap", "by_mean_diagonal_as_rim", worn.by_mean_as_rim.mean, WIDE_CAP),
+        _coefficient("printed", "printed", worn.printed, "in Table 4.1"),
+        Row("patch asked for", "diameter_asked_for_mm", worn.asked, note=asked),
+        Row("", "diameter_asked_for_small_scar_mm", worn.asked_small),
+        Row("", "agree", False),
+    ]
+
+
+def _coefficient(label: str, key: str, value: float, note: str) -> Row:
+    """Declare a wear coefficient. value [mm²/N]."""
+    return Row(label, f"{key}_mm3_per_Nm", 1e3 * value, digits=3, note=note, scientific=True)
 
 
 def _k(value: float) -> str:
-    """A wear coefficient as the table prints them, in 1e-4."""
+    """Write a wear coefficient as the table prints it, in 1e-4."""
     return f"{1e4 * value:.3g}e-4"

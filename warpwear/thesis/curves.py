@@ -4,290 +4,276 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from warpwear.figures import style as fs
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.figures import EXPERIMENT, LINES, PRINTED, Gallery, over_distance, versions
 from warpwear.thesis.numbers import Numbers
+from warpwear.thesis.printed import PATCH_DIAMETERS, SLOWS_AFTER
 from warpwear.thesis.runs import VERSIONS, Runs, worn_radius
+from warpwear.thesis.verdicts import ROUGH_PATCHES, SMOOTH_PATCHES
 
-#: Colour and line of each version in every figure; the thesis's printed values and the experiment are grey.
-LINES: dict[str, dict[str, Any]] = {
-    "v1": {"color": "#0072B2", "ls": "-", "lw": 3.0, "alpha": 0.5},  # wide: others lie on it
-    "v2": {"color": "#56B4E9", "ls": "--"},
-    "v3": {"color": "#D55E00", "ls": "-."},
-    "fine": {"color": "#009E73", "ls": "-"},
-}
-PRINTED, EXPERIMENT = "#999999", "#000000"
+FIGURES = Gallery()
+figure = FIGURES.figure
 
 
-def _versions(runs: Runs, axes: Axes, column: str, *names: str) -> None:
-    for name in names:
-        history = runs[name].history
-        fs.over_distance(axes, history["distance"], history[column], label=VERSIONS[name], **LINES[name])
-
-
-def radius_and_pressure(runs: Runs, numbers: Numbers) -> Figure:
+@figure(
+    "Radius of the area in contact (mm, left scale) and mean pressure (MPa, right scale) of V1 over the "
+    "sliding distance (mm); on linear and on logarithmic axes, where a power law is straight.",
+    columns=2,
+)
+def radius_and_pressure(axes: Any, runs: Runs, numbers: Numbers) -> None:
     history = runs["v1"].history
     distance = history["distance"]
     radius = np.sqrt(history["area_contact"] / np.pi)
-
-    def draw(axes: Any) -> None:
-        for left, scale in zip(axes, ("linear", "log"), strict=True):
-            fs.over_distance(left, distance, radius, color=fs.CONTACT, label="radius √(A/π) (left)")
-            right = left.twinx()
-            right.spines["right"].set_visible(True)
-            right.plot(
-                distance,
-                history["pressure_mean"],
-                color=fs.MEAN_PRESSURE,
-                ls=":",
-                label="mean pressure (right)",
-            )
-            left.axvline(thesis.SLOWS_AFTER.value, color=PRINTED, lw=0.8, ls="--", label="0.1 m")
-            left.set_xscale(scale)
-            if scale == "log":
-                fs.logarithmic(left)
-                fs.logarithmic(right)
-            left.set_ylabel("radius, mm")
-            right.set_ylabel("mean pressure, MPa")
-            if scale == "linear":
-                left.set_ylim(bottom=0.0)
-                right.set_ylim(bottom=0.0)
-        fs.legend_above(axes[0], right, columns=3)
-
-    return fs.new_figure(draw, columns=2)
+    for left, scale in zip(axes, ("linear", "log"), strict=True):
+        fs.over_distance(left, distance, radius, color=fs.CONTACT, label="radius √(A/π) (left)")
+        right = left.twinx()
+        right.spines["right"].set_visible(True)
+        pressure = {"color": fs.MEAN_PRESSURE, "ls": ":", "label": "mean pressure (right)"}
+        right.plot(distance, history["pressure_mean"], **pressure)
+        left.axvline(SLOWS_AFTER.value, color=PRINTED, lw=0.8, ls="--", label="0.1 m")
+        left.set_xscale(scale)
+        if scale == "log":
+            fs.logarithmic(left)
+            fs.logarithmic(right)
+        left.set_ylabel("radius, mm")
+        right.set_ylabel("mean pressure, MPa")
+        if scale == "linear":
+            left.set_ylim(bottom=0.0)
+            right.set_ylim(bottom=0.0)
+    fs.legend_above(axes[0], right, columns=3)
 
 
-def cof_of_v1(runs: Runs, numbers: Numbers) -> Figure:
+@figure("V1: coefficient of friction (–) over the sliding distance (mm).")
+def cof_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     history = runs["v1"].history
     distance = history["distance"]
-
-    def draw(axes: Any) -> None:
-        _versions(runs, axes, "cof", "v1")
-        root = history["cof"][-1] * np.sqrt(distance / distance[-1])
-        axes.plot(distance, root, color=PRINTED, ls=":", label="square root through the end")
-        axes.set_ylabel("coefficient of friction, –")
-        axes.set_xlim(left=0.0)
-        axes.set_ylim(bottom=0.0)
-        fs.legend_above(axes, columns=2)
-
-    return fs.new_figure(draw)
+    versions(axes, runs, "cof", "v1")
+    root = history["cof"][-1] * np.sqrt(distance / distance[-1])
+    axes.plot(distance, root, color=PRINTED, ls=":", label="square root through the end")
+    axes.set_ylabel("coefficient of friction, –")
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0)
+    fs.legend_above(axes, columns=2)
 
 
-def distance_factor(runs: Runs, numbers: Numbers) -> Figure:
+@figure(
+    "Sliding distance of a disc cell relative to the middle, across sliding (mm). Left: as in V2. "
+    "Right: with the chord of the contact, which a swept cell slides.",
+    columns=2,
+)
+def distance_factor(axes: Any, runs: Runs, numbers: Numbers) -> None:
     study = runs["v2"].study
     edge = worn_radius(study)
     y = np.linspace(-edge, edge, 401)
     ball = np.sqrt(1.0 - (y * study.sphere.curvature) ** 2)
-
-    def draw(axes: Any) -> None:
-        for panel, contact in zip(axes, (False, True), strict=True):
-            panel.axhline(1.0, color=LINES["v1"]["color"], label="without (V1)")
-            panel.plot(y, ball, label="with, cos θ (V2)", color=LINES["v3"]["color"], ls="--")
-            if contact:
-                panel.plot(
-                    y,
-                    np.sqrt(np.maximum(0.0, 1.0 - (y / edge) ** 2)),
-                    color=fs.HARDNESS,
-                    ls=":",
-                    label="chord of the contact, 2√(a² − y²)",
-                )
-            panel.set_xlabel("across sliding, y, mm")
-            panel.set_ylabel("relative distance, –")
-        axes[1].set_ylim(0.0, 1.05)
-        fs.legend_above(axes[1], columns=3)
-
-    return fs.new_figure(draw, columns=2)
+    for panel, contact in zip(axes, (False, True), strict=True):
+        panel.axhline(1.0, color=LINES["v1"]["color"], label="without (V1)")
+        panel.plot(y, ball, label="with, cos θ (V2)", color=LINES["v3"]["color"], ls="--")
+        if contact:
+            chord = np.sqrt(np.maximum(0.0, 1.0 - (y / edge) ** 2))
+            panel.plot(y, chord, color=fs.HARDNESS, ls=":", label="chord of the contact, 2√(a² − y²)")
+        panel.set_xlabel("across sliding, y, mm")
+        panel.set_ylabel("relative distance, –")
+    axes[1].set_ylim(0.0, 1.05)
+    fs.legend_above(axes[1], columns=3)
 
 
-def volumes_of_v2(runs: Runs, numbers: Numbers) -> Figure:
-    def draw(axes: Any) -> None:
-        for body, color in (("sphere", fs.SPHERE), ("disc", fs.DISC)):
-            for name, line in (("v1", "-"), ("v2", "--")):
-                history = runs[name].history
-                fs.over_distance(
-                    axes[0],
-                    history["distance"],
-                    history[f"wear_volume_{body}"],
-                    color=color,
-                    ls=line,
-                    label=f"{body}, {VERSIONS[name]}",
-                )
-            first, second = (runs[name].history[f"wear_volume_{body}"] for name in ("v1", "v2"))
-            fs.over_distance(
-                axes[1],
-                history["distance"],
-                100.0 * (second / first - 1.0),
-                color=color,
-                label=f"{body}, V2 against V1",
-            )
-        axes[0].set_ylabel("worn volume, mm³")
-        axes[1].set_ylabel("V2 against V1, %")
-        axes[0].set_ylim(bottom=0.0)
-        fs.legend_above(*axes, columns=3)
-
-    return fs.new_figure(draw, columns=2)
+@figure("Worn volumes (mm³) of V1 and V2, and V2 against V1 (%).", columns=2)
+def volumes_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
+    for body, color in (("sphere", fs.SPHERE), ("disc", fs.DISC)):
+        for name, line in (("v1", "-"), ("v2", "--")):
+            history = runs[name].history
+            told = f"{body}, {VERSIONS[name]}"
+            over_distance(axes[0], history, f"wear_volume_{body}", color=color, ls=line, label=told)
+        first, second = (runs[name].history[f"wear_volume_{body}"] for name in ("v1", "v2"))
+        change = 100.0 * (second / first - 1.0)
+        fs.over_distance(axes[1], history["distance"], change, color=color, label=f"{body}, V2 against V1")
+    axes[0].set_ylabel("worn volume, mm³")
+    axes[1].set_ylabel("V2 against V1, %")
+    axes[0].set_ylim(bottom=0.0)
+    fs.legend_above(*axes, columns=3)
 
 
-def cof_of_v2(runs: Runs, numbers: Numbers) -> Figure:
+@figure("Coefficient of friction (–) of V1 and V2, and V2 against V1 (%); steps are single cells.", columns=2)
+def cof_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     first, second = (runs[name].history for name in ("v1", "v2"))
-
-    def draw(axes: Any) -> None:
-        _versions(runs, axes[0], "cof", "v1", "v2")
-        axes[0].set_ylabel("coefficient of friction, –")
-        axes[0].set_ylim(bottom=0.0)
-        fs.over_distance(
-            axes[1], first["distance"], 100.0 * (second["cof"] / first["cof"] - 1.0), color=fs.NEUTRAL, lw=0.6
-        )
-        axes[1].set_ylabel("V2 against V1, %")
-        fs.legend_above(axes[0], columns=2)
-
-    return fs.new_figure(draw, columns=2)
+    versions(axes[0], runs, "cof", "v1", "v2")
+    axes[0].set_ylabel("coefficient of friction, –")
+    axes[0].set_ylim(bottom=0.0)
+    change = 100.0 * (second["cof"] / first["cof"] - 1.0)
+    fs.over_distance(axes[1], first["distance"], change, color=fs.NEUTRAL, lw=0.6)
+    axes[1].set_ylabel("V2 against V1, %")
+    fs.legend_above(axes[0], columns=2)
 
 
-def cof_of_all(runs: Runs, numbers: Numbers) -> Figure:
-    def draw(axes: Any) -> None:
-        for panel in axes:
-            _versions(runs, panel, "cof", *VERSIONS)
-            panel.set_ylabel("coefficient of friction, –")
-        axes[1].set_ylim(0.0, 1.5 * numbers["v1.cof_end"])
-        axes[0].set_ylim(bottom=0.0)
-        axes[0].set_title("full scale")
-        axes[1].set_title("scale of V1; V3 leaves it")
-        fs.legend_above(axes[0], columns=4)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def relative_cof(runs: Runs, numbers: Numbers) -> Figure:
-    def draw(axes: Any) -> None:
-        for panel in axes:
-            for name in VERSIONS:
-                history = runs[name].history
-                fs.over_distance(
-                    panel,
-                    history["distance"],
-                    history["cof"] / history["cof"][-1],
-                    label=VERSIONS[name],
-                    **LINES[name],
-                )
-            panel.set_ylabel("coefficient over its end value, –")
-        axes[0].set_ylim(0.0, 1.05)
-        axes[1].set_xscale("log")
-        axes[1].set_yscale("log")
-        axes[1].set_ylim(1e-3, 1.5)
-        fs.legend_above(axes[0], columns=4)
-
-    return fs.new_figure(draw, columns=2)
+@figure(
+    "Coefficient of friction (–) with one shear strength for all: V3, which sums its areas, is off the "
+    "scale of the others.",
+    columns=2,
+)
+def cof_of_all(axes: Any, runs: Runs, numbers: Numbers) -> None:
+    for panel in axes:
+        versions(panel, runs, "cof", *VERSIONS)
+        panel.set_ylabel("coefficient of friction, –")
+    axes[1].set_ylim(0.0, 1.5 * numbers["v1.cof_end"])
+    axes[0].set_ylim(bottom=0.0)
+    axes[0].set_title("full scale")
+    axes[1].set_title("scale of V1; V3 leaves it")
+    fs.legend_above(axes[0], columns=4)
 
 
-def straight_line(runs: Runs, numbers: Numbers) -> Figure:
+@figure(
+    "Our coefficients relative to their end value (–), linear and logarithmic. The thesis prints no "
+    "values to set beside them.",
+    columns=2,
+)
+def relative_cof(axes: Any, runs: Runs, numbers: Numbers) -> None:
+    for panel in axes:
+        for name, told in VERSIONS.items():
+            history = runs[name].history
+            relative = history["cof"] / history["cof"][-1]
+            fs.over_distance(panel, history["distance"], relative, label=told, **LINES[name])
+        panel.set_ylabel("coefficient over its end value, –")
+    axes[0].set_ylim(0.0, 1.05)
+    axes[1].set_xscale("log")
+    axes[1].set_yscale("log")
+    axes[1].set_ylim(1e-3, 1.5)
+    fs.legend_above(axes[0], columns=4)
+
+
+@figure("V3: running sum of the areas in contact and area ever touched (mm²) with straight lines.", columns=2)
+def straight_line(axes: Any, runs: Runs, numbers: Numbers) -> None:
     history = runs["v3"].history
     distance = history["distance"]
-
-    def draw(axes: Any) -> None:
-        kinds = (
-            ("cumulative", "sum", fs.SUM, "running sum of areas"),
-            ("touched", "touched", fs.TOUCHED, "area ever touched"),
-        )
-        for panel, (area, key, color, label) in zip(axes, kinds, strict=True):
-            values = history[f"area_{area}"]
-            line = np.polyval(np.polyfit(distance, values, 1), distance)
-            fs.over_distance(panel, distance, values, color=color, label=label, lw=2.0)
-            panel.plot(distance, line, color=fs.HARDNESS, ls=":", label="straight line")
-            panel.set_title(f"{label}: R² = {numbers[f'v3.{key}_straightness_R2']:.4f}")
-            panel.set_ylabel("area, mm²")
-            panel.set_ylim(bottom=0.0)
-        fs.legend_above(*axes, columns=3)
-
-    return fs.new_figure(draw, columns=2)
+    kinds = (
+        ("cumulative", "sum", fs.SUM, "running sum of areas"),
+        ("touched", "touched", fs.TOUCHED, "area ever touched"),
+    )
+    for panel, (area, key, color, label) in zip(axes, kinds, strict=True):
+        values = history[f"area_{area}"]
+        line = np.polyval(np.polyfit(distance, values, 1), distance)
+        fs.over_distance(panel, distance, values, color=color, label=label, lw=2.0)
+        panel.plot(distance, line, color=fs.HARDNESS, ls=":", label="straight line")
+        panel.set_title(f"{label}: R² = {numbers[f'v3.{key}_straightness_R2']:.4f}")
+        panel.set_ylabel("area, mm²")
+        panel.set_ylim(bottom=0.0)
+    fs.legend_above(*axes, columns=3)
 
 
-def areas_of_all(runs: Runs, numbers: Numbers) -> Figure:
-    def draw(axes: Any) -> None:
-        for panel in axes:
-            _versions(runs, panel, "area_contact", "v1", "v3", "fine")
-            panel.axhline(numbers["v3.load_over_hardness_mm2"], color=PRINTED, lw=0.8, ls=":", label="F/H")
-            panel.set_ylabel("area in contact, mm²")
-        axes[0].set_ylim(bottom=0.0)
-        axes[1].set_xscale("log")
-        fs.logarithmic(axes[1])
-        fs.legend_above(axes[0], columns=4)
+@figure(
+    "Area in contact (mm²) over the distance (mm) on linear and logarithmic axes; F/H is load over hardness.",
+    columns=2,
+)
+def areas_of_all(axes: Any, runs: Runs, numbers: Numbers) -> None:
+    for panel in axes:
+        versions(panel, runs, "area_contact", "v1", "v3", "fine")
+        panel.axhline(numbers["v3.load_over_hardness_mm2"], color=PRINTED, lw=0.8, ls=":", label="F/H")
+        panel.set_ylabel("area in contact, mm²")
+    axes[0].set_ylim(bottom=0.0)
+    axes[1].set_xscale("log")
+    fs.logarithmic(axes[1])
+    fs.legend_above(axes[0], columns=4)
 
-    return fs.new_figure(draw, columns=2)
 
-
-def stability(runs: Runs, numbers: Numbers) -> Figure:
+@figure(
+    "Area in contact (mm²) of V1 with the foundation that matches Hertz's area: explicit beyond its "
+    "limit, and implicit.",
+    columns=2,
+)
+def stability(axes: Any, runs: Runs, numbers: Numbers) -> None:
     beyond, steady = runs.beyond.history, runs.steady.history
     middle = 0.5 * beyond["distance"][-1]
     near = np.abs(beyond["distance"] - middle) <= 15.0
-
-    def draw(axes: Any) -> None:
-        unstable = {"color": LINES["v3"]["color"]}
-        fs.over_distance(axes[0], beyond["distance"], beyond["area_contact"], lw=0.2, **unstable)
-        fs.over_distance(
-            axes[0],
-            steady["distance"],
-            steady["area_contact"],
-            color=LINES["v1"]["color"],
-            label="stable: implicit",
-        )
-        fs.over_distance(
-            axes[1],
-            beyond["distance"][near],
-            beyond["area_contact"][near],
-            lw=0.7,
-            marker=".",
-            ms=2,
-            label="explicit, beyond the limit",
-            **unstable,
-        )
-        axes[1].plot(steady["distance"][near], steady["area_contact"][near], color=LINES["v1"]["color"])
-        axes[1].set_title("30 mm in the middle, a dot a step")
-        for panel in axes:
-            panel.set_ylabel("area in contact, mm²")
-            panel.set_ylim(bottom=0.0)
-        fs.legend_above(*axes, columns=2)
-
-    return fs.new_figure(draw, columns=2)
+    stable, unstable = {"color": LINES["v1"]["color"]}, {"color": LINES["v3"]["color"]}
+    over_distance(axes[0], beyond, "area_contact", lw=0.2, **unstable)
+    over_distance(axes[0], steady, "area_contact", label="stable: implicit", **stable)
+    dots = {"lw": 0.7, "marker": ".", "ms": 2, "label": "explicit, beyond the limit"}
+    fs.over_distance(axes[1], beyond["distance"][near], beyond["area_contact"][near], **dots, **unstable)
+    axes[1].plot(steady["distance"][near], steady["area_contact"][near], **stable)
+    axes[1].set_title("30 mm in the middle, a dot a step")
+    for panel in axes:
+        panel.set_ylabel("area in contact, mm²")
+        panel.set_ylim(bottom=0.0)
+    fs.legend_above(*axes, columns=2)
 
 
-def rough_patches(runs: Runs, numbers: Numbers) -> Figure:
+@figure(
+    "Extents of V3's patch (mm) on surfaces of different seeds: run (dots), the unworn surface cut by "
+    "the worn sphere without a run (crosses), twice the farthest touched cell, and the bound by the "
+    "highest peak near the rim.",
+    width=fs.PAGE,
+    height=2.9,
+)
+def rough_patches(axes: Any, runs: Runs, numbers: Numbers) -> None:
     patches = runs.patches
     seeds = np.arange(len(patches))
+    axes.axhline(PATCH_DIAMETERS["v3"].value, color=fs.HARDNESS, lw=0.8, label="printed, 1.37 mm")
+    smooth = numbers["closed_form_patch_mm"]
+    axes.axhline(smooth, color=PRINTED, lw=0.8, ls="--", label="smooth, cap of K F L")
 
-    def draw(axes: Any) -> None:
-        axes.axhline(thesis.PATCH_DIAMETERS["v3"].value, color=fs.HARDNESS, lw=0.8, label="printed, 1.37 mm")
-        axes.axhline(
-            numbers["closed_form_patch_mm"], color=PRINTED, lw=0.8, ls="--", label="smooth, cap of K F L"
-        )
-        axes.plot(
-            seeds, [p.largest for p in patches], "_", ms=12, color=fs.NEUTRAL, label="a peak R_p at both ends"
-        )
-        axes.plot(
-            seeds, [p.farthest for p in patches], "D", ms=3, color=fs.SUM, label="twice the farthest cell"
-        )
-        for side, color, shift in (("along", fs.SPHERE, -0.12), ("across", fs.DISC, 0.12)):
-            axes.plot(
-                seeds + shift,
-                [getattr(p, side) for p in patches],
-                "o",
-                ms=4,
-                color=color,
-                label=f"{side}, V3",
-            )
-            axes.plot(
-                seeds + shift,
-                [getattr(p, f"predicted_{side}") for p in patches],
-                "x",
-                ms=4,
-                color=color,
-                label=f"{side}, geometry alone",
-            )
-        axes.set_xticks(seeds, [str(p.seed) for p in patches])
-        axes.set_xlabel("seed of the rough surface")
-        axes.set_ylabel("extent of the patch, mm")
-        fs.legend_above(axes, columns=4)
+    def dots(attribute: str, marker: str, size: int, color: str, label: str, shift: float = 0.0) -> None:
+        extents = [getattr(patch, attribute) for patch in patches]
+        axes.plot(seeds + shift, extents, marker, ms=size, color=color, label=label)
 
-    return fs.new_figure(draw, width=fs.PAGE, height=2.9)
+    dots("largest", "_", 12, fs.NEUTRAL, "a peak R_p at both ends")
+    dots("farthest", "D", 3, fs.SUM, "twice the farthest cell")
+    for side, color, shift in (("along", fs.SPHERE, -0.12), ("across", fs.DISC, 0.12)):
+        dots(side, "o", 4, color, f"{side}, V3", shift)
+        dots(f"predicted_{side}", "x", 4, color, f"{side}, geometry alone", shift)
+    axes.set_xticks(seeds, [str(p.seed) for p in patches])
+    axes.set_xlabel("seed of the rough surface")
+    axes.set_ylabel("extent of the patch, mm")
+    fs.legend_above(axes, columns=4)
+
+
+def _bars(
+    axes: Axes, labels: list[str], values: list[float], colours: list[str], text: str = "{:.3g}"
+) -> None:
+    """Draw a bar a value, with the value over it. text: its format."""
+    bars = axes.bar(range(len(values)), values, color=colours, width=0.65)
+    axes.bar_label(bars, [text.format(v) for v in values], fontsize=7, padding=2)
+    axes.set_xticks(range(len(values)), labels)
+    axes.margins(y=0.12)
+
+
+@figure("Worn volume of the disc (mm³) and against V1 (%).", columns=2)
+def disc_volumes(axes: Any, runs: Runs, numbers: Numbers) -> None:
+    values = [numbers[f"{name}.disc_volume_mm3"] for name in VERSIONS]
+    colours = [LINES[name]["color"] for name in VERSIONS]
+    _bars(axes[0], list(VERSIONS.values()), values, colours, "{:.5f}")
+    axes[0].set_ylabel("worn volume of the disc, mm³")
+    change = [100.0 * (value / values[0] - 1.0) for value in values]
+    _bars(axes[1], list(VERSIONS.values()), change, colours, "{:.3f}")
+    axes[1].axhline(0.0, color=fs.NEUTRAL, lw=0.6)
+    axes[1].set_ylabel("against V1, %")
+    axes[1].margins(y=0.2)
+
+
+@figure(
+    "Deepest cell of the disc (µm) of the models on a stationary footprint, and the groove that Table "
+    "4.1's K_d makes of 30 mm × 0.80 mm."
+)
+def disc_depths(axes: Any, runs: Runs, numbers: Numbers) -> None:
+    labels = [*VERSIONS.values(), "groove of\nTable 4.1"]
+    values = [numbers[f"{name}.disc_depth_um"] for name in VERSIONS] + [numbers["experiment.groove_depth_um"]]
+    _bars(axes, labels, values, [*(LINES[name]["color"] for name in VERSIONS), EXPERIMENT])
+    axes.set_ylabel("depth of the disc's wear, µm")
+
+
+@figure("Diameter of the sphere's worn patch (mm) as printed and of our runs.", width=5.0)
+def patch_bars(axes: Any, runs: Runs, numbers: Numbers) -> None:
+    ours = [numbers[name] for name in (SMOOTH_PATCHES | ROUGH_PATCHES).values()]
+    printed = [PATCH_DIAMETERS[name].value for name in ("experiment", "v1", "v2", "v3")]
+    places, colours = np.arange(4), [line["color"] for line in LINES.values()]
+    beside = places - np.array([0.0, 0.19, 0.19, 0.19])
+    for bars in (
+        axes.bar(beside, printed, 0.36, color=[EXPERIMENT, *[PRINTED] * 3], label="printed in the thesis"),
+        axes.bar(places[1:] + 0.19, ours[:3], 0.36, color=colours[:3]),
+        axes.bar([4.0], ours[3:], 0.36, color=colours[3]),
+    ):
+        axes.bar_label(bars, fmt="{:.2f}", fontsize=7, padding=2)
+    axes.set_xticks(range(5), ["experiment", "V1", "V2", "V3", "V3 fine"])
+    axes.set_ylabel("diameter of the sphere's patch, mm")
+    axes.margins(y=0.12)
+    axes.set_title("grey and black: printed; coloured: ours")

@@ -1,6 +1,6 @@
 """What the report says of the thesis's models in its own words, each statement with a rule that can fail."""
 
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import PATCH_DIAMETERS, WEAR_COEFFICIENTS
 from warpwear.thesis.verdicts import (
     SAME_VOLUME,
     Kind,
@@ -8,10 +8,13 @@ from warpwear.thesis.verdicts import (
     Row,
     Table,
     Verdict,
+    extremes,
     holds_if,
     is_root,
     number,
+    of,
     of_all,
+    patches,
     percent,
     shape_of,
 )
@@ -25,22 +28,11 @@ CURED = 0.03
 
 @item(
     "volume",
-    "",
     "The disc volume of V3 is not above that of V2",
-    says="V = K F L for any pressure field, times V2's factor.",
-    rows=(
-        of_all("disc volume", "mm³", "disc_volume_mm3"),
-        of_all("disc volume over K F L", "–", "disc_volume_over_KFL"),
-        Row(
-            "V3 against V2, over all surfaces",
-            "%",
-            {
-                "smallest": "surfaces.disc_volume_over_v2_smallest",
-                "largest": "surfaces.disc_volume_over_v2_largest",
-            },
-            factor=100.0,
-        ),
-    ),
+    "V = K F L for any pressure field, times V2's factor.",
+    of_all("disc volume", "mm³", "disc_volume_mm3"),
+    of_all("disc volume over K F L", "–", "disc_volume_over_KFL"),
+    Row("V3 against V2, over all surfaces", "%", extremes("surfaces.disc_volume_over_v2_{}")),
 )
 def _volume(n: Known) -> Verdict:
     low, high = n["surfaces.disc_volume_over_v2_smallest"], n["surfaces.disc_volume_over_v2_largest"]
@@ -56,32 +48,27 @@ def _volume(n: Known) -> Verdict:
 
 @item(
     "patch",
-    "",
     "The printed patch, the printed wear coefficients and the models cannot all be right",
-    says="0.80 mm measured; K_s = 9.4e-4; a stationary footprint worn by both bodies.",
-    rows=(
-        Row(
-            "patch on the sphere",
-            "mm",
-            {
-                "K_s alone, swept track": "experiment.patch_of_printed_K_mm",
-                "both, stationary (cap of K F L)": "closed_form_patch_mm",
-                "V1": "v1.patch_by_depth_mm",
-            },
-            {"experiment": thesis.PATCH_DIAMETERS["experiment"], "thesis V1": thesis.PATCH_DIAMETERS["v1"]},
-        ),
-        Row(
-            "K_s of 0.80 mm",
-            "10⁻⁴ mm³/(N·m)",
-            {"cap": "experiment.K_by_cap", "full ellipsoid": "experiment.K_by_ellipsoid"},
-            {"Table 4.1": thesis.WEAR_COEFFICIENTS["sphere"]},
-            factor=1e4,
-            printed_factor=1e4,
-        ),
+    "0.80 mm measured; K_s = 9.4e-4; a stationary footprint worn by both bodies.",
+    Row(
+        "patch on the sphere",
+        "mm",
+        {
+            "K_s alone, swept track": "experiment.patch_of_printed_K_mm",
+            "both, stationary (cap of K F L)": "closed_form_patch_mm",
+            "V1": "v1.patch_by_depth_mm",
+        },
+        patches("experiment", "v1"),
+    ),
+    Row(
+        "K_s of 0.80 mm",
+        "10⁻⁴ mm³/(N·m)",
+        {"cap": "experiment.K_by_cap", "full ellipsoid": "experiment.K_by_ellipsoid"},
+        {"Table 4.1": WEAR_COEFFICIENTS["sphere"]},
     ),
 )
 def _patch(n: Known) -> Verdict:
-    measured = thesis.PATCH_DIAMETERS["experiment"].value
+    measured = PATCH_DIAMETERS["experiment"].value
     alone, both = n["experiment.patch_of_printed_K_mm"], n["closed_form_patch_mm"]
     return holds_if(
         alone > 1.1 * measured and both > 1.1 * alone,
@@ -96,16 +83,13 @@ def _patch(n: Known) -> Verdict:
 
 @item(
     "line",
-    "",
     "V3's friction is a straight line, and its pressure pinned, by construction and not by the mesh",
-    says="p = H on every cell in contact makes the area F/H at any mesh; a running sum of equal areas is "
+    "p = H on every cell in contact makes the area F/H at any mesh; a running sum of equal areas is "
     "straight.",
-    rows=(
-        Row("R² of the running sum", "–", {"V3": "v3.sum_straightness_R2"}),
-        Row("running sum over V1's worn area", "–", {"V3": "v3.sum_over_worn_patch"}),
-        Row("scatter of the mean pressure", "MPa", {"V3": "v3.pressure_scatter_MPa"}),
-        Row("exponent of the area in contact", "–", {"V3": "v3.exponent_m"}),
-    ),
+    Row("R² of the running sum", "–", of("v3.sum_straightness_R2")),
+    Row("running sum over V1's worn area", "–", of("v3.sum_over_worn_patch")),
+    Row("scatter of the mean pressure", "MPa", of("v3.pressure_scatter_MPa")),
+    Row("exponent of the area in contact", "–", of("v3.exponent_m")),
 )
 def _line(n: Known) -> Verdict:
     total = n["v3.sum_straightness_R2"]
@@ -125,18 +109,13 @@ def _line(n: Known) -> Verdict:
 
 @item(
     "cure",
-    "",
     "Converged, V3's equations level off, and reduce to V1",
-    says="Four parts: balance to one cell, fine cells, implicit steps, the area in contact at each moment.",
-    rows=(
-        Row(
-            "area at the start", "mm²", {"V3 fine": "fine.area_first_mm2", "F/H": "v3.load_over_hardness_mm2"}
-        ),
-        of_all("area at 30 mm", "mm²", "area_30_mm2"),
-        of_all("area at the end", "mm²", "area_end_mm2"),
-        of_all("exponent m of the area in contact", "–", "exponent_m"),
-        of_all("levelling index λ of the area in contact", "–", "levelling_lambda"),
-    ),
+    "Four parts: balance to one cell, fine cells, implicit steps, the area in contact at each moment.",
+    Row("area at the start", "mm²", {"V3 fine": "fine.area_first_mm2", "F/H": "v3.load_over_hardness_mm2"}),
+    of_all("area at 30 mm", "mm²", "area_30_mm2"),
+    of_all("area at the end", "mm²", "area_end_mm2"),
+    of_all("exponent m of the area in contact", "–", "exponent_m"),
+    of_all("levelling index λ of the area in contact", "–", "levelling_lambda"),
     figures=("areas_of_all",),
 )
 def _cure(n: Known) -> Verdict:
@@ -154,9 +133,8 @@ def _cure(n: Known) -> Verdict:
 
 @item(
     "increments",
-    "",
     "Implicit wear does not depend on the increment",
-    says="V1 with implicit wear ends at the same area and depth for every increment, within 1 %.",
+    "V1 with implicit wear ends at the same area and depth for every increment, within 1 %.",
 )
 def _increments(n: Known) -> Verdict:
     most = n["implicit.largest_deviation"]
@@ -169,39 +147,25 @@ def _increments(n: Known) -> Verdict:
 
 @item(
     "stability",
-    "",
     "Beyond the limit of explicit wear the area is wrong, and nothing else shows it",
-    says="V1 with the foundation that matches Hertz's area, explicit at 0.3 mm; the solver refuses it "
+    "V1 with the foundation that matches Hertz's area, explicit at 0.3 mm; the solver refuses it "
     "unless forced.",
-    rows=(
-        Row("limit of the increment", "mm", {"Hertz's area": "beyond.limit_mm", "V1": "v1.limit_mm"}),
-        Row(
-            "area against the stable run",
-            "%",
-            {
-                "last step": "beyond.area_last",
-                "mean": "beyond.area_mean",
-                "lowest": "beyond.area_lowest",
-                "highest": "beyond.area_highest",
-            },
-            factor=100.0,
-        ),
-        Row(
-            "scatter of the pressure over its mean, last step",
-            "%",
-            {"unstable": "beyond.pressure_unevenness"},
-            factor=100.0,
-        ),
-        Row(
-            "patch, disc depth, disc volume against V1",
-            "%",
-            {
-                "patch": "beyond.patch_change",
-                "depth": "beyond.depth_change",
-                "volume": "beyond.volume_change",
-            },
-            factor=100.0,
-        ),
+    Row("limit of the increment", "mm", {"Hertz's area": "beyond.limit_mm", "V1": "v1.limit_mm"}),
+    Row(
+        "area against the stable run",
+        "%",
+        {
+            "last step": "beyond.area_last",
+            "mean": "beyond.area_mean",
+            "lowest": "beyond.area_lowest",
+            "highest": "beyond.area_highest",
+        },
+    ),
+    Row("scatter of the pressure over its mean, last step", "%", {"unstable": "beyond.pressure_unevenness"}),
+    Row(
+        "patch, disc depth, disc volume against V1",
+        "%",
+        {"patch": "beyond.patch_change", "depth": "beyond.depth_change", "volume": "beyond.volume_change"},
     ),
     figures=("stability",),
 )
@@ -223,45 +187,34 @@ def _stability(n: Known) -> Verdict:
 
 @item(
     "surfaces",
-    "",
     "V3's patch is as wide as the highest peaks at its rim allow",
-    says="Touched is where the disc stands above the sphere's worn shape: at most 2√(z(2R − z)) across, with "
+    "Touched is where the disc stands above the sphere's worn shape: at most 2√(z(2R − z)) across, with "
     "z = R − √(R² − a²) + R_p.",
-    rows=(
-        Row(
-            "patch, along and across, over all surfaces",
-            "mm",
-            {
-                "smallest": "surfaces.patch_smallest_mm",
-                "mean": "surfaces.patch_mean_mm",
-                "largest": "surfaces.patch_largest_mm",
-            },
-            {"thesis V3": thesis.PATCH_DIAMETERS["v3"]},
-        ),
-        Row(
-            "twice the farthest touched cell",
-            "mm",
-            {"smallest": "surfaces.farthest_smallest_mm", "largest": "surfaces.farthest_largest_mm"},
-        ),
-        Row(
-            "extent with peaks R_p at both ends, 2√(z(2R − z))",
-            "mm",
-            {"smallest": "surfaces.bound_smallest_mm", "largest": "surfaces.bound_largest_mm"},
-        ),
-        Row(
-            "highest peak near the rim, R_p",
-            "µm",
-            {
-                "smallest": "surfaces.peak_smallest_um",
-                "largest": "surfaces.peak_largest_um",
-                "asked by 1.37 mm": "surfaces.peak_asked_um",
-            },
-        ),
+    Row(
+        "patch, along and across, over all surfaces",
+        "mm",
+        {
+            "smallest": "surfaces.patch_smallest_mm",
+            "mean": "surfaces.patch_mean_mm",
+            "largest": "surfaces.patch_largest_mm",
+        },
+        patches("v3"),
+    ),
+    Row("twice the farthest touched cell", "mm", extremes("surfaces.farthest_{}_mm")),
+    Row("extent with peaks R_p at both ends, 2√(z(2R − z))", "mm", extremes("surfaces.bound_{}_mm")),
+    Row(
+        "highest peak near the rim, R_p",
+        "µm",
+        {
+            "smallest": "surfaces.peak_smallest_um",
+            "largest": "surfaces.peak_largest_um",
+            "asked by 1.37 mm": "surfaces.peak_asked_um",
+        },
     ),
     figures=("rough_patches",),
 )
 def _surfaces(n: Known) -> Verdict:
-    printed = thesis.PATCH_DIAMETERS["v3"].value
+    printed = PATCH_DIAMETERS["v3"].value
     explained = (
         n["surfaces.prediction_error_mm"] < 4.0 * n["surfaces.cell_mm"]
         and n["surfaces.bound_exceeded_mm"] < n["surfaces.cell_mm"]

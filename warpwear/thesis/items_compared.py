@@ -1,6 +1,6 @@
 """The thesis's figures of its versions side by side and beside the experiment, with verdicts."""
 
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import PATCH_DIAMETERS
 from warpwear.thesis.verdicts import (
     DIAMETER_TOLERANCE,
     ROUGH_PATCHES,
@@ -13,9 +13,12 @@ from warpwear.thesis.verdicts import (
     Table,
     Verdict,
     agrees_if,
+    extremes,
     is_root,
     number,
+    of,
     of_all,
+    patches,
     percent,
     wrong_if,
 )
@@ -26,16 +29,13 @@ item = TABLE.item
 
 @item(
     "figure-4.31",
-    "Figure 4.31",
     "Disc profiles of the three versions",
-    says="V3's wear is deeper and its contact larger than that of V1 and V2, because of its high "
+    "V3's wear is deeper and its contact larger than that of V1 and V2, because of its high "
     "constant pressure.",
-    rows=(
-        of_all("deepest cell of the disc", "µm", "disc_depth_um"),
-        Row("mean depth in the scar", "µm", {"V1": "v1.mean_disc_depth_um", "V3": "v3.mean_disc_depth_um"}),
-        of_all("area ever touched", "mm²", "area_touched_mm2"),
-        of_all("area in contact at the end", "mm²", "area_end_mm2"),
-    ),
+    of_all("deepest cell of the disc", "µm", "disc_depth_um"),
+    Row("mean depth in the scar", "µm", of("v1.mean_disc_depth_um", "v3.mean_disc_depth_um")),
+    of_all("area ever touched", "mm²", "area_touched_mm2"),
+    of_all("area in contact at the end", "mm²", "area_end_mm2"),
     figures=("disc_profiles",),
 )
 def _disc_profiles(n: Known) -> Verdict:
@@ -55,42 +55,26 @@ def _disc_profiles(n: Known) -> Verdict:
 
 @item(
     "figure-4.32",
-    "Figure 4.32",
     "Sphere patches of the three versions",
-    says="Diameters 1.28, 1.28 and 1.37 mm.",
-    rows=(
-        Row(
-            "patch along sliding",
-            "mm",
-            {
-                "V1": "v1.patch_along_mm",
-                "V2": "v2.patch_along_mm",
-                "V3": "v3.patch_along_mm",
-                "V3 fine": "fine.patch_along_mm",
-            },
-            {f"thesis {v.upper()}": thesis.PATCH_DIAMETERS[v] for v in ("v1", "v2", "v3")},
-        ),
-        of_all("patch across sliding", "mm", "patch_across_mm"),
-        of_all("circle of the area ever touched", "mm", "patch_by_area_mm"),
-        Row(
-            "extent of V3, along and across, all surfaces",
-            "mm",
-            {"smallest": "surfaces.patch_smallest_mm", "largest": "surfaces.patch_largest_mm"},
-            {"thesis V3": thesis.PATCH_DIAMETERS["v3"]},
-        ),
-        Row(
-            "twice the farthest touched cell, all surfaces",
-            "mm",
-            {"smallest": "surfaces.farthest_smallest_mm", "largest": "surfaces.farthest_largest_mm"},
-            {"thesis V3": thesis.PATCH_DIAMETERS["v3"]},
-        ),
+    "Diameters 1.28, 1.28 and 1.37 mm.",
+    of_all("patch along sliding", "mm", "patch_along_mm", patches("v1", "v2", "v3")),
+    of_all("patch across sliding", "mm", "patch_across_mm"),
+    of_all("circle of the area ever touched", "mm", "patch_by_area_mm"),
+    Row(
+        "extent of V3, along and across, all surfaces", "mm", extremes("surfaces.patch_{}_mm"), patches("v3")
+    ),
+    Row(
+        "twice the farthest touched cell, all surfaces",
+        "mm",
+        extremes("surfaces.farthest_{}_mm"),
+        patches("v3"),
     ),
     figures=("sphere_patches",),
 )
 def _sphere_patches(n: Known) -> Verdict:
     ours = {v: n[f"{v}.patch_by_depth_mm"] for v in ("v1", "v2")}
-    smooth = all(abs(d - thesis.PATCH_DIAMETERS[v].value) < DIAMETER_TOLERANCE for v, d in ours.items())
-    printed = thesis.PATCH_DIAMETERS["v3"].value
+    smooth = all(abs(d - PATCH_DIAMETERS[v].value) < DIAMETER_TOLERANCE for v, d in ours.items())
+    printed = PATCH_DIAMETERS["v3"].value
     low, high = n["surfaces.patch_smallest_mm"], n["surfaces.patch_largest_mm"]
     rough = low - DIAMETER_TOLERANCE < printed < high + DIAMETER_TOLERANCE
     told = (
@@ -113,13 +97,11 @@ def _sphere_patches(n: Known) -> Verdict:
 
 @item(
     "figure-4.32-shape",
-    "Figure 4.32, V2",
     "Worn shape of V2",
-    says="V2's worn shape is skewed instead of spherical.",
-    rows=(
-        Row("V2: along against across, largest difference", "µm", {"V2": "v2.skewness_um"}),
-        Row("deepest wear of the sphere", "µm", {"V2": "v2.sphere_depth_um"}),
-    ),
+    "V2's worn shape is skewed instead of spherical.",
+    Row("V2: along against across, largest difference", "µm", of("v2.skewness_um")),
+    Row("deepest wear of the sphere", "µm", of("v2.sphere_depth_um")),
+    place="Figure 4.32, V2",
 )
 def _shape_of_v2(n: Known) -> Verdict:
     skew, depth = n["v2.skewness_um"], n["v2.sphere_depth_um"]
@@ -133,13 +115,10 @@ def _shape_of_v2(n: Known) -> Verdict:
 
 @item(
     "figure-4.33",
-    "Figure 4.33",
     "Disc volumes of the three versions",
-    says="V2 slightly below V1; V3 above V2, because its pressure is high and constant.",
-    rows=(
-        of_all("worn volume of the disc", "mm³", "disc_volume_mm3"),
-        Row("V3 against V2", "%", {"V3": "v3.disc_volume_over_v2"}, factor=100.0),
-    ),
+    "V2 slightly below V1; V3 above V2, because its pressure is high and constant.",
+    of_all("worn volume of the disc", "mm³", "disc_volume_mm3"),
+    Row("V3 against V2", "%", of("v3.disc_volume_over_v2")),
     figures=("disc_volumes",),
 )
 def _disc_volumes(n: Known) -> Verdict:
@@ -155,13 +134,10 @@ def _disc_volumes(n: Known) -> Verdict:
 
 @item(
     "figure-4.34",
-    "Figure 4.34",
     "Coefficients of friction of the three versions",
-    says="V1 and V2 level off; V3 rises in a straight line to very high, unrealistic values.",
-    rows=(
-        of_all("coefficient at the end", "–", "cof_end"),
-        Row("V3 over V1 at the end", "–", {"V3": "v3.cof_over_v1"}),
-    ),
+    "V1 and V2 level off; V3 rises in a straight line to very high, unrealistic values.",
+    of_all("coefficient at the end", "–", "cof_end"),
+    Row("V3 over V1 at the end", "–", of("v3.cof_over_v1")),
     figures=("cof_of_all",),
 )
 def _cof_of_all(n: Known) -> Verdict:
@@ -177,16 +153,13 @@ def _cof_of_all(n: Known) -> Verdict:
 
 @item(
     "figure-4.35",
-    "Figure 4.35",
     "Worn height of the disc: models and experiment",
-    says="The three models lie within the error bars of 12 measured tracks. The text prints no value.",
-    rows=(
-        of_all("deepest cell of the disc", "µm", "disc_depth_um"),
-        Row(
-            "groove that Table 4.1's K_d makes, 30 mm long, 0.80 mm wide",
-            "µm",
-            {"experiment": "experiment.groove_depth_um"},
-        ),
+    "The three models lie within the error bars of 12 measured tracks. The text prints no value.",
+    of_all("deepest cell of the disc", "µm", "disc_depth_um"),
+    Row(
+        "groove that Table 4.1's K_d makes, 30 mm long, 0.80 mm wide",
+        "µm",
+        {"experiment": "experiment.groove_depth_um"},
     ),
     figures=("disc_depths",),
 )
@@ -204,26 +177,13 @@ def _disc_depths(n: Known) -> Verdict:
 
 @item(
     "figure-4.36",
-    "Figure 4.36",
     "Sphere patch: models and experiment",
-    says="0.80 mm measured, 1.28, 1.28 and 1.37 mm modelled; called comparable.",
-    rows=(
-        Row(
-            "patch diameter",
-            "mm",
-            SMOOTH_PATCHES | ROUGH_PATCHES,
-            {
-                "experiment": thesis.PATCH_DIAMETERS["experiment"],
-                "thesis V1": thesis.PATCH_DIAMETERS["v1"],
-                "thesis V2": thesis.PATCH_DIAMETERS["v2"],
-                "thesis V3": thesis.PATCH_DIAMETERS["v3"],
-            },
-        ),
-    ),
+    "0.80 mm measured, 1.28, 1.28 and 1.37 mm modelled; called comparable.",
+    Row("patch diameter", "mm", SMOOTH_PATCHES | ROUGH_PATCHES, patches("experiment", "v1", "v2", "v3")),
     figures=("patch_bars",),
 )
 def _patch_bars(n: Known) -> Verdict:
-    ours, measured = n["v1.patch_by_depth_mm"], thesis.PATCH_DIAMETERS["experiment"].value
+    ours, measured = n["v1.patch_by_depth_mm"], PATCH_DIAMETERS["experiment"].value
     return wrong_if(
         ours > 1.2 * measured,
         f"Our models give what the thesis's give, and both are {percent(ours / measured - 1.0)} above the "
@@ -236,10 +196,9 @@ def _patch_bars(n: Known) -> Verdict:
 
 @item(
     "figure-4.37",
-    "Figure 4.37",
     "Coefficients of friction: models and experiment",
-    says="V1 and V2 are very close to the experiment, except at the start.",
-    rows=(of_all("coefficient at the start over that at the end", "–", "cof_first_over_end"),),
+    "V1 and V2 are very close to the experiment, except at the start.",
+    of_all("coefficient at the start over that at the end", "–", "cof_first_over_end"),
     figures=("relative_cof",),
 )
 def _relative_cof(n: Known) -> Verdict:
@@ -249,4 +208,67 @@ def _relative_cof(n: Known) -> Verdict:
         "strength, so only shapes relative to the end are drawn. V1 starts at "
         f"{number(n['v1.cof_first_over_end'], 2)} of its end; a contact area that grows a hundredfold "
         "cannot start near the end's value, which is the offset that the text mentions.",
+    )
+
+
+@item(
+    "figure-A.8",
+    "Area in contact at 0, 30 and 2400 mm",
+    "The first area is Hertz's.",
+    Row("area at the start", "mm²", {"Hertz": "hertz_area_mm2", "V1": "v1.area_first_mm2"}),
+    Row("area at 30 mm", "mm²", of("v1.area_30_mm2")),
+    Row("area at 2400 mm", "mm²", of("v1.area_end_mm2")),
+    figures=("contact_areas",),
+)
+def _contact_areas(n: Known) -> Verdict:
+    ratio, limit, step = n["v1.area_over_hertz"], n["beyond.limit_mm"], n["beyond.increment_mm"]
+    if abs(ratio - 1.0) < 0.05:
+        return Verdict(Kind.AGREES, f"The first area is {number(ratio)} of Hertz's.")
+    return Verdict(
+        Kind.DISAGREES,
+        f"Ours starts at {number(ratio)} of Hertz's area, since its foundation matches his peak pressure "
+        "(figure 4.17). "
+        f"With the foundation that matches his area the explicit step of {number(step)} mm is "
+        + (f"beyond the limit of stability, {number(limit)} mm." if step >= limit else "stable."),
+    )
+
+
+@item(
+    "figure-A.9",
+    "Sphere patch of V2",
+    "The factor has only a minor effect on the sphere.",
+    Row("sphere depth against V1", "%", of("v2.sphere_depth_change")),
+    Row("largest change of a cell", "µm", of("v2.sphere_change_um")),
+    figures=("sphere_of_v2",),
+)
+def _sphere_of_v2(n: Known) -> Verdict:
+    depth, cell = n["v2.sphere_depth_change"], n["v2.sphere_change_um"]
+    return agrees_if(
+        abs(depth) < 0.01,
+        f"The depth changes by {percent(depth)}, no cell by more than {number(cell, 2)} µm.",
+        f"The depth changes by {percent(depth)}.",
+    )
+
+
+@item(
+    "figure-A.10",
+    "The straight line of V3",
+    "V3's coefficient rises in a straight line because the mesh is too coarse.",
+    Row("R² of a straight line: running sum of areas", "–", of("v3.sum_straightness_R2")),
+    Row("R²: area ever touched", "–", of("v3.touched_straightness_R2")),
+    Row(
+        "area in contact: load over hardness",
+        "mm²",
+        {"V3": "v3.area_first_mm2", "F/H": "v3.load_over_hardness_mm2"},
+    ),
+    figures=("straight_line",),
+)
+def _straight_line(n: Known) -> Verdict:
+    total, touched = n["v3.sum_straightness_R2"], n["v3.touched_straightness_R2"]
+    return wrong_if(
+        total > 0.999 and touched < 0.99,
+        f"The line is there (R² = {number(total, 5)} for the running sum of areas, {number(touched)} for "
+        "the area ever touched), but its cause is not the mesh: p = H makes the area F/H at every mesh, "
+        "and a sum of equal areas is a straight line. That areas are summed is an inference.",
+        f"R² is {number(total, 5)} for the running sum and {number(touched)} for the area ever touched.",
     )

@@ -1,6 +1,13 @@
 """The thesis's test, its wear coefficients, and its figures of V1 beside ours, with verdicts."""
 
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import (
+    DISTANCE,
+    MISPRINTED_DISTANCE,
+    PATCH_DIAMETERS,
+    SPEEDS,
+    TEST_TIMES,
+    WEAR_COEFFICIENTS,
+)
 from warpwear.thesis.verdicts import (
     DIAMETER_TOLERANCE,
     ROOT_EXPONENT,
@@ -12,6 +19,8 @@ from warpwear.thesis.verdicts import (
     agrees_if,
     is_root,
     number,
+    of,
+    patches,
     percent,
     shape_of,
     wrong_if,
@@ -23,23 +32,19 @@ item = TABLE.item
 
 @item(
     "table-3.4",
-    "Table 3.4",
     "The test",
-    says="Four speeds, each with its time and a sliding distance of 2400 mm; Table 3.3: 8 N, 40 motions "
-    "of 60 mm.",
-    rows=(
-        Row(
-            "sliding distance",
-            "mm",
-            {"strokes × passes": "experiment.distance_by_strokes_mm"},
-            {"thesis": thesis.DISTANCE},
-        ),
+    "Four speeds, each with its time and a sliding distance of 2400 mm; Table 3.3: 8 N, 40 motions of 60 mm.",
+    Row(
+        "sliding distance",
+        "mm",
+        {"strokes × passes": "experiment.distance_by_strokes_mm"},
+        {"thesis": DISTANCE},
     ),
 )
 def _test(n: Known) -> Verdict:
     by_strokes = n["experiment.distance_by_strokes_mm"]
-    by_time = {s.value * t.value for s, t in zip(thesis.SPEEDS, thesis.TEST_TIMES, strict=True)}
-    printed, elsewhere = thesis.DISTANCE.value, thesis.MISPRINTED_DISTANCE.value
+    by_time = {s.value * t.value for s, t in zip(SPEEDS, TEST_TIMES, strict=True)}
+    printed, elsewhere = DISTANCE.value, MISPRINTED_DISTANCE.value
     return agrees_if(
         by_strokes == printed and by_time == {printed},
         f"Strokes and times give the same {number(printed, 4)} mm; every run here slides as far. The "
@@ -50,37 +55,30 @@ def _test(n: Known) -> Verdict:
 
 @item(
     "table-4.1",
-    "Table 4.1",
     "Wear coefficients",
-    says="K of the ball 9.4e-4, of the disc 12.7e-4 (focus variation) or 23.7e-4 mm³/(N·m) (confocal).",
-    rows=(
-        Row(
-            "K of the ball from its 0.80 mm patch, by a cap",
-            "10⁻⁴ mm³/(N·m)",
-            {"from the patch": "experiment.K_by_cap"},
-            {"thesis": thesis.WEAR_COEFFICIENTS["sphere"]},
-            factor=1e4,
-            printed_factor=1e4,
-        ),
-        Row(
-            "the same, by a full ellipsoid (4/3)πa²h",
-            "10⁻⁴ mm³/(N·m)",
-            {"from the patch": "experiment.K_by_ellipsoid"},
-            {"thesis": thesis.WEAR_COEFFICIENTS["sphere"]},
-            factor=1e4,
-            printed_factor=1e4,
-        ),
-        Row(
-            "patch that the printed K alone wears",
-            "mm",
-            {"from K": "experiment.patch_of_printed_K_mm"},
-            {"experiment": thesis.PATCH_DIAMETERS["experiment"]},
-        ),
+    "K of the ball 9.4e-4, of the disc 12.7e-4 (focus variation) or 23.7e-4 mm³/(N·m) (confocal).",
+    Row(
+        "K of the ball from its 0.80 mm patch, by a cap",
+        "10⁻⁴ mm³/(N·m)",
+        {"from the patch": "experiment.K_by_cap"},
+        {"thesis": WEAR_COEFFICIENTS["sphere"]},
+    ),
+    Row(
+        "the same, by a full ellipsoid (4/3)πa²h",
+        "10⁻⁴ mm³/(N·m)",
+        {"from the patch": "experiment.K_by_ellipsoid"},
+        {"thesis": WEAR_COEFFICIENTS["sphere"]},
+    ),
+    Row(
+        "patch that the printed K alone wears",
+        "mm",
+        {"from K": "experiment.patch_of_printed_K_mm"},
+        patches("experiment"),
     ),
 )
 def _coefficients(n: Known) -> Verdict:
     over, ellipsoid = n["experiment.K_over_cap"], n["experiment.K_by_ellipsoid"]
-    printed = thesis.WEAR_COEFFICIENTS["sphere"].value
+    printed = WEAR_COEFFICIENTS["sphere"].value
     guess = (
         f" A full ellipsoid gives {number(1e4 * ellipsoid)}·10⁻⁴, near the printed value: probably that "
         "formula was used (an inference)."
@@ -98,14 +96,11 @@ def _coefficients(n: Known) -> Verdict:
 
 @item(
     "figure-4.17",
-    "Figure 4.17",
     "Pressure of V1 at the start and at the end",
-    says="Winkler's pressure is about Hertz's at the start and is flat over a wider contact at the end.",
-    rows=(
-        Row("peak at the start", "MPa", {"Hertz": "hertz_peak_MPa", "V1": "v1.pressure_first_max_MPa"}),
-        Row("area at the start", "mm²", {"Hertz": "hertz_area_mm2", "V1": "v1.area_first_mm2"}),
-        Row("mean pressure at the end", "MPa", {"V1": "v1.pressure_end_MPa"}),
-    ),
+    "Winkler's pressure is about Hertz's at the start and is flat over a wider contact at the end.",
+    Row("peak at the start", "MPa", {"Hertz": "hertz_peak_MPa", "V1": "v1.pressure_first_max_MPa"}),
+    Row("area at the start", "mm²", {"Hertz": "hertz_area_mm2", "V1": "v1.area_first_mm2"}),
+    Row("mean pressure at the end", "MPa", of("v1.pressure_end_MPa")),
     figures=("pressure_of_v1",),
 )
 def _pressure_of_v1(n: Known) -> Verdict:
@@ -121,13 +116,10 @@ def _pressure_of_v1(n: Known) -> Verdict:
 
 @item(
     "figure-4.18",
-    "Figure 4.18",
     "Pressure and radius of V1 over the distance",
-    says="Both change very fast at first and slowly after about 0.1 m.",
-    rows=(
-        Row("fall of the pressure done by 100 mm", "%", {"V1": "v1.pressure_fallen_early"}, factor=100.0),
-        Row("radius at 100 mm over that at the end", "%", {"V1": "v1.radius_grown_early"}, factor=100.0),
-    ),
+    "Both change very fast at first and slowly after about 0.1 m.",
+    Row("fall of the pressure done by 100 mm", "%", of("v1.pressure_fallen_early")),
+    Row("radius at 100 mm over that at the end", "%", of("v1.radius_grown_early")),
     figures=("radius_and_pressure",),
 )
 def _radius_and_pressure(n: Known) -> Verdict:
@@ -143,13 +135,11 @@ def _radius_and_pressure(n: Known) -> Verdict:
 
 @item(
     "figure-4.19",
-    "Figures 4.19 and A.7",
     "Disc profiles of V1",
-    says="Depth and width of the disc's wear at 30, 600, 1200 and 2400 mm; the depth does not grow linearly.",
-    rows=(
-        Row("disc depth at the end", "µm", {"V1": "v1.disc_depth_um"}),
-        Row("exponent of depth over distance", "–", {"V1": "v1.depth_exponent"}),
-    ),
+    "Depth and width of the disc's wear at 30, 600, 1200 and 2400 mm; the depth does not grow linearly.",
+    Row("disc depth at the end", "µm", of("v1.disc_depth_um")),
+    Row("exponent of depth over distance", "–", of("v1.depth_exponent")),
+    place="Figures 4.19 and A.7",
     figures=("disc_of_v1",),
 )
 def _disc_of_v1(n: Known) -> Verdict:
@@ -164,26 +154,18 @@ def _disc_of_v1(n: Known) -> Verdict:
 
 @item(
     "figure-4.20",
-    "Figure 4.20",
     "Final track and patch of V1",
-    says="The worn disc and the worn sphere of V1 in 3-D.",
-    rows=(
-        Row(
-            "patch, from the two depths",
-            "mm",
-            {"V1": "v1.patch_by_depth_mm"},
-            {"thesis": thesis.PATCH_DIAMETERS["v1"]},
-        ),
-        Row(
-            "patch of the volume K F L",
-            "mm",
-            {"cap of a sphere": "closed_form_patch_mm", "paraboloid, 2(4RKFL/π)^¼": "paraboloid_patch_mm"},
-        ),
+    "The worn disc and the worn sphere of V1 in 3-D.",
+    Row("patch, from the two depths", "mm", of("v1.patch_by_depth_mm"), {"thesis": PATCH_DIAMETERS["v1"]}),
+    Row(
+        "patch of the volume K F L",
+        "mm",
+        {"cap of a sphere": "closed_form_patch_mm", "paraboloid, 2(4RKFL/π)^¼": "paraboloid_patch_mm"},
     ),
     figures=("disc_3d_of_v1", "sphere_3d_of_v1"),
 )
 def _shapes_of_v1(n: Known) -> Verdict:
-    ours, printed = n["v1.patch_by_depth_mm"], thesis.PATCH_DIAMETERS["v1"].value
+    ours, printed = n["v1.patch_by_depth_mm"], PATCH_DIAMETERS["v1"].value
     return agrees_if(
         abs(ours - printed) < DIAMETER_TOLERANCE,
         f"The diameter is {number(ours, 4)} mm against {printed} mm printed. The disc's scar is as round as "
@@ -194,13 +176,10 @@ def _shapes_of_v1(n: Known) -> Verdict:
 
 @item(
     "figure-4.21",
-    "Figure 4.21",
     "Worn volumes of V1",
-    says="Both grow linearly.",
-    rows=(
-        Row("sphere", "mm³", {"V1": "v1.sphere_volume_mm3"}),
-        Row("disc", "mm³", {"V1": "v1.disc_volume_mm3"}),
-    ),
+    "Both grow linearly.",
+    Row("sphere", "mm³", of("v1.sphere_volume_mm3")),
+    Row("disc", "mm³", of("v1.disc_volume_mm3")),
     figures=("volumes_of_v1",),
 )
 def _volumes_of_v1(n: Known) -> Verdict:
@@ -215,13 +194,10 @@ def _volumes_of_v1(n: Known) -> Verdict:
 
 @item(
     "figure-4.22",
-    "Figure 4.22",
     "Coefficient of friction of V1",
-    says="It rises fast and then slowly, with the area in contact.",
-    rows=(
-        Row("exponent m of the late rise", "–", {"V1": "v1.exponent_m"}),
-        Row("levelling index λ", "–", {"V1": "v1.levelling_lambda"}),
-    ),
+    "It rises fast and then slowly, with the area in contact.",
+    Row("exponent m of the late rise", "–", of("v1.exponent_m")),
+    Row("levelling index λ", "–", of("v1.levelling_lambda")),
     figures=("cof_of_v1",),
 )
 def _cof_of_v1(n: Known) -> Verdict:

@@ -1,6 +1,6 @@
 """The thesis's figures of V2 and V3 beside ours, with verdicts."""
 
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import V3_PRESSURES
 from warpwear.thesis.verdicts import (
     PRESSURE_TOLERANCE,
     Kind,
@@ -10,6 +10,7 @@ from warpwear.thesis.verdicts import (
     Verdict,
     agrees_if,
     number,
+    of,
     of_all,
     percent,
     shape_of,
@@ -22,15 +23,12 @@ item = TABLE.item
 
 @item(
     "figure-4.24",
-    "Figure 4.24",
     "Position-dependent sliding distance of V2",
-    says="e = 2R cos θ: disc points beside the middle slide less. The text measures d radially.",
-    rows=(
-        Row(
-            "factor at the edge of the patch",
-            "–",
-            {"V2": "v2.factor_at_edge", "chord of the contact": "v2.true_factor_at_edge"},
-        ),
+    "e = 2R cos θ: disc points beside the middle slide less. The text measures d radially.",
+    Row(
+        "factor at the edge of the patch",
+        "–",
+        {"V2": "v2.factor_at_edge", "chord of the contact": "v2.true_factor_at_edge"},
     ),
     figures=("distance_factor",),
 )
@@ -48,16 +46,12 @@ def _factor(n: Known) -> Verdict:
 
 @item(
     "figure-4.25",
-    "Figure 4.25",
     "Pressure of V2 at the end",
-    says="The pressure is no longer flat: the factor changes it across sliding.",
-    rows=(
-        Row(
-            "pressure at the edge above the middle",
-            "%",
-            {"V2": "v2.edge_pressure_excess", "closed form": "v2.edge_pressure_excess_expected"},
-            factor=100.0,
-        ),
+    "The pressure is no longer flat: the factor changes it across sliding.",
+    Row(
+        "pressure at the edge above the middle",
+        "%",
+        {"V2": "v2.edge_pressure_excess", "closed form": "v2.edge_pressure_excess_expected"},
     ),
     figures=("pressure_of_v2",),
 )
@@ -73,13 +67,10 @@ def _pressure_of_v2(n: Known) -> Verdict:
 
 @item(
     "figure-4.26",
-    "Figure 4.26",
     "Worn volumes of V2",
-    says="The sphere's volume is that of V1, the disc's a little less.",
-    rows=(
-        Row("disc against V1", "%", {"V2": "v2.disc_volume_change"}, factor=100.0),
-        Row("sphere against V1", "%", {"V2": "v2.sphere_volume_change"}, factor=100.0),
-    ),
+    "The sphere's volume is that of V1, the disc's a little less.",
+    Row("disc against V1", "%", of("v2.disc_volume_change")),
+    Row("sphere against V1", "%", of("v2.sphere_volume_change")),
     figures=("volumes_of_v2",),
 )
 def _volumes_of_v2(n: Known) -> Verdict:
@@ -93,13 +84,10 @@ def _volumes_of_v2(n: Known) -> Verdict:
 
 @item(
     "figure-4.27",
-    "Figure 4.27",
     "Coefficient of friction of V2",
-    says="The factor has a major impact on the curve of the coefficient, whose trend is that of V1.",
-    rows=(
-        Row("largest change against V1 after 30 mm", "%", {"V2": "v2.cof_change_largest"}, factor=100.0),
-        Row("change at the end", "%", {"V2": "v2.cof_change_end"}, factor=100.0),
-    ),
+    "The factor has a major impact on the curve of the coefficient, whose trend is that of V1.",
+    Row("largest change against V1 after 30 mm", "%", of("v2.cof_change_largest")),
+    Row("change at the end", "%", of("v2.cof_change_end")),
     figures=("cof_of_v2",),
 )
 def _cof_of_v2(n: Known) -> Verdict:
@@ -116,16 +104,9 @@ def _cof_of_v2(n: Known) -> Verdict:
 
 @item(
     "figure-4.28",
-    "Figure 4.28",
     "Final track and patch of V3",
-    says="The sphere is marked where high peaks of the disc met it.",
-    rows=(
-        Row(
-            "pattern on the sphere (root mean square)",
-            "µm",
-            {"V1": "v1.sphere_pattern_um", "V3": "v3.sphere_pattern_um"},
-        ),
-    ),
+    "The sphere is marked where high peaks of the disc met it.",
+    Row("pattern on the sphere (root mean square)", "µm", of("v1.sphere_pattern_um", "v3.sphere_pattern_um")),
     figures=("disc_3d_of_v3", "sphere_3d_of_v3"),
 )
 def _shapes_of_v3(n: Known) -> Verdict:
@@ -141,9 +122,8 @@ def _shapes_of_v3(n: Known) -> Verdict:
 
 @item(
     "figure-4.29",
-    "Figure 4.29",
     "Topography of V3 and its wear in stages",
-    says="The measured topography, the part used, and its worn patch at several distances.",
+    "The measured topography, the part used, and its worn patch at several distances.",
     figures=("disc_maps_of_v3",),
 )
 def _topography(n: Known) -> Verdict:
@@ -156,31 +136,18 @@ def _topography(n: Known) -> Verdict:
 
 @item(
     "figure-4.30",
-    "Figure 4.30",
     "Pressure maps at the end",
-    says="(a) V1 constant, (b) V2 varying across sliding, (c) V3 always between 580 and 600 MPa on the "
+    "(a) V1 constant, (b) V2 varying across sliding, (c) V3 always between 580 and 600 MPa on the "
     "same number of points.",
-    rows=(
-        of_all("mean pressure at the end", "MPa", "pressure_end_MPa"),
-        Row(
-            "smallest mean of a step",
-            "MPa",
-            {"V3": "v3.pressure_smallest_MPa"},
-            {"thesis V3": thesis.V3_PRESSURES[0]},
-        ),
-        Row(
-            "largest mean of a step",
-            "MPa",
-            {"V3": "v3.pressure_largest_MPa"},
-            {"thesis V3": thesis.V3_PRESSURES[1]},
-        ),
-        Row("steps within the printed limits", "%", {"V3": "v3.pressures_within_printed"}, factor=100.0),
-    ),
+    of_all("mean pressure at the end", "MPa", "pressure_end_MPa"),
+    Row("smallest mean of a step", "MPa", of("v3.pressure_smallest_MPa"), {"thesis V3": V3_PRESSURES[0]}),
+    Row("largest mean of a step", "MPa", of("v3.pressure_largest_MPa"), {"thesis V3": V3_PRESSURES[1]}),
+    Row("steps within the printed limits", "%", of("v3.pressures_within_printed")),
     figures=("pressure_maps",),
 )
 def _pressure_maps(n: Known) -> Verdict:
     low, high = n["v3.pressure_smallest_MPa"], n["v3.pressure_largest_MPa"]
-    printed = [p.value for p in thesis.V3_PRESSURES]
+    printed = [p.value for p in V3_PRESSURES]
     smooth = n["v1.pressure_unevenness"] < 0.01 and n["v2.edge_pressure_excess"] > 0.0
     return agrees_if(
         low >= printed[0] - PRESSURE_TOLERANCE and high <= printed[1] + PRESSURE_TOLERANCE,

@@ -5,26 +5,27 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
-from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from warpwear.figures import style as fs
-from warpwear.figures.axes import draw_map, map_figure
+from warpwear.figures.axes import draw_map
 from warpwear.figures.data import Window
 from warpwear.grid import FloatArray
-from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results.export import worn_heights
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.figures import Gallery
 from warpwear.thesis.numbers import Numbers, snapshot_at
+from warpwear.thesis.printed import DRAWN_AT, STROKE
 from warpwear.thesis.runs import VERSIONS, Runs
 
+FIGURES = Gallery()
+figure = FIGURES.figure
 #: Blocks along a side of a map.
 BLOCKS = 300
 
 
 def window_of(result: Result) -> Window:
-    """The whole grid, in blocks that a map can show."""
+    """Make a window of the whole grid, in blocks that a map can show."""
     n = result.study.cells.nx
     factor = max(1, -(-n // BLOCKS))
     shown = slice(0, n // factor * factor)
@@ -35,190 +36,169 @@ def window_of(result: Result) -> Window:
 
 
 def _middle(field: FloatArray, axis: int) -> FloatArray:
-    """Through the middle, along (0) or across (1) sliding."""
+    """Take the line through the middle of a field, (nx, ny): along (axis 0) or across (1) sliding."""
     line: FloatArray = np.take(field, field.shape[1 - axis] // 2, axis=1 - axis)
     return line
 
 
 def _start_of(axes: Axes, result: Result, axis: int) -> None:
-    """Pressures of the first step with Hertz's."""
+    """Draw pressures of the first step with Hertz's, along (axis 0) or across (1) sliding."""
     hertz = result.study.hertz
     assert hertz is not None
     places = result.x if axis == 0 else result.y
-    first = result.snapshot(0)
     reach = max(2.0 * hertz.radius, 3.0 * result.study.grid.cell)
     fine = np.linspace(-reach, reach, 400)
     shown = np.abs(places) <= reach
     axes.plot(1e3 * fine, hertz.pressure(np.abs(fine)), color=fs.HARDNESS, ls="--", label="Hertz")
-    axes.step(
-        1e3 * places[shown],
-        _middle(first.pressure, axis)[shown],
-        where="mid",
-        color=fs.CONTACT,
-        label="Winkler, first step",
-    )
+    pressure = _middle(result.snapshot(0).pressure, axis)[shown]
+    axes.step(1e3 * places[shown], pressure, where="mid", color=fs.CONTACT, label="Winkler, first step")
     axes.set_xlabel(f"{'along' if axis == 0 else 'across'} sliding, µm")
     axes.set_ylabel("pressure, MPa")
     axes.set_title("start")
 
 
-def pressure_of_v1(runs: Runs, numbers: Numbers) -> Figure:
-    """Pressure of V1 through the middle at the start and at the end."""
+@figure(
+    "Pressure (MPa) through the middle, along sliding. Left (µm): first step, Winkler and Hertz. Right "
+    "(mm): at the end.",
+    columns=2,
+)
+def pressure_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v1 = runs["v1"]
-
-    def draw(axes: Any) -> None:
-        _start_of(axes[0], v1, 0)
-        last = v1.snapshot(-1)
-        axes[1].step(v1.x, _middle(last.pressure, 0), where="mid", color=fs.CONTACT)
-        axes[1].set_xlabel("along sliding, mm")
-        axes[1].set_title(fs.after(last.distance))
-        axes[1].set_ylim(0.0, 1.3 * float(last.pressure.max()))
-        fs.legend_above(axes[0], columns=2)
-
-    return fs.new_figure(draw, columns=2)
+    _start_of(axes[0], v1, 0)
+    last = v1.snapshot(-1)
+    axes[1].step(v1.x, _middle(last.pressure, 0), where="mid", color=fs.CONTACT)
+    axes[1].set_xlabel("along sliding, mm")
+    axes[1].set_title(fs.after(last.distance))
+    axes[1].set_ylim(0.0, 1.3 * float(last.pressure.max()))
+    fs.legend_above(axes[0], columns=2)
 
 
-def pressure_of_v2(runs: Runs, numbers: Numbers) -> Figure:
-    """The same of V2, its end across and along sliding, enlarged."""
+@figure(
+    "V2: pressure (MPa) through the middle. Left: first step, with Hertz. Right: at the end, across and "
+    "along sliding, with the closed form.",
+    columns=2,
+)
+def pressure_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v2 = runs["v2"]
     last = v2.snapshot(-1)
     sphere, disc = v2.study.wear_coefficients
-
-    def draw(axes: Any) -> None:
-        _start_of(axes[0], v2, 1)
-        low, high = np.inf, 0.0
-        for axis, label, line in ((1, "across", "-"), (0, "along", "--")):
-            pressure = _middle(last.pressure, axis)
-            inside = pressure > 0.0
-            axes[1].plot(
-                (v2.y if axis else v2.x)[inside], pressure[inside], color=fs.CONTACT, ls=line, label=label
-            )
-            low, high = min(low, pressure[inside].min()), max(high, pressure[inside].max())
-        y = v2.y[_middle(last.pressure, 1) > 0.0]
-        cosine = np.sqrt(1.0 - (y * v2.study.sphere.curvature) ** 2)
-        level = _middle(last.pressure, 1)[v2.y.size // 2] * (sphere + disc)
-        axes[1].plot(y, level / (sphere + disc * cosine), color=fs.HARDNESS, ls=":", label="closed form")
-        axes[1].set_ylim(low - 0.5 * (high - low), high + 0.3 * (high - low))
-        axes[1].set_xlabel("across or along sliding, mm")
-        axes[1].set_title(f"{fs.after(last.distance)} (axis not from zero)")
-        fs.legend_above(*axes, columns=5)
-
-    return fs.new_figure(draw, columns=2)
+    _start_of(axes[0], v2, 1)
+    low, high = np.inf, 0.0
+    for axis, label, line in ((1, "across", "-"), (0, "along", "--")):
+        pressure = _middle(last.pressure, axis)
+        inside = pressure > 0.0
+        places = (v2.y if axis else v2.x)[inside]
+        axes[1].plot(places, pressure[inside], color=fs.CONTACT, ls=line, label=label)
+        low, high = min(low, pressure[inside].min()), max(high, pressure[inside].max())
+    y = v2.y[_middle(last.pressure, 1) > 0.0]
+    cosine = np.sqrt(1.0 - (y * v2.study.sphere.curvature) ** 2)
+    level = _middle(last.pressure, 1)[v2.y.size // 2] * (sphere + disc)
+    axes[1].plot(y, level / (sphere + disc * cosine), color=fs.HARDNESS, ls=":", label="closed form")
+    axes[1].set_ylim(low - 0.5 * (high - low), high + 0.3 * (high - low))
+    axes[1].set_xlabel("across or along sliding, mm")
+    axes[1].set_title(f"{fs.after(last.distance)} (axis not from zero)")
+    fs.legend_above(*axes, columns=5)
 
 
-def disc_of_v1(runs: Runs, numbers: Numbers) -> Figure:
-    """Wear profiles of V1's disc at the thesis's distances, and its depth over the distance."""
+@figure(
+    "V1: wear of the disc through the middle (µm) at four distances, and its deepest cell over the "
+    "distance (mm) with a square root through the end.",
+    columns=2,
+)
+def disc_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v1 = runs["v1"]
     distance, depth = v1.history["distance"], 1e3 * v1.history["wear_depth_disc"]
-    kept = {s.distance: s for s in (snapshot_at(v1, printed.value) for printed in thesis.DRAWN_AT)}
-
-    def draw(axes: Any) -> None:
-        for snapshot, line in zip(kept.values(), fs.in_time(fs.DISC, len(kept)), strict=True):
-            axes[0].plot(
-                v1.y, -1e3 * _middle(snapshot.wear_disc, 1), label=fs.after(snapshot.distance), **line
-            )
-        axes[0].set_xlabel("across sliding, y, mm")
-        axes[0].set_ylabel("height of the disc, µm")
-        fs.over_distance(axes[1], distance, depth, color=fs.DISC, label="deepest cell")
-        root = depth[-1] * np.sqrt(distance / distance[-1])
-        axes[1].plot(distance, root, color=fs.HARDNESS, ls=":", label="square root")
-        axes[1].set_ylabel("depth of the disc, µm")
-        axes[1].set_ylim(bottom=0.0)
-        fs.legend_above(*axes, columns=3)
-
-    return fs.new_figure(draw, columns=2)
+    kept = {s.distance: s for s in (snapshot_at(v1, printed.value) for printed in DRAWN_AT)}
+    for snapshot, line in zip(kept.values(), fs.in_time(fs.DISC, len(kept)), strict=True):
+        axes[0].plot(v1.y, -1e3 * _middle(snapshot.wear_disc, 1), label=fs.after(snapshot.distance), **line)
+    axes[0].set_xlabel("across sliding, y, mm")
+    axes[0].set_ylabel("height of the disc, µm")
+    fs.over_distance(axes[1], distance, depth, color=fs.DISC, label="deepest cell")
+    root = depth[-1] * np.sqrt(distance / distance[-1])
+    axes[1].plot(distance, root, color=fs.HARDNESS, ls=":", label="square root")
+    axes[1].set_ylabel("depth of the disc, µm")
+    axes[1].set_ylim(bottom=0.0)
+    fs.legend_above(*axes, columns=3)
 
 
-def _side_by_side(runs: Runs, draw_one: Any) -> Figure:
-    def draw(axes: Any) -> None:
-        for panel, name in zip(axes, VERSIONS, strict=True):
-            draw_one(panel, name, runs[name], runs[name].snapshot(-1), window_of(runs[name]))
-
-    return map_figure(draw, len(VERSIONS))
-
-
-def pressure_maps(runs: Runs, numbers: Numbers) -> Figure:
-    """Pressure at the end, the versions side by side."""
-
-    def draw_one(panel: Axes, name: str, result: Result, last: Snapshot, window: Window) -> None:
-        pressure = window.largest(last.pressure)
+@figure(
+    "Pressure (MPa) at the end. Scales differ: V1, V2 and V3 fine span 2 % about their mean, V3's starts "
+    "at 0.",
+    maps=len(VERSIONS),
+)
+def pressure_maps(axes: Any, runs: Runs, numbers: Numbers) -> None:
+    for panel, name in zip(axes, VERSIONS, strict=True):
+        window = window_of(runs[name])
+        pressure = window.largest(runs[name].snapshot(-1).pressure)
         inside = pressure[pressure > 0.0]
+        ends = (0.0, float(inside.max())) if name == "v3" else (0.98 * inside.mean(), 1.02 * inside.mean())
         pressure = np.where(pressure > 0.0, pressure, np.nan)
-        low, high = (
-            (0.0, float(inside.max())) if name == "v3" else (0.98 * inside.mean(), 1.02 * inside.mean())
-        )
-        draw_map(panel, pressure, window, fs.PRESSURES, "pressure, MPa", low=low, high=high)
-        text = fs.with_scatter(numbers[f"{name}.pressure_end_MPa"], float(result.history["pressure_std"][-1]))
+        draw_map(panel, pressure, window, fs.PRESSURES, "pressure, MPa", low=ends[0], high=ends[1])
+        scatter = float(runs[name].history["pressure_std"][-1])
+        text = fs.with_scatter(numbers[f"{name}.pressure_end_MPa"], scatter)
         panel.set_title(f"{VERSIONS[name]}: {text} MPa")
 
-    return _side_by_side(runs, draw_one)
 
-
-def sphere_patches(runs: Runs, numbers: Numbers) -> Figure:
-    """Wear of the sphere at the end, the versions side by side."""
-
-    def draw_one(panel: Axes, name: str, result: Result, last: Snapshot, window: Window) -> None:
-        depth = window.means(1e3 * last.wear_sphere)
+@figure(
+    "Wear depth of the sphere at the end (µm); the extents along and across are of touched cells.",
+    maps=len(VERSIONS),
+)
+def sphere_patches(axes: Any, runs: Runs, numbers: Numbers) -> None:
+    for panel, name in zip(axes, VERSIONS, strict=True):
+        window = window_of(runs[name])
+        depth = window.means(1e3 * runs[name].snapshot(-1).wear_sphere)
         draw_map(panel, np.where(depth > 0.0, depth, np.nan), window, fs.DEPTHS, "wear depth, µm", low=0.0)
         along, across = (numbers[f"{name}.patch_{side}_mm"] for side in ("along", "across"))
         panel.set_title(f"{VERSIONS[name]}: {along:.3g} × {across:.3g} mm")
 
-    return _side_by_side(runs, draw_one)
+
+@figure(
+    "The disc across sliding through the middle at the end (µm over mm), unworn in grey.",
+    rows=2,
+    columns=2,
+    height=2.3,
+)
+def disc_profiles(axes: Any, runs: Runs, numbers: Numbers) -> None:
+    for panel, name in zip(axes, VERSIONS, strict=True):
+        result = runs[name]
+        last = result.snapshot(-1)
+        worn = _middle(worn_heights(result, last, "disc"), 1)
+        unworn = worn + _middle(last.wear_disc, 1)
+        panel.plot(result.y, 1e3 * unworn, color="#999999", lw=0.5, label="unworn")
+        panel.plot(result.y, 1e3 * worn, color=fs.DISC, label="worn")
+        panel.set_title(f"{VERSIONS[name]}: deepest wear {numbers[f'{name}.disc_depth_um']:.3g} µm")
+        panel.set_xlabel("across sliding, y, mm")
+        panel.set_ylabel("height of the disc, µm")
+        panel.sharey(axes[0])
+    fs.legend_above(axes[0], columns=2)
 
 
-def disc_profiles(runs: Runs, numbers: Numbers) -> Figure:
-    """The disc across sliding at the end, the versions side by side."""
-
-    def draw(axes: Any) -> None:
-        for panel, name in zip(axes, VERSIONS, strict=True):
-            result = runs[name]
-            last = result.snapshot(-1)
-            worn = _middle(worn_heights(result, last, "disc"), 1)
-            panel.plot(
-                result.y, 1e3 * (worn + _middle(last.wear_disc, 1)), color="#999999", lw=0.5, label="unworn"
-            )
-            panel.plot(result.y, 1e3 * worn, color=fs.DISC, label="worn")
-            panel.set_title(f"{VERSIONS[name]}: deepest wear {numbers[f'{name}.disc_depth_um']:.3g} µm")
-            panel.set_xlabel("across sliding, y, mm")
-            panel.set_ylabel("height of the disc, µm")
-            panel.sharey(axes[0])
-        fs.legend_above(axes[0], columns=2)
-
-    return fs.new_figure(draw, rows=2, columns=2, height=2.3)
-
-
-def contact_areas(runs: Runs, numbers: Numbers) -> Figure:
-    """Cells of V1 in contact at the start, after one stroke and at the end."""
+@figure(
+    "V1: cells in contact (dark) at the start, after 30 mm and at the end; Hertz's circle dashed.", maps=3
+)
+def contact_areas(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v1 = runs["v1"]
     hertz = v1.study.hertz
     assert hertz is not None
     window = window_of(v1)
-    shown = [v1.snapshot(0), snapshot_at(v1, thesis.STROKE.value), v1.snapshot(-1)]
-
-    def draw(axes: Any) -> None:
-        for panel, snapshot, title in zip(axes, shown, ("start", "", ""), strict=True):
-            contact = window.largest((snapshot.pressure > 0.0).astype(float))
-            draw_map(panel, contact, window, ListedColormap(["#FFFFFF", fs.CONTACT]), None, low=0.0, high=1.0)
-            panel.add_patch(Circle((0.0, 0.0), hertz.radius, fill=False, ls="--", lw=0.8, ec=fs.HARDNESS))
-            area = float((snapshot.pressure > 0.0).sum()) * v1.study.cells.cell_area
-            panel.set_title(f"{title or fs.after(snapshot.distance)}: {area:.3g} mm²")
-
-    return map_figure(draw, 3)
+    shown = [v1.snapshot(0), snapshot_at(v1, STROKE.value), v1.snapshot(-1)]
+    for panel, snapshot, title in zip(axes, shown, ("start", "", ""), strict=True):
+        contact = window.largest((snapshot.pressure > 0.0).astype(float))
+        draw_map(panel, contact, window, ListedColormap(["#FFFFFF", fs.CONTACT]), None, low=0.0, high=1.0)
+        panel.add_patch(Circle((0.0, 0.0), hertz.radius, fill=False, ls="--", lw=0.8, ec=fs.HARDNESS))
+        area = float((snapshot.pressure > 0.0).sum()) * v1.study.cells.cell_area
+        panel.set_title(f"{title or fs.after(snapshot.distance)}: {area:.3g} mm²")
 
 
-def sphere_of_v2(runs: Runs, numbers: Numbers) -> Figure:
-    """Wear of V2's sphere along and across sliding, and its difference to V1."""
+@figure("V2: wear of the sphere (µm) along and across sliding, and V2 minus V1 (µm).", columns=2)
+def sphere_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     first, second = (runs[name].snapshot(-1).wear_sphere for name in ("v1", "v2"))
     x = runs["v2"].x
-
-    def draw(axes: Any) -> None:
-        for axis, label, line in ((0, "along sliding", "-"), (1, "across sliding", "--")):
-            axes[0].plot(x, 1e3 * _middle(second, axis), color=fs.SPHERE, ls=line, label=label)
-            axes[1].plot(x, 1e3 * _middle(second - first, axis), color=fs.SPHERE, ls=line, label=label)
-        axes[0].set_ylabel("wear of the sphere, V2, µm")
-        axes[1].set_ylabel("V2 minus V1, µm")
-        for panel in axes:
-            panel.set_xlabel("distance from the middle, mm")
-        fs.legend_above(axes[0], columns=2)
-
-    return fs.new_figure(draw, columns=2)
+    for axis, label, line in ((0, "along sliding", "-"), (1, "across sliding", "--")):
+        axes[0].plot(x, 1e3 * _middle(second, axis), color=fs.SPHERE, ls=line, label=label)
+        axes[1].plot(x, 1e3 * _middle(second - first, axis), color=fs.SPHERE, ls=line, label=label)
+    axes[0].set_ylabel("wear of the sphere, V2, µm")
+    axes[1].set_ylabel("V2 minus V1, µm")
+    for panel in axes:
+        panel.set_xlabel("distance from the middle, mm")
+    fs.legend_above(axes[0], columns=2)

@@ -4,6 +4,7 @@ Names are `version.quantity_unit`; what belongs to no version stands alone. NaN 
 """
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -11,8 +12,17 @@ from warpwear.grid import FloatArray
 from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results.summary import shape_of_growth
-from warpwear.thesis import coefficients as calibrate_thesis
-from warpwear.thesis import printed as thesis
+from warpwear.thesis.coefficients import patch
+from warpwear.thesis.printed import (
+    DISTANCE,
+    LOAD,
+    PASSES,
+    PATCH_DIAMETERS,
+    SLOWS_AFTER,
+    STROKE,
+    V3_PRESSURES,
+    WEAR_COEFFICIENTS,
+)
 from warpwear.thesis.runs import VERSIONS, Runs, depth_of_rim, rim_at, worn_radius, worn_radius_of_paraboloid
 
 Numbers = dict[str, float]
@@ -21,7 +31,7 @@ SETTLED = 30.0
 
 
 def collect(runs: Runs) -> Numbers:
-    """All numbers of a report."""
+    """Find all numbers of a report: name -> value."""
     found: Numbers = {}
     for name in VERSIONS:
         found |= {f"{name}.{key}": value for key, value in _of_version(runs[name]).items()}
@@ -31,11 +41,12 @@ def collect(runs: Runs) -> Numbers:
 
 
 def snapshot_at(result: Result, distance: float) -> Snapshot:
-    """The snapshot nearest to a distance [mm]."""
+    """Read the snapshot nearest to a distance [mm]."""
     return result.snapshot(int(np.argmin(np.abs(result.snapshot_distances - distance))))
 
 
 def _of_version(result: Result) -> Numbers:
+    """What each version says of itself."""
     history, summary = result.history, result.summary
     end = {name: float(values[-1]) for name, values in history.items()}
     curvature = result.study.sphere.curvature
@@ -53,21 +64,21 @@ def _of_version(result: Result) -> Numbers:
         "sphere_volume_error": summary["conservation_relative"]["sphere"],
         "disc_volume_error": summary["conservation_relative"]["disc"],
         "disc_volume_over_KFL": summary["disc_volume_over_KFL"] or math.nan,
-        "area_first_mm2": float(history["area_contact"][0]),
-        "area_30_mm2": float(np.interp(30.0, history["distance"], history["area_contact"])),
+        "area_first_mm2": history["area_contact"][0],
+        "area_30_mm2": np.interp(SETTLED, history["distance"], history["area_contact"]),
         "area_end_mm2": end["area_contact"],
         "area_touched_mm2": end["area_touched"],
         "area_sum_mm2": end["area_cumulative"],
-        "pressure_first_max_MPa": float(history["pressure_max"][0]),
+        "pressure_first_max_MPa": history["pressure_max"][0],
         "pressure_end_MPa": end["pressure_mean"],
         "pressure_end_max_MPa": end["pressure_max"],
-        "pressure_smallest_MPa": float(history["pressure_mean"].min()),
-        "pressure_largest_MPa": float(history["pressure_mean"].max()),
-        "pressure_scatter_MPa": float(history["pressure_mean"].std()),
+        "pressure_smallest_MPa": history["pressure_mean"].min(),
+        "pressure_largest_MPa": history["pressure_mean"].max(),
+        "pressure_scatter_MPa": history["pressure_mean"].std(),
         "pressure_unevenness": end["pressure_std"] / end["pressure_mean"],
-        "cof_first": float(history["cof"][0]),
+        "cof_first": history["cof"][0],
         "cof_end": end["cof"],
-        "cof_first_over_end": float(history["cof"][0] / history["cof"][-1]),
+        "cof_first_over_end": history["cof"][0] / history["cof"][-1],
     }
     for area, prefix in (("contact", ""), ("touched", "touched_"), ("cumulative", "sum_")):
         found |= {f"{prefix}{key}": value for key, value in shape(result, area).items()}
@@ -75,7 +86,7 @@ def _of_version(result: Result) -> Numbers:
 
 
 def shape(result: Result, area: str) -> Numbers:
-    """Exponent m, levelling index λ and R² of a straight line, of one area's growth."""
+    """Find exponent m, levelling index λ and R² of a straight line of one area's growth."""
     distance, values = result.history["distance"], result.history[f"area_{area}"]
     if distance.size < 20 or distance[0] > distance[-1] / 80.0:
         return {"exponent_m": math.nan, "levelling_lambda": math.nan, "straightness_R2": math.nan}
@@ -83,21 +94,26 @@ def shape(result: Result, area: str) -> Numbers:
 
 
 def straightness(x: FloatArray, y: FloatArray) -> float:
-    """R² of the straight line of least squares, each step weighted with its length."""
+    """Find R² of the straight line of least squares, each step weighted with its length."""
     weight = np.sqrt(np.diff(x, prepend=0.0))
     line = np.polyval(np.polyfit(x, y, 1, w=weight), x)
     spread = np.sum((weight * (y - np.average(y, weights=weight**2))) ** 2)
     return float(1.0 - np.sum((weight * (y - line)) ** 2) / spread) if spread else math.nan
 
 
+def _change(history: Mapping[str, FloatArray], other: Mapping[str, FloatArray], name: str) -> float:
+    """How much a column ends above another run's, as a part of that one."""
+    return float(history[name][-1] / other[name][-1] - 1.0)
+
+
 def _smooth(runs: Runs) -> Numbers:
+    """What V1 says beside Hertz and closed forms."""
     v1 = runs["v1"]
     history, hertz = v1.history, v1.study.hertz
     assert hertz is not None  # the smooth model needs elastic constants
     distance, mean = history["distance"], history["pressure_mean"]
     radius = np.sqrt(history["area_contact"] / np.pi)
-    early = thesis.SLOWS_AFTER.value
-    fallen = (mean[0] - np.interp(early, distance, mean)) / (mean[0] - mean[-1])
+    early = SLOWS_AFTER.value
     late = distance >= 0.5 * distance[-1]
     depth = history["wear_depth_disc"]
     return {
@@ -105,11 +121,11 @@ def _smooth(runs: Runs) -> Numbers:
         "paraboloid_patch_mm": 2.0 * worn_radius_of_paraboloid(v1.study),
         "hertz_peak_MPa": hertz.peak_pressure,
         "hertz_area_mm2": hertz.area,
-        "v1.peak_over_hertz": float(history["pressure_max"][0]) / hertz.peak_pressure,
-        "v1.area_over_hertz": float(history["area_contact"][0]) / hertz.area,
-        "v1.pressure_fallen_early": float(fallen),
-        "v1.radius_grown_early": float(np.interp(early, distance, radius) / radius[-1]),
-        "v1.depth_exponent": float(np.polyfit(np.log(distance[late]), np.log(depth[late]), 1)[0]),
+        "v1.peak_over_hertz": history["pressure_max"][0] / hertz.peak_pressure,
+        "v1.area_over_hertz": history["area_contact"][0] / hertz.area,
+        "v1.pressure_fallen_early": (mean[0] - np.interp(early, distance, mean)) / (mean[0] - mean[-1]),
+        "v1.radius_grown_early": np.interp(early, distance, radius) / radius[-1],
+        "v1.depth_exponent": np.polyfit(np.log(distance[late]), np.log(depth[late]), 1)[0],
         "v1.volume_straightness_R2": straightness(distance, history["wear_volume_disc"]),
         "v2.volume_straightness_R2": straightness(distance, runs["v2"].history["wear_volume_disc"]),
     }
@@ -122,7 +138,7 @@ def _factor(runs: Runs) -> Numbers:
     pressure = runs["v2"].snapshot(-1).pressure
     middle = pressure.shape[0] // 2
     line = pressure[middle][pressure[middle] > 0.0]
-    edge = 0.5 * float(v2["patch_across"][-1]) - 0.5 * study.grid.cell
+    edge = 0.5 * v2["patch_across"][-1] - 0.5 * study.grid.cell
     cosine = math.sqrt(max(0.0, 1.0 - (edge * study.sphere.curvature) ** 2))
     sphere, disc = study.wear_coefficients
     settled = v1["distance"] >= SETTLED
@@ -130,60 +146,55 @@ def _factor(runs: Runs) -> Numbers:
         settled[-1] = True
     change = v2["cof"][settled] / v1["cof"][settled] - 1.0
     wear_1, wear_2 = (runs[name].snapshot(-1).wear_sphere for name in ("v1", "v2"))
-    skewed = np.abs(wear_2 - wear_2.T).max()
     return {
         "v2.factor_at_edge": cosine,
         # The chord of the contact, not of the ball: what a swept cell really sees.
         "v2.true_factor_at_edge": math.sqrt(max(0.0, 1.0 - (edge / (edge + 0.5 * study.grid.cell)) ** 2)),
-        "v2.edge_pressure_excess": float(line[[0, -1]].mean() / line[line.size // 2] - 1.0),
+        "v2.edge_pressure_excess": line[[0, -1]].mean() / line[line.size // 2] - 1.0,
         # Worn flat together, both bodies recede alike: p (K_s + K_d cos θ) is the same everywhere.
         "v2.edge_pressure_excess_expected": (sphere + disc) / (sphere + disc * cosine) - 1.0,
-        "v2.disc_volume_change": float(v2["wear_volume_disc"][-1] / v1["wear_volume_disc"][-1] - 1.0),
-        "v2.sphere_volume_change": float(v2["wear_volume_sphere"][-1] / v1["wear_volume_sphere"][-1] - 1.0),
-        "v2.sphere_depth_change": float(v2["wear_depth_sphere"][-1] / v1["wear_depth_sphere"][-1] - 1.0),
-        "v2.cof_change_largest": float(np.abs(change).max()),
-        "v2.cof_change_end": float(v2["cof"][-1] / v1["cof"][-1] - 1.0),
-        "v2.skewness_um": 1e3 * float(skewed),
-        "v2.sphere_change_um": 1e3 * float(np.abs(wear_2 - wear_1).max()),
+        "v2.disc_volume_change": _change(v2, v1, "wear_volume_disc"),
+        "v2.sphere_volume_change": _change(v2, v1, "wear_volume_sphere"),
+        "v2.sphere_depth_change": _change(v2, v1, "wear_depth_sphere"),
+        "v2.cof_change_largest": np.abs(change).max(),
+        "v2.cof_change_end": _change(v2, v1, "cof"),
+        "v2.skewness_um": 1e3 * np.abs(wear_2 - wear_2.T).max(),
+        "v2.sphere_change_um": 1e3 * np.abs(wear_2 - wear_1).max(),
     }
 
 
 def _rough(runs: Runs) -> Numbers:
-    v1, v2, v3 = (runs[name].history for name in ("v1", "v2", "v3"))
-    low, high = (printed.value for printed in thesis.V3_PRESSURES)
+    """What roughness does: V3 and the fine model beside V1 and V2."""
+    v1, v2, v3, fine = (runs[name].history for name in VERSIONS)
+    low, high = (printed.value for printed in V3_PRESSURES)
     mean, cells = v3["pressure_mean"], v3["cells_in_contact"]
-    rough = runs["v3"].study
+    rough, study = runs["v3"].study, runs["fine"].study
     hardness, load, tolerance = rough.hardness, rough.contact.load, rough.load_tolerance
     found = {
-        "v3.disc_volume_over_v2": float(v3["wear_volume_disc"][-1] / v2["wear_volume_disc"][-1] - 1.0),
-        "v3.disc_volume_over_v1": float(v3["wear_volume_disc"][-1] / v1["wear_volume_disc"][-1] - 1.0),
-        "v3.sum_over_worn_patch": float(v3["area_cumulative"][-1] / v1["area_contact"][-1]),
-        "v3.cof_over_v1": float(v3["cof"][-1] / v1["cof"][-1]),
-        "v3.pressures_within_printed": float(np.mean((mean >= low) & (mean <= high))),
+        "v3.disc_volume_over_v2": _change(v3, v2, "wear_volume_disc"),
+        "v3.disc_volume_over_v1": _change(v3, v1, "wear_volume_disc"),
+        "v3.sum_over_worn_patch": v3["area_cumulative"][-1] / v1["area_contact"][-1],
+        "v3.cof_over_v1": v3["cof"][-1] / v1["cof"][-1],
+        "v3.pressures_within_printed": np.mean((mean >= low) & (mean <= high)),
         # Of p = F/A with |A H − F| within the tolerance, at any mesh.
         "v3.pressure_least_allowed_MPa": hardness * load / (load + tolerance),
         "v3.pressure_most_allowed_MPa": hardness * load / (load - tolerance),
-        "v3.fewest_cells": float(cells.min()),
-        "v3.most_cells": float(cells.max()),
+        "v3.fewest_cells": cells.min(),
+        "v3.most_cells": cells.max(),
         "v3.load_over_hardness_mm2": load / hardness,
-        "fine.area_over_v1": float(runs["fine"].history["area_contact"][-1] / v1["area_contact"][-1]),
-        "fine.area_first_over_F_H": float(
-            runs["fine"].history["area_contact"][0]
-            * runs["fine"].study.hardness
-            / runs["fine"].study.contact.load
-        ),
+        "fine.area_over_v1": fine["area_contact"][-1] / v1["area_contact"][-1],
+        "fine.area_first_over_F_H": fine["area_contact"][0] * study.hardness / study.contact.load,
     }
-    for name in ("v1", "v3"):
+    for name, history in (("v1", v1), ("v3", v3)):
         found[f"{name}.sphere_pattern_um"] = 1e3 * pattern(runs[name])
-        history = runs[name].history
-        found[f"{name}.mean_disc_depth_um"] = float(
+        found[f"{name}.mean_disc_depth_um"] = (
             1e3 * history["wear_volume_disc"][-1] / history["area_nominal"][-1]
         )
     return found
 
 
 def pattern(result: Result) -> float:
-    """Root mean square of the sphere's wear about its own paraboloid, inside the middle of the patch [mm]."""
+    """Find the root mean square of the sphere's wear about its own paraboloid, amid the patch [mm]."""
     wear = result.snapshot(-1).wear_sphere
     reach = 0.35 * float(result.history["patch_along"][-1])
     x, y = np.meshgrid(result.x, result.y, indexing="ij")
@@ -196,91 +207,93 @@ def pattern(result: Result) -> float:
 
 
 def _patches(runs: Runs) -> Numbers:
-    patches, v2 = runs.patches, runs["v2"]
-    mean = np.array([0.5 * (p.along + p.across) for p in patches])
+    """What the patches on surfaces of different seeds have in common, and each of them."""
+    patches = runs.patches
     predicted = np.array([[p.predicted_along, p.predicted_across] for p in patches])
     measured = np.array([[p.along, p.across] for p in patches])
-    volumes = np.array([p.disc_volume for p in patches]) / float(v2.history["wear_volume_disc"][-1]) - 1.0
+    volumes = np.array([p.disc_volume for p in patches]) / runs["v2"].history["wear_volume_disc"][-1] - 1.0
     radius, smooth = 1.0 / runs["v3"].study.sphere.curvature, worn_radius(runs["v3"].study)
-    printed = 0.5 * thesis.PATCH_DIAMETERS["v3"].value
-    asked = depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)
-    return {
-        "surfaces": float(len(patches)),
-        "surfaces.patch_mean_mm": float(mean.mean()),
-        "surfaces.patch_smallest_mm": float(measured.min()),
-        "surfaces.patch_largest_mm": float(measured.max()),
+    printed = 0.5 * PATCH_DIAMETERS["v3"].value
+    found: Numbers = {
+        "surfaces": len(patches),
+        "surfaces.patch_mean_mm": float(np.mean([0.5 * (p.along + p.across) for p in patches])),
+        "surfaces.patch_smallest_mm": measured.min(),
+        "surfaces.patch_largest_mm": measured.max(),
         "surfaces.farthest_smallest_mm": min(p.farthest for p in patches),
         "surfaces.farthest_largest_mm": max(p.farthest for p in patches),
-        "surfaces.prediction_error_mm": float(np.abs(measured - predicted).max()),
+        "surfaces.prediction_error_mm": np.abs(measured - predicted).max(),
         "surfaces.bound_smallest_mm": min(p.largest for p in patches),
         "surfaces.bound_largest_mm": max(p.largest for p in patches),
         "surfaces.bound_exceeded_mm": max(max(p.along, p.across) - p.largest for p in patches),
         "surfaces.peak_smallest_um": 1e3 * min(p.peak for p in patches),
         "surfaces.peak_largest_um": 1e3 * max(p.peak for p in patches),
-        "surfaces.peak_asked_um": 1e3 * asked,
-        "surfaces.disc_volume_over_v2_smallest": float(volumes.min()),
-        "surfaces.disc_volume_over_v2_largest": float(volumes.max()),
+        "surfaces.peak_asked_um": 1e3
+        * (depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)),
+        "surfaces.disc_volume_over_v2_smallest": volumes.min(),
+        "surfaces.disc_volume_over_v2_largest": volumes.max(),
         "surfaces.cell_mm": runs["v3"].study.grid.cell,
-    } | {
-        f"surface_{p.seed}.{key}": value
-        for p in patches
-        for key, value in (
-            ("along_mm", p.along),
-            ("across_mm", p.across),
-            ("predicted_along_mm", p.predicted_along),
-            ("predicted_across_mm", p.predicted_across),
-            ("peak_um", 1e3 * p.peak),
-            ("bound_mm", p.largest),
-            ("farthest_mm", p.farthest),
-        )
     }
+    for p in patches:
+        each = {
+            "along_mm": p.along,
+            "across_mm": p.across,
+            "predicted_along_mm": p.predicted_along,
+            "predicted_across_mm": p.predicted_across,
+            "peak_um": 1e3 * p.peak,
+            "bound_mm": p.largest,
+            "farthest_mm": p.farthest,
+        }
+        found |= {f"surface_{p.seed}.{key}": value for key, value in each.items()}
+    return found
 
 
 def _increments(runs: Runs) -> Numbers:
+    """What V1 with implicit wear ends at for each increment."""
     found: Numbers = {}
     deviations = []
     reference = runs["v1"].history
     for increment, result in runs.implicit.items():
         for key, name in (("area_end_mm2", "area_contact"), ("disc_depth_mm", "wear_depth_disc")):
-            value = float(result.history[name][-1])
-            found[f"implicit_{increment:g}.{key}"] = value
-            deviations.append(abs(value / float(reference[name][-1]) - 1.0))
+            found[f"implicit_{increment:g}.{key}"] = result.history[name][-1]
+            deviations.append(abs(_change(result.history, reference, name)))
     return found | {"implicit.largest_deviation": max(deviations)}
 
 
 def _stability(runs: Runs) -> Numbers:
+    """What explicit wear beyond its limit does, beside a stable run."""
     beyond, steady, v1 = runs.beyond.history, runs.steady.history, runs["v1"].history
     ratio = beyond["area_contact"] / np.interp(beyond["distance"], steady["distance"], steady["area_contact"])
     low = ratio[beyond["distance"] >= SETTLED] - 1.0
     if not low.size:
         low = ratio[-1:] - 1.0
     study = runs.beyond.study
+    wear = sum(study.wear_coefficients)
     return {
-        "beyond.limit_mm": study.law().stable_increment(sum(study.wear_coefficients)),
+        "beyond.limit_mm": study.law().stable_increment(wear),
         "beyond.increment_mm": study.stepping.plan[2],
-        "v1.limit_mm": runs["v1"].study.law().stable_increment(sum(study.wear_coefficients)),
-        "beyond.area_last": float(low[-1]),
-        "beyond.area_mean": float(low.mean()),
-        "beyond.area_lowest": float(low.min()),
-        "beyond.area_highest": float(low.max()),
-        "beyond.pressure_unevenness": float(beyond["pressure_std"][-1] / beyond["pressure_mean"][-1]),
-        "beyond.patch_change": float(beyond["patch_along"][-1] / v1["patch_along"][-1] - 1.0),
-        "beyond.depth_change": float(beyond["wear_depth_disc"][-1] / v1["wear_depth_disc"][-1] - 1.0),
-        "beyond.volume_change": float(beyond["wear_volume_disc"][-1] / v1["wear_volume_disc"][-1] - 1.0),
+        "v1.limit_mm": runs["v1"].study.law().stable_increment(wear),
+        "beyond.area_last": low[-1],
+        "beyond.area_mean": low.mean(),
+        "beyond.area_lowest": low.min(),
+        "beyond.area_highest": low.max(),
+        "beyond.pressure_unevenness": beyond["pressure_std"][-1] / beyond["pressure_mean"][-1],
+        "beyond.patch_change": _change(beyond, v1, "patch_along"),
+        "beyond.depth_change": _change(beyond, v1, "wear_depth_disc"),
+        "beyond.volume_change": _change(beyond, v1, "wear_volume_disc"),
     }
 
 
 def calibration() -> Numbers:
-    """What the printed patch of the ball and the printed wear coefficients say of each other."""
-    worn = calibrate_thesis.patch()
+    """Find what the printed patch of the ball and the printed wear coefficients say of each other."""
+    worn = patch()
     by_cap, by_ellipsoid = 1e3 * worn.by_cap.mean, 1e3 * worn.by_ellipsoid.mean  # [mm³/(N m)]
-    groove = 1e-3 * thesis.WEAR_COEFFICIENTS["disc"].value * thesis.LOAD.value * thesis.DISTANCE.value
+    groove = 1e-3 * WEAR_COEFFICIENTS["disc"].value * LOAD.value * DISTANCE.value
     return {
         "experiment.K_by_cap": by_cap,
         "experiment.K_by_ellipsoid": by_ellipsoid,
         "experiment.K_over_cap": 1e3 * worn.printed / by_cap,
         "experiment.patch_of_printed_K_mm": worn.asked,
         # A groove with the profile of a parabola, as wide as the patch and as long as the stroke.
-        "experiment.groove_depth_um": 1e3 * 1.5 * groove / (worn.diameter * thesis.STROKE.value),
-        "experiment.distance_by_strokes_mm": thesis.STROKE.value * thesis.PASSES.value,
+        "experiment.groove_depth_um": 1e3 * 1.5 * groove / (worn.diameter * STROKE.value),
+        "experiment.distance_by_strokes_mm": STROKE.value * PASSES.value,
     }

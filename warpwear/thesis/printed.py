@@ -23,10 +23,9 @@ STROKE = Printed(30.0, "mm", "Table 3.3", "half of its back-and-forth motion of 
 PASSES = Printed(80, "1", "Table 3.3", "two for each of its 40 back-and-forth motions")
 DISTANCE = Printed(2400.0, "mm", "Table 3.4")
 SPHERE_RADIUS = Printed(3.0, "mm", "Table 3.1", "half of its diameter of 6 mm")
-DISC_RA = Printed(3.0, "um", "section 3.2.1")
 
 SPEEDS = tuple(Printed(speed, "mm/min", "Table 3.4") for speed in (10.0, 20.0, 50.0, 100.0))
-#: Of the same rows.
+#: Time of a test at each of these speeds.
 TEST_TIMES = tuple(Printed(time, "min", "Table 3.4") for time in (240.0, 120.0, 48.0, 24.0))
 
 #: Table 4.1: body or way of measuring -> K with the hardness contained.
@@ -44,12 +43,8 @@ PATCH_DIAMETERS = {
     "v3": Printed(1.37, "mm", "figure 4.36"),
 }
 
-#: Steps of one stroke.
-ITERATIONS_PER_STROKE = Printed(100, "1", "section 4.3.1")
 #: Mean pressure of version 3 at all times, least and largest.
 V3_PRESSURES = (Printed(580.0, "MPa", "section 4.3.3"), Printed(600.0, "MPa", "section 4.3.3"))
-V3_CELL = Printed(10.0, "um", "section 4.3.3")
-V3_LOAD_TOLERANCE = Printed(0.5, "N", "section 4.2.2.2")
 #: After this distance pressure and radius of version 1 are said to change slowly.
 SLOWS_AFTER = Printed(100.0, "mm", "section 4.3.1", "0.1 m")
 #: Distances at which the wear of the disc is drawn.

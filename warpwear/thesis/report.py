@@ -1,7 +1,5 @@
 """The report of the thesis: its printed results beside ours, one page and one file of numbers."""
 
-import json
-import math
 import platform
 import time
 from collections.abc import Mapping
@@ -11,10 +9,12 @@ from typing import Any
 import warp
 
 from warpwear.result import Result
-from warpwear.thesis.figures import FIGURES
+from warpwear.results.report import to_json
+from warpwear.thesis import curves, maps
+from warpwear.thesis.figures import OF_RUNS
 from warpwear.thesis.findings import FINDINGS
 from warpwear.thesis.numbers import Numbers, collect
-from warpwear.thesis.page import Picture, check_folder, embedded, render, write_folder
+from warpwear.thesis.page import Picture, check_report, embedded, render, write_report
 from warpwear.thesis.runs import VERSIONS, Plan, Runs, published, running
 from warpwear.thesis.summary import ALL_ITEMS, OF_THESIS, SUMMARY
 from warpwear.thesis.verdicts import (
@@ -28,7 +28,10 @@ from warpwear.thesis.verdicts import (
 )
 from warpwear.version import __version__
 
-PAGE, NUMBERS = "report.html", "numbers.json"
+PAGE = "report.html"
+NUMBERS = "numbers.json"
+#: Figures by name, with captions.
+FIGURES = OF_RUNS | curves.FIGURES | maps.FIGURES
 #: Columns of the table at the top.
 PRINTED_COLUMNS = ("thesis V1", "thesis V2", "thesis V3", "experiment")
 
@@ -50,7 +53,7 @@ def thesis_report(
     and leaves nothing behind then.
     """
     folder = Path(out)
-    check_folder(folder, (PAGE, NUMBERS), overwrite=overwrite)
+    check_report(folder, (PAGE, NUMBERS), overwrite=overwrite)
     started = time.perf_counter()
     with running(plan or published(quick=quick), device=device, threads=threads, quiet=quiet) as runs:
         numbers = collect(runs)
@@ -59,7 +62,7 @@ def thesis_report(
         page = render_page(
             runs, numbers, verdicts, pictures, quick=quick, elapsed=time.perf_counter() - started
         )
-    write_folder(folder, {PAGE: page, NUMBERS: as_json(numbers, verdicts)})
+    write_report(folder, {PAGE: page, NUMBERS: as_json(numbers, verdicts)})
     return folder / PAGE
 
 
@@ -86,9 +89,9 @@ def as_json(numbers: Numbers, verdicts: Mapping[str, Verdict]) -> str:
             }
             for item in ALL_ITEMS
         ],
-        "numbers": {name: _finite(value) for name, value in numbers.items()},
+        "numbers": numbers,
     }
-    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return to_json(content, indent=1) + "\n"
 
 
 def _record(row: Row, numbers: Numbers) -> dict[str, Any]:
@@ -99,12 +102,8 @@ def _record(row: Row, numbers: Numbers) -> dict[str, Any]:
         "printed": {
             column: {"value": p.value, "unit": p.unit, "place": p.place} for column, p in row.printed.items()
         },
-        "ours": {column: _finite(row.factor * numbers[name]) for column, name in row.ours.items()},
+        "ours": {column: row.factor * numbers[name] for column, name in row.ours.items()},
     }
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def render_page(

@@ -4,12 +4,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from warpwear.thesis import printed as thesis
 from warpwear.thesis.findings import FINDINGS
-from warpwear.thesis.items_appendix import TABLE as APPENDIX
 from warpwear.thesis.items_compared import TABLE as COMPARED
 from warpwear.thesis.items_v1 import TABLE as V1
 from warpwear.thesis.items_v2_v3 import TABLE as V2_V3
+from warpwear.thesis.printed import V3_PRESSURES, Printed
 from warpwear.thesis.verdicts import (
     DIAMETER_TOLERANCE,
     PRESSURE_TOLERANCE,
@@ -19,6 +18,7 @@ from warpwear.thesis.verdicts import (
     Kind,
     Row,
     of_all,
+    patches,
 )
 
 
@@ -40,7 +40,7 @@ class Line:
         A column 'thesis V1' stands beside our V1, the experiment's beside all of ours.
         """
         pairs = [
-            (self.row.printed_factor * printed.value, self.row.factor * numbers.get(name, math.nan))
+            (self.row.factor * printed.value, self.row.factor * numbers.get(name, math.nan))
             for column, printed in self.row.printed.items()
             for version, name in self.row.ours.items()
             if column in (f"thesis {version}", "experiment")
@@ -54,17 +54,11 @@ class Line:
 
 
 def _patch(which: str, ours: dict[str, str], printed: tuple[str, ...], item: str) -> Line:
-    columns = {f"thesis {v.upper()}" if v in ("v1", "v2", "v3") else v: v for v in printed}
-    row = Row(
-        f"worn patch of the sphere, {which}",
-        "mm",
-        ours,
-        {column: thesis.PATCH_DIAMETERS[v] for column, v in columns.items()},
-    )
+    row = Row(f"worn patch of the sphere, {which}", "mm", ours, patches(*printed))
     return Line(row, item, DIAMETER_TOLERANCE)
 
 
-def _pressure(which: str, name: str, printed: thesis.Printed) -> Line:
+def _pressure(which: str, name: str, printed: Printed) -> Line:
     row = Row(f"mean pressure of V3, {which} of all steps", "MPa", {"V3": name}, {"thesis V3": printed})
     return Line(row, "figure-4.30", PRESSURE_TOLERANCE)
 
@@ -81,8 +75,8 @@ SUMMARY: tuple[Line, ...] = (
     Line(of_all("area in contact, 30 mm", "mm²", "area_30_mm2"), "cure"),
     Line(of_all("area in contact, end", "mm²", "area_end_mm2"), "cure"),
     Line(of_all("mean pressure, end", "MPa", "pressure_end_MPa"), "figure-4.17"),
-    _pressure("smallest", "v3.pressure_smallest_MPa", thesis.V3_PRESSURES[0]),
-    _pressure("largest", "v3.pressure_largest_MPa", thesis.V3_PRESSURES[1]),
+    _pressure("smallest", "v3.pressure_smallest_MPa", V3_PRESSURES[0]),
+    _pressure("largest", "v3.pressure_largest_MPa", V3_PRESSURES[1]),
     Line(of_all("coefficient of friction, end", "–", "cof_end"), "figure-4.34"),
     Line(of_all("coefficient of friction, start over end", "–", "cof_first_over_end"), "figure-4.37"),
     Line(of_all("exponent m of the area in contact", "–", "exponent_m"), "cure"),
@@ -90,8 +84,6 @@ SUMMARY: tuple[Line, ...] = (
 
 
 #: Figures and tables of the thesis.
-OF_THESIS: tuple[Item, ...] = tuple(
-    entry for table in (V1, V2_V3, COMPARED, APPENDIX) for entry in table.items
-)
+OF_THESIS: tuple[Item, ...] = tuple(entry for table in (V1, V2_V3, COMPARED) for entry in table.items)
 #: Those, then statements of our own.
 ALL_ITEMS: tuple[Item, ...] = (*OF_THESIS, *FINDINGS.items)

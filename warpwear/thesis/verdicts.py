@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from warpwear.thesis.printed import Printed
+from warpwear.thesis.printed import PATCH_DIAMETERS, Printed
+from warpwear.thesis.runs import VERSIONS
 
 
 class Kind(StrEnum):
@@ -58,6 +59,10 @@ class Known(Mapping[str, float]):
 Rule = Callable[[Known], Verdict]
 
 
+#: Unit of a row -> numbers are shown times this.
+FACTORS = {"%": 100.0, "10⁻⁴ mm³/(N·m)": 1e4}
+
+
 @dataclass(frozen=True)
 class Row:
     """One quantity: what is printed and which of our numbers stand beside it, each under a column's name."""
@@ -66,8 +71,11 @@ class Row:
     unit: str
     ours: Mapping[str, str]  # column -> name of a number
     printed: Mapping[str, Printed] = field(default_factory=dict)  # column -> value
-    factor: float = 1.0  # from our numbers to the unit
-    printed_factor: float = 1.0  # from the printed unit to the unit
+
+    @property
+    def factor(self) -> float:
+        """From our numbers, and from the unit of the thesis's text, to the unit."""
+        return FACTORS.get(self.unit, 1.0)
 
 
 @dataclass(frozen=True)
@@ -99,14 +107,19 @@ class Table:
     def item(
         self,
         name: str,
-        place: str,
         title: str,
-        *,
         says: str,
-        rows: tuple[Row, ...] = (),
+        *rows: Row,
+        place: str | None = None,
         figures: tuple[str, ...] = (),
     ) -> Callable[[Rule], Rule]:
-        """Adds an item with the decorated function as its rule."""
+        """Add an item with the decorated function as its rule.
+
+        place: where the thesis has it, by default what its name says: figure-4.17 is Figure 4.17.
+        """
+        if place is None:
+            kind, _, where = name.partition("-")
+            place = f"{kind.capitalize()} {where}" if where else ""
 
         def add(rule: Rule) -> Rule:
             self.items.append(Item(name, place, title, says, rule, rows, figures))
@@ -171,10 +184,24 @@ PRESSURE_TOLERANCE = 5.0
 VISIBLE = 0.01
 
 
-def of_all(quantity: str, unit: str, key: str, *, factor: float = 1.0) -> Row:
-    """One quantity of the four versions."""
-    columns = {"V1": "v1", "V2": "v2", "V3": "v3", "V3 fine": "fine"}
-    return Row(quantity, unit, {column: f"{name}.{key}" for column, name in columns.items()}, factor=factor)
+def of(*names: str) -> dict[str, str]:
+    """Put numbers of versions under their columns: 'v1.area_mm2' under 'V1'."""
+    return {VERSIONS[name.partition(".")[0]]: name for name in names}
+
+
+def of_all(quantity: str, unit: str, key: str, printed: Mapping[str, Printed] | None = None) -> Row:
+    """Declare one quantity of the four versions. printed: column -> value."""
+    return Row(quantity, unit, of(*(f"{version}.{key}" for version in VERSIONS)), printed or {})
+
+
+def extremes(name: str) -> dict[str, str]:
+    """Put a number's smallest and largest over all surfaces under columns. name: with {} for which."""
+    return {which: name.format(which) for which in ("smallest", "largest")}
+
+
+def patches(*names: str) -> dict[str, Printed]:
+    """Put printed diameters of the worn patch under columns: of the experiment and of versions."""
+    return {v if v == "experiment" else f"thesis {VERSIONS[v]}": PATCH_DIAMETERS[v] for v in names}
 
 
 def is_root(n: Known, name: str) -> bool:

@@ -1,0 +1,191 @@
+"""A report declares each of its numbers once: as an entry of JSON and as an aligned line for people."""
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+#: End of a key -> its unit as people write it.
+UNITS = {
+    "um": "µm",
+    "mm": "mm",
+    "um2": "µm²",
+    "mm2": "mm²",
+    "mm3": "mm³",
+    "N": "N",
+    "MPa": "MPa",
+    "J": "J",
+    "W": "W",
+    "s": "s",
+    "percent": "%",
+    "N_per_mm3": "N/mm³",
+    "mm3_per_Nm": "mm³/(N·m)",
+    "per_Pa": "m²/N (Pa⁻¹)",
+    "mm_per_min": "mm/min",
+    "MPa_m_per_s": "MPa·m/s",
+}
+#: Column at which values start.
+VALUES = 19
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity of a report.
+
+    label: its name for people; "" where JSON alone has it. key: its name in JSON, with its unit at the end;
+    "" where people alone see it. value: a number in that unit, a text, None where it is unknown (and then no
+    line), a mapping or a sequence of these, or rows: with a key one entry of JSON, else an entry each; with a
+    label one line, else a line each. digits: significant digits for people. note: what they read after the
+    unit. error: key and value of the standard error. unit: for people, where the key does not name it.
+    scientific: whether to write 3.5e-4.
+    """
+
+    label: str
+    key: str
+    value: Any
+    digits: int = 4
+    note: str = ""
+    error: tuple[str, float | None] | None = None
+    unit: str | None = None
+    scientific: bool = False
+
+    @property
+    def units(self) -> str:
+        """The unit as people write it; empty for a number without one."""
+        if self.unit is not None:
+            return self.unit
+        parts = self.key.split("_")
+        ends = ("_".join(parts[start:]) for start in range(1, len(parts)))
+        return next((UNITS[end] for end in ends if end in UNITS), "")
+
+    @property
+    def number(self) -> str:
+        """The value with its error, without its unit: '0.0071 ± 0.0004'."""
+        error = None if self.error is None else self.error[1]
+        if self.scientific:
+            return scientific(self.value, error, digits=self.digits)
+        text = shown(self.value, self.digits)
+        return text if error is None else f"{text} ± {error:.2g}"
+
+    @property
+    def text(self) -> str:
+        """All that stands behind the label."""
+        told = f"{self.number} {self.units}".rstrip()
+        if _are_rows(self.value):
+            told = ", ".join(f"{row.label} {row.text}" for row in _visible(self.value))
+        return told + " " * (self.note[:1] not in ("", ",", ";", ":")) + self.note
+
+
+def record(rows: Iterable[Row]) -> dict[str, Any]:
+    """Key -> value of a report, ready for JSON but for NaN; see `to_json`."""
+    found: dict[str, Any] = {}
+    for row in rows:
+        if row.key:
+            found[row.key] = _entry(row.value)
+        elif _are_rows(row.value):
+            found |= record(row.value)
+        if row.error is not None and row.error[0]:
+            found[row.error[0]] = row.error[1]
+    return found
+
+
+def lines(rows: Iterable[Row]) -> list[str]:
+    """The lines of a report for people: label and value; each text of a list has a line of its own."""
+    found: list[str] = []
+    for row in rows:
+        if not row.label:
+            found += lines(_inner(row.value))
+        elif _visible([row]):
+            label = f"  {row.label}"
+            for text in row.value if _are_texts(row.value) else [row.text]:
+                found.append(f"{label:<{VALUES - 1}} {text}")
+                label = ""
+    return found
+
+
+def table(groups: Sequence[Sequence[Row]]) -> list[str]:
+    """An aligned table with a line for each group and a column for each of its rows, alike in all groups."""
+    head = [f"{row.label}, {row.units}".removesuffix(", ") for row in _visible(groups[0])]
+    cells = [[row.number for row in _visible(rows)] for rows in groups]
+    return ["  " + line for line in aligned([head, *cells])]
+
+
+def aligned(cells: Sequence[Sequence[str]]) -> list[str]:
+    """Lines of a table: the first column begins at the left, the others end at the right."""
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return [
+        "  ".join(
+            cell.rjust(width) if column else cell.ljust(width)
+            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
+        ).rstrip()
+        for line in cells
+    ]
+
+
+def shown(value: Any, digits: int = 4) -> str:
+    """A value for people: '0.36', '3 × 3' of a sequence, 'mean 303, max 590' of a mapping, '–' for None."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {shown(part, digits)}" for name, part in value.items())
+    if isinstance(value, list | tuple):
+        return " × ".join(shown(part, digits) for part in value)
+    if isinstance(value, float):
+        return f"{value:.{digits}g}"
+    return "–" if value is None else str(value)
+
+
+def scientific(value: float, error: float | None = None, *, digits: int = 4) -> str:
+    """A number as 3.691e-4, with its error to two digits as (3.69 ± 0.18)e-4."""
+    power = math.floor(math.log10(abs(value))) if value else 0
+    part = float(f"{value / 10.0**power:.{digits - 1}f}")
+    if abs(part) >= 10.0:  # rounded up to the next power
+        part, power = part / 10.0, power + 1
+    if not error:
+        return f"{part:.{digits - 1}f}e{power}"
+    small = error / 10.0**power
+    if not 1e-6 < small < 1e4:  # two digits of it would be a row of zeros
+        return f"({part:.{digits - 1}f} ± {small:.0e})e{power}"
+    decimals = max(0, 1 - math.floor(math.log10(small)))
+    return f"({value / 10.0**power:.{decimals}f} ± {small:.{decimals}f})e{power}"
+
+
+def to_json(content: Any, *, indent: int = 2) -> str:
+    """JSON without NaN and infinity, for which it has no word: they become null."""
+    return json.dumps(without_nan(content), indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+def without_nan(content: Any) -> Any:
+    """A copy of nested mappings and sequences with None for every number that is not finite."""
+    if isinstance(content, Mapping):
+        return {name: without_nan(value) for name, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [without_nan(value) for value in content]
+    return None if isinstance(content, float) and not math.isfinite(content) else content
+
+
+def _entry(value: Any) -> Any:
+    """A row's value as JSON has it: rows as a mapping."""
+    if _are_rows(value):
+        return record(value)
+    if isinstance(value, Mapping):
+        return {name: _entry(part) for name, part in value.items()}
+    return [_entry(part) for part in value] if isinstance(value, list | tuple) else value
+
+
+def _are_rows(value: Any) -> bool:
+    return isinstance(value, list | tuple) and bool(value) and isinstance(value[0], Row)
+
+
+def _inner(value: Any) -> list[Row]:
+    """The rows in a value that is a list of rows, or of lists of them."""
+    if isinstance(value, list | tuple):
+        return [row for part in value for row in _inner(part)]
+    return [value] if isinstance(value, Row) else []
+
+
+def _are_texts(value: Any) -> bool:
+    return isinstance(value, list | tuple) and all(isinstance(part, str) for part in value)
+
+
+def _visible(rows: Iterable[Row]) -> list[Row]:
+    return [row for row in rows if row.label and row.value is not None and row.value != {}]
