@@ -3,8 +3,9 @@
 from typing import Self
 
 import numpy as np
-from baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
-from search import TIE, bisected
+
+from contenders.baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
+from contenders.search import TIE, bisected
 
 
 class PublishedLoop:

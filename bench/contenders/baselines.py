@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from search import TIE, TOLERANCE, bisected, newton_in_bracket
 
+from contenders.search import TIE, TOLERANCE, bisected, newton_in_bracket
 from warpwear import Study
 
 FloatArray = NDArray[np.float64]

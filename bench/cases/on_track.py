@@ -3,11 +3,11 @@
 import time
 
 import numpy as np
-from contenders import DisagreementError, Setting, heights_of, named, study_on
-from displaced import BEFORE, EXTENT, SHIFT, Package
-from timing import Row, Unit, measure, ratio_note
+from contenders.roster import DisagreementError, Setting, heights_of, named, study_on
+from measure.timing import Row, Unit, measure, ratio_note
 
 import warpwear
+from cases.displaced import BEFORE, EXTENT, SHIFT, Package
 from warpwear import Study
 from warpwear.engine.executor import Executor
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
 
-from baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
-from c_loop import CLoop, NoCompilerError, library
-from candidates import CandidateLoop
-from published import PublishedLoop
-from timing import Row, Unit, measure
+from measure.timing import Row, Unit, measure
 
+from contenders.baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
+from contenders.c_loop import CLoop, NoCompilerError, library
+from contenders.candidates import CandidateLoop
+from contenders.published import PublishedLoop
 from warpwear import Study
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid

@@ -1,4 +1,4 @@
-"""The loop of `baselines.NumpyLoop` with its passes over the cells in C, through ctypes.
+"""The loop of `contenders.baselines.NumpyLoop` with its passes over the cells in C, through ctypes.
 
 `c_loop.c` is compiled once a process by the first of cc, gcc, clang that is there.
 """
@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from baselines import FloatArray, NumpyLoop, Problem
+
+from contenders.baselines import FloatArray, NumpyLoop, Problem
 
 FLAGS = ("-O3", "-march=native", "-fopenmp-simd")
 SOURCE = Path(__file__).with_name("c_loop.c")
