@@ -1,6 +1,7 @@
 """Figures: all of them drawn of several kinds of run, legible, with units, or left out with a reason."""
 
 import base64
+import io
 import re
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,8 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from cases_figures import OF_PATCHES, OF_TRACKS, drawn, faults_of
+from cases_figures import OF_PATCHES, OF_TRACKS, drawn, faults_of, is_empty
+from matplotlib.figure import Figure
 from PIL import Image
 
 import warpwear
@@ -125,6 +127,47 @@ def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:
         plot.save("cof", tmp_path, file_format="eps")
     with pytest.raises(AttributeError):
         _ = plot.nothing
+
+
+#: Figures of a single panel.
+SINGLE = {"cof", "cof_time", "areas", "pressure", "contact_radius", "roughness", "junctions"}
+
+
+def test_one_panel_is_drawn_into_axes_that_are_there(results: dict[str, Result]) -> None:
+    """The lines of the figure of its own, in the axes given and no others, with a legend inside them."""
+    plot = results["rough"].plot
+    for name in sorted(set(plot.NAMES) - set(plot.left_out)):
+        figure = Figure(figsize=(6.0, 3.0))
+        left, right = figure.subplots(1, 2)
+        if name not in SINGLE:
+            with pytest.raises(InputError, match=f"'{name}' needs a figure of its own"):
+                getattr(plot, name)(ax=left)
+            continue
+        assert getattr(plot, name)(left) is figure
+        assert is_empty(right)
+        own = getattr(plot, name)().axes[0]
+        assert left.get_xlabel() == own.get_xlabel()
+        assert len(left.lines) == len(own.lines) > 0
+        for drawn_there, line in zip(left.lines, own.lines, strict=True):
+            np.testing.assert_array_equal(drawn_there.get_xydata(), line.get_xydata())
+        assert figure.legends == []
+        labelled = [axes for axes in figure.axes if axes.get_legend()]
+        assert len(labelled) == (0 if name in {"cof", "cof_time"} else 1)
+        figure.savefig(io.BytesIO())
+
+
+def test_a_panel_may_lie_in_a_part_of_a_figure(results: dict[str, Result]) -> None:
+    figure = Figure(layout="constrained")
+    part, _ = figure.subfigures(1, 2)
+    assert results["rough"].plot.areas(ax=part.subplots()) is figure
+
+
+def test_the_figures_are_listed(results: dict[str, Result]) -> None:
+    """`dir` and tab completion know them all, each with a sentence of help."""
+    plot = results["rough"].plot
+    assert {*plot.NAMES, "NAMES", "left_out", "reason", "save", "save_all"} <= set(dir(plot))
+    assert all((getattr(plot, name).__doc__ or "").partition("\n")[0].endswith(".") for name in plot.NAMES)
+    assert plot.cof.__name__ == "cof"
 
 
 def test_plot_on_the_command_line(
