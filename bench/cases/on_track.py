@@ -11,7 +11,7 @@ from cases.displaced import BEFORE, EXTENT, SHIFT, Package
 from warpwear import Study
 from warpwear.engine.executor import Executor
 
-#: Of Archard's volumes, relative.
+#: Relative difference allowed of Archard's volumes.
 EXACT = 1.0e-9
 #: Distance of a quick run [mm].
 QUICK = 60.0

@@ -57,9 +57,9 @@ def compiler_version() -> str | None:
 
 
 class CLoop(NumpyLoop):
-    """The same algorithm, each pass a loop in C over chunks of rows, one chunk a thread.
+    """NumPy's loop with each pass a loop in C over chunks of rows, one chunk a thread.
 
-    As in the package one gap is worn, and what is worn is told from the gap without wear.
+    As in the package, one gap is worn, and what is worn is told from the gap without wear.
     """
 
     def __init__(self, problem: Problem, gap: FloatArray, *, threads: int = 1) -> None:

@@ -1,4 +1,4 @@
-"""The same algorithm in NumPy on the cells that can touch: what one writes who knows that they are few."""
+"""NumPy's loop on the cells that can touch alone: what one writes who knows that they are few."""
 
 import numpy as np
 

@@ -9,7 +9,7 @@ from contenders.search import TIE, bisected
 
 
 class PublishedLoop:
-    """As published: bisection of the approach from the bounds of the gap, with a pass over S − D per trial.
+    """Bisects the approach as published, between bounds of the gap, with a pass over S − D per trial.
 
     S is the sphere's surface and D the disc's, both as worn [mm]. A contact without compliance is the bearing
     area (thesis eqs 4.8–4.11); with it the pressures are summed instead. Pressures are then scaled to the
