@@ -185,10 +185,9 @@ class FigureData:
     @cached_property
     def relief(self) -> tuple[FloatArray, Window]:
         """Heights [mm] of the unworn disc over the whole domain, for 3-D."""
-        result = self.result
-        snapshot = result.snapshot(0)
-        window = self._centred(np.inf, SURFACE_BLOCKS)
-        return window.means(worn_heights(result, snapshot, "disc") + snapshot.lost_beneath), window
+        snapshot, window = self.result.snapshot(0), self._centred(np.inf, SURFACE_BLOCKS)
+        unworn = worn_heights(self.result, snapshot, "disc") + snapshot.lost_beneath
+        return window.means(unworn), window
 
     @cached_property
     def strip(self) -> float:
@@ -198,48 +197,42 @@ class FigureData:
 
     @cached_property
     def _half(self) -> float:
-        """Half the side [mm] of the square that is shown."""
-        result = self.result
+        """Half the side [mm] of the square that is shown; the domain is a square, too."""
+        places, cell = self.result.x, self.study.grid.cell
         if self.study.sphere.curvature == 0.0:
-            return float(max(result.x[-1], result.y[-1])) + 0.5 * self.study.grid.cell
-        touched = result.snapshot(-1).touched
-        reach = 0.0
-        for axis, places in ((1, result.x), (0, result.y)):
-            reach = max(reach, float(np.abs(places[touched.any(axis=axis)]).max()))
-        return min(MARGIN * reach + self.study.grid.cell, float(max(result.x[-1], result.y[-1])))
+            return float(places[-1]) + 0.5 * cell
+        touched = self.result.snapshot(-1).touched
+        reach = max(float(np.abs(places[touched.any(axis=axis)]).max()) for axis in (0, 1))
+        return min(MARGIN * reach + cell, float(places[-1]))
 
     def _centred(self, half: float, most: int) -> Window:
         """Cut a square around the middle into at most `most` blocks a side; part of a block is left out."""
-        slices: list[slice] = []
-        counts = [int((np.abs(places) <= half).sum()) for places in (self.result.x, self.result.y)]
-        factor = -(-max(counts) // most)
-        for places, count in zip((self.result.x, self.result.y), counts, strict=True):
-            whole = max(count // factor, 1) * factor
-            first = (places.size - whole) // 2
-            slices.append(slice(first, first + whole))
-        return Window.of(self.study.cells, slices[0], slices[1], factor=factor)
+        count = int((np.abs(self.result.x) <= half).sum())
+        factor = -(-count // most)
+        whole = max(count // factor, 1) * factor
+        first = (self.result.x.size - whole) // 2
+        part = slice(first, first + whole)
+        return Window.of(self.study.cells, part, part, factor=factor)
 
     def _state(self, snapshot: Snapshot, row: int) -> FloatArray:
-        history, hardness = self.history, self.study.hardness
-        state = snapshot.touched.astype(np.float64)
-        state[snapshot.pressure > 0.0] = State.IN_CONTACT
+        """Return the `State` of every cell at a snapshot. row: of the history."""
+        history, least = self.history, self.study.hardness * (1.0 - 1e-9)
         # The bearing area scales its pressure to the load, so that the hardness is met within a tolerance.
         if history["area_plastic"][row] >= history["area_contact"][row] * (1.0 - 1e-9):
-            state[snapshot.pressure > 0.0] = State.AT_HARDNESS
-        else:
-            state[snapshot.pressure >= hardness * (1.0 - 1e-9)] = State.AT_HARDNESS
+            least = 0.0
+        state = snapshot.touched.astype(np.float64)
+        state[snapshot.pressure > 0.0] = State.IN_CONTACT
+        state[(snapshot.pressure > 0.0) & (snapshot.pressure >= least)] = State.AT_HARDNESS
         return state
 
     def _profile(self, snapshot: Snapshot, axis: int) -> Profile:
-        result, window = self.result, self.window
-        places, others = (result.x, result.y) if axis == 0 else (result.y, result.x)
-        shown = window.x if axis == 0 else window.y
+        """Cut through the middle of a snapshot. axis: 0 along sliding, 1 across it."""
+        places, shown = self.result.x, self.window.x
 
         def line(field: FloatArray) -> FloatArray:
-            found: FloatArray = np.take(field, others.size // 2, axis=1 - axis)[shown].copy()
-            return found
+            return np.asarray(np.take(field, places.size // 2, axis=1 - axis)[shown])
 
-        strip = np.compress(np.abs(others) <= 0.5 * self.strip, snapshot.pressure, axis=1 - axis)
+        strip = np.compress(np.abs(places) <= 0.5 * self.strip, snapshot.pressure, axis=1 - axis)
         pressure = strip.mean(axis=1 - axis)[shown]
         cells = -(-pressure.size // BINS)
         bins = pressure.size // cells

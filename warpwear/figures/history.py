@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from warpwear.figures import style as fs
 from warpwear.figures.data import FigureData, positive
@@ -36,9 +35,8 @@ def cof_time(axes: Axes, data: FigureData) -> None:
     """Coefficient of friction over the sliding time, and relative to its end: to a last pass's mean."""
     time = data.course["time"]
     unit, seconds = next((unit, s) for least, unit, s in TIMES if time[-1] >= least)
-    axes.plot(time / seconds, data.course["cof"], color=fs.NEUTRAL)
-    axes.set_xlabel(f"sliding time, {unit}")
-    axes.xaxis.set_major_locator(MaxNLocator(6))
+    label = f"sliding time, {unit}"
+    fs.over_distance(axes, time / seconds, data.course["cof"], xlabel=label, color=fs.NEUTRAL)
     _finish_cof(axes, data)
 
 

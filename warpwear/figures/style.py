@@ -126,10 +126,12 @@ def shades(colour: str) -> LinearSegmentedColormap:
     return LinearSegmentedColormap.from_list("shades", [pale, base, dark])
 
 
-def over_distance(axes: Axes, distance: FloatArray, values: FloatArray, **line: Any) -> None:
-    """Draw a quantity over the distance slid [mm]."""
+def over_distance(
+    axes: Axes, distance: FloatArray, values: FloatArray, *, xlabel: str = "sliding distance, mm", **line: Any
+) -> None:
+    """Draw a quantity over the distance slid [mm], or over what xlabel says."""
     axes.plot(distance, values, **line)
-    axes.set_xlabel("sliding distance, mm")
+    axes.set_xlabel(xlabel)
     axes.xaxis.set_major_locator(MaxNLocator(6))
 
 
