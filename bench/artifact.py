@@ -12,9 +12,9 @@ from typing import Any
 
 import click
 import numpy as np
-from machine import machine
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from measure.machine import machine
 from scipy import ndimage
 
 import warpwear

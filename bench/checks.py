@@ -1,10 +1,10 @@
 """What the checks of every step (`warpwear.runs.invariants`) cost beside the step, on the CPU.
 
-python bench/checks.py [CELL in µm]...      (default: 1 10)
+python bench/checks.py [CELL]...      (sides of the cells in µm; by default 1 10)
 """
 
+import argparse
 import statistics
-import sys
 import time
 
 from warpwear import Study
@@ -14,7 +14,7 @@ from warpwear.study.surface import surface_in
 
 
 def measure(cell: str) -> None:
-    """Medians over the first and the last quarter of the steps of v3-fine on cells of so many µm."""
+    """Medians over the first and the last quarter of the steps of v3-fine. cell: side of the cells [µm]."""
     study = Study.load("v3-fine").replace({"grid.cell": f"{cell} um", "output.snapshots": []})
     invariants, plan = Invariants(study), plan_of(study)
     steps_took, checks_took = [], []
@@ -40,5 +40,9 @@ def measure(cell: str) -> None:
 
 
 if __name__ == "__main__":
-    for cell in sys.argv[1:] or ["1", "10"]:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument(
+        "cells", nargs="*", default=["1", "10"], metavar="CELL", help="side of the cells [µm]"
+    )
+    for cell in parser.parse_args().cells:
         measure(cell)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from machine import machine
+from measure.machine import machine
 
 from warpwear import Study
 from warpwear.figures.patches import load_share_error

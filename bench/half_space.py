@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from half_space_contenders import MODULUS
-from machine import machine
+from contenders.half_space import MODULUS
+from measure.machine import machine
 
 from warpwear.contact.influence import periodic_spectrum
 from warpwear.grid import Grid
@@ -76,7 +76,7 @@ def solve(
         "repeats": OUR_REPEATS if name == "warpwear" else 1,
         "device": device,
     }
-    script = str(HERE / "half_space_contenders.py")
+    script = str(HERE / "contenders" / "half_space.py")
     files = [str(folder / "heights.npy"), str(folder / "pressure.npy")]
     environment = dict(os.environ)
     # Peers take minutes of processor time; whoever else works here need not wait for them.

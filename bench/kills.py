@@ -87,7 +87,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def study_of(case: str, every: float) -> Study:
-    """The study of a case, with a checkpoint every so many seconds."""
+    """Return the study of a case, with a checkpoint every `every` seconds."""
     preset, changes = CASES[case]
     return Study.load(preset).replace(changes | {"run.checkpoint": f"{every} s"})
 
@@ -129,7 +129,7 @@ def start(study: Study, out: Path, threads: int) -> int:
 
 
 def killed(pid: int, after: float) -> bool:
-    """Whether a process had to be killed after so many seconds. RuntimeError if it failed by itself."""
+    """Return whether a process had to be killed `after` some seconds. RuntimeError if it failed by itself."""
     deadline = time.monotonic() + after
     while time.monotonic() < deadline:
         done, status = os.waitpid(pid, os.WNOHANG)

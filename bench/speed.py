@@ -19,11 +19,11 @@ from typing import Any
 
 import click
 import psutil
-from c_loop import NoCompilerError, compiler_version, library
-from cases import CASES, QUICK_SIZES, Case
-from contenders import DisagreementError, Setting
-from machine import machine
-from timing import Row
+from cases.table import CASES, QUICK_SIZES, Case
+from contenders.c_loop import NoCompilerError, compiler_version, library
+from contenders.roster import DisagreementError, Setting
+from measure.machine import machine
+from measure.timing import Row
 
 import warpwear
 from warpwear.engine.device import find_device
@@ -180,7 +180,7 @@ def measure_all(
     setting = Setting(threads=counts, device=device, repeats=int(repeats), quick=quick)
     table = CASES
     if on_gpu:
-        from cases_gpu import CASES_GPU
+        from cases.on_gpu import CASES_GPU
 
         table = CASES_GPU
     cases = chosen(names, table)

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from machine import machine
+from measure.machine import machine
 
 import warpwear
 from warpwear import Study

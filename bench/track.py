@@ -16,9 +16,9 @@ from typing import Any
 import click
 import numpy as np
 from artifact import COLOURS, Table, show
-from machine import machine
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from measure.machine import machine
 
 import warpwear
 from warpwear.results.track import by_pass

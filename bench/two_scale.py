@@ -14,8 +14,8 @@ from typing import Any
 
 import click
 import numpy as np
-from machine import machine
 from matplotlib.figure import Figure
+from measure.machine import machine
 
 import warpwear
 from warpwear.figures import style as fs

@@ -1,5 +1,6 @@
 """The contenders of the benchmark agree on tiny grids: package, NumPy, C if it compiles, published way."""
 
+import runpy
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,8 +11,8 @@ import reference
 from numpy.testing import assert_allclose, assert_array_equal
 
 BENCH = Path(__file__).parents[1] / "bench"
-#: Names that the scripts of the benchmark have as modules.
-MODULES = [path.stem for path in BENCH.glob("*.py")]
+#: Names that the scripts of the benchmark and their folders have as modules.
+MODULES = {path.stem for path in BENCH.iterdir() if path.is_dir() or path.suffix == ".py"}
 CELLS = 64
 #: Cold, growing, one long step, the cap of 590 MPa active in the first.
 INCREMENTS = [3.0e-3, 3.0e-3, 0.1, 100.0, 3.0]
@@ -22,17 +23,17 @@ def bench_on_path(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Its scripts import one another by plain names, which nothing else may see."""
     monkeypatch.syspath_prepend(str(BENCH))
     yield
-    for name in MODULES:
-        sys.modules.pop(name, None)
+    for name in [name for name in sys.modules if name.partition(".")[0] in MODULES]:
+        del sys.modules[name]
 
 
 @pytest.mark.parametrize("kind", ["fine", "springs", "explicit"])
 def test_contenders_agree(kind: str) -> None:
     """Approach, volumes and area of every step to 1e-9, balances of both kinds."""
-    from baselines import NumpyLoop, Problem, sag_of
-    from candidates import CandidateLoop
-    from contenders import TIGHT, Setting, c_loops, check, gap_of, heights_of, package, study_on
-    from published import PublishedLoop
+    from contenders.baselines import NumpyLoop, Problem, sag_of
+    from contenders.candidates import CandidateLoop
+    from contenders.published import PublishedLoop
+    from contenders.roster import TIGHT, Setting, c_loops, check, gap_of, heights_of, package, study_on
 
     changes = {
         "fine": {},
@@ -65,10 +66,33 @@ def test_contenders_agree(kind: str) -> None:
     assert_allclose(traces["NumPy"][-1].volume_sphere, problem.wear_sphere * worn, rtol=1e-12)
 
 
+@pytest.mark.parametrize("script", sorted(BENCH.glob("*.py")), ids=lambda path: path.stem)
+def test_scripts_find_what_they_import(script: Path) -> None:
+    """Every script that is run by name loads, with all of its helpers."""
+    runpy.run_path(str(script))
+
+
+def test_digests_tell_what_differs() -> None:
+    """Nothing for equal bytes, the largest relative difference of numbers, infinity of what is not there."""
+    from digest import differences
+
+    one = {"a": np.array([1.0, np.nan, -4.0]), "b": np.arange(3), "c": np.zeros(2), "d": np.array([np.nan])}
+    assert differences(one, {name: values.copy() for name, values in one.items()}) == {}
+    other = {
+        "a": np.array([1.0, np.nan, -4.5]),
+        "b": np.arange(3) + 1,
+        "c": np.zeros(3),
+        "d": np.array([1.0]),
+    }
+    assert differences(one, other) == {"a": 0.125, "b": np.inf, "c": np.inf, "d": np.inf}
+    del other["a"]
+    assert differences(one, other)["a"] == np.inf
+
+
 def test_disagreement_is_told() -> None:
     """A contender that finds another approach stops the benchmark, by name."""
-    from baselines import Solved
-    from contenders import DisagreementError, check
+    from contenders.baselines import Solved
+    from contenders.roster import DisagreementError, check
 
     one = Solved(approach=1.0, volume_sphere=1.0, volume_disc=1.0, area=1.0, evaluations=3)
     check("equal", {"warpwear": [one], "NumPy": [one._replace(evaluations=4)]})
@@ -78,9 +102,9 @@ def test_disagreement_is_told() -> None:
 
 def test_published_way_goes_on_from_a_loop() -> None:
     """After steps of NumPy's loop the next one is that loop's own."""
-    from baselines import NumpyLoop, Problem
-    from contenders import TIGHT, check, gap_of, study_on
-    from published import PublishedLoop
+    from contenders.baselines import NumpyLoop, Problem
+    from contenders.published import PublishedLoop
+    from contenders.roster import TIGHT, check, gap_of, study_on
 
     study = study_on(CELLS)
     problem = Problem.of(study)
@@ -95,7 +119,7 @@ def test_published_way_goes_on_from_a_loop() -> None:
 
 def test_sliding_step() -> None:
     """The lowest cells carry the load; each body loses K F ΔL where they are, and only in the window."""
-    from baselines import sliding_step, work_for
+    from contenders.baselines import sliding_step, work_for
 
     random = np.random.default_rng(1)
     places = (np.arange(24) - 11.5) * 0.01
@@ -124,7 +148,7 @@ def test_sliding_step() -> None:
 
 def test_places_and_extrapolation() -> None:
     """Steps looked at are spread over the run; costs that change in a line are summed exactly."""
-    from loops import over_the_run, places_in
+    from cases.whole_runs import over_the_run, places_in
 
     places = places_in([1.0] * 1099, 8)
     assert places[0] == 0

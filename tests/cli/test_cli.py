@@ -1,15 +1,17 @@
 """The command line as a user meets it, mostly in processes of its own."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
+import click
 import pytest
 import warp as wp
 
-from warpwear.cli.main import main
+from warpwear.cli.main import commands, main
 
 ROOT = Path(__file__).parent.parent.parent
 QUICK = ["--set", "grid.cell=20 um", "--set", "sliding.distance=3 mm"]
@@ -126,11 +128,40 @@ def test_listing_and_showing(tmp_path: Path) -> None:
     assert warpwear("show", "mine.toml", cwd=tmp_path).returncode == 0
 
 
-def test_help_is_quick_and_needs_no_warp(tmp_path: Path) -> None:
-    code = "import sys; from warpwear.cli.main import main\ntry: main(['--help'])\nexcept SystemExit: pass\n"
-    code += "print([m for m in ('warp', 'scipy', 'matplotlib', 'pint', 'h5py') if m in sys.modules])"
+def every_command(group: click.Group, path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+    """Names of all commands, groups included, as they are typed."""
+    found = [path]
+    for name, command in group.commands.items():
+        here = (*path, name)
+        found += every_command(command, here) if isinstance(command, click.Group) else [here]
+    return found
+
+
+#: Slow to import, and nothing that help needs.
+HEAVY = ("warp", "scipy", "matplotlib", "pint", "h5py")
+
+
+@pytest.mark.parametrize("command", every_command(commands), ids=" ".join)
+def test_help_is_quick_and_speaks_of_today(command: tuple[str, ...]) -> None:
+    """It imports nothing heavy, and knows no key by its old name."""
+    code = f"import sys; from warpwear.cli.main import main\ntry: main({[*command, '--help']!r})\n"
+    code += f"except SystemExit: pass\nprint([m for m in {HEAVY!r} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "[]"
+    told, imported = done.stdout.rpartition("\n[")[0], done.stdout.splitlines()[-1]
+    assert imported == "[]"
+    assert told.startswith("Usage: warpwear")
+    for old in ("macro.", "[macro]", "contact.foundation", "foundation_update", "law=foundation"):
+        assert old not in told
+
+
+def test_help_names_what_a_run_writes(tmp_path: Path) -> None:
+    """Every file of a run folder, and no other, is listed in `warpwear run --help`."""
+    done = warpwear("run", "v3-fine", *QUICK, "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    told = warpwear("run", "--help", cwd=tmp_path).stdout.partition("Options:")[0]
+    written = {path.name + "/" * path.is_dir() for path in (tmp_path / "out").iterdir()}
+    listed = {line.split()[0] for line in told.splitlines() if re.match(r"  [a-z]+[./]", line)}
+    assert listed == written
 
 
 def test_the_rooms_have_one_name(tmp_path: Path) -> None:

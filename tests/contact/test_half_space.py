@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
-from scipy.optimize import lsq_linear
+from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense_streak, rough
 
 from warpwear.contact.half_space import HalfSpace
 from warpwear.contact.half_space_passes import FOLDED
@@ -22,7 +22,6 @@ from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
 
-MODULUS = 3.0
 GRID = Grid(10, 7, 0.5)  # a width that is no multiple of the lanes of a vector
 
 
@@ -32,74 +31,6 @@ def device(device: str) -> str:
     if device != "cpu":
         pytest.importorskip("cupy")
     return device
-
-
-def rough(grid: Grid, *, seed: int = 1, rms: float = 1.0, shortest: int = 4) -> FloatArray:
-    """A periodic gap of random long waves [mm]."""
-    generator = np.random.default_rng(seed)
-    i = np.fft.fftfreq(grid.nx, 1.0 / grid.nx)[:, np.newaxis]
-    j = np.fft.rfftfreq(grid.ny, 1.0 / grid.ny)
-    waves = np.hypot(i, j)
-    amplitude = np.where((waves > 0.0) & (waves <= shortest), np.maximum(waves, 1.0) ** -1.8, 0.0)
-    phase = generator.standard_normal(waves.shape) + 1j * generator.standard_normal(waves.shape)
-    gap = np.fft.irfft2(amplitude * phase, s=grid.shape)
-    return np.asarray(gap * rms / gap.std())
-
-
-def dense_free(grid: Grid) -> FloatArray:
-    """Influence of every cell on every other, by the logarithms of Johnson's eq. 3.25."""
-    x, y = (c.ravel() for c in np.meshgrid(grid.x, grid.y, indexing="ij"))
-    dx, dy = np.subtract.outer(x, x), np.subtract.outer(y, y)
-    h = 0.5 * grid.cell
-
-    def part(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
-        """a ln((b + …)/(c + …)) of the square's side at distance a."""
-        return np.asarray(a * np.log((b + np.hypot(a, b)) / (c + np.hypot(a, c))))
-
-    total = part(dx + h, dy + h, dy - h) + part(dy + h, dx + h, dx - h)
-    total += part(dx - h, dy - h, dy + h) + part(dy - h, dx - h, dx + h)
-    return np.asarray(total / (math.pi * MODULUS))
-
-
-def dense_periodic(grid: Grid) -> FloatArray:
-    """The same by a sum over waves; the mean of the displacement is left out."""
-    x, y = (c.ravel() for c in np.meshgrid(grid.x, grid.y, indexing="ij"))
-    total = np.zeros((grid.cells, grid.cells))
-    for i in range(-(grid.nx // 2), (grid.nx + 1) // 2):
-        for j in range(-(grid.ny // 2), (grid.ny + 1) // 2):
-            if (i, j) != (0, 0):
-                p, q = 2 * math.pi * i / (grid.nx * grid.cell), 2 * math.pi * j / (grid.ny * grid.cell)
-                wave = np.cos(p * np.subtract.outer(x, x) + q * np.subtract.outer(y, y))
-                total += wave * 2.0 / (MODULUS * math.hypot(p, q) * grid.cells)
-    return total
-
-
-def dense_streak(grid: Grid, boundary: str, window: int | None) -> FloatArray:
-    """S twice, the mean along x over a window, or of the line; rows of a free grid end in empty ones."""
-    if window is None or window > grid.nx:
-        mean = np.full((grid.nx, grid.nx), 1.0 / grid.nx)
-    else:
-        half, around = window // 2, window + 1 - window % 2
-        weights = np.full(around, 1.0 / window)
-        if window % 2 == 0:
-            weights[[0, -1]] /= 2.0
-        mean = np.zeros((grid.nx, grid.nx + 2 * half))
-        for row in range(grid.nx):
-            mean[row, row : row + around] = weights
-        if boundary == "periodic":
-            inner = mean[:, half : half + grid.nx].copy()
-            inner[:, -half:] += mean[:, :half]
-            inner[:, :half] += mean[:, -half:]
-            mean = inner
-    return np.kron(mean @ mean.T, np.eye(grid.ny))
-
-
-def bounded(matrix: FloatArray, gap: FloatArray, approach: float, hardness: float) -> FloatArray:
-    """argmin ½ p·Gp + p·(g − δ), 0 ≤ p ≤ H, by active sets."""
-    root = np.linalg.cholesky(matrix).T
-    right = np.linalg.solve(root.T, approach - gap.ravel())
-    found = lsq_linear(root, right, bounds=(0.0, hardness), method="bvls", tol=1e-15, max_iter=5000)
-    return np.asarray(found.x.reshape(gap.shape))
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])

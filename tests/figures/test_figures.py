@@ -1,7 +1,7 @@
 """Figures: all of them drawn of several kinds of run, legible, with units, or left out with a reason."""
 
 import base64
-import itertools
+import io
 import re
 from pathlib import Path
 from typing import Any
@@ -9,10 +9,8 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
+from cases_figures import OF_PATCHES, OF_TRACKS, drawn, faults_of, is_empty
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
-from matplotlib.text import Text
 from PIL import Image
 
 import warpwear
@@ -39,8 +37,6 @@ RUNS: dict[str, dict[str, Any]] = {
         "output.snapshots": ["1 mm", "10 mm"],
     },
 }
-OF_TRACKS = {"groove", "track_map", "wear_per_pass", "cof_stroke", "track_roughness"}
-OF_PATCHES = {"load_share", "patch_zoom"}
 STATIC = {"setup", "pressure_map", "pressure_3d", "pressure_profiles", "contact_map", "profiles", "junctions"}
 
 
@@ -56,63 +52,6 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
     }
 
 
-def drawn(result: Result, name: str) -> tuple[Figure, Any]:
-    figure: Figure = getattr(result.plot, name)()
-    figure.canvas.draw()
-    return figure, figure.canvas.get_renderer()  # type: ignore[attr-defined]
-
-
-def axes_of(figure: Figure) -> list[Axes]:
-    """All axes: panels, colour bars, secondary axes."""
-    return [child for axes in figure.axes for child in (axes, *axes.child_axes)]
-
-
-def axes_lines(axes: Axes) -> list[Any]:
-    """Those of x, y and z."""
-    return [getattr(axes, f"{n}axis") for n in "xyz" if hasattr(axes, f"{n}axis")]
-
-
-def shown_ticks(axis: Any) -> list[Text]:
-    low, high = sorted(axis.get_view_interval())
-    room = 1e-9 * (high - low)
-    ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
-    inside = [t for t in ticks if low - room <= t.get_loc() <= high + room]
-    labels = [label for t in inside for label in (t.label1, t.label2)]
-    return [label for label in labels if label.get_visible() and label.get_text()]
-
-
-def texts_of(figure: Figure) -> list[Text]:
-    found: list[Text] = []
-    for axes in axes_of(figure):
-        for axis in axes_lines(axes):
-            found += [axis.label, *shown_ticks(axis)]
-        found += [axes.title, *axes.texts]
-    for legend in figure.legends:
-        found += legend.get_texts()
-    return [text for text in found if text.get_visible() and text.get_text()]
-
-
-def outline(text: Text, renderer: Any) -> Polygon:
-    """Corners of a text, turned as it is and half a pixel smaller on each side [pixels]."""
-    turned = text.get_window_extent(renderer)
-    angle = text.get_rotation()
-    text.set_rotation(0.0)
-    flat = text.get_window_extent(renderer)
-    text.set_rotation(angle)
-    half = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * [flat.width - 1.0, flat.height - 1.0]
-    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-    middle = np.array([turned.x0 + turned.x1, turned.y0 + turned.y1]) / 2.0
-    return Polygon(half @ np.array([[c, s], [-s, c]]) + middle)
-
-
-def is_empty(axes: Axes) -> bool:
-    values = [image.get_array() for image in axes.images]
-    values += [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines]
-    if any(np.isfinite(np.ma.filled(v, np.nan)).any() for v in values if v is not None):
-        return False
-    return not axes.collections
-
-
 @pytest.mark.parametrize("run", ["rough", "static", "smooth"])
 def test_every_figure_is_fit_to_print(results: dict[str, Result], run: str) -> None:
     """All of a rough run, all of a static contact, and what only a smooth run has."""
@@ -121,35 +60,6 @@ def test_every_figure_is_fit_to_print(results: dict[str, Result], run: str) -> N
         names &= set(results["rough"].plot.left_out)
         assert names
     check_figures(results[run], run, names)
-
-
-def faults_of(where: str, figure: Figure, renderer: Any) -> list[str]:
-    """What is not fit to print."""
-    faults: list[str] = []
-    if figure.get_figwidth() not in (3.5, 7.0):
-        faults.append(f"{where}: {figure.get_figwidth()} inch is no column's width")
-    for axes in axes_of(figure):
-        if axes in figure.axes and not hasattr(axes, "_colorbar") and is_empty(axes):
-            faults.append(f"{where}: an empty panel")
-        for axis in axes_lines(axes):
-            label = axis.label.get_text()
-            if shown_ticks(axis) and not re.search(r", (–|mm|mm²|µm|MPa|s|min|h|10⁻³ mm³)$", label):
-                faults.append(f"{where}: an axis without a unit: '{label}'")
-    texts = [(text.get_text(), outline(text, renderer)) for text in texts_of(figure)]
-    for (a, outline_a), (b, outline_b) in itertools.combinations(texts, 2):
-        if outline_a.get_path().intersects_path(outline_b.get_path()):
-            faults.append(f"{where}: '{a}' and '{b}' overlap")
-    for text, shape in texts:
-        low, high = shape.get_xy().min(axis=0), shape.get_xy().max(axis=0)
-        if (low < -1.0).any() or (high > np.array([figure.bbox.x1, figure.bbox.y1]) + 1.0).any():
-            faults.append(f"{where}: '{text}' leaves the page")
-    for axes, other in itertools.permutations(figure.axes, 2):
-        if axes.title.get_text() and axes.title.get_window_extent(renderer).overlaps(other.bbox):
-            faults.append(f"{where}: '{axes.title.get_text()}' runs into another panel")
-    small = [t.get_text() for t in texts_of(figure) if float(t.get_fontsize()) < 7.0]
-    if small:
-        faults.append(f"{where}: {small} too small to read")
-    return faults
 
 
 @pytest.mark.slow
@@ -217,6 +127,47 @@ def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:
         plot.save("cof", tmp_path, file_format="eps")
     with pytest.raises(AttributeError):
         _ = plot.nothing
+
+
+#: Figures of a single panel.
+SINGLE = {"cof", "cof_time", "areas", "pressure", "contact_radius", "roughness", "junctions"}
+
+
+def test_one_panel_is_drawn_into_axes_that_are_there(results: dict[str, Result]) -> None:
+    """The lines of the figure of its own, in the axes given and no others, with a legend inside them."""
+    plot = results["rough"].plot
+    for name in sorted(set(plot.NAMES) - set(plot.left_out)):
+        figure = Figure(figsize=(6.0, 3.0))
+        left, right = figure.subplots(1, 2)
+        if name not in SINGLE:
+            with pytest.raises(InputError, match=f"'{name}' needs a figure of its own"):
+                getattr(plot, name)(ax=left)
+            continue
+        assert getattr(plot, name)(left) is figure
+        assert is_empty(right)
+        own = getattr(plot, name)().axes[0]
+        assert left.get_xlabel() == own.get_xlabel()
+        assert len(left.lines) == len(own.lines) > 0
+        for drawn_there, line in zip(left.lines, own.lines, strict=True):
+            np.testing.assert_array_equal(drawn_there.get_xydata(), line.get_xydata())
+        assert figure.legends == []
+        labelled = [axes for axes in figure.axes if axes.get_legend()]
+        assert len(labelled) == (0 if name in {"cof", "cof_time"} else 1)
+        figure.savefig(io.BytesIO())
+
+
+def test_a_panel_may_lie_in_a_part_of_a_figure(results: dict[str, Result]) -> None:
+    figure = Figure(layout="constrained")
+    part, _ = figure.subfigures(1, 2)
+    assert results["rough"].plot.areas(ax=part.subplots()) is figure
+
+
+def test_the_figures_are_listed(results: dict[str, Result]) -> None:
+    """`dir` and tab completion know them all, each with a sentence of help."""
+    plot = results["rough"].plot
+    assert {*plot.NAMES, "NAMES", "left_out", "reason", "save", "save_all"} <= set(dir(plot))
+    assert all((getattr(plot, name).__doc__ or "").partition("\n")[0].endswith(".") for name in plot.NAMES)
+    assert plot.cof.__name__ == "cof"
 
 
 def test_plot_on_the_command_line(

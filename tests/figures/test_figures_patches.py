@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases_figures import drawn, faults_of
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
-from test_figures import drawn, faults_of
 
 import warpwear
 from warpwear import InputError, Result, Study

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cases_figures import OF_TRACKS
+from cases_track import small
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
 from PIL import Image
-from test_figures import OF_TRACKS
-from test_swept import small
 
 import warpwear
 from warpwear import InputError, Result

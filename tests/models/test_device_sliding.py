@@ -1,8 +1,8 @@
 """Displaced steps made in blocks on a device are those made one by one."""
 
 import pytest
+from cases_track import LOSES, TRACKS, rough, small
 from numpy.testing import assert_allclose, assert_array_equal
-from test_swept import LOSES, TRACKS, rough, small
 
 from warpwear.engine.executor import Executor
 from warpwear.models.track.model import SweptModel

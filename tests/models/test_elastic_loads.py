@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 import warp as wp
-from numpy.testing import assert_allclose, assert_array_equal
-from test_elastic_patches import (
+from cases_elastic_patches import (
     BOUNDARIES,
     GAPS,
     KINDS,
@@ -17,7 +16,8 @@ from test_elastic_patches import (
     device,
     quick,
 )
-from test_half_space import MODULUS, bounded
+from cases_half_space import MODULUS, bounded
+from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import InputError
 from warpwear.contact.half_space import BoundedPressure, HalfSpace

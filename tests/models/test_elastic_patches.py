@@ -7,59 +7,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases_elastic_patches import BOUNDARIES, GAPS, KINDS, ONE, PATCHES, Solved, Stepped, device, quick
+from cases_figures import drawn
+from cases_half_space import MODULUS, bounded
 from numpy.testing import assert_allclose, assert_array_equal
-from test_figures import drawn
-from test_half_space import MODULUS, bounded, dense_free, dense_periodic, rough
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.contact.half_space import BoundedPressure, HalfSpace, HalfSpaceContact
+from warpwear.contact.half_space import HalfSpace
 from warpwear.engine.executor import Executor
-from warpwear.grid import FloatArray, Grid
-from warpwear.kernels.cells import PADDING
-from warpwear.laws.patches import Patches
+from warpwear.grid import FloatArray
 from warpwear.models.patches import influence as patch_influence
-from warpwear.models.patches.half_space import ElasticPatchesModel
-from warpwear.models.patches.influence import PatchInfluence
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.study.surface import surface_in
 
-SIDE, ACROSS = 5, 2  # neither a multiple of the lanes of a vector
-ONE = Grid(SIDE, SIDE, 0.5)
-DOMAIN = Grid(SIDE * ACROSS, SIDE * ACROSS, 0.5)
-CORNERS = [SIDE * c.ravel().astype(np.int32) for c in np.indices((ACROSS, ACROSS))]
-PATCHES = Patches(DOMAIN, SIDE, SIDE, CORNERS[0], CORNERS[1])
-#: Gaps of all patches, shape (patches, SIDE, SIDE); the mean planes differ by as much as the roughness.
-GAPS = np.array([1.2 * k + rough(ONE, seed=k, shortest=2) for k in range(PATCHES.count)])
-BOUNDARIES = {"periodic": dense_periodic(ONE), "free": dense_free(ONE)}
-
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
-
-
-class Solved:
-    """The solver on the patches above."""
-
-    def __init__(self, boundary: str, bulk: float, hardness: float, *, device: str = "cpu") -> None:
-        self.executor = Executor(PATCHES.grid, device=device)
-        self.influence = PatchInfluence(self.executor, PATCHES, modulus=MODULUS, boundary=boundary)
-        self.influence.set_bulk(bulk)
-        self.solver = BoundedPressure(self.executor, self.influence, hardness=hardness, tolerance=1e-11)
-        rows = np.full((PATCHES.count, SIDE, 8), PADDING)
-        rows[:, :, :SIDE] = GAPS
-        self.gap = self.executor.field(rows.reshape(PATCHES.count, -1))
-
-    def at(self, **asked: float) -> tuple[HalfSpaceContact, FloatArray]:
-        """The contact, and its pressures of shape (patches, SIDE²)."""
-        contact = self.solver.solve(self.gap, **asked)
-        rows = contact.pressure.reshape(PATCHES.count, SIDE, -1)
-        assert not rows[:, :, SIDE:].any()
-        return contact, rows[:, :, :SIDE].reshape(PATCHES.count, -1).copy()
+__all__ = ["device"]  # the fixture
 
 
 @pytest.mark.parametrize("hardness", [math.inf, 1.5, 0.2])
@@ -146,54 +108,6 @@ def test_threads_change_nothing(threads: int, coupling: str, monkeypatch: pytest
         found.append([model.advance(increment).row for increment in (0.003, 0.3, 3.0)])
         assert (model._influence._near._pool is None) == (count == 1)
     assert found[0] == found[1]
-
-
-QUICK = {
-    "contact.law": "half-space",
-    "grid.cell": "10 um",
-    "grid.extent": "1 mm",
-    "disc.synthetic.cut_off": "20 um",  # what such cells resolve
-    "sliding.distance": "10 mm",
-    "output.snapshots": [],
-}
-KINDS: dict[str, dict[str, Any]] = {
-    "bulk": {},
-    "no bulk": {"macro.bulk": "none"},
-    "free": {"macro.bulk": "none", "contact.boundary": "free"},
-    "bulk that follows, no cap": {
-        "contact.foundation_update": "updated",
-        "contact.hardness": "inf MPa",
-    },
-    "some of the area": {"grid.extent": "1.8 mm", "macro.cell": "300 um", "macro.patch": "100 um"},
-    "loads": {"macro.coupling": "load"},
-    "loads of free patches": {"macro.coupling": "load", "contact.boundary": "free"},
-    "loads of some of the area, by a foundation that follows": {
-        "macro.coupling": "load",
-        "contact.foundation_update": "updated",
-        "grid.extent": "1.8 mm",
-        "macro.cell": "300 um",
-        "macro.patch": "100 um",
-    },
-}
-
-
-def quick(**changes: Any) -> Study:
-    return Study.load("two-scale").replace(QUICK | {k.replace("__", "."): v for k, v in changes.items()})
-
-
-class Stepped:
-    """A model, to be advanced step by step."""
-
-    def __init__(self, study: Study, *, device: str = "cpu", threads: int | None = None) -> None:
-        self.executor = Executor(study.patch_layout.grid, device=device, threads=threads)
-        heights = surface_in(study).heights(study.cells.x, study.cells.y)
-        self.model = ElasticPatchesModel(study, study.patch_layout, heights, self.executor)
-
-    def gap(self) -> FloatArray:
-        """Of every patch as the model has them, shape (patches, side, side)."""
-        patches = self.model.patches
-        rows = self.executor.to_numpy(self.model.gap)
-        return rows.reshape(patches.count, patches.side, -1)[:, :, : patches.side].copy()
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -4,13 +4,13 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
+import cases_half_space
 import numpy as np
 import pytest
 import reference
-import test_half_space
+from cases_track import CELL as TRACK_CELL
+from cases_track import TRACKS, WINDOW, rough, small
 from numpy.testing import assert_allclose, assert_array_equal
-from test_swept import CELL as TRACK_CELL
-from test_swept import TRACKS, WINDOW, rough, small
 
 import warpwear
 from warpwear import Study
@@ -71,8 +71,8 @@ class Dense:
         self.boundary = self.study.boundary
         modulus = self.study.effective_modulus
         assert modulus is not None
-        of_unit = {"free": test_half_space.dense_free, "periodic": test_half_space.dense_periodic}
-        self.elastic = of_unit[self.boundary](GRID) * test_half_space.MODULUS / modulus
+        of_unit = {"free": cases_half_space.dense_free, "periodic": cases_half_space.dense_periodic}
+        self.elastic = of_unit[self.boundary](GRID) * cases_half_space.MODULUS / modulus
         self.sphere = reference.sphere_gap(GRID.x, GRID.y, self.study.sphere.radius or np.inf)
         self.wear_sphere, self.wear_disc = np.zeros(GRID.shape), np.zeros_like(self.disc)
         self.plastic_disc = np.zeros_like(self.disc)
@@ -83,11 +83,11 @@ class Dense:
         of_sphere, of_disc = 9.4e-7 * increment, SHARE * 12.7e-7 * increment
         window = round(SHARE * increment / CELL) if self.boundary == "free" else None
         matrix = self.elastic + of_disc * np.eye(GRID.cells)
-        matrix += of_sphere * test_half_space.dense_streak(GRID, self.boundary, window)
+        matrix += of_sphere * cases_half_space.dense_streak(GRID, self.boundary, window)
         hardness = self.study.hardness
         met = self.wear_sphere if window is None else averaged(self.wear_sphere, window)
         gap = self.sphere + met - self.disc[beneath]
-        p = test_half_space.bounded(matrix, gap, approach, hardness)
+        p = cases_half_space.bounded(matrix, gap, approach, hardness)
         below = approach - gap - (matrix @ p.ravel()).reshape(GRID.shape)
         at_cap = p >= hardness * (1.0 - 1e-12)  # the active sets leave it by a digit
         beyond = np.where(at_cap, np.maximum(below, 0.0), 0.0)

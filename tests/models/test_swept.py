@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import reference
+from cases_track import CELL, LOSES, TRACKS, WINDOW, rough, small
 from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
@@ -20,34 +21,6 @@ from warpwear.history.recorder import Step
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
 from warpwear.runs.make import plan_of
-
-CELL, WINDOW = 0.02, 31
-#: Tracks of a small study: its changes, and the lengths of the steps of one pass in cells.
-TRACKS: dict[str, tuple[dict[str, Any], list[int]]] = {
-    "full": ({"sliding.stroke": "0.9 mm", "sliding.shift": 7}, [7] * 6 + [3]),
-    "representative": (
-        {"sliding.stroke": "3 mm", "sliding.track": "0.8 mm", "sliding.shift": 8},
-        [8] * 5,
-    ),
-    "rotating": ({"sliding.track_radius": "0.161 mm", "sliding.shift": 5}, [5] * 10),
-}
-LOSES = {
-    "forgets": {},
-    "keeps": {"sliding.plastic": "keep"},
-    "springs back": {"sliding.plastic": "keep", "contact.stiffness": "2e5 N/mm^3"},
-}
-
-
-def small(track: str, **changes: Any) -> Study:
-    dotted = {k.replace("__", "."): v for k, v in changes.items()}
-    base = {"grid.cell": "20 um", "grid.extent": "0.62 mm", "sliding.kinematics": "swept"}
-    base |= {"sliding.distance": "7.37 mm", "sphere.radius": "1 mm", "output.snapshots": []}
-    return Study.load("v3-fine").replace(base | TRACKS[track][0] | dotted)
-
-
-def rough(rows: int) -> FloatArray:
-    rng = np.random.default_rng(3)
-    return rng.normal(0.0, 1e-3, (rows, WINDOW)).cumsum(axis=1) * 0.1
 
 
 def positions(track: str, rows: int) -> Iterator[tuple[int, int]]:

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases_track import small as small_track
 from fuzzing import check_sentence
-from test_swept import small as small_track
 
 import warpwear
 from warpwear import ConvergenceError, InputError, Result, Study

@@ -16,8 +16,8 @@ import h5py
 import numpy as np
 import psutil
 import pytest
+from cases_tiles import CELL, LAWS, SHAPE, SURFACES
 from numpy.testing import assert_array_equal
-from test_tiles import CELL, LAWS, SHAPE, SURFACES
 
 import warpwear
 from warpwear import InputError, Result, Study

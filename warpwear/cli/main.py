@@ -17,7 +17,7 @@ from warpwear.version import __version__
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Entry point: turns errors for people into one sentence and an exit status."""
+    """Run a command, of the command line where no arguments are given; errors end as sentence and status."""
     try:
         status = commands.main(arguments, prog_name="warpwear", standalone_mode=False)
     except (InputError, ConvergenceError) as error:
@@ -37,7 +37,10 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _fail(message: str, *, at_once: bool = False) -> None:
-    """at_once: without the interpreter's own end, in which HDF5 may crash after the memory ran out."""
+    """Say what is wrong and end with status 2.
+
+    at_once: without the interpreter's own end, in which HDF5 may crash after the memory ran out.
+    """
     click.echo(f"warpwear: {message}", err=True)
     if at_once:
         sys.stdout.flush()
@@ -48,11 +51,15 @@ def _fail(message: str, *, at_once: bool = False) -> None:
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, message="%(prog)s %(version)s")
 def commands() -> None:
-    """Contact, wear and friction of rough surfaces on fine meshes.
+    """Compute contact, wear and friction of rough surfaces on fine meshes.
 
     \b
-    warpwear run v3-fine            the main job: 1 µm cells, well under half a minute
-    warpwear run my-disc.toml       the same for your own disc
+    warpwear studies             which studies are there to begin with
+    warpwear run v3-fine         a rough disc on cells of 1 µm, in well under half a minute
+    warpwear run my-disc.toml    a study of your own
+
+    A run is written into a folder, which plot, animate, export and compare take. Bad input ends with one
+    sentence and exit status 2; an interrupted run leaves a checkpoint and ends with 130.
     """
 
 

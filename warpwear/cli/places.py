@@ -37,5 +37,5 @@ PLACES = {
 
 
 def heavy(name: str) -> Any:
-    """The object of a name of the table; its module, and all that it needs, are imported now."""
+    """Return the object of a name in PLACES; its module, and all that it needs, are imported now."""
     return resolve(PLACES[name])

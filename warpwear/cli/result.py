@@ -9,12 +9,13 @@ from warpwear.cli.places import heavy
 
 @click.command()
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option("--only", "names", metavar="NAME", multiple=True, help="Only this figure. Repeatable.")
+@click.option("--only", "names", metavar="NAME", multiple=True, help="Only this, e.g. cof. Repeatable.")
 @click.option("--format", "file_format", default="png", show_default=True, help="png, pdf or svg.")
 def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
-    """Draw the figures of the run in DIR (again).
+    """Draw the figures of the run in DIR.
 
-    They go into DIR/figures. Figures that make no sense for the run are left out, with the reason.
+    They go into DIR/figures and replace those that are there. Figures that make no sense for the run are
+    left out, and the reason is said.
     """
     Result = heavy("Result")
 
@@ -35,12 +36,14 @@ def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
 @click.option(
     "--out", type=click.Path(path_type=Path), help=".mp4 or .gif file. [default: DIR/animation.mp4 or .gif]"
 )
-@click.option("--fps", default=5.0, show_default=True, help="Frames a second; a frame is a snapshot.")
+@click.option("--fps", default=5.0, show_default=True, help="Frames a second.")
 @click.option("--overwrite", is_flag=True, help="Replace a file that is there.")
 def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None:
-    """Film the run in DIR: the wearing disc, the pressure and the coefficient of friction.
+    """Film the run in DIR.
 
-    mp4 needs ffmpeg; without it the default is gif.
+    The film shows the wearing disc, the pressure and the coefficient of friction. A frame is a snapshot,
+    so the run needs two at least (key output.snapshots). mp4 needs ffmpeg; where it is
+    not installed the default is gif.
     """
     animate_result = heavy("animate_result")
     Result = heavy("Result")
@@ -58,9 +61,10 @@ def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None
 def export_command(
     folder: Path, out: Path | None, formats: tuple[str, ...], snapshot: int, overwrite: bool
 ) -> None:
-    """Write both worn bodies of the run in DIR as files for other software.
+    """Write both worn bodies of the run in DIR.
 
-    sdf is ASCII after ISO 25178-71, xyz a line a point in mm, npy heights in mm.
+    The files hold heights for other software: sdf is ASCII after ISO 25178-71, xyz has a line a point in
+    mm, npy is an array of heights in mm.
     """
     Result = heavy("Result")
     WRITERS = heavy("WRITERS")

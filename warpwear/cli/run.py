@@ -1,4 +1,4 @@
-"""The command `warpwear run`."""
+"""The command `warpwear run`: a study in, a run folder out."""
 
 import signal
 from pathlib import Path
@@ -11,13 +11,13 @@ from warpwear.cli.study import STUDY, load_study, with_changes
 
 @click.command(epilog=STUDY)
 @click.argument("study")
-@click.option("--out", type=click.Path(path_type=Path), help="Run folder. [default: the study's name]")
+@click.option("--out", type=click.Path(path_type=Path), help="Run folder. [default: the study's name, here]")
 @click.option("--device", default="cpu", show_default=True, help="cpu, or cuda:0 for the first GPU.")
 @click.option("--threads", type=int, help="Threads of the CPU; changes no result. [default: all cores]")
 @with_changes
-@click.option("--no-plots", is_flag=True, help="Draw no figures.")
+@click.option("--no-plots", is_flag=True, help="Draw no figures; `warpwear plot` draws them later.")
 @click.option("--overwrite", is_flag=True, help="Replace the run that the folder holds.")
-@click.option("--resume", is_flag=True, help="Go on with the run that was stopped in the folder.")
+@click.option("--resume", is_flag=True, help="Go on from the checkpoint in the folder.")
 def run(
     study: str,
     out: Path | None,
@@ -30,8 +30,16 @@ def run(
 ) -> None:
     """Run STUDY and write its run folder.
 
-    The folder gets study.toml, result.h5, history.csv, summary.json, figures and log.txt; while the run goes
-    on, every 2 minutes (run.checkpoint) and when it is interrupted, a checkpoint for --resume.
+    \b
+    study.toml     the whole study, with every default and assumption
+    result.h5      history and snapshots, in plain HDF5
+    history.csv    one row a step, units in the header
+    surface.csv    roughness inside the scar and islands of contact, one row a snapshot
+    summary.json   the numbers at the end, every assumption and warning
+    figures/       what can be drawn of the run
+    log.txt        what was computed, where and how long it took
+
+    A checkpoint for --resume is written every 2 minutes (key run.checkpoint) and on Ctrl-C.
     """
     Result = heavy("Result")
     summary_text = heavy("summary_text")

@@ -13,7 +13,7 @@ STUDY = "STUDY is a TOML file, a run folder or the name of a preset (see 'warpwe
 
 
 def with_changes(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The option --set."""
+    """Add the option --set to a command."""
     return click.option(
         "--set",
         "changes",
@@ -25,7 +25,7 @@ def with_changes(command: Callable[..., Any]) -> Callable[..., Any]:
 
 @click.command()
 def studies() -> None:
-    """List the presets."""
+    """List the presets, studies with a name."""
     presets = heavy("presets")
     Study = heavy("Study")
 
@@ -37,7 +37,11 @@ def studies() -> None:
 @click.argument("study")
 @with_changes
 def show(study: str, changes: tuple[str, ...]) -> None:
-    """Print the whole STUDY after defaults, each assumption marked."""
+    """Print the whole STUDY after defaults.
+
+    Each assumed value is marked. What is printed is itself a study; notes on keys that do not apply go to
+    standard error.
+    """
     to_marked_toml = heavy("to_marked_toml")
 
     loaded = load_study(study, changes)
@@ -48,7 +52,10 @@ def show(study: str, changes: tuple[str, ...]) -> None:
 
 @click.command("materials")
 def list_materials() -> None:
-    """List the known materials: elastic constants and hardness, each with its source."""
+    """List the known materials.
+
+    Each has elastic constants and a hardness, and each value its source.
+    """
     material = heavy("material")
     names = heavy("names")
 
@@ -63,6 +70,7 @@ def list_materials() -> None:
 
 
 def load_study(study: str, changes: tuple[str, ...]) -> Any:
+    """Return the Study of a file, folder or preset, changed by texts KEY=VALUE. InputError for bad ones."""
     Study = heavy("Study")
 
     parsed = {}
@@ -75,7 +83,7 @@ def load_study(study: str, changes: tuple[str, ...]) -> Any:
 
 
 def _value(text: str) -> Any:
-    """A value as TOML reads it; anything else is text, so that quotes may be left to the shell."""
+    """Read a value as TOML does; anything else is text, so that quotes may be left to the shell."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except (ValueError, RecursionError):  # no TOML, a number of thousands of digits, endless nesting

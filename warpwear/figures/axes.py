@@ -13,18 +13,27 @@ from matplotlib.ticker import MaxNLocator
 from warpwear.figures import style as fs
 from warpwear.figures.data import Window
 from warpwear.grid import FloatArray
+from warpwear.results.track import Blocks
 
 Shown = TypeVar("Shown")
 ALONG, ACROSS = "along sliding, x, mm", "across sliding, y, mm"
-#: Height of a box in 3-D over its side; height of the figure [inch]; where the eye is [°].
-BOX, ROW_3D, ELEVATION, AZIMUTH = 0.4, 2.75, 32.0, -58.0
+#: Height of a box in 3-D over its side.
+BOX = 0.4
+#: Height of a figure in 3-D [inch].
+ROW_3D = 2.75
+#: Where the eye is: above the plane and around the box [°].
+ELEVATION = 32.0
+AZIMUTH = -58.0
 #: A surface whose heights differ by less is flat [mm]; what is seen then would be round-off.
 FLAT = 1e-9
 LIGHT = LightSource(azdeg=300, altdeg=50)
 
 
 def map_figure(draw: Callable[[Any], None], panels: int, *, above: float = 0.0) -> Figure:
-    """One panel in a column, two or three beside each other, four as two by two. above: room [inch] a row."""
+    """Lay out one panel in a column, two or three side by side, four as two by two.
+
+    draw: gets the axes, one or an array of them. above: room for a legend [inch] a row.
+    """
 
     def draw_and_tidy(axes: Any) -> None:
         draw(axes)
@@ -38,14 +47,23 @@ def map_figure(draw: Callable[[Any], None], panels: int, *, above: float = 0.0) 
 
 
 def panels_of(axes: Any, shown: Sequence[Shown]) -> Iterator[tuple[Axes, Shown]]:
-    """Each panel with what it shows."""
+    """Give each panel with what it shows."""
     return zip(np.atleast_1d(axes), shown, strict=True)
+
+
+def finish_sections(axes: Any) -> None:
+    """Label two panels as sections along and across the sliding direction, with one vertical scale."""
+    for panel, label in zip(axes, (ALONG, ACROSS), strict=True):
+        panel.set_xlabel(label)
+        panel.xaxis.set_major_locator(MaxNLocator(6))
+    axes[1].sharey(axes[0])
+    axes[1].tick_params(which="both", labelleft=False)
 
 
 def draw_map(
     axes: Axes,
     values: FloatArray,
-    window: Window,
+    window: Window | Blocks,
     colours: Any,
     label: str | None,
     *,
@@ -53,7 +71,7 @@ def draw_map(
     high: float | None = None,
     norm: Normalize | None = None,
 ) -> Any:
-    """A field of shape (x, y) with x to the right; a colour bar where it has a label. Returns the image.
+    """Draw a field of shape (x, y), x to the right; with a label it gets a colour bar. Returns the image.
 
     low, high: ends of a linear scale; or else norm.
     """
@@ -82,9 +100,9 @@ def draw_map(
 
 
 def new_3d_figure(panels: int) -> tuple[Figure, list[Any]]:
-    """Figure and axes of one or two boxes. Boxes are placed by hand: layouts cut off the labels of 3-D."""
+    """Make a figure of one or two boxes, placed by hand: layouts cut off the labels of 3-D."""
     with fs.style():
-        figure = Figure(figsize=(fs.COLUMN if panels == 1 else fs.PAGE, ROW_3D))
+        figure = fs.Sheet(figsize=(fs.COLUMN if panels == 1 else fs.PAGE, ROW_3D))
         FigureCanvasAgg(figure)
         width = 1.0 / panels
         axes = [
@@ -95,7 +113,7 @@ def new_3d_figure(panels: int) -> tuple[Figure, list[Any]]:
 
 
 def finish_3d(axes: Any, window: Window, label: str, title: str) -> None:
-    """Extents, labels and the view of a box; its z limits must be set before."""
+    """Set extents, labels and the view of a box; its z limits must be set before."""
     x0, x1, y0, y1 = window.extent
     side = max(x1 - x0, y1 - y0)
     axes.set_xlim(x0, x1)
@@ -118,7 +136,7 @@ def finish_3d(axes: Any, window: Window, label: str, title: str) -> None:
 def draw_surface(
     axes: Any, heights: FloatArray, window: Window, colour: str, *, low: float, high: float
 ) -> None:
-    """A surface of heights [mm] of shape (x, y) over a window, drawn in µm and lit.
+    """Draw a surface of heights [mm] of shape (x, y) over a window, in µm and lit.
 
     low, high: heights [mm] that get the darkest and the palest shade of the colour.
     """
@@ -140,7 +158,7 @@ def draw_surface(
 
 
 def _lit(heights: FloatArray, step: float, colour: str, low: float, high: float) -> FloatArray:
-    """Colours, shape (x, y, 4): pale where it is high, brighter where it faces the light."""
+    """Colour heights, shape (x, y, 4): pale where they are high, brighter where they face the light."""
     flat = high - low <= FLAT
     level = np.full(heights.shape, 0.7) if flat else np.nan_to_num((heights - low) / (high - low))
     shades = fs.shades(colour)(1.0 - 0.8 * level)
@@ -152,7 +170,7 @@ def _lit(heights: FloatArray, step: float, colour: str, low: float, high: float)
 
 
 def exaggeration(axes: Any, window: Window) -> float:
-    """How many times heights drawn in µm are larger than lengths, to two digits."""
+    """Return how many times heights drawn in µm are larger than lengths, to two digits."""
     low, high = axes.get_zlim()
     side = max(window.extent[1] - window.extent[0], window.extent[3] - window.extent[2])
     return float(f"{BOX * side / (1e-3 * (high - low)):.2g}")

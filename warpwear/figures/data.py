@@ -13,24 +13,32 @@ volume under it is then the load at any block size.
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.export import worn_heights
 from warpwear.results.file import ResultFile
 from warpwear.results.track import whole_steps
 from warpwear.surfaces.sphere import sag
 
-#: Blocks along a side of a map, of a surface in 3-D; bins along a line of pressures; snapshots in one figure.
-MAP_BLOCKS, SURFACE_BLOCKS, BINS, SHOWN = 500, 70, 50, 4
-#: Side of what is shown over the scar's largest extent; width of a strip of pressures over that side.
-MARGIN, STRIP = 1.15, 0.125
+#: Most blocks along a side of a map, and of a surface in 3-D.
+MAP_BLOCKS = 500
+SURFACE_BLOCKS = 70
+#: Bins along a line of pressures.
+BINS = 50
+#: Snapshots in one figure.
+SHOWN = 4
+#: Side of what is shown over the scar's largest extent.
+MARGIN = 1.15
+#: Width of a strip of pressures over the side of what is shown.
+STRIP = 0.125
 
 
 class State(IntEnum):
-    """Of a cell in contact, by rank: a block shows its highest."""
+    """What a cell does, by rank: a block shows the highest of its cells."""
 
     UNTOUCHED = 0
     TOUCHED = 1
@@ -47,18 +55,20 @@ class Window:
     factor: int
     extent: tuple[float, float, float, float]  # first x, last x, first y, last y [mm], edges of cells
 
+    @classmethod
+    def of(cls, grid: Grid, x: slice, y: slice, *, factor: int = 1) -> Self:
+        """Make the window of these rows and columns of a grid, whose middle is the origin."""
+        x0, x1 = ((row - 0.5 * grid.nx) * grid.cell for row in (x.start, x.stop))
+        y0, y1 = ((column - 0.5 * grid.ny) * grid.cell for column in (y.start, y.stop))
+        return cls(x, y, factor, (x0, x1, y0, y1))
+
     def means(self, field: FloatArray) -> FloatArray:
-        """Mean of every block, shape (blocks, blocks)."""
-        return self._blocks(field).mean(axis=(1, 3))
+        """Return the mean of every block of a field of the grid, shape (blocks, blocks)."""
+        return _blocks(field[self.x, self.y], self.factor).mean(axis=(1, 3))
 
     def largest(self, field: FloatArray) -> FloatArray:
-        """Largest of every block, shape (blocks, blocks)."""
-        return self._blocks(field).max(axis=(1, 3))
-
-    def _blocks(self, field: FloatArray) -> FloatArray:
-        part = field[self.x, self.y]
-        nx, ny, n = part.shape[0] // self.factor, part.shape[1] // self.factor, self.factor
-        return part.reshape(nx, n, ny, n)
+        """Return the largest of every block of a field of the grid, shape (blocks, blocks)."""
+        return _blocks(field[self.x, self.y], self.factor).max(axis=(1, 3))
 
 
 @dataclass(frozen=True)
@@ -68,7 +78,6 @@ class Profile:
     place: FloatArray  # [mm]
     sphere: FloatArray  # height over the apex it had, its material above [mm]
     disc: FloatArray  # height over its mean plane [mm]
-    gap: FloatArray  # [mm]
     wear_sphere: FloatArray  # [mm]
     wear_disc: FloatArray  # [mm]
     bins: FloatArray  # [mm]
@@ -103,7 +112,7 @@ class FigureData:
 
     @cached_property
     def course(self) -> dict[str, FloatArray]:
-        """The history's columns at the steps that are drawn over the distance: `track_data.whole_steps`."""
+        """The history's columns at the steps that are drawn over the distance, those not cut short."""
         whole = whole_steps(self.result)
         return {name: values[whole] for name, values in self.history.items()}
 
@@ -124,16 +133,15 @@ class FigureData:
         return self.view(self.result.snapshot_distances.size - 1)
 
     def view(self, index: int) -> View:
-        """Snapshot number `index`, reduced."""
+        """Return snapshot number `index`, reduced, and keep it."""
         if index not in self._views:
             self._views[index] = self.read(index)
         return self._views[index]
 
     def read(self, index: int, *, blocks: int = MAP_BLOCKS) -> View:
-        """The same without keeping it. blocks: at most so many along a side."""
-        result = self.result
+        """Return snapshot number `index`, reduced to at most `blocks` blocks along a side."""
+        result, window = self.result, self.window_of(blocks)
         snapshot = result.snapshot(index)
-        window = self.window_of(blocks)
         row = self.row_of(snapshot.distance)
         return View(
             distance=snapshot.distance,
@@ -150,11 +158,15 @@ class FigureData:
         )
 
     def row_of(self, distance: float) -> int:
-        """Row of the history whose step ends at a snapshot's distance [mm]."""
+        """Return the row of the history whose step ends at a snapshot's distance [mm]."""
         return min(int(np.searchsorted(self.history["distance"], distance)), self.steps - 1)
 
+    def pressure_at(self, row: int) -> tuple[float, float]:
+        """Return mean and standard deviation [MPa] of the pressure in contact, of a row of the history."""
+        return float(self.history["pressure_mean"][row]), float(self.history["pressure_std"][row])
+
     def name_of(self, body: str) -> str:
-        """What a figure calls the sphere or the disc."""
+        """Return what a figure calls the body "sphere" or "disc"."""
         return "flat" if body == "sphere" and self.study.sphere.curvature == 0.0 else body
 
     @property
@@ -167,16 +179,15 @@ class FigureData:
         return self.window_of(MAP_BLOCKS)
 
     def window_of(self, blocks: int) -> Window:
-        """The same in at most so many blocks along a side."""
+        """Return the scar at the end and some room, in at most `blocks` blocks along a side."""
         return self._centred(self._half, blocks)
 
     @cached_property
     def relief(self) -> tuple[FloatArray, Window]:
         """Heights [mm] of the unworn disc over the whole domain, for 3-D."""
-        result = self.result
-        snapshot = result.snapshot(0)
-        window = self._centred(np.inf, SURFACE_BLOCKS)
-        return window.means(worn_heights(result, snapshot, "disc") + snapshot.lost_beneath), window
+        snapshot, window = self.result.snapshot(0), self._centred(np.inf, SURFACE_BLOCKS)
+        unworn = worn_heights(self.result, snapshot, "disc") + snapshot.lost_beneath
+        return window.means(unworn), window
 
     @cached_property
     def strip(self) -> float:
@@ -186,51 +197,42 @@ class FigureData:
 
     @cached_property
     def _half(self) -> float:
-        """Half the side [mm] of the square that is shown."""
-        result = self.result
+        """Half the side [mm] of the square that is shown; the domain is a square, too."""
+        places, cell = self.result.x, self.study.grid.cell
         if self.study.sphere.curvature == 0.0:
-            return float(max(result.x[-1], result.y[-1])) + 0.5 * self.study.grid.cell
-        touched = result.snapshot(-1).touched
-        reach = 0.0
-        for axis, places in ((1, result.x), (0, result.y)):
-            reach = max(reach, float(np.abs(places[touched.any(axis=axis)]).max()))
-        return min(MARGIN * reach + self.study.grid.cell, float(max(result.x[-1], result.y[-1])))
+            return float(places[-1]) + 0.5 * cell
+        touched = self.result.snapshot(-1).touched
+        reach = max(float(np.abs(places[touched.any(axis=axis)]).max()) for axis in (0, 1))
+        return min(MARGIN * reach + cell, float(places[-1]))
 
     def _centred(self, half: float, most: int) -> Window:
-        """Square around the middle in at most `most` blocks a side; what is left of a block is left out."""
-        slices: list[slice] = []
-        extent: list[float] = []
-        cell = self.study.grid.cell
-        counts = [int((np.abs(places) <= half).sum()) for places in (self.result.x, self.result.y)]
-        factor = -(-max(counts) // most)
-        for places, count in zip((self.result.x, self.result.y), counts, strict=True):
-            whole = max(count // factor, 1) * factor
-            first = (places.size - whole) // 2
-            slices.append(slice(first, first + whole))
-            extent += [float(places[first]) - 0.5 * cell, float(places[first + whole - 1]) + 0.5 * cell]
-        return Window(slices[0], slices[1], factor, (extent[0], extent[1], extent[2], extent[3]))
+        """Cut a square around the middle into at most `most` blocks a side; part of a block is left out."""
+        count = int((np.abs(self.result.x) <= half).sum())
+        factor = -(-count // most)
+        whole = max(count // factor, 1) * factor
+        first = (self.result.x.size - whole) // 2
+        part = slice(first, first + whole)
+        return Window.of(self.study.cells, part, part, factor=factor)
 
     def _state(self, snapshot: Snapshot, row: int) -> FloatArray:
-        history, hardness = self.history, self.study.hardness
-        state = snapshot.touched.astype(np.float64)
-        state[snapshot.pressure > 0.0] = State.IN_CONTACT
+        """Return the `State` of every cell at a snapshot. row: of the history."""
+        history, least = self.history, self.study.hardness * (1.0 - 1e-9)
         # The bearing area scales its pressure to the load, so that the hardness is met within a tolerance.
         if history["area_plastic"][row] >= history["area_contact"][row] * (1.0 - 1e-9):
-            state[snapshot.pressure > 0.0] = State.AT_HARDNESS
-        else:
-            state[snapshot.pressure >= hardness * (1.0 - 1e-9)] = State.AT_HARDNESS
+            least = 0.0
+        state = snapshot.touched.astype(np.float64)
+        state[snapshot.pressure > 0.0] = State.IN_CONTACT
+        state[(snapshot.pressure > 0.0) & (snapshot.pressure >= least)] = State.AT_HARDNESS
         return state
 
     def _profile(self, snapshot: Snapshot, axis: int) -> Profile:
-        result, window = self.result, self.window
-        places, others = (result.x, result.y) if axis == 0 else (result.y, result.x)
-        shown = window.x if axis == 0 else window.y
+        """Cut through the middle of a snapshot. axis: 0 along sliding, 1 across it."""
+        places, shown = self.result.x, self.window.x
 
         def line(field: FloatArray) -> FloatArray:
-            found: FloatArray = np.take(field, others.size // 2, axis=1 - axis)[shown].copy()
-            return found
+            return np.asarray(np.take(field, places.size // 2, axis=1 - axis)[shown])
 
-        strip = np.compress(np.abs(others) <= 0.5 * self.strip, snapshot.pressure, axis=1 - axis)
+        strip = np.compress(np.abs(places) <= 0.5 * self.strip, snapshot.pressure, axis=1 - axis)
         pressure = strip.mean(axis=1 - axis)[shown]
         cells = -(-pressure.size // BINS)
         bins = pressure.size // cells
@@ -242,7 +244,6 @@ class FigureData:
             place=places[shown],
             sphere=sphere,
             disc=sphere - line(snapshot.gap),
-            gap=line(snapshot.gap),
             wear_sphere=line(snapshot.wear_sphere),
             wear_disc=line(snapshot.lost_beneath),
             bins=places[shown][whole].reshape(bins, cells).mean(axis=1),
@@ -250,7 +251,24 @@ class FigureData:
         )
 
 
+def _blocks(field: FloatArray, n: int) -> FloatArray:
+    """View a field in squares of n × n, shape (blocks, n, blocks, n); part of a square is left out."""
+    nx, ny = field.shape[0] // n, field.shape[1] // n
+    return field[: nx * n, : ny * n].reshape(nx, n, ny, n)
+
+
+def coarsen(field: FloatArray, most: int) -> tuple[FloatArray, int]:
+    """Return means over squares, at most `most` along a side, and how many places a square is wide."""
+    n = -(-max(field.shape) // most)
+    return _blocks(field, n).mean(axis=(1, 3)), n
+
+
+def positive(values: FloatArray) -> FloatArray:
+    """Return values with NaN, which is not drawn, where they are not above zero."""
+    return np.where(values > 0.0, values, np.nan)
+
+
 def sag_or_nan(x: FloatArray, y: FloatArray, curvature: float) -> FloatArray:
-    """Height [mm] of the unworn sphere over its apex at x × y; NaN beyond its edge. curvature: [1/mm]"""
+    """Return heights [mm] of the unworn sphere over its apex at x × y; NaN beyond it. curvature: [1/mm]"""
     heights = sag(x, y, radius=1.0 / curvature if curvature else np.inf)
     return np.where(np.isinf(heights), np.nan, heights)

@@ -1,6 +1,6 @@
 """The wear of a run as a film: the disc, the pressure and the coefficient of friction, a frame a snapshot.
 
-Of a sphere that slides over a track the whole track, the place of the sphere, and the pressure beneath it.
+Where a sphere slides over a track, its frames show the whole track, the sphere's place and its pressure.
 """
 
 import os
@@ -18,13 +18,17 @@ from matplotlib.ticker import MaxNLocator
 from warpwear.errors import InputError
 from warpwear.figures import style as fs
 from warpwear.figures.axes import draw_map
-from warpwear.figures.data import FigureData, View
+from warpwear.figures.data import FigureData, View, positive
 from warpwear.grid import FloatArray
 from warpwear.results.file import ResultFile
 from warpwear.results.track import blocks
 
-#: Blocks along a side of a map, pixels an inch: even numbers of pixels, which H.264 asks for.
-BLOCKS, DPI, SIZE = 250, 160, (9.0, 2.9)
+#: Blocks along a side of a map.
+BLOCKS = 250
+#: Pixels an inch.
+DPI = 160
+#: Width and height [inch]: even numbers of pixels, which H.264 asks for.
+SIZE = (9.0, 2.9)
 #: Formats by their suffix.
 WRITERS: dict[str, Any] = {".mp4": FFMpegWriter, ".gif": PillowWriter}
 
@@ -99,25 +103,23 @@ class _Film:
         self.figure = Figure(figsize=SIZE, layout="constrained")
         FigureCanvasAgg(self.figure)
         self._disc_axes, self._pressure_axes, friction = self.figure.subplots(1, 3)
-        first = self._read(0)
-        window = self._data.window_of(BLOCKS)
-        disc = [self._disc_at(index) for index in (0, len(self._rows) - 1)]
-        low, high = min(np.nanmin(d) for d in disc), max(np.nanmax(d) for d in disc)
+        window, pressures = self._data.window_of(BLOCKS), self._data.history["pressure_max"][self._rows]
+        disc = np.stack([self._disc_at(index) for index in (0, len(self._rows) - 1)])
+        ends: dict[str, Any] = {"low": float(np.nanmin(disc)), "high": float(np.nanmax(disc))}
         label = "height of the disc, µm"
-        self._disc = draw_map(
-            self._disc_axes, disc[0], window, fs.HEIGHTS, label, low=float(low), high=float(high)
-        )
+        self._disc = draw_map(self._disc_axes, disc[0], window, fs.HEIGHTS, label, **ends)
         self._apex = None
         if result.study.is_swept:  # the whole track, as wide as the panel
             self._disc.set_extent(blocks(result, 0, BLOCKS).extent)
             self._disc_axes.set_aspect("auto")
             self._disc_axes.set_xlabel("along the track, x, mm (line: the sphere)")
             self._apex = self._disc_axes.axvline(0.0, color=fs.SPHERE, lw=1.2)
-        norm = self._norm()
-        ends: dict[str, Any] = {"norm": norm} if norm else {"low": 0.0, "high": self._largest}
-        self._pressure = draw_map(
-            self._pressure_axes, _shown(first), window, fs.PRESSURES, "pressure, MPa", **ends
-        )
+        # Logarithmic where the pressure falls by much as the scar grows: all frames share one scale.
+        most, least = float(pressures.max()), float(self._data.history["pressure_mean"][self._rows].min())
+        norm = LogNorm(0.5 * least, most, clip=True) if most > 5.0 * least else None
+        ends = {"norm": norm} if norm else {"low": 0.0, "high": most}
+        first = positive(self._read(0).pressure)
+        self._pressure = draw_map(self._pressure_axes, first, window, fs.PRESSURES, "pressure, MPa", **ends)
         if result.study.is_swept:
             self._pressure_axes.set_xlabel("along sliding, from the sphere's apex, mm")
         self._line, self._point = self._course(friction)
@@ -126,20 +128,19 @@ class _Film:
         """Draw snapshot number `index`."""
         view = self._read(index)
         self._disc.set_data(self._disc_at(index).T)
-        self._pressure.set_data(_shown(view).T)
+        self._pressure.set_data(positive(view.pressure).T)
         self._disc_axes.set_title(f"{'track' if self._apex else 'disc'} {fs.after(view.distance)}")
-        history = self._data.history
         if self._apex is not None:
-            self._apex.set_xdata([history["position"][view.row]] * 2)
-        mean, scatter = (float(history[f"pressure_{name}"][view.row]) for name in ("mean", "std"))
-        self._pressure_axes.set_title(f"{fs.with_scatter(mean, scatter)} MPa in contact")
+            self._apex.set_xdata([self._data.history["position"][view.row]] * 2)
+        told = fs.with_scatter(*self._data.pressure_at(view.row))
+        self._pressure_axes.set_title(f"{told} MPa in contact")
         course = self._data.course["distance"]
         so_far = slice(0, max(int(np.searchsorted(course, view.distance, side="right")), 1))
         self._line.set_data(course[so_far], self._values[so_far])
         self._point.set_data(course[so_far][-1:], self._values[so_far][-1:])
 
     def _disc_at(self, index: int) -> FloatArray:
-        """Heights of the disc [µm]: under the sphere, or of the whole track that it slides over."""
+        """Return heights of the disc [µm]: under the sphere, or of the whole track that it slides over."""
         result = self._data.result
         if result.study.is_swept:
             return 1e3 * blocks(result, index, BLOCKS).heights
@@ -148,17 +149,8 @@ class _Film:
     def _read(self, index: int) -> View:
         return self._data.read(index, blocks=BLOCKS)
 
-    @property
-    def _largest(self) -> float:
-        return float(self._data.history["pressure_max"][self._rows].max())
-
-    def _norm(self) -> LogNorm | None:
-        """Logarithmic where the pressure falls by much as the scar grows: all frames share one scale."""
-        least = float(self._data.history["pressure_mean"][self._rows].min())
-        return LogNorm(0.5 * least, self._largest, clip=True) if self._largest > 5.0 * least else None
-
     def _course(self, axes: Axes) -> Any:
-        """The third panel's line up to now and its end; the area where there is no friction yet."""
+        """Draw the third panel's line up to now and its end, of the area where there is no friction."""
         history = self._data.course
         known = bool(np.isfinite(history["cof"]).any())
         self._values = history["cof" if known else "area_contact"]
@@ -170,7 +162,3 @@ class _Film:
         (line,) = axes.plot([], [], color=fs.NEUTRAL)
         (point,) = axes.plot([], [], "o", color=fs.NEUTRAL, ms=4, clip_on=False)
         return line, point
-
-
-def _shown(view: View) -> Any:
-    return np.where(view.pressure > 0.0, view.pressure, np.nan)

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from warpwear.figures import style as fs
 from warpwear.figures.axes import ACROSS, ALONG, draw_map
@@ -14,7 +13,8 @@ from warpwear.laws.archard import distance_factor
 MARGIN = 1.3
 
 
-def hertz(data: FigureData) -> Figure:
+@fs.panels(2)
+def hertz(axes: Any, data: FigureData) -> None:
     """Pressure along the sliding direction through the middle, beside Hertz's of the unworn bodies."""
     result, theory = data.result, data.study.hertz
     assert theory is not None  # or the figure is left out
@@ -22,56 +22,36 @@ def hertz(data: FigureData) -> Figure:
     middle = result.y.size // 2
     r = np.linspace(0.0, theory.radius, 200)
     both = np.concatenate([-r[::-1], r])
-
-    def draw(axes: Any) -> None:
-        for panel, snapshot in zip(axes, (first, last), strict=True):
-            line = snapshot.pressure[:, middle]
-            shown = np.flatnonzero(line > 0.0)
-            shown = np.arange(max(shown[0] - 1, 0), min(shown[-1] + 2, line.size))
-            panel.plot(
-                both,
-                theory.pressure(np.abs(both)),
-                color=fs.NEUTRAL,
-                ls="--",
-                label="Hertz, unworn bodies",
-            )
-            panel.step(
-                result.x[shown],
-                line[shown],
-                where="mid",
-                color=fs.MEAN_PRESSURE,
-                label="elastic foundation",
-            )
-            half = MARGIN * max(theory.radius, float(np.abs(result.x[shown]).max()))
-            panel.set_xlim(-half, half)
-            panel.set_xlabel(ALONG)
-            panel.set_title(fs.after(snapshot.distance))
-            panel.set_ylabel("pressure, MPa")
-        axes[0].set_ylim(bottom=0.0)
-        positive = last.pressure[last.pressure > 0.0]
-        axes[1].set_yscale("log")
-        axes[1].set_ylim(0.3 * float(np.median(positive)), 2.0 * theory.peak_pressure)
-        axes[1].yaxis.set_major_formatter(fs.PlainNumbers())
-        fs.legend_above(axes[0], columns=2)
-
-    return fs.new_figure(draw, columns=2)
+    unworn = {"color": fs.NEUTRAL, "ls": "--", "label": "Hertz, unworn bodies"}
+    worn = {"color": fs.MEAN_PRESSURE, "where": "mid", "label": "elastic foundation"}
+    for panel, snapshot in zip(axes, (first, last), strict=True):
+        line = snapshot.pressure[:, middle]
+        shown = np.flatnonzero(line > 0.0)
+        shown = np.arange(max(shown[0] - 1, 0), min(shown[-1] + 2, line.size))
+        panel.plot(both, theory.pressure(np.abs(both)), **unworn)
+        panel.step(result.x[shown], line[shown], **worn)
+        half = MARGIN * max(theory.radius, float(np.abs(result.x[shown]).max()))
+        panel.set_xlim(-half, half)
+        panel.set_xlabel(ALONG)
+        panel.set_title(fs.after(snapshot.distance))
+        panel.set_ylabel("pressure, MPa")
+    axes[0].set_ylim(bottom=0.0)
+    positive = last.pressure[last.pressure > 0.0]
+    axes[1].set_yscale("log")
+    axes[1].set_ylim(0.3 * float(np.median(positive)), 2.0 * theory.peak_pressure)
+    axes[1].yaxis.set_major_formatter(fs.PlainNumbers())
+    fs.legend_above(axes[0], columns=2)
 
 
-def factor(data: FigureData) -> Figure:
+@fs.panels(2, height=2.9)
+def factor(axes: Any, data: FigureData) -> None:
     """Sliding distance of disc cells over that in the middle (thesis eq 4.22), at the scar and its margin."""
     study, window = data.study, data.window
-    whole = np.broadcast_to(
-        distance_factor(study.cells, study.wear.distance_factor, curvature=study.sphere.curvature),
-        study.cells.shape,
-    )
-    values = whole[window.x, window.y]
-
-    def draw(axes: Any) -> None:
-        draw_map(axes[0], values, window, fs.HEIGHTS, "relative sliding distance, –")
-        axes[1].plot(study.cells.y[window.y], whole[study.cells.nx // 2, window.y], color=fs.DISC)
-        axes[1].set_xlabel(ACROSS)
-        axes[1].set_ylabel("relative sliding distance, –")
-        axes[1].ticklabel_format(axis="y", useOffset=False)
-        axes[1].set_title("1 = sliding distance in the middle")
-
-    return fs.new_figure(draw, columns=2, height=2.9)
+    factors = distance_factor(study.cells, study.wear.distance_factor, curvature=study.sphere.curvature)
+    whole = np.broadcast_to(factors, study.cells.shape)
+    draw_map(axes[0], whole[window.x, window.y], window, fs.HEIGHTS, "relative sliding distance, –")
+    axes[1].plot(study.cells.y[window.y], whole[study.cells.nx // 2, window.y], color=fs.DISC)
+    axes[1].set_xlabel(ACROSS)
+    axes[1].set_ylabel("relative sliding distance, –")
+    axes[1].ticklabel_format(axis="y", useOffset=False)
+    axes[1].set_title("1 = sliding distance in the middle")

@@ -12,14 +12,16 @@ from matplotlib.ticker import MaxNLocator
 
 from warpwear.figures import style as fs
 from warpwear.figures.axes import draw_map
-from warpwear.figures.data import FigureData, Window
-from warpwear.grid import FloatArray
+from warpwear.figures.data import FigureData, Window, positive
+from warpwear.grid import FloatArray, Grid
 from warpwear.laws.patches import Patches
 from warpwear.models.patches.smooth import SmoothContact
 from warpwear.results.file import ResultFile
 
-#: Patches beside the one that is zoomed into, on each side; room around the macro contact [macro cells].
-NEIGHBOURS, ROOM = 1, 1
+#: Patches beside the one that is zoomed into, on each side.
+NEIGHBOURS = 1
+#: Room around the macro contact [macro cells].
+ROOM = 1
 NOT_COVERED = ListedColormap(["#E4E4E4"])
 #: Left, bottom, width and height of a colour bar beside a map, over the map's.
 BAR = (1.04, 0.0, 0.06, 1.0)
@@ -97,48 +99,39 @@ def patch_zoom(data: FigureData) -> Figure:
 
 
 def _draw_macro(axes: Any, values: FloatArray, patches: Patches, window: Window, high: float) -> None:
-    """Pressures of the patches, as macro cells."""
+    """Draw pressures of the patches, (patches,), as macro cells."""
     square = values.reshape(patches.across, patches.across)
     _draw(axes, square[window.x, window.y], window, high, "load/area, MPa")
 
 
 def _draw(axes: Any, values: FloatArray, window: Window, high: float, label: str) -> None:
-    """A map with a colour bar as high as itself."""
-    shown = np.where(values > 0.0, values, np.nan)
-    image = draw_map(axes, shown, window, fs.PRESSURES, None, low=0.0, high=high)
+    """Draw a map with a colour bar as high as itself."""
+    image = draw_map(axes, positive(values), window, fs.PRESSURES, None, low=0.0, high=high)
     axes.figure.colorbar(image, cax=axes.inset_axes(BAR), label=label, ticks=MaxNLocator(4))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(3))
 
 
 def _shown(patches: Patches, carried: FloatArray) -> Window:
-    """Macro cells around the middle that ever carry something, and some room."""
-    across, pitch = patches.across, patches.pitch * patches.domain.cell
+    """Find the macro cells around the middle that ever carry something, and some room."""
+    across = patches.across
     square = carried.reshape(across, across) > 0.0
     places = np.abs(np.arange(across) - 0.5 * (across - 1))
     reach = max(float(places[square.any(axis=axis)].max(initial=0.0)) for axis in (0, 1)) + ROOM
     first = max(math.floor(0.5 * (across - 1) - reach), 0)
     part = slice(first, across - first)
-    edge = (0.5 * across - first) * pitch
-    return Window(part, part, 1, (-edge, edge, -edge, edge))
+    return Window.of(Grid(across, across, patches.pitch * patches.domain.cell), part, part)
 
 
 def _around(patches: Patches, patch: int, neighbours: int) -> Window:
-    """The cells of a patch, or of its macro cell and those beside it."""
-    domain = patches.domain
-    slices, extent = [], []
-    for first, place in (
-        (patches.first_row[patch], patch // patches.across),
-        (patches.first_column[patch], patch % patches.across),
-    ):
-        low, high = int(first), int(first) + patches.side
-        if neighbours:
-            low = max(place - neighbours, 0) * patches.pitch
-            high = min(place + neighbours + 1, patches.across) * patches.pitch
-        slices.append(slice(low, high))
-        edges = (np.array([low, high]) - 0.5 * domain.nx) * domain.cell
-        extent += edges.tolist()
-    return Window(slices[0], slices[1], 1, (extent[0], extent[1], extent[2], extent[3]))
+    """Find the cells of a patch, or with neighbours of its macro cell and those beside it."""
+    starts, pitch = (int(patches.first_row[patch]), int(patches.first_column[patch])), patches.pitch
+    parts = [slice(start, start + patches.side) for start in starts]
+    if neighbours:
+        places = divmod(patch, patches.across)
+        ends = [(max(at - neighbours, 0), min(at + neighbours + 1, patches.across)) for at in places]
+        parts = [slice(low * pitch, high * pitch) for low, high in ends]
+    return Window.of(patches.domain, parts[0], parts[1])
 
 
 def _frame(axes: Any, window: Window) -> None:
@@ -147,15 +140,15 @@ def _frame(axes: Any, window: Window) -> None:
 
 
 def load_share_error(shares: FloatArray, others: FloatArray) -> float:
-    """½ Σ|ΔF_k| / F: part of the load that two distributions of it put on different patches."""
+    """Return ½ Σ|ΔF_k| / F: the part of the load that two distributions put on different patches."""
     return float(0.5 * np.abs(shares - others).sum() / others.sum())
 
 
 def smooth_shares(result: ResultFile, rows: Sequence[int]) -> FloatArray | None:
-    """Loads [N] that the smooth macro contact of a study would give its patches, with its own wear.
+    """Return the loads [N] that a smooth macro contact with a wear of its own would give the patches.
 
-    rows: of the history; shape (rows, patches). None where the study has no foundation K_N: its elastic
-    constants are not known.
+    rows: of the history; the loads have the shape (rows, patches). None where the study has no bulk stiffness
+    K_N: its elastic constants are not known.
     """
     study = result.study
     if isinstance(study.contact.foundation, str) and study.hertz is None:

@@ -1,208 +1,27 @@
-"""Figures of the bodies' shapes: what is left of them and what is gone."""
+"""Figures of the bodies' shapes: how they stood before sliding, what is left of them and what is gone."""
 
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
 
 from warpwear.figures import style as fs
 from warpwear.figures.axes import (
-    ACROSS,
-    ALONG,
     draw_map,
     draw_surface,
     exaggeration,
     finish_3d,
+    finish_sections,
     map_figure,
     new_3d_figure,
     panels_of,
 )
-from warpwear.figures.data import SURFACE_BLOCKS, FigureData, Profile, sag_or_nan
+from warpwear.figures.data import SURFACE_BLOCKS, FigureData, Profile, coarsen, positive, sag_or_nan
 from warpwear.grid import FloatArray
 
 COLOURS = {"sphere": fs.SPHERE, "disc": fs.DISC}
-
-
-def wear_map(data: FigureData) -> Figure:
-    """Wear depth of both bodies at the end."""
-    last = data.last
-
-    def draw(axes: Any) -> None:
-        deepest = 1.0e3 * max(last.wear_sphere.max(), last.wear_disc.max())
-        for panel, body in panels_of(axes, ("sphere", "disc")):
-            depth = 1.0e3 * getattr(last, f"wear_{body}")
-            depth = np.where(depth > 0.0, depth, np.nan)
-            draw_map(panel, depth, data.window, fs.DEPTHS, "wear depth, µm", low=0.0, high=deepest)
-            panel.set_title(f"{data.name_of(body)} {fs.after(last.distance)}")
-
-    return map_figure(draw, 2)
-
-
-def sphere_map(data: FigureData) -> Figure:
-    """Shape of the sphere, unworn and at the snapshots."""
-    return _maps(data, "sphere")
-
-
-def disc_map(data: FigureData) -> Figure:
-    """Shape of the disc, unworn and at the snapshots."""
-    return _maps(data, "disc")
-
-
-def sphere_3d(data: FigureData) -> Figure:
-    """The sphere turned over, unworn and at the end, in 3-D."""
-    return _surfaces(data, "sphere")
-
-
-def disc_3d(data: FigureData) -> Figure:
-    """The disc, unworn and at the end, in 3-D."""
-    return _surfaces(data, "disc")
-
-
-def sphere_profiles(data: FigureData) -> Figure:
-    """The sphere's shape through the middle, all snapshots overlaid."""
-    return _profiles(data, "sphere")
-
-
-def disc_profiles(data: FigureData) -> Figure:
-    """The disc's shape through the middle, all snapshots overlaid."""
-    return _profiles(data, "disc")
-
-
-def _unworn(data: FigureData, body: str) -> FloatArray:
-    """[mm]; a mean of the worn shape plus the mean of the wear."""
-    worn: FloatArray = getattr(data.last, body)
-    return worn + getattr(data.last, f"wear_{body}")
-
-
-def _maps(data: FigureData, body: str) -> Figure:
-    views = data.views
-    if len(views) == 4:  # with the unworn one four panels; the third says least
-        views = [views[0], views[1], views[3]]
-    titles = ["unworn", *(fs.after(view.distance) for view in views)]
-    fields = [1e3 * _unworn(data, body), *(1e3 * getattr(view, body) for view in views)]
-    low = min(float(np.nanmin(field)) for field in fields)
-    high = max(float(np.nanmax(field)) for field in fields)
-    label, extend = f"height of the {data.name_of(body)}, µm", "neither"
-    if data.name_of(body) == "sphere":  # its flank at the corners would take half of the colours
-        low = min(float(np.nanmin(field[:, field.shape[1] // 2])) for field in fields)
-        extend = "min"
-
-    def draw(axes: Any) -> None:
-        for panel, (title, field) in panels_of(axes, list(zip(titles, fields, strict=True))):
-            image = draw_map(panel, field, data.window, fs.HEIGHTS, None, low=low, high=high)
-            panel.set_title(title)
-        # One scale for all: what changes is the disc, not the colours.
-        axes[0].figure.colorbar(image, ax=list(axes), label=label, shrink=0.8, extend=extend)
-
-    return map_figure(draw, len(fields))
-
-
-def _surfaces(data: FigureData, body: str) -> Figure:
-    titles = ["unworn", fs.after(data.last.distance)]
-    fields = [_coarse(field) for field in (_unworn(data, body), getattr(data.last, body))]
-    if data.name_of(body) == "sphere":  # a cap, whose corners do not set the scale
-        fields = [_cap(field) for field in fields]
-    low = min(float(np.nanmin(field)) for field in fields)
-    high = max(float(np.nanmax(field)) for field in fields)
-    figure, panels = new_3d_figure(2)
-    for axes, title, field in zip(panels, titles, fields, strict=True):
-        draw_surface(axes, field, data.window, COLOURS[body], low=low, high=high)
-        axes.set_zlim(1e3 * low, 1e3 * high)
-        scale = exaggeration(axes, data.window)
-        turned = ", turned over" if body == "sphere" else ""
-        title = f"{data.name_of(body)}{turned}, {title}\nheights drawn {scale:g} times as large"
-        finish_3d(axes, data.window, "height, µm", title)
-    return figure
-
-
-def _coarse(field: FloatArray) -> FloatArray:
-    """Every so many blocks of a map their mean: facets that 3-D can draw."""
-    n = -(-max(field.shape) // SURFACE_BLOCKS)
-    nx, ny = field.shape[0] // n, field.shape[1] // n
-    coarse: FloatArray = field[: nx * n, : ny * n].reshape(nx, n, ny, n).mean(axis=(1, 3))
-    return coarse
-
-
-def _cap(field: FloatArray) -> FloatArray:
-    """NaN beyond the largest circle."""
-    x, y = (np.linspace(-1.0, 1.0, n) for n in field.shape)
-    return np.where(np.add.outer(x**2, y**2) <= 1.0, field, np.nan)
-
-
-def _profiles(data: FigureData, body: str) -> Figure:
-    views = data.views
-    sign = -1.0 if body == "sphere" else 1.0  # heights are positive out of the material
-
-    def unworn(profile: Profile) -> FloatArray:
-        worn: FloatArray = sign * getattr(profile, body)
-        return worn + getattr(profile, f"wear_{body}")
-
-    def draw(axes: Any) -> None:
-        lines = fs.in_time(COLOURS[body], len(views))
-        for panel, cut in zip(axes, ("along", "across"), strict=True):
-            first: Profile = getattr(views[0], cut)
-            panel.plot(first.place, 1e3 * unworn(first), color="#999999", lw=0.5, label="unworn")
-            for view, line in zip(views, lines, strict=True):
-                profile: Profile = getattr(view, cut)
-                heights = 1e3 * sign * getattr(profile, body)
-                panel.plot(profile.place, heights, label=fs.after(view.distance), **line)
-            panel.xaxis.set_major_locator(MaxNLocator(6))
-        axes[1].sharey(axes[0])
-        axes[1].tick_params(which="both", labelleft=False)
-        axes[0].set_xlabel(ALONG)
-        axes[1].set_xlabel(ACROSS)
-        axes[0].set_ylabel("height, µm")
-        fs.legend_above(axes[0], columns=len(views) + 1)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def profiles(data: FigureData) -> Figure:
-    """Both bodies along and across the sliding direction through the middle, in contact, at the end."""
-    last = data.last
-    approach = float(data.history["approach"][last.row])
-    worn = bool(last.wear_sphere.any() or last.wear_disc.any())
-    slider = data.name_of("sphere")
-
-    def draw(axes: Any) -> None:
-        seen = []
-        for panel, cut, label in zip(axes, (last.along, last.across), (ALONG, ACROSS), strict=True):
-            seen.append(_both(panel, cut, approach, slider=slider, worn=worn))
-            panel.set_xlabel(label)
-            panel.xaxis.set_major_locator(MaxNLocator(6))
-        low, high = min(low for low, _ in seen), max(high for _, high in seen)
-        room = 0.05 * (high - low)
-        axes[1].sharey(axes[0])
-        axes[1].tick_params(which="both", labelleft=False)
-        axes[0].set_ylim(1e3 * (low - room), 1e3 * (high + room))
-        axes[0].set_ylabel("height over the disc, µm")
-        fs.legend_above(axes[0], columns=4)
-
-    return fs.new_figure(draw, columns=2)
-
-
-def _both(panel: Any, cut: Profile, approach: float, *, slider: str, worn: bool) -> tuple[float, float]:
-    """Draws both bodies; returns the heights between which they are to be seen [mm]."""
-    sphere, disc = cut.sphere - approach, cut.disc
-    unworn_sphere, unworn_disc = sphere - cut.wear_sphere, disc + cut.wear_disc
-
-    def line(heights: FloatArray, colour: Any, label: str, **style: Any) -> None:
-        panel.plot(cut.place, 1e3 * heights, color=colour, label=label, **style)
-
-    if worn:
-        line(unworn_disc, fs.shades(fs.DISC)(0.0), "disc, unworn", lw=0.5)
-        line(unworn_sphere, fs.SPHERE, f"{slider}, unworn", lw=0.7, ls="--")
-    state = ", worn" if worn else ""
-    line(sphere, fs.SPHERE, f"{slider}{state}", lw=2.6, alpha=0.4)
-    line(disc, fs.DISC, f"disc{state}", lw=0.8)
-    bottom = min(float(np.nanmin(heights)) for heights in (unworn_disc, disc, unworn_sphere))
-    rise = float(np.nanmax(sphere) - np.nanmin(sphere))
-    return bottom, max(float(np.nanmax(unworn_disc)), float(np.nanmin(sphere)) + 0.25 * rise)
-
-
-#: Length of the arrow over the domain's side.
+#: Length of the arrow of sliding over the domain's side.
 ARROW = 0.4
 
 
@@ -241,10 +60,165 @@ def setup(data: FigureData) -> Figure:
 
 
 def _arrow(axes: Any, start: float, end: float, y: float, height: float) -> None:
-    """Along +x over the disc's near edge, where the sphere's far half hides nothing; of the final view."""
+    """Draw an arrow along +x over the disc's near edge, where the sphere hides nothing; the view is final."""
     (x0, x1), (y0, y1), _ = proj3d.proj_transform([start, end], [y, y], [height, height], axes.get_proj())
     arrow = {"arrowstyle": "-|>", "color": "black", "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
     with fs.style():
         axes.annotate("", (x1, y1), (x0, y0), arrowprops=arrow, zorder=20)
         paper = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}
         axes.annotate("sliding", (x0, y0), ha="right", va="bottom", fontsize=7, bbox=paper, zorder=21)
+
+
+def wear_map(data: FigureData) -> Figure:
+    """Wear depth of both bodies at the end."""
+    last = data.last
+    deepest = 1.0e3 * max(last.wear_sphere.max(), last.wear_disc.max())
+
+    def draw(axes: Any) -> None:
+        for panel, body in panels_of(axes, [*COLOURS]):
+            depth = positive(1.0e3 * getattr(last, f"wear_{body}"))
+            draw_map(panel, depth, data.window, fs.DEPTHS, "wear depth, µm", low=0.0, high=deepest)
+            panel.set_title(f"{data.name_of(body)} {fs.after(last.distance)}")
+
+    return map_figure(draw, 2)
+
+
+def sphere_map(data: FigureData) -> Figure:
+    """Shape of the sphere, unworn and at the snapshots."""
+    return _maps(data, "sphere")
+
+
+def disc_map(data: FigureData) -> Figure:
+    """Shape of the disc, unworn and at the snapshots."""
+    return _maps(data, "disc")
+
+
+def sphere_3d(data: FigureData) -> Figure:
+    """The sphere turned over, unworn and at the end, in 3-D."""
+    return _surfaces(data, "sphere")
+
+
+def disc_3d(data: FigureData) -> Figure:
+    """The disc, unworn and at the end, in 3-D."""
+    return _surfaces(data, "disc")
+
+
+@fs.panels(2)
+def sphere_profiles(axes: Any, data: FigureData) -> None:
+    """The sphere's shape through the middle, all snapshots overlaid."""
+    _profiles(axes, data, "sphere")
+
+
+@fs.panels(2)
+def disc_profiles(axes: Any, data: FigureData) -> None:
+    """The disc's shape through the middle, all snapshots overlaid."""
+    _profiles(axes, data, "disc")
+
+
+def _maps(data: FigureData, body: str) -> Figure:
+    views = data.views
+    if len(views) == 4:  # with the unworn one four panels; the third says least
+        views = [views[0], views[1], views[3]]
+    titles = ["unworn", *(fs.after(view.distance) for view in views)]
+    fields = [1e3 * _unworn(data, body), *(1e3 * getattr(view, body) for view in views)]
+    high = max(float(np.nanmax(field)) for field in fields)
+    label, extend, scaled = f"height of the {data.name_of(body)}, µm", "neither", fields
+    if data.name_of(body) == "sphere":  # its flank at the corners would take half of the colours
+        scaled, extend = [field[:, field.shape[1] // 2] for field in fields], "min"
+    low = min(float(np.nanmin(field)) for field in scaled)
+
+    def draw(axes: Any) -> None:
+        for panel, (title, field) in panels_of(axes, list(zip(titles, fields, strict=True))):
+            image = draw_map(panel, field, data.window, fs.HEIGHTS, None, low=low, high=high)
+            panel.set_title(title)
+        # One scale for all: what changes is the disc, not the colours.
+        axes[0].figure.colorbar(image, ax=list(axes), label=label, shrink=0.8, extend=extend)
+
+    return map_figure(draw, len(fields))
+
+
+def _surfaces(data: FigureData, body: str) -> Figure:
+    states = {"unworn": _unworn(data, body), fs.after(data.last.distance): getattr(data.last, body)}
+    states = {state: coarsen(field, SURFACE_BLOCKS)[0] for state, field in states.items()}
+    name, turned = data.name_of(body), ", turned over" if body == "sphere" else ""
+    if name == "sphere":  # a cap, whose corners do not set the scale
+        states = {state: _cap(field) for state, field in states.items()}
+    low = min(float(np.nanmin(field)) for field in states.values())
+    high = max(float(np.nanmax(field)) for field in states.values())
+    figure, panels = new_3d_figure(2)
+    for axes, (state, field) in zip(panels, states.items(), strict=True):
+        draw_surface(axes, field, data.window, COLOURS[body], low=low, high=high)
+        axes.set_zlim(1e3 * low, 1e3 * high)
+        scale = exaggeration(axes, data.window)
+        title = f"{name}{turned}, {state}\nheights drawn {scale:g} times as large"
+        finish_3d(axes, data.window, "height, µm", title)
+    return figure
+
+
+def _unworn(data: FigureData, body: str) -> FloatArray:
+    """Return the unworn shape of a body [mm]: the mean of the worn shape plus the mean of the wear."""
+    worn: FloatArray = getattr(data.last, body)
+    return worn + getattr(data.last, f"wear_{body}")
+
+
+def _cap(field: FloatArray) -> FloatArray:
+    """Return a field with NaN beyond the largest circle."""
+    x, y = (np.linspace(-1.0, 1.0, n) for n in field.shape)
+    return np.where(np.add.outer(x**2, y**2) <= 1.0, field, np.nan)
+
+
+def _profiles(axes: Any, data: FigureData, body: str) -> None:
+    views = data.views
+    sign = -1.0 if body == "sphere" else 1.0  # heights are positive out of the material
+
+    def heights(profile: Profile) -> FloatArray:
+        return np.asarray(sign * getattr(profile, body))
+
+    for panel, cut in zip(axes, ("along", "across"), strict=True):
+        first: Profile = getattr(views[0], cut)
+        unworn = heights(first) + getattr(first, f"wear_{body}")
+        panel.plot(first.place, 1e3 * unworn, color="#999999", lw=0.5, label="unworn")
+        for view, line in zip(views, fs.in_time(COLOURS[body], len(views)), strict=True):
+            profile: Profile = getattr(view, cut)
+            panel.plot(profile.place, 1e3 * heights(profile), label=fs.after(view.distance), **line)
+    finish_sections(axes)
+    axes[0].set_ylabel("height, µm")
+    fs.legend_above(axes[0], columns=len(views) + 1)
+
+
+@fs.panels(2)
+def profiles(axes: Any, data: FigureData) -> None:
+    """Both bodies along and across the sliding direction through the middle, in contact, at the end."""
+    last = data.last
+    approach = float(data.history["approach"][last.row])
+    worn = bool(last.wear_sphere.any() or last.wear_disc.any())
+    slider = data.name_of("sphere")
+    seen = [
+        _both(panel, cut, approach, slider=slider, worn=worn)
+        for panel, cut in zip(axes, (last.along, last.across), strict=True)
+    ]
+    finish_sections(axes)
+    low, high = min(low for low, _ in seen), max(high for _, high in seen)
+    room = 0.05 * (high - low)
+    axes[0].set_ylim(1e3 * (low - room), 1e3 * (high + room))
+    axes[0].set_ylabel("height over the disc, µm")
+    fs.legend_above(axes[0], columns=4)
+
+
+def _both(panel: Any, cut: Profile, approach: float, *, slider: str, worn: bool) -> tuple[float, float]:
+    """Draw both bodies; returns the heights between which they are to be seen [mm]."""
+    sphere, disc = cut.sphere - approach, cut.disc
+    unworn_sphere, unworn_disc = sphere - cut.wear_sphere, disc + cut.wear_disc
+
+    def line(heights: FloatArray, colour: Any, label: str, **style: Any) -> None:
+        panel.plot(cut.place, 1e3 * heights, color=colour, label=label, **style)
+
+    if worn:
+        line(unworn_disc, fs.shades(fs.DISC)(0.0), "disc, unworn", lw=0.5)
+        line(unworn_sphere, fs.SPHERE, f"{slider}, unworn", lw=0.7, ls="--")
+    state = ", worn" if worn else ""
+    line(sphere, fs.SPHERE, f"{slider}{state}", lw=2.6, alpha=0.4)
+    line(disc, fs.DISC, f"disc{state}", lw=0.8)
+    bottom = min(float(np.nanmin(heights)) for heights in (unworn_disc, disc, unworn_sphere))
+    rise = float(np.nanmax(sphere) - np.nanmin(sphere))
+    return bottom, max(float(np.nanmax(unworn_disc)), float(np.nanmin(sphere)) + 0.25 * rise)

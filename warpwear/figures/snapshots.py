@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from warpwear.figures import style as fs
 from warpwear.figures.data import FigureData
@@ -21,59 +20,54 @@ PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
 }
 
 
-def roughness(data: FigureData) -> Figure:
+@fs.panels()
+def roughness(axes: Axes, data: FigureData) -> None:
     """Height parameters of the disc inside the nominal scar, its bowl taken off, over the distance slid."""
     table = surface_evolution(data.result).table
-
-    def draw(axes: Axes) -> None:
-        for name, (label, line) in PARAMETERS.items():
-            fs.over_distance(axes, table["distance"], table[name], label=label, ms=3, **line)
-        fs.scale_distance(axes, table["distance"])
-        axes.set_ylim(bottom=0.0)
-        axes.set_ylabel("roughness inside the scar, µm")
-        fs.legend_above(axes, columns=5)
-
-    return fs.new_figure(draw)
+    for name, (label, line) in PARAMETERS.items():
+        fs.over_distance(axes, table["distance"], table[name], label=label, ms=3, **line)
+    fs.scale_distance(axes, table["distance"])
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel("roughness inside the scar, µm")
+    fs.legend_above(axes, columns=5)
 
 
-def islands(data: FigureData) -> Figure:
+@fs.panels(2)
+def islands(axes: Any, data: FigureData) -> None:
     """Number of islands of contact over the distance slid, and how their areas are distributed."""
     evolution = surface_evolution(data.result)
     table = evolution.table
-
-    def draw(axes: Any) -> None:
-        number, sizes = axes
-        for name, label, line in (
-            ("islands", "all", {"color": fs.CONTACT, "marker": "o"}),
-            ("islands_of_one_cell", "of one cell", {"color": fs.HARDNESS, "ls": ":", "marker": "x"}),
-        ):
-            fs.over_distance(number, table["distance"], table[name], label=label, ms=3, **line)
-        fs.scale_distance(number, table["distance"])
-        number.set_ylim(bottom=0.0)
-        number.set_ylabel("islands of contact, –")
-        number.legend()
-        shades = np.linspace(0.1, 0.9, len(evolution.island_areas))
-        for index, (areas, shade) in enumerate(zip(evolution.island_areas, shades, strict=True)):
-            falling = np.sort(areas)[::-1]
-            sizes.step(
-                falling,
-                np.arange(1, falling.size + 1),
-                color=fs.PRESSURES(shade),
-                ls=("-", "--", "-.", ":")[index % 4],
-                label=f"{table['distance'][index]:.4g} mm",
-            )
-        sizes.set(xscale="log", yscale="log", xlabel="area of an island, mm²")
-        # To a whole decade, and only decades labelled: labels between them would run into each other.
-        everything = np.log10(np.concatenate(evolution.island_areas))
-        sizes.set_xlim(0.8 * 10.0 ** everything.min(), 10.0 ** np.floor(everything.max() + 1.0))
-        sizes.tick_params(axis="x", which="minor", labelbottom=False)
-        sizes.set_ylabel("islands at least as large, –")
-        fs.legend_above(sizes, columns=5)
-
-    return fs.new_figure(draw, columns=2)
+    number, sizes = axes
+    for name, label, line in (
+        ("islands", "all", {"color": fs.CONTACT, "marker": "o"}),
+        ("islands_of_one_cell", "of one cell", {"color": fs.HARDNESS, "ls": ":", "marker": "x"}),
+    ):
+        fs.over_distance(number, table["distance"], table[name], label=label, ms=3, **line)
+    fs.scale_distance(number, table["distance"])
+    number.set_ylim(bottom=0.0)
+    number.set_ylabel("islands of contact, –")
+    number.legend()
+    shades = np.linspace(0.1, 0.9, len(evolution.island_areas))
+    for index, (areas, shade) in enumerate(zip(evolution.island_areas, shades, strict=True)):
+        falling = np.sort(areas)[::-1]
+        sizes.step(
+            falling,
+            np.arange(1, falling.size + 1),
+            color=fs.PRESSURES(shade),
+            ls=("-", "--", "-.", ":")[index % 4],
+            label=f"{table['distance'][index]:.4g} mm",
+        )
+    sizes.set(xscale="log", yscale="log", xlabel="area of an island, mm²")
+    # To a whole decade, and only decades labelled: labels between them would run into each other.
+    everything = np.log10(np.concatenate(evolution.island_areas))
+    sizes.set_xlim(0.8 * 10.0 ** everything.min(), 10.0 ** np.floor(everything.max() + 1.0))
+    sizes.tick_params(axis="x", which="minor", labelbottom=False)
+    sizes.set_ylabel("islands at least as large, –")
+    fs.legend_above(sizes, columns=5)
 
 
-def junctions(data: FigureData) -> Figure:
+@fs.panels(height=2.9)
+def junctions(axes: Axes, data: FigureData) -> None:
     """Share of the contact area in islands up to a diameter, a line a snapshot, beside d* and the mesh.
 
     An island's diameter is that of the circle of its area. The legend says what share of the contact area
@@ -81,42 +75,38 @@ def junctions(data: FigureData) -> Figure:
     """
     evolution = surface_evolution(data.result)
     critical = data.study.critical_junction
-
-    def draw(axes: Axes) -> None:
-        shown = [index for index in data.shown if evolution.island_areas[index].size]
-        for index, line in zip(shown, fs.in_time(fs.CONTACT, len(shown)), strict=True):
-            areas = evolution.island_areas[index]
-            distance = evolution.table["distance"][index]
-            label = f"{distance:.4g} mm" if distance else "static"
-            if critical is not None:
-                label += f": {100.0 * share_above(areas, critical):.0f} % > d*"
-            diameters = 1e3 * diameters_of(np.sort(areas))
-            shares = np.cumsum(np.sort(areas)) / areas.sum()
-            # From nothing below the smallest island.
-            axes.step(
-                np.append(diameters[0], diameters), np.append(0.0, shares), where="post", label=label, **line
-            )
-        mesh = 1e3 * float(diameters_of(np.array([data.result.study.cells.cell_area]))[0])
-        axes.axvline(mesh, color=fs.NOMINAL, lw=0.6, label="one cell (mesh limit)")
+    shown = [index for index in data.shown if evolution.island_areas[index].size]
+    for index, line in zip(shown, fs.in_time(fs.CONTACT, len(shown)), strict=True):
+        areas = evolution.island_areas[index]
+        distance = evolution.table["distance"][index]
+        label = f"{distance:.4g} mm" if distance else "static"
         if critical is not None:
-            axes.axvline(1e3 * critical, color=fs.HARDNESS, lw=1.4, label=f"d* = {1e3 * critical:.3g} µm")
-        axes.set_xscale("log")
-        axes.xaxis.set_major_formatter(fs.PlainNumbers())
-        axes.xaxis.set_minor_formatter(fs.PlainNumbers(minor_thresholds=(1.2, 0.3)))
-        axes.tick_params(axis="x", which="minor", pad=5.0)  # its labels in line with those of decades
-        axes.set_ylim(0.0, 1.02)
-        axes.set_xlabel("diameter of an island, µm")
-        axes.set_ylabel("cumulative share of contact area, –")
-        fs.legend_above(axes, columns=2)
-
-    return fs.new_figure(draw, height=2.9)
+            label += f": {100.0 * share_above(areas, critical):.0f} % > d*"
+        diameters = 1e3 * diameters_of(np.sort(areas))
+        shares = np.cumsum(np.sort(areas)) / areas.sum()
+        # From nothing below the smallest island.
+        axes.step(
+            np.append(diameters[0], diameters), np.append(0.0, shares), where="post", label=label, **line
+        )
+    mesh = 1e3 * float(diameters_of(np.array([data.result.study.cells.cell_area]))[0])
+    axes.axvline(mesh, color=fs.NOMINAL, lw=0.6, label="one cell (mesh limit)")
+    if critical is not None:
+        axes.axvline(1e3 * critical, color=fs.HARDNESS, lw=1.4, label=f"d* = {1e3 * critical:.3g} µm")
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter(fs.PlainNumbers())
+    axes.xaxis.set_minor_formatter(fs.PlainNumbers(minor_thresholds=(1.2, 0.3)))
+    axes.tick_params(axis="x", which="minor", pad=5.0)  # its labels in line with those of decades
+    axes.set_ylim(0.0, 1.02)
+    axes.set_xlabel("diameter of an island, µm")
+    axes.set_ylabel("cumulative share of contact area, –")
+    fs.legend_above(axes, columns=2)
 
 
 def diameters_of(areas: FloatArray) -> FloatArray:
-    """Diameters [mm] of circles of these areas [mm²], any shape."""
+    """Return the diameters [mm] of circles of these areas [mm²], any shape."""
     return np.asarray(2.0 * np.sqrt(areas / np.pi))
 
 
 def share_above(areas: FloatArray, diameter: float) -> float:
-    """Share of the area of all islands that is in islands larger than a circle. areas: (islands,) [mm²]"""
+    """Return the part of the islands' area in islands larger than a circle. areas: (islands,) [mm²]"""
     return float(areas[diameters_of(areas) > diameter].sum() / areas.sum())

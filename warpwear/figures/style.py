@@ -1,7 +1,8 @@
 """The one style of all figures: sizes, colours, line styles, axes. Nothing here knows what is drawn."""
 
 from collections.abc import Callable
-from typing import Any
+from functools import partial, update_wrapper
+from typing import Any, Generic, TypeVar
 
 import matplotlib
 import numpy as np
@@ -13,8 +14,13 @@ from matplotlib.ticker import LogFormatter, MaxNLocator
 
 from warpwear.grid import FloatArray
 
-#: Width of one and of two columns of a journal, height of one row of panels [inch].
-COLUMN, PAGE, ROW = 3.5, 7.0, 2.6
+Data = TypeVar("Data")
+#: Width of one column of a journal [inch].
+COLUMN = 3.5
+#: Width of two columns of a journal [inch].
+PAGE = 7.0
+#: Height of one row of panels [inch].
+ROW = 2.6
 
 # Okabe and Ito's colours, told apart by colour-blind readers. A body keeps its colour in every figure, and
 # so does each kind of contact; where two could meet in grey, their lines differ too.
@@ -52,8 +58,12 @@ STYLE: dict[Any, Any] = {
 
 
 def style() -> Any:
-    """Context in which figures are made and written."""
+    """Open the context in which figures are made and written."""
     return matplotlib.rc_context(STYLE)
+
+
+class Sheet(Figure):
+    """A figure that holds nothing of others, so that one legend may stand over all of it."""
 
 
 def new_figure(
@@ -64,21 +74,45 @@ def new_figure(
     height: float = ROW,
     width: float | None = None,
 ) -> Figure:
-    """A figure of one column's width, or of the page's where panels stand side by side.
+    """Make a figure of one column's width, or of the page's where panels stand side by side.
 
     draw: gets the axes, one or an array of shape (rows × columns,). height: of a row [inch].
     """
     with style():
         size = (width or (COLUMN if columns == 1 else PAGE), height * rows)
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Sheet(figsize=size, layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots(rows, columns)
         draw(axes.ravel() if rows * columns > 1 else axes)
     return figure
 
 
+class Panels(Generic[Data]):
+    """A figure of one panel, or of several side by side, made of a function that draws data into axes.
+
+    Called with data it returns the figure. A single panel can be drawn into axes that are there.
+    """
+
+    def __init__(self, draw: Callable[[Any, Data], None], *, columns: int, height: float) -> None:
+        update_wrapper(self, draw)
+        self._draw, self._height = draw, height
+        self.columns = columns
+
+    def __call__(self, data: Data, ax: Axes | None = None) -> Figure:
+        """Draw the data; returns the figure, that of `ax` where it is given. Needs one column for `ax`."""
+        if ax is None:
+            return new_figure(lambda axes: self._draw(axes, data), columns=self.columns, height=self._height)
+        self._draw(ax, data)
+        return ax.figure.figure  # the outermost one
+
+
+def panels(columns: int = 1, *, height: float = ROW) -> Callable[[Callable[[Any, Data], None]], Panels[Data]]:
+    """Make a figure of a function that draws data into axes: one, or an array of them. height: [inch]"""
+    return partial(Panels, columns=columns, height=height)
+
+
 def in_time(colour: str, count: int) -> list[dict[str, Any]]:
-    """Lines for what follows in time: a body's colour from pale to dark, the last one solid."""
+    """Choose lines for `count` states in time: a body's colour from pale to dark, the last one solid."""
     scale = shades(colour)
     places = np.linspace(0.0, 1.0, count) if count > 1 else np.array([0.5])
     kinds = [*(":", "-.", "--")[: count - 1], "-"]
@@ -86,27 +120,29 @@ def in_time(colour: str, count: int) -> list[dict[str, Any]]:
 
 
 def shades(colour: str) -> LinearSegmentedColormap:
-    """From a pale to a dark shade of a body's colour."""
+    """Make a map of colours from a pale to a dark shade of a body's colour."""
     base = np.array(to_rgb(colour))
     dark, pale = 0.35 * base, base + 0.4 * (1.0 - base)
     return LinearSegmentedColormap.from_list("shades", [pale, base, dark])
 
 
-def over_distance(axes: Axes, distance: FloatArray, values: FloatArray, **line: Any) -> None:
-    """A quantity over the distance slid [mm]."""
+def over_distance(
+    axes: Axes, distance: FloatArray, values: FloatArray, *, xlabel: str = "sliding distance, mm", **line: Any
+) -> None:
+    """Draw a quantity over the distance slid [mm], or over what xlabel says."""
     axes.plot(distance, values, **line)
-    axes.set_xlabel("sliding distance, mm")
+    axes.set_xlabel(xlabel)
     axes.xaxis.set_major_locator(MaxNLocator(6))
 
 
 def scale_distance(axes: Axes, distance: FloatArray) -> None:
-    """Logarithmic where the steps span decades; call it after the lines are drawn."""
+    """Make the distance logarithmic where the steps span decades; call it after the lines are drawn."""
     if distance[-1] > 30.0 * distance[0]:
         axes.set_xscale("log")
 
 
 def scale_values(axes: Axes, *values: FloatArray) -> None:
-    """Logarithmic where values differ much; else linear from zero, so that a constant looks like one."""
+    """Make values logarithmic where they differ much; else linear from zero, so a constant looks like one."""
     known = np.concatenate([v[np.isfinite(v) & (v > 0.0)] for v in values])
     if known.size == 0 or known.max() < 5.0 * known.min():
         top = 1.15 * known.max() if known.size else None
@@ -117,7 +153,7 @@ def scale_values(axes: Axes, *values: FloatArray) -> None:
 
 
 def logarithmic(axes: Axes) -> None:
-    """A logarithmic scale of values, with plain numbers where they are short; call it before the limits."""
+    """Make values logarithmic, with plain numbers where they are short; call it before setting limits."""
     axes.set_yscale("log")
     low, high = axes.get_ylim()
     if low > 1e-3 and high < 1e4:
@@ -126,29 +162,31 @@ def logarithmic(axes: Axes) -> None:
 
 
 class PlainNumbers(LogFormatter):
-    """0.1 instead of 1e-01, at the ticks that a logarithmic axis labels."""
+    """Writes 0.1 instead of 1e-01, at the ticks that a logarithmic axis labels."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         return f"{x:g}" if super().__call__(x, pos) else ""
 
 
 def legend_above(*panels: Axes, columns: int) -> None:
-    """One legend over the figure of these panels, where it hides no line."""
+    """Put one legend of all panels over their figure, where it hides no line; in others' figures inside."""
     found: dict[str, Any] = {}
     for panel in panels:
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
-    figure = panels[0].get_figure(root=True)
-    assert figure is not None
-    figure.legend(list(found.values()), list(found), loc="outside upper center", ncols=columns)
+    figure = panels[0].figure.figure
+    if isinstance(figure, Sheet):
+        figure.legend(list(found.values()), list(found), loc="outside upper center", ncols=columns)
+    else:
+        panels[-1].legend(list(found.values()), list(found))
 
 
 def after(distance: float) -> str:
-    """The state of a snapshot in words. distance: [mm]"""
+    """Say in words when a snapshot was taken. distance: [mm]"""
     return f"after {distance:.4g} mm" if distance else "static contact"
 
 
 def with_scatter(mean: float, scatter: float) -> str:
-    """Mean ± standard deviation; the latter left out where it is only round-off."""
+    """Write mean ± standard deviation; the latter left out where it is only round-off."""
     shown = f"{float(f'{mean:.3g}'):g}"
     return f"{shown} ± {float(f'{scatter:.2g}'):g}" if scatter > 1e-6 * mean else shown

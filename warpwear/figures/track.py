@@ -5,48 +5,49 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, NullLocator
+from matplotlib.ticker import AutoLocator, MaxNLocator, NullLocator
 
 from warpwear.figures import style as fs
-from warpwear.figures.axes import ACROSS, ALONG
-from warpwear.figures.data import FigureData
+from warpwear.figures.axes import ACROSS, ALONG, draw_map
+from warpwear.figures.data import FigureData, positive
 from warpwear.figures.snapshots import PARAMETERS
 from warpwear.grid import FloatArray
 from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track
 
-#: Bins along a track, blocks along a side of its map, passes in one figure.
-BINS, BLOCKS, SHOWN = 200, 600, 4
+#: Bins along a track.
+BINS = 200
+#: Blocks along a side of a track's map.
+BLOCKS = 600
+#: Passes in one figure.
+SHOWN = 4
 #: More decades of passes than this have a number at each only.
 DECADES = 2.2
 
 
-def groove_figure(data: FigureData) -> Figure:
+@fs.panels(2)
+def groove_figure(axes: Any, data: FigureData) -> None:
     """Mean cross-section of the groove at the snapshots; its mean depth along the track at the end."""
     result = data.result
     sections = [groove(result, index) for index in data.shown]
     last = sections[-1]
     shown = float(np.abs(result.y[last.depth > 0.0]).max(initial=2.0 * result.study.grid.cell)) * 1.15
-
-    def draw(axes: Any) -> None:
-        across, along = axes
-        for section, line in zip(sections, fs.in_time(fs.DISC, len(sections)), strict=True):
-            across.plot(section.y, -1e3 * section.depth, label=fs.after(section.distance), **line)
-        if last.displaced.any():
-            across.plot(last.y, -1e3 * last.worn, color=fs.NEUTRAL, lw=0.8, label="of which worn")
-        across.set(xlabel=ACROSS, ylabel="change of height, µm", xlim=(-shown, shown))
-        across.set_title("mean along sliding")
-        places, depths = depth_along(result, data.shown[-1], BINS)
-        along.plot(places, -1e3 * depths, color=fs.shades(fs.DISC)(1.0), lw=0.9)
-        mean = {"color": fs.NOMINAL, "lw": 0.8, "ls": "--"}
-        along.axhline(-1e3 * last.mean_depth, label=f"mean depth {1e3 * last.mean_depth:.3g} µm", **mean)
-        along.set(xlabel=ALONG, ylabel="change of height, µm", ylim=(None, 0.0))
-        along.set_ylim(bottom=1.15 * along.get_ylim()[0])
-        along.set_title(f"mean over the groove's width of {last.width:.3g} mm")
-        for panel in axes:
-            panel.xaxis.set_major_locator(MaxNLocator(6))
-        fs.legend_above(across, along, columns=6)
-
-    return fs.new_figure(draw, columns=2)
+    across, along = axes
+    for section, line in zip(sections, fs.in_time(fs.DISC, len(sections)), strict=True):
+        across.plot(section.y, -1e3 * section.depth, label=fs.after(section.distance), **line)
+    if last.displaced.any():
+        across.plot(last.y, -1e3 * last.worn, color=fs.NEUTRAL, lw=0.8, label="of which worn")
+    across.set(xlabel=ACROSS, ylabel="change of height, µm", xlim=(-shown, shown))
+    across.set_title("mean along sliding")
+    places, depths = depth_along(result, data.shown[-1], BINS)
+    along.plot(places, -1e3 * depths, color=fs.shades(fs.DISC)(1.0), lw=0.9)
+    mean = {"color": fs.NOMINAL, "lw": 0.8, "ls": "--"}
+    along.axhline(-1e3 * last.mean_depth, label=f"mean depth {1e3 * last.mean_depth:.3g} µm", **mean)
+    along.set(xlabel=ALONG, ylabel="change of height, µm", ylim=(None, 0.0))
+    along.set_ylim(bottom=1.15 * along.get_ylim()[0])
+    along.set_title(f"mean over the groove's width of {last.width:.3g} mm")
+    for panel in axes:
+        panel.xaxis.set_major_locator(MaxNLocator(6))
+    fs.legend_above(across, along, columns=6)
 
 
 def track_map(data: FigureData) -> Figure:
@@ -54,109 +55,91 @@ def track_map(data: FigureData) -> Figure:
     result = data.result
     track = blocks(result, data.shown[-1], BLOCKS)
     distance = float(result.snapshot_distances[data.shown[-1]])
-    scale = "x and y not to one scale"
-    titles = [f"track {fs.after(distance)} ({scale})", "what is gone of it, worn or pressed down"]
-    fields = [1e3 * track.heights, np.where(track.loss > 0.0, 1e3 * track.loss, np.nan)]
-    labels, colours = ["height, µm", "depth, µm"], [fs.HEIGHTS, fs.DEPTHS]
+    title = f"track {fs.after(distance)} (x and y not to one scale)"
+
+    def show(panel: Any, field: FloatArray, colours: Any, label: str, low: float | None = None) -> None:
+        known = field[np.isfinite(field)]
+        least, most = np.percentile(known, (0.1, 99.9)) if known.size else (0.0, 1.0)
+        low, beyond = (least, "both") if low is None else (low, "max")
+        image = draw_map(panel, field, track, colours, None, low=low, high=most)
+        panel.figure.colorbar(image, ax=panel, label=label, ticks=MaxNLocator(4), extend=beyond)
+        panel.set_aspect("auto")
+        panel.xaxis.set_major_locator(AutoLocator())
 
     def draw(axes: Any) -> None:
-        for panel, field, title, label, colour in zip(axes, fields, titles, labels, colours, strict=True):
-            known = field[np.isfinite(field)]
-            low, high = np.percentile(known, (0.1, 99.9)) if known.size else (0.0, 1.0)
-            image = panel.imshow(
-                field.T,
-                origin="lower",
-                extent=track.extent,
-                cmap=colour,
-                aspect="auto",
-                vmin=low if label[0] == "h" else 0.0,
-                vmax=high,
-                interpolation="nearest",
-            )
-            beyond = "both" if label[0] == "h" else "max"
-            panel.figure.colorbar(image, ax=panel, label=label, ticks=MaxNLocator(4), extend=beyond)
-            panel.set_title(title)
-            panel.set_ylabel(ACROSS)
-            panel.yaxis.set_major_locator(MaxNLocator(4))
+        show(axes[0], 1e3 * track.heights, fs.HEIGHTS, "height, µm")
+        show(axes[1], positive(1e3 * track.loss), fs.DEPTHS, "depth, µm", low=0.0)
+        axes[0].set(title=title, xlabel="")
+        axes[1].set_title("what is gone of it, worn or pressed down")
         axes[0].tick_params(labelbottom=False)
-        axes[1].set_xlabel(ALONG)
 
     return fs.new_figure(draw, rows=2, height=1.9, width=fs.PAGE)
 
 
-def wear_per_pass(data: FigureData) -> Figure:
+@fs.panels(2)
+def wear_per_pass(axes: Any, data: FigureData) -> None:
     """Volumes that each pass takes off sphere and disc, and the depth that it adds to the groove."""
     table = by_pass(data.result, "patch_across")
     stroke = data.study.track.stroke
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():
         whole[:] = True
-
-    def draw(axes: Any) -> None:
-        volume, depth = axes
-        lines = (
-            ("wear_volume_sphere", data.name_of("sphere"), {"color": fs.SPHERE, "ls": "--"}),
-            ("wear_volume_disc", "disc, worn", {"color": fs.DISC, "ls": "-"}),
-            ("plastic_volume_disc", "disc, displaced", {"color": fs.NEUTRAL, "ls": ":"}),
-        )
-        number = table["number"][whole]
-        marker = "o" if number.size < 12 else None
-        for name, label, line in lines:
-            values = 1e3 * table[name][whole]
-            if not values.any():
-                continue
-            volume.plot(number, values, label=label, marker=marker, ms=3, **line)
-            if "disc" in name:
-                added = table[name][whole] / (table["distance"][whole] * table["patch_across"][whole])
-                depth.plot(number, 1e3 * added, marker=marker, ms=3, **line)
-        volume.set_ylabel("volume of a pass, 10⁻³ mm³")
-        depth.set_ylabel("mean depth of a pass, µm")
-        for panel in axes:
-            fs.scale_values(panel, *(np.asarray(line.get_ydata(), dtype=float) for line in panel.lines))
-            panel.set_xlabel("pass, –")
-            panel.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-        fs.legend_above(volume, columns=3)
-
-    return fs.new_figure(draw, columns=2)
+    volume, depth = axes
+    lines = (
+        ("wear_volume_sphere", data.name_of("sphere"), {"color": fs.SPHERE, "ls": "--"}),
+        ("wear_volume_disc", "disc, worn", {"color": fs.DISC, "ls": "-"}),
+        ("plastic_volume_disc", "disc, displaced", {"color": fs.NEUTRAL, "ls": ":"}),
+    )
+    number = table["number"][whole]
+    marker = "o" if number.size < 12 else None
+    for name, label, line in lines:
+        values = 1e3 * table[name][whole]
+        if not values.any():
+            continue
+        volume.plot(number, values, label=label, marker=marker, ms=3, **line)
+        if "disc" in name:
+            added = table[name][whole] / (table["distance"][whole] * table["patch_across"][whole])
+            depth.plot(number, 1e3 * added, marker=marker, ms=3, **line)
+    volume.set_ylabel("volume of a pass, 10⁻³ mm³")
+    depth.set_ylabel("mean depth of a pass, µm")
+    for panel in axes:
+        fs.scale_values(panel, *(np.asarray(line.get_ydata(), dtype=float) for line in panel.lines))
+        panel.set_xlabel("pass, –")
+        panel.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+    fs.legend_above(volume, columns=3)
 
 
-def cof_stroke(data: FigureData) -> Figure:
+@fs.panels()
+def cof_stroke(axes: Axes, data: FigureData) -> None:
     """Coefficient of friction over the position in the stroke, for some passes."""
     history, stroke = data.course, data.study.track.stroke
     number = np.maximum(np.ceil(history["distance"] / stroke - 1e-9).astype(int), 1)
     passes = np.unique(number)
     places = np.linspace(0, passes.size - 1, min(SHOWN, passes.size)).round().astype(int)
-
-    def draw(axes: Axes) -> None:
-        for at, line in zip(passes[places], fs.in_time(fs.NEUTRAL, places.size), strict=True):
-            inside = number == at
-            axes.plot(history["position"][inside], history["cof"][inside], label=f"pass {at}", **line)
-        axes.set_xlabel("position along the track, mm")
-        axes.set_ylabel("coefficient of friction, –")
-        axes.set_ylim(bottom=0.0)
-        axes.xaxis.set_major_locator(MaxNLocator(6))
-        fs.legend_above(axes, columns=4)
-
-    return fs.new_figure(draw)
+    for at, line in zip(passes[places], fs.in_time(fs.NEUTRAL, places.size), strict=True):
+        inside = number == at
+        axes.plot(history["position"][inside], history["cof"][inside], label=f"pass {at}", **line)
+    axes.set_xlabel("position along the track, mm")
+    axes.set_ylabel("coefficient of friction, –")
+    axes.set_ylim(bottom=0.0)
+    axes.xaxis.set_major_locator(MaxNLocator(6))
+    fs.legend_above(axes, columns=4)
 
 
-def track_roughness(data: FigureData) -> Figure:
+@fs.panels()
+def track_roughness(axes: Axes, data: FigureData) -> None:
     """Height parameters of the disc in the middle of the groove over the passes."""
     table = roughness_in_track(data.result)
-
-    def draw(axes: Axes) -> None:
-        for name, (label, line) in PARAMETERS.items():
-            axes.plot(table["passes"], table[name], label=label, ms=3, **line)
-        _passes_from_none(axes, table["passes"])
-        axes.set_ylim(bottom=0.0)
-        axes.set_ylabel("roughness in the groove, µm")
-        fs.legend_above(axes, columns=5)
-
-    return fs.new_figure(draw)
+    for name, (label, line) in PARAMETERS.items():
+        axes.plot(table["passes"], table[name], label=label, ms=3, **line)
+    _passes_from_none(axes, table["passes"])
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel("roughness in the groove, µm")
+    fs.legend_above(axes, columns=5)
 
 
 def _passes_from_none(axes: Axes, passes: FloatArray) -> None:
-    """A logarithmic axis of passes, before which 0, the unworn track, has a place of its own."""
+    """Make a logarithmic axis of passes, before which 0, the unworn track, has a place of its own."""
     first, last = np.log10(passes[1]), np.log10(passes[-1])
     start = 10.0 ** np.floor(first)
     axes.set_xscale("symlog", linthresh=start, linscale=0.5)

@@ -101,7 +101,7 @@ CONTENDERS: dict[str, Callable[..., tuple[Any, int]]] = {
 
 
 def memory_mib(entry: str) -> float:
-    """Of this process: VmRSS now, VmHWM at the peak since the last reset."""
+    """Return the memory of this process: VmRSS now, VmHWM at the peak since the last reset."""
     for line in Path("/proc/self/status").read_text().splitlines():
         if line.startswith(entry):
             return float(line.split()[1]) / 1024.0

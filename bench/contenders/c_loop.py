@@ -1,4 +1,4 @@
-"""The loop of `baselines.NumpyLoop` with its passes over the cells in C, through ctypes.
+"""The loop of `contenders.baselines.NumpyLoop` with its passes over the cells in C, through ctypes.
 
 `c_loop.c` is compiled once a process by the first of cc, gcc, clang that is there.
 """
@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from baselines import FloatArray, NumpyLoop, Problem
+
+from contenders.baselines import FloatArray, NumpyLoop, Problem
 
 FLAGS = ("-O3", "-march=native", "-fopenmp-simd")
 SOURCE = Path(__file__).with_name("c_loop.c")
@@ -56,9 +57,9 @@ def compiler_version() -> str | None:
 
 
 class CLoop(NumpyLoop):
-    """The same algorithm, each pass a loop in C over chunks of rows, one chunk a thread.
+    """NumPy's loop with each pass a loop in C over chunks of rows, one chunk a thread.
 
-    As in the package one gap is worn, and what is worn is told from the gap without wear.
+    As in the package, one gap is worn, and what is worn is told from the gap without wear.
     """
 
     def __init__(self, problem: Problem, gap: FloatArray, *, threads: int = 1) -> None:

@@ -1,7 +1,8 @@
-"""The same algorithm in NumPy on the cells that can touch: what one writes who knows that they are few."""
+"""NumPy's loop on the cells that can touch alone: what one writes who knows that they are few."""
 
 import numpy as np
-from baselines import FloatArray, NumpyLoop, Problem, Solved
+
+from contenders.baselines import FloatArray, NumpyLoop, Problem, Solved
 
 #: How far beyond the last approach cells are candidates, in lengths that the approach is expected to go.
 MARGIN = 4.0

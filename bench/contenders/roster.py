@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
 
-from baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
-from c_loop import CLoop, NoCompilerError, library
-from candidates import CandidateLoop
-from published import PublishedLoop
-from timing import Row, Unit, measure
+from measure.timing import Row, Unit, measure
 
+from contenders.baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
+from contenders.c_loop import CLoop, NoCompilerError, library
+from contenders.candidates import CandidateLoop
+from contenders.published import PublishedLoop
 from warpwear import Study
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
@@ -25,7 +25,7 @@ from warpwear.study.surface import surface_in
 
 #: Relative difference allowed between contenders, in approach, volumes and area.
 AGREEMENT = 1.0e-9
-#: Of the published bisection when it is compared; it is timed at the study's tolerance. Relative to the load.
+#: Tolerance over the load of the published bisection when it is compared; timed it has the study's.
 TIGHT = 1.0e-10
 #: Cells along a side above which NumPy on candidates is left out: a late contact's lists need the memory.
 MOST_FOR_CANDIDATES = 8192
@@ -108,7 +108,7 @@ def heights_of(study: Study) -> FloatArray:
 
 
 def gap_of(study: Study) -> FloatArray:
-    """Of the unworn bodies, made by NumPy."""
+    """Return the gap of the unworn bodies [mm], made by NumPy."""
     gap = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
     gap -= heights_of(study)
     return gap

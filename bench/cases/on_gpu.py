@@ -4,13 +4,13 @@ import statistics
 import time
 
 import warp as wp
-from baselines import NumpyLoop, Problem
-from cases import EARLY, LATE, LATE_STEP, Case
-from cases_track import run_full
-from contenders import Setting, Trace, check, gap_of, package, study_on
-from loops import plan_of
-from timing import Row, Unit, measure
+from contenders.baselines import NumpyLoop, Problem
+from contenders.roster import Setting, Trace, check, gap_of, package, study_on
+from measure.timing import Row, Unit, measure
 
+from cases.on_track import run_full
+from cases.table import EARLY, LATE, LATE_STEP, Case
+from cases.whole_runs import plan_of
 from warpwear import Study
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid

@@ -3,15 +3,15 @@
 import time
 
 import numpy as np
-from contenders import DisagreementError, Setting, heights_of, named, study_on
-from displaced import BEFORE, EXTENT, SHIFT, Package
-from timing import Row, Unit, measure, ratio_note
+from contenders.roster import DisagreementError, Setting, heights_of, named, study_on
+from measure.timing import Row, Unit, measure, ratio_note
 
 import warpwear
+from cases.displaced import BEFORE, EXTENT, SHIFT, Package
 from warpwear import Study
 from warpwear.engine.executor import Executor
 
-#: Of Archard's volumes, relative.
+#: Relative difference allowed of Archard's volumes.
 EXACT = 1.0e-9
 #: Distance of a quick run [mm].
 QUICK = 60.0

@@ -1,5 +1,6 @@
 """The cases of the benchmark. A model that is added later adds a function and a line to CASES."""
 
+import os
 import statistics
 import subprocess
 import sys
@@ -9,11 +10,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from baselines import NumpyLoop, Problem
-from cases_track import finer as sliding_finer
-from cases_track import run_full_pass, run_track
-from cold import cold
-from contenders import (
+from contenders.baselines import NumpyLoop, Problem
+from contenders.roster import (
     Loop,
     Setting,
     Trace,
@@ -25,14 +23,19 @@ from contenders import (
     steps,
     study_on,
 )
-from displaced import sliding
-from loops import sampled_run, whole_run
-from patches import patches
-from phases import kernel_times
-from timing import Row, Unit, measure, ratio_note
+from measure.phases import kernel_times
+from measure.timing import Row, Unit, measure, ratio_note
 
+from cases.cold import cold
+from cases.displaced import sliding
+from cases.on_track import finer as sliding_finer
+from cases.on_track import run_full_pass, run_track
+from cases.patches import patches
+from cases.whole_runs import sampled_run, whole_run
 from warpwear import Study
 
+#: Folder of the scripts, on the path of a process that measures for itself.
+BENCH = str(Path(__file__).parents[1])
 EARLY = [3.0e-3] * 10  # [mm]: near F/H
 LATE = [2400.0, 3.0, 3.0]  # implicit steps may be long: most of the footprint touches
 EARLY_STEP, LATE_STEP = 3.0e-3, 3.0
@@ -171,14 +174,10 @@ def phases(cells: int, setting: Setting) -> list[Row]:
 
 def memory(cells: int, setting: Setting) -> list[Row]:
     """Peak memory of a run of ten steps above that after its imports, in float64 fields of its size."""
-    command = [
-        sys.executable,
-        str(Path(__file__).with_name("memory.py")),
-        str(cells),
-        str(max(setting.threads)),
-    ]
+    command = [sys.executable, "-m", "measure.memory", str(cells), str(max(setting.threads))]
+    path = os.pathsep.join(filter(None, (BENCH, os.environ.get("PYTHONPATH"))))
     start = time.perf_counter()
-    answer = subprocess.run(command, capture_output=True, text=True)
+    answer = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": path})
     took = time.perf_counter() - start
     if answer.returncode:
         raise RuntimeError(

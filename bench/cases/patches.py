@@ -5,9 +5,9 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from typing import Any
 
-from baselines import Solved
-from contenders import Package, Setting, Trace, check, heights_of, study_on
-from timing import Row, Unit, measure, ratio_note
+from contenders.baselines import Solved
+from contenders.roster import Package, Setting, Trace, check, heights_of, study_on
+from measure.timing import Row, Unit, measure, ratio_note
 
 from warpwear import Study
 from warpwear.engine.executor import Executor

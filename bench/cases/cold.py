@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
-from baselines import NumpyLoop, Problem, sag_of
-from contenders import TIGHT, Loop, Setting, Trace, check, gap_of, heights_of, named, package
-from published import PublishedLoop
-from timing import Row, Unit, measure
+from contenders.baselines import NumpyLoop, Problem, sag_of
+from contenders.published import PublishedLoop
+from contenders.roster import TIGHT, Loop, Setting, Trace, check, gap_of, heights_of, named, package
+from measure.timing import Row, Unit, measure
 
 from warpwear import Study
 

@@ -1,10 +1,10 @@
-"""Peak memory of a run, in a process of its own: `bench/memory.py CELLS THREADS` prints it in fields."""
+"""Peak memory of a run, in a process of its own: `-m measure.memory CELLS THREADS` prints it in fields."""
 
 import sys
 import threading
 
 import psutil
-from contenders import study_on
+from contenders.roster import study_on
 
 import warpwear
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from baselines import FloatArray, Problem, Solved, sag_of, sliding_step, work_for
-from contenders import Setting, Trace, check, heights_of, named, study_on
-from phases import kernel_times
-from timing import Row, Unit, measure
+from contenders.baselines import FloatArray, Problem, Solved, sag_of, sliding_step, work_for
+from contenders.roster import Setting, Trace, check, heights_of, named, study_on
+from measure.phases import kernel_times
+from measure.timing import Row, Unit, measure
 
 from warpwear import Study
 from warpwear.engine.executor import Executor

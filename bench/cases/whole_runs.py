@@ -6,11 +6,22 @@ from collections.abc import Callable, Sequence
 from copy import copy
 
 import numpy as np
-from baselines import FloatArray, NumpyLoop, Problem, sag_of
-from candidates import CandidateLoop
-from contenders import Loop, Setting, Trace, c_loops, check, gap_of, heights_of, in_a_row, named, package
-from published import PublishedLoop
-from timing import Row, Unit, measure
+from contenders.baselines import FloatArray, NumpyLoop, Problem, sag_of
+from contenders.candidates import CandidateLoop
+from contenders.published import PublishedLoop
+from contenders.roster import (
+    Loop,
+    Setting,
+    Trace,
+    c_loops,
+    check,
+    gap_of,
+    heights_of,
+    in_a_row,
+    named,
+    package,
+)
+from measure.timing import Row, Unit, measure
 
 from warpwear import Study
 from warpwear.laws.track import increments

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from search import TIE, TOLERANCE, bisected, newton_in_bracket
 
+from contenders.search import TIE, TOLERANCE, bisected, newton_in_bracket
 from warpwear import Study
 
 FloatArray = NDArray[np.float64]
@@ -65,7 +65,7 @@ class Problem:
         )
 
     def without_factor(self) -> Self:
-        """The same for cells in any order. ValueError where the distance factor differs along y."""
+        """Return the problem for cells in any order. ValueError where the distance factor differs along y."""
         if np.any(self.factor != 1.0):
             raise ValueError("the distance factor belongs to columns")
         return replace(self, factor=np.ones(1))

@@ -3,12 +3,13 @@
 from typing import Self
 
 import numpy as np
-from baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
-from search import TIE, bisected
+
+from contenders.baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
+from contenders.search import TIE, bisected
 
 
 class PublishedLoop:
-    """As published: bisection of the approach from the bounds of the gap, with a pass over S − D per trial.
+    """Bisects the approach as published, between bounds of the gap, with a pass over S − D per trial.
 
     S is the sphere's surface and D the disc's, both as worn [mm]. A contact without compliance is the bearing
     area (thesis eqs 4.8–4.11); with it the pressures are summed instead. Pressures are then scaled to the

@@ -1,0 +1,1 @@
+"""Who takes part in the benchmark: the package, its loop in C and in NumPy, the published way, peers."""

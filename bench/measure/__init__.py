@@ -1,0 +1,1 @@
+"""How the benchmark measures: time beside a pass over memory, kernels, memory, and what it ran on."""
