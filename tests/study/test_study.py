@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from warpwear import InputError, Study
+from warpwear.study.keys import declarations
 from warpwear.study.loading import presets
 from warpwear.study.text import assumptions, to_marked_toml
 
@@ -191,6 +193,9 @@ def test_replacing_one_way_of_saying_drops_the_other() -> None:
     assert fine.replace({"stepping.increment": "0.3 mm"}).stepping.plan == (0.3, 1.0, 0.3)
     assert fine.replace(sliding={"passes": 2}).sliding.total == 60.0
     assert fine.replace({"disc.surface": "a.sur"}).disc.synthetic is None
+    lower = fine.replace({"disc.synthetic.sq": "1 um"}).disc.synthetic
+    assert lower is not None
+    assert (lower.ra, lower.sq) == (None, pytest.approx(1e-3))
     assert fine.sphere.radius == 3.0  # the original is untouched
 
 
@@ -200,6 +205,15 @@ def test_keys_that_do_not_apply_are_noticed() -> None:
     assert "feed" not in flat.to_toml()
     short = Study.load("v3").replace({"sliding.distance": "30 mm"})
     assert short.notices() == ["output.snapshots that no step ends at: 240, 600, 1200, 2400 mm."]
+
+
+def test_every_rule_asks_for_what_a_study_has() -> None:
+    """A rule whose key or property is misspelt would never let its key be used."""
+    study = Study.load("v3")
+    for key, declared in declarations(Study).items():
+        for rule in declared.applies:
+            attrgetter(rule.name)(study)
+            assert rule.otherwise.startswith("does not apply"), key
 
 
 def test_a_rough_study_becomes_a_smooth_one() -> None:

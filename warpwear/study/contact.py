@@ -1,6 +1,7 @@
 """[contact], [wear], [friction] and [junctions]: the laws of what touches."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, PlainSerializer, PlainValidator, model_validator
@@ -19,8 +20,32 @@ from warpwear.study.keys import (
     Stiffness,
     SurfaceEnergy,
     key,
+    when,
 )
 from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, parse, text
+
+#: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
+BULK = (
+    when("study.model", "macro", "two-scale", otherwise="does not apply to the micro model"),
+    when("uses_foundation", otherwise="does not apply to macro.bulk = 'none'"),
+)
+ROUGH = when(
+    "study.model",
+    "micro",
+    "two-scale",
+    otherwise="does not apply to the {} model: its K_N is contact.foundation",
+)
+LOCAL = when(
+    "contact.law", "foundation", otherwise="does not apply to contact.law = '{}': E* of both bodies does"
+)
+AT_REST = when(
+    "sliding.kinematics",
+    "stationary",
+    otherwise="does not apply to sliding.kinematics = '{}', where a cell slides while the contact is over it",
+)
+FITTED = when("friction.shear_strength", None, otherwise="does not apply with a friction.shear_strength")
+fitted_key = partial(key, applies=FITTED, one_of="strength: measured")
+running_in_key = partial(key, applies=when("wear.law", "running-in"))
 
 
 def _foundation(value: Any) -> Any:
@@ -45,11 +70,13 @@ class Contact(Section):
         "if not given free under a sphere, periodic under a flat and for patches",
         assumed="nothing beyond the domain under a sphere; under a flat the domain is repeated, and in the "
         "two-scale model each patch",
+        applies=when("contact.law", "half-space"),
     )
     stiffness: Stiffness = key(
         "inf N/mm^3",
         "micro and two-scale model: local foundation stiffness k",
         assumed="asperities do not deform elastically",
+        applies=(ROUGH, LOCAL),
     )
     foundation: Annotated[
         float | Literal["area", "pressure", "approach"],
@@ -60,10 +87,12 @@ class Contact(Section):
         "macro model, bulk of the two-scale: stiffness K_N that gives Hertz's area, peak pressure or "
         "approach, or a stiffness",
         assumed="one spring constant matches one of Hertz's three values",
+        applies=BULK,
     )
     foundation_update: Literal["initial", "updated"] = key(
         "initial",
         "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (two-scale: scar)",
+        applies=BULK,
     )
 
 
@@ -105,12 +134,22 @@ class Wear(Section):
     law: Literal["archard", "exponential", "running-in", "bearing-curve"] = key(
         "archard", "depth = K × pressure × distance, K constant or by an empirical law of the distance slid"
     )
-    decay: PerLength | None = key(None, "exponential: α of V = K F (1 − e^(−αL))/α, an empirical fit")
-    running_in: Length | None = key(None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit")
-    initial_sphere: WearCoefficient | None = key(None, "running-in: K0 of the sphere; K if not given")
-    initial_disc: WearCoefficient | None = key(None, "running-in: K0 of the disc; K if not given")
+    decay: PerLength | None = key(
+        None,
+        "exponential: α of V = K F (1 − e^(−αL))/α, an empirical fit",
+        applies=when("wear.law", "exponential"),
+    )
+    running_in: Length | None = running_in_key(
+        None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit"
+    )
+    initial_sphere: WearCoefficient | None = running_in_key(
+        None, "running-in: K0 of the sphere; K if not given"
+    )
+    initial_disc: WearCoefficient | None = running_in_key(None, "running-in: K0 of the disc; K if not given")
     distance_factor: Literal["none", "across", "radial"] = key(
-        "none", "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial"
+        "none",
+        "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial",
+        applies=AT_REST,
     )
 
     @model_validator(mode="after")
@@ -127,11 +166,11 @@ class Wear(Section):
 class Friction(Section):
     """[friction]"""
 
-    shear_strength: Pressure | None = key(None, "interfacial shear strength τ0")
-    coefficient: FrictionCoefficient = key(
+    shear_strength: Pressure | None = key(None, "interfacial shear strength τ0", one_of="strength")
+    coefficient: FrictionCoefficient = fitted_key(
         0.6, "measured coefficient that fixes τ0, instead", assumed="for want of a measured one"
     )
-    calibrate: Literal["end", "initial"] = key("end", "when the measured coefficient holds")
+    calibrate: Literal["end", "initial"] = fitted_key("end", "when the measured coefficient holds")
     ploughing: FrictionOffset = key(0.0, "part μ_p of the coefficient that does not shear")
     initial_ratio: Ratio | None = key(
         None, "running-in: τ at the start over τ0, with τ0 (1 + (ratio − 1) e^(−L/L_τ)); an empirical fit"

@@ -13,8 +13,7 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.track import Track
 from warpwear.study.bodies import Disc, Sphere
 from warpwear.study.contact import ArchardCoefficient, Contact, Friction, Junctions, Wear
-from warpwear.study.keys import Section
-from warpwear.study.loading import value_of
+from warpwear.study.keys import Section, key, value_of, when
 from warpwear.study.motion import GridSection, Sliding, Stepping
 from warpwear.study.settings import About, Checks, Macro, Output, Run
 from warpwear.study.units import text
@@ -36,11 +35,27 @@ class Content(Section):
     stepping: Stepping = Stepping()
     friction: Friction = Friction()
     junctions: Junctions = Junctions()
-    macro: Macro = Macro()
+    macro: Macro = key(
+        Macro(),
+        "patches of the two-scale model",
+        applies=when(
+            "study.model", "two-scale", otherwise="does not apply to the {} model: it has no patches"
+        ),
+    )
     run: Run = Run()
     checks: Checks = Checks()
     output: Output = Output()
     assumed: dict[str, str] = Field(default={}, description="keys that were assumed, and why")
+
+    @property
+    def is_rough(self) -> bool:
+        """Whether the disc's roughness plays a part, resolved or as a bearing curve."""
+        return self.study.model != "macro" or self.wear.law == "bearing-curve"
+
+    @property
+    def caps_pressure(self) -> bool:
+        """Whether a hardness limits the pressure of a cell."""
+        return math.isfinite(self.hardness)
 
     @property
     def is_swept(self) -> bool:
@@ -179,6 +194,11 @@ class Content(Section):
     def samples_area(self) -> bool:
         """Whether patches stand for more than themselves, so that fields cover only a part of the domain."""
         return self.study.model == "two-scale" and self.macro.patch_width < self.macro.cell
+
+    @property
+    def places_at_random(self) -> bool:
+        """Whether patches that stand for more than themselves lie at random in their macro cells."""
+        return self.samples_area and self.macro.placement == "random"
 
     @property
     def wear_coefficients(self) -> tuple[float, float]:

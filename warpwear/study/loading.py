@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.errors import InputError
+from warpwear.study.content import Content
+from warpwear.study.keys import alternatives_of
 from warpwear.study.materials import material
 from warpwear.study.units import text
 
@@ -85,30 +87,6 @@ def fill(sections: dict[str, Any]) -> tuple[dict[str, Any], set[str]]:
     return filled, names
 
 
-#: Keys that say the same in different ways. Setting one with `replace` drops the others.
-ALTERNATIVES: tuple[tuple[frozenset[str], ...], ...] = (
-    (frozenset({"sphere.radius"}), frozenset({"sphere.diameter"})),
-    (frozenset({"disc.surface"}), frozenset({"disc.synthetic"})),
-    (frozenset({"disc.synthetic.ra"}), frozenset({"disc.synthetic.sq"})),
-    (
-        frozenset({"sliding.distance"}),
-        frozenset({"sliding.passes"}),
-        frozenset({"sliding.cycles"}),
-        frozenset({"sliding.duration", "sliding.frequency"}),
-        frozenset({"sliding.revolutions"}),
-    ),
-    (frozenset({"sliding.stroke"}), frozenset({"sliding.track_radius"})),
-    (
-        frozenset({"stepping.increment"}),
-        frozenset({"stepping.first", "stepping.growth", "stepping.largest"}),
-    ),
-    (
-        frozenset({"friction.shear_strength"}),
-        frozenset({"friction.coefficient", "friction.calibrate"}),
-    ),
-)
-
-
 def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
     """Set keys, {"grid.cell": "2 um"}, in place. What says the same in another way is dropped."""
     for name, value in flat.items():
@@ -128,11 +106,7 @@ def _dropped_by(name: str) -> set[str]:
     body, _, key = name.partition(".")
     if key == "material":  # another material has other constants
         return {f"{body}.{constant}" for constant in CONSTANTS}
-    for group in ALTERNATIVES:
-        for way in group:
-            if any(name == k or name.startswith(k + ".") for k in way):
-                return set().union(*group) - way
-    return set()
+    return alternatives_of(Content, name)
 
 
 def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
@@ -142,13 +116,6 @@ def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
         if not isinstance(nested, dict):
             raise InputError(f"'{name}' is no key: {'.'.join(parents[: depth + 1])} has none below it.")
     nested[last] = value
-
-
-def value_of(nested: Any, name: str) -> Any:
-    """The value of a dotted key; None where there is none."""
-    for part in name.split("."):
-        nested = nested.get(part) if isinstance(nested, dict) else None
-    return nested
 
 
 def _remove(nested: dict[str, Any], name: str) -> None:

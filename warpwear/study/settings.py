@@ -4,7 +4,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from warpwear.study.keys import Interval, Length, LengthOrZero, Section, key
+from warpwear.study.keys import Interval, Length, LengthOrZero, Section, key, when
+
+ONE_APPROACH = when(
+    "macro.coupling",
+    "approach",
+    otherwise="does not apply to macro.coupling = '{}', whose macro contact has K_N",
+)
+SAMPLES = when("samples_area", otherwise="does not apply: the patches tile the contact")
+AT_RANDOM = when("places_at_random", otherwise="does not apply: no patch is placed at random")
 
 
 class About(Section):
@@ -33,6 +41,7 @@ class Macro(Section):
         "spring behind each patch: foundation is K_N, the elastic bulk of both bodies, in series; none where "
         "the patch's own law carries that compliance, as free patches of the half-space do",
         assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
+        applies=ONE_APPROACH,
     )
     coupling: Literal["approach", "load"] = key(
         "approach",
@@ -40,9 +49,11 @@ class Macro(Section):
         "prescribes the load of each patch",
     )
     placement: Literal["centre", "random"] = key(
-        "centre", "place of a smaller patch in its macro cell: in the middle, or at random by macro.seed"
+        "centre",
+        "place of a smaller patch in its macro cell: in the middle, or at random by macro.seed",
+        applies=SAMPLES,
     )
-    seed: Annotated[int, Field(ge=0, strict=True)] = key(0, "seed of the random placement")
+    seed: Annotated[int, Field(ge=0, strict=True)] = key(0, "seed of the random placement", applies=AT_RANDOM)
 
     @property
     def patch_width(self) -> float:

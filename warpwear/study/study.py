@@ -7,9 +7,10 @@ from typing import Any, Self
 from pydantic import ValidationError, model_validator
 
 from warpwear.errors import InputError
-from warpwear.study import rules, rules_track, text, unused
+from warpwear.study import rules, rules_track, text
 from warpwear.study.content import Content
-from warpwear.study.loading import change, fill, is_described, read_sections, value_of, with_changes
+from warpwear.study.keys import unused_key_notices, value_of
+from warpwear.study.loading import change, fill, is_described, read_sections, with_changes
 
 
 class Study(Content):
@@ -37,7 +38,7 @@ class Study(Content):
     def notices(self) -> list[str]:
         """What is given but not used, and what is asked for but cannot be trusted, each as a sentence."""
         total = self.sliding.total
-        found = [*unused.told(self), *rules_track.doubts(self)]
+        found = [*unused_key_notices(self), *rules_track.doubts(self)]
         late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > total or s == 0.0 < total)
         if late:
             found.append(f"output.snapshots that no step ends at: {late} mm.")
