@@ -312,7 +312,12 @@ def test_a_load_that_patches_do_not_carry_stops_the_run(monkeypatch: pytest.Monk
 
 def test_the_wear_of_a_much_harder_body_is_no_difference_of_large_numbers() -> None:
     study = Study.load("two-scale").replace(
-        {"grid.cell": "20 um", "macro.cell": "100 um", "macro.patch": None, "sliding.distance": "1 mm"}
+        {
+            "grid.cell": "20 um",
+            "patches.macro_cell": "100 um",
+            "patches.width": None,
+            "sliding.distance": "1 mm",
+        }
         | {"wear.sphere": "1e-3 mm^3/N/m", "wear.disc": "1e-11 mm^3/N/m"}
     )
     with warpwear.run(study) as result:
@@ -321,7 +326,7 @@ def test_the_wear_of_a_much_harder_body_is_no_difference_of_large_numbers() -> N
         np.testing.assert_allclose(last.wear_disc, 1e-8 * last.wear_sphere, rtol=1e-12)
 
 
-@pytest.mark.parametrize("law", ["foundation", "half-space"])
+@pytest.mark.parametrize("law", ["local", "half-space"])
 @pytest.mark.parametrize("least", ["sphere", "disc"])
 def test_a_body_that_hardly_wears_has_its_own_digits(law: str, least: str) -> None:
     """Its wear is no difference of two that are nearly equal."""

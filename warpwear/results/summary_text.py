@@ -36,7 +36,7 @@ def summary_text(summary: dict[str, Any]) -> str:
         )
     if s["patches"]:
         lines.append(_patches(s["patches"], of_half_space=s["half_space"] is not None))
-    if s["model"] == "macro" or (s["patches"] and s["patches"]["bulk"] == "foundation"):
+    if s["model"] == "macro" or (s["patches"] and s["patches"]["bulk"] == "spring"):
         stiffness = s["foundation_N_per_mm3"]
         lines.append(f"  foundation        {stiffness:.4g} N/mm³ to begin with{_beside_hertz(s)}")
     if cof["end"] is not None:
@@ -62,7 +62,7 @@ def summary_text(summary: dict[str, Any]) -> str:
 
 def _patches(p: dict[str, Any], *, of_half_space: bool) -> str:
     covered = "all" if p["cover"] == 1.0 else f"{100.0 * p['cover']:.3g} %"
-    spring = "a bulk spring each" if p["bulk"] == "foundation" else "no bulk spring"
+    spring = "a bulk spring each" if p["bulk"] == "spring" else "no bulk spring"
     shared = f"one approach, {spring}" if p["coupling"] == "approach" else "loads as a smooth contact says"
     iterations = "" if of_half_space else f"; {p['evaluations']['median']:g} iterations in the median"
     return (

@@ -133,7 +133,7 @@ class Found:
 
     def refuse_changes(self, study: Study, *, device: str) -> None:
         """Raises InputError for a run that would not go on where this one stopped."""
-        changed = changed_keys(Study(**tomllib.loads(self._about["study"])), study)
+        changed = changed_keys(Study.stored(self._about["study"]), study)
         if changed:
             raise InputError(
                 f"{self._path} is of another study ({', '.join(changed)}); --resume needs the study as it "

@@ -27,17 +27,15 @@ from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, parse, text
 #: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
 BULK = (
     when("study.model", "macro", "two-scale", otherwise="does not apply to the micro model"),
-    when("uses_foundation", otherwise="does not apply to macro.bulk = 'none'"),
+    when("uses_bulk_stiffness", otherwise="does not apply to patches.bulk = 'none'"),
 )
 ROUGH = when(
     "study.model",
     "micro",
     "two-scale",
-    otherwise="does not apply to the {} model: its K_N is contact.foundation",
+    otherwise="does not apply to the {} model: its K_N is contact.bulk_stiffness",
 )
-LOCAL = when(
-    "contact.law", "foundation", otherwise="does not apply to contact.law = '{}': E* of both bodies does"
-)
+LOCAL = when("contact.law", "local", otherwise="does not apply to contact.law = '{}': E* of both bodies does")
 AT_REST = when(
     "sliding.kinematics",
     "stationary",
@@ -48,7 +46,7 @@ fitted_key = partial(key, applies=FITTED, one_of="strength: measured")
 running_in_key = partial(key, applies=when("wear.law", "running-in"))
 
 
-def _foundation(value: Any) -> Any:
+def _bulk_stiffness(value: Any) -> Any:
     return value if isinstance(value, str) and value in MATCHES else Quantity("N/mm^3").read(value)
 
 
@@ -59,10 +57,11 @@ class Contact(Section):
     hardness: PressureOrInfinite | None = key(
         None, "largest pressure of a cell; by default the softer body's, in the macro model none"
     )
-    law: Literal["foundation", "half-space"] = key(
-        "foundation",
-        "under a largest pressure; foundation: every cell by itself; half-space: elastic bodies, whose "
+    law: Literal["local", "half-space"] = key(
+        "local",
+        "under a largest pressure; local: every cell by itself; half-space: elastic bodies, whose "
         "asperities feel each other",
+        former_value=("foundation", "local"),
     )
     boundary: Literal["free", "periodic"] | None = key(
         None,
@@ -78,9 +77,9 @@ class Contact(Section):
         assumed="asperities do not deform elastically",
         applies=(ROUGH, LOCAL),
     )
-    foundation: Annotated[
+    bulk_stiffness: Annotated[
         float | Literal["area", "pressure", "approach"],
-        BeforeValidator(_foundation),
+        BeforeValidator(_bulk_stiffness),
         PlainSerializer(lambda v: v if isinstance(v, str) else text(v, "N/mm^3")),
     ] = key(
         "area",
@@ -88,11 +87,13 @@ class Contact(Section):
         "approach, or a stiffness",
         assumed="one spring constant matches one of Hertz's three values",
         applies=BULK,
+        formerly="contact.foundation",
     )
-    foundation_update: Literal["initial", "updated"] = key(
+    bulk_update: Literal["initial", "updated"] = key(
         "initial",
         "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (two-scale: scar)",
         applies=BULK,
+        formerly="contact.foundation_update",
     )
 
 

@@ -72,6 +72,8 @@ class Declared:
     assumed: str | None = None
     applies: tuple[Rule, ...] = ()
     one_of: str | None = None
+    formerly: str | None = None
+    former_value: tuple[str, str] | None = None
 
     def __call__(self, schema: dict[str, Any]) -> None:
         """Pydantic calls it with the key's JSON schema, to which it adds why the default was assumed."""
@@ -86,15 +88,19 @@ def key(
     assumed: str | None = None,
     applies: Rule | tuple[Rule, ...] = (),
     one_of: str | None = None,
+    formerly: str | None = None,
+    former_value: tuple[str, str] | None = None,
 ) -> Any:
     """A key of a section, with all that is known of it.
 
     assumed: why this default was chosen, where it is a physical assumption. applies: when the key is used;
     the first rule that does not hold says why it is not; those of a section hold for its keys too.
     one_of: "THING" that keys of the section say in different ways; "THING: WAY" where some say it together.
+    formerly: dotted name before it was renamed. former_value: old and new name of a value.
     """
     rules = (applies,) if isinstance(applies, Rule) else applies
-    return Field(default, description=meaning, json_schema_extra=Declared(assumed, rules, one_of))
+    declared = Declared(assumed, rules, one_of, formerly, former_value)
+    return Field(default, description=meaning, json_schema_extra=declared)
 
 
 class Section(BaseModel):
