@@ -19,6 +19,7 @@ from warpwear.study.keys import (
     when,
 )
 from warpwear.study.materials import material
+from warpwear.study.units import is_pair, is_quantity, one_by_one
 
 ROUGH = when("is_rough", otherwise="does not apply to the macro model, which has a smooth disc")
 FROM_A_FILE = when("disc.synthetic", None, otherwise="does not apply to a synthetic surface")
@@ -97,7 +98,8 @@ class Synthetic(Section):
 
 
 def _pixel(value: Any) -> Any:
-    return (value, value) if isinstance(value, str) else value
+    value = one_by_one(value)
+    return (value, value) if isinstance(value, str) or is_quantity(value) or is_pair(value) else value
 
 
 def _crop(value: Any) -> Any:

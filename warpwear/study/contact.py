@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass
 from functools import partial
+from numbers import Real
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, PlainSerializer, PlainValidator, model_validator
+from pydantic import PlainSerializer, PlainValidator, model_validator
 
 from warpwear.laws.elastic import MATCHES
 from warpwear.study.keys import (
@@ -46,10 +47,6 @@ fitted_key = partial(key, applies=FITTED, one_of="strength: measured")
 running_in_key = partial(key, applies=when("wear.law", "running-in"))
 
 
-def _bulk_stiffness(value: Any) -> Any:
-    return value if isinstance(value, str) and value in MATCHES else Quantity("N/mm^3").read(value)
-
-
 class Contact(Section):
     """[contact]"""
 
@@ -78,9 +75,7 @@ class Contact(Section):
         applies=(ROUGH, LOCAL),
     )
     bulk_stiffness: Annotated[
-        float | Literal["area", "pressure", "approach"],
-        BeforeValidator(_bulk_stiffness),
-        PlainSerializer(lambda v: v if isinstance(v, str) else text(v, "N/mm^3")),
+        float | Literal["area", "pressure", "approach"], Quantity("N/mm^3", words=tuple(MATCHES))
     ] = key(
         "area",
         "macro model, bulk of the two-scale: stiffness K_N that gives Hertz's area, peak pressure or "
@@ -109,7 +104,7 @@ class ArchardCoefficient:
         """From text with a unit, or a bare number. Raises ValueError."""
         if isinstance(given, cls):
             return given
-        bare = isinstance(given, int | float) and not isinstance(given, bool)
+        bare = isinstance(given, Real) and not isinstance(given, bool)
         value = Number(NOT_NEGATIVE).read(given) if bare else parse(given, "mm^3/N/m")
         return cls(NOT_NEGATIVE.check(value), bare)
 

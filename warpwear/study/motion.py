@@ -2,9 +2,9 @@
 
 import math
 from functools import partial
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
+from pydantic import Field, model_validator
 
 from warpwear.study.keys import (
     Frequency,
@@ -18,7 +18,7 @@ from warpwear.study.keys import (
     key,
     when,
 )
-from warpwear.study.units import Number, Quantity, text
+from warpwear.study.units import Number, Quantity
 
 #: Along a side: a million squared is more than any memory holds.
 MOST_CELLS = 1_000_000
@@ -64,15 +64,6 @@ class GridSection(Section):
         return self
 
 
-def _track(value: Any) -> Any:
-    if value == "full":
-        return value
-    try:
-        return Quantity("mm").read(value)
-    except ValueError as error:
-        raise ValueError(f"{error}, or 'full'") from None
-
-
 class Sliding(Section):
     """[sliding]"""
 
@@ -98,11 +89,7 @@ class Sliding(Section):
         "stationary",
         "stationary: the same disc cells stay under the sphere; swept: it slides along a track on the disc",
     )
-    track: Annotated[
-        float | Literal["full"],
-        BeforeValidator(_track),
-        PlainSerializer(lambda v: v if v == "full" else text(v, "mm")),
-    ] = key(
+    track: Annotated[float | Literal["full"], Quantity("mm", words=("full",))] = key(
         "full",
         "swept: the whole stroke, or the length of a periodic disc on which one lap stands for one pass",
         applies=SWEPT,
@@ -169,10 +156,6 @@ class Sliding(Section):
         return self.stroke * (self.passes or 2 * (self.cycles or 0))
 
 
-def _tolerance(value: Any) -> Any:
-    return value if value == "one cell" else Quantity("N").read(value)
-
-
 class Stepping(Section):
     """[stepping]"""
 
@@ -185,11 +168,9 @@ class Stepping(Section):
     largest: Length = growing_key(
         "3 mm", "growing increments: the largest", assumed="a tenth of a usual stroke"
     )
-    load_tolerance: Annotated[
-        float | Literal["one cell"],
-        BeforeValidator(_tolerance),
-        PlainSerializer(lambda v: v if v == "one cell" else text(v, "N")),
-    ] = key("one cell", "bearing area only: load left unbalanced, at most", applies=NO_COMPLIANCE)
+    load_tolerance: Annotated[float | Literal["one cell"], Quantity("N", words=("one cell",))] = key(
+        "one cell", "bearing area only: load left unbalanced, at most", applies=NO_COMPLIANCE
+    )
     force: bool = key(False, "go on beyond the explicit stability limit")
 
     @model_validator(mode="after")

@@ -2,9 +2,10 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from warpwear.study.keys import Interval, Length, LengthOrZero, Section, key, when
+from warpwear.study.units import one_by_one
 
 ONE_APPROACH = when(
     "patches.coupling",
@@ -94,7 +95,7 @@ class Checks(Section):
 class Output(Section):
     """[output]"""
 
-    snapshots: tuple[LengthOrZero, ...] = key(
+    snapshots: Annotated[tuple[LengthOrZero, ...], BeforeValidator(one_by_one)] = key(
         (),
         "sliding distances at which fields are kept; the end always is; swept: at the end of the step that "
         "reaches each",

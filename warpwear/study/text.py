@@ -13,6 +13,7 @@ from warpwear.study.content import Content
 from warpwear.study.keys import Declared, all_keys, declarations, given_keys, inapplicable, key_of, section_in
 from warpwear.study.loading import CONSTANTS
 from warpwear.study.materials import material
+from warpwear.study.units import is_quantity
 
 
 def to_toml(study: Content) -> str:
@@ -136,6 +137,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         str(p) for p in first["loc"] if not str(p).startswith(("literal[", "constrained-", "function-"))
     )
     kind, value = first["type"], first.get("input")
+    value = str(value) if is_quantity(value) else value
     if kind == "extra_forbidden":
         near = get_close_matches(name, all_keys(model), n=1, cutoff=0.5)
         hint = (
