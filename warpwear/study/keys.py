@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
@@ -104,9 +104,29 @@ def key(
 
 
 class Section(BaseModel):
-    """Frozen, and no key that is not declared."""
+    """A section is frozen and takes no key that is not declared.
+
+    Copies and pickles hold its keys alone: what a `cached_property` keeps would be stale in a changed copy.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+    def __getstate__(self) -> dict[Any, Any]:
+        return super().__getstate__() | {"__dict__": self._keys_of(self)}
+
+    def __copy__(self) -> Self:
+        copied = super().__copy__()
+        object.__setattr__(copied, "__dict__", self._keys_of(copied))
+        return copied
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        copied = super().__deepcopy__(memo)
+        object.__setattr__(copied, "__dict__", self._keys_of(copied))
+        return copied
+
+    @staticmethod
+    def _keys_of(section: BaseModel) -> dict[str, Any]:
+        return {name: value for name, value in vars(section).items() if name in type(section).model_fields}
 
 
 def all_keys(model: type[BaseModel]) -> list[str]:

@@ -49,6 +49,13 @@ class Study(Content):
         rules.check(self)
         return self
 
+    def __eq__(self, other: object) -> bool:
+        """Two studies are equal where their resolved texts are: what they compute, assume and are called."""
+        return self.to_toml() == other.to_toml() if isinstance(other, Study) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.to_toml())
+
     def notices(self) -> list[str]:
         """What is given but not used, and what is asked for but cannot be trusted, each as a sentence."""
         total = self.sliding.total
