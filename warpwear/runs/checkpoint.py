@@ -141,8 +141,8 @@ class Found:
             )
         if study.checks.strict and self._about["told"]:
             raise InputError(
-                f"{self._path} was made after a check failed ({', '.join(self._about['told'])}); "
-                "--resume with checks.strict = false goes on, --overwrite starts anew."
+                f"{self._path} was made after a check failed ({', '.join(self._about['told'])}). "
+                "To continue anyway: --resume --set checks.strict=false; to start anew: --overwrite."
             )
         if self._about["device"].split(":")[0] != device.split(":")[0]:
             raise InputError(
