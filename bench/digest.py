@@ -35,7 +35,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "two-scale": ("two-scale", {"grid.cell": "5 um", "sliding.distance": "300 mm"}),
     "two-scale-load": (
         "two-scale",
-        {"grid.cell": "5 um", "sliding.distance": "60 mm", "macro.coupling": "load"},
+        {"grid.cell": "5 um", "sliding.distance": "60 mm", "patches.coupling": "load"},
     ),
     "track": ("track", {"grid.cell": "10 um", "sliding.distance": "480 mm"}),
     "track-5": ("track", {"grid.cell": "5 um", "sliding.distance": "90 mm"}),
@@ -44,7 +44,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
         {"grid.cell": "10 um", "sliding.distance": "240 mm", "sliding.plastic": "keep"},
     ),
     "track-full": ("track", {"grid.cell": "10 um", "sliding.distance": "120 mm", "sliding.track": "full"}),
-    "v1-updated": ("v1", {"contact.foundation_update": "updated", "sliding.distance": "600 mm"}),
+    "v1-updated": ("v1", {"contact.bulk_update": "updated", "sliding.distance": "600 mm"}),
     "v1-explicit": ("v1", {"stepping.scheme": "explicit", "sliding.distance": "300 mm"}),
     "v3-fine-exponential": (
         "v3-fine",

@@ -24,7 +24,7 @@ from warpwear.study.surface import surface_in
 AT = (0.01, 0.3, 3.0, 30.0, 240.0, 2400.0)  # [mm]
 SQUARE = 0.05  # [mm]
 ELASTIC = {"contact.law": "half-space"}
-NO_BULK = {"macro.bulk": "none"}
+NO_BULK = {"patches.bulk": "none"}
 WHOLE = "one scale, half-space"
 RUNS: dict[str, tuple[str, dict[str, Any]]] = {
     WHOLE: ("v3-fine", ELASTIC),
@@ -32,13 +32,13 @@ RUNS: dict[str, tuple[str, dict[str, Any]]] = {
     "50 µm, half-space, bulk K_N": ("two-scale", ELASTIC),
     "100 µm, half-space, bulk K_N": (
         "two-scale",
-        ELASTIC | {"macro.cell": "100 um", "macro.patch": "100 um"},
+        ELASTIC | {"patches.macro_cell": "100 um", "patches.width": "100 um"},
     ),
     "150 µm, half-space, bulk K_N": (
         "two-scale",
-        ELASTIC | {"macro.cell": "150 um", "macro.patch": "150 um"},
+        ELASTIC | {"patches.macro_cell": "150 um", "patches.width": "150 um"},
     ),
-    "50 µm, half-space, K_N updated": ("two-scale", ELASTIC | {"contact.foundation_update": "updated"}),
+    "50 µm, half-space, K_N updated": ("two-scale", ELASTIC | {"contact.bulk_update": "updated"}),
     "50 µm, half-space, no bulk": ("two-scale", ELASTIC | NO_BULK),
     "50 µm, half-space, free": ("two-scale", ELASTIC | NO_BULK | {"contact.boundary": "free"}),
     "50 µm, local law, bulk K_N": ("two-scale", {}),

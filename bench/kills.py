@@ -70,7 +70,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "two-scale, load": (
         "two-scale",
-        SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm", "macro.coupling": "load"},
+        SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm", "patches.coupling": "load"},
     ),
     "macro, bearing curve": (
         "v2",

@@ -24,7 +24,7 @@ from warpwear.models.track.half_space import ElasticSliding
 from warpwear.results.track import by_pass
 
 KINDS: dict[str, tuple[str, Callable[..., int]]] = {
-    "local law": ("foundation", ElasticSliding.cells_passing),
+    "local law": ("local", ElasticSliding.cells_passing),
     "half-space": ("half-space", ElasticSliding.cells_passing),
     "half-space, no mean": ("half-space", lambda *_: 1),
 }

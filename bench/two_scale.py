@@ -29,12 +29,12 @@ AT = (0.3, 3.0, 30.0, 240.0, 2400.0)
 ERROR_AT = (0.01, 0.3, 3.0, 15.0, 60.0)
 #: Domain [mm] whose outermost macro cells of 300 µm stay untouched, as representative patches ask for.
 WIDE = {"grid.extent": "2.1 mm"}
-SAMPLED = WIDE | {"macro.cell": "300 um", "macro.patch": "100 um"}
+SAMPLED = WIDE | {"patches.macro_cell": "300 um", "patches.width": "100 um"}
 COUPLINGS: dict[str, dict[str, Any]] = {
     "approach, bulk K_N": {},
-    "approach, no bulk": {"macro.bulk": "none"},
-    "approach, K_N updated": {"contact.foundation_update": "updated"},
-    "load": {"macro.coupling": "load"},
+    "approach, no bulk": {"patches.bulk": "none"},
+    "approach, K_N updated": {"contact.bulk_update": "updated"},
+    "load": {"patches.coupling": "load"},
 }
 MACRO = (25.0, 125.0, 250.0)  # [µm], patches as large; the preset has 50
 PATCH = (100.0, 150.0, 300.0)  # [µm] in macro cells of 300 µm
@@ -83,11 +83,11 @@ def courses(cell: str) -> list[Course]:
         if changes:
             found.append(Course("coupling", name, run(base | changes), preset))
     for macro in MACRO:
-        changes = {"macro.cell": um(macro), "macro.patch": um(macro)}
+        changes = {"patches.macro_cell": um(macro), "patches.width": um(macro)}
         found.append(Course("macro cell, all covered", f"{macro:g} µm", run(base | changes), preset))
-    whole = run(base | SAMPLED | {"macro.patch": um(PATCH[-1])})
+    whole = run(base | SAMPLED | {"patches.width": um(PATCH[-1])})
     for patch in PATCH:
-        result = whole if patch == PATCH[-1] else run(base | SAMPLED | {"macro.patch": um(patch)})
+        result = whole if patch == PATCH[-1] else run(base | SAMPLED | {"patches.width": um(patch)})
         cover = 100.0 * (patch / PATCH[-1]) ** 2
         found.append(Course("patch in a cell of 300 µm", f"{patch:g} µm, {cover:.0f} %", result, whole))
     return found
@@ -99,7 +99,7 @@ def load_part(cell: str, seeds: list[int]) -> Table:
     for seed in seeds:
         base = {"grid.cell": cell, "sliding.distance": f"{ERROR_AT[-1]} mm", "disc.synthetic.seed": seed}
         base |= {"output.snapshots": [f"{d} mm" for d in ERROR_AT[:-1]]}
-        approach, load = (run(base | {"macro.coupling": coupling}) for coupling in ("approach", "load"))
+        approach, load = (run(base | {"patches.coupling": coupling}) for coupling in ("approach", "load"))
         rows = [int(np.abs(approach.history["distance"] - d).argmin()) for d in ERROR_AT]
         errors = [load_share_error(load.load_share[row], approach.load_share[row]) for row in rows]
         table.append({"seed": seed} | {f"error_{d:g}mm": e for d, e in zip(ERROR_AT, errors, strict=True)})
@@ -111,9 +111,9 @@ def sample_part(cell: str, seeds: list[int]) -> tuple[Table, dict[tuple[str, int
     table, drawn = [], {}
     for seed in seeds:
         base = WIDE | {"grid.cell": cell, "disc.synthetic.seed": seed}
-        whole = run(base | {"macro.cell": "300 um", "macro.patch": "300 um"})
+        whole = run(base | {"patches.macro_cell": "300 um", "patches.width": "300 um"})
         for placement in ("centre", "random"):
-            some = run(base | SAMPLED | {"macro.placement": placement, "macro.seed": seed})
+            some = run(base | SAMPLED | {"patches.placement": placement, "patches.seed": seed})
             ratio = some.history["area_contact"] / whole.history["area_contact"]
             drawn[placement, seed] = (some.history["distance"], ratio)
             table.append(

@@ -64,21 +64,21 @@ QUICK = {
 }
 KINDS: dict[str, dict[str, Any]] = {
     "bulk": {},
-    "no bulk": {"macro.bulk": "none"},
-    "free": {"macro.bulk": "none", "contact.boundary": "free"},
+    "no bulk": {"patches.bulk": "none"},
+    "free": {"patches.bulk": "none", "contact.boundary": "free"},
     "bulk that follows, no cap": {
-        "contact.foundation_update": "updated",
+        "contact.bulk_update": "updated",
         "contact.hardness": "inf MPa",
     },
-    "some of the area": {"grid.extent": "1.8 mm", "macro.cell": "300 um", "macro.patch": "100 um"},
-    "loads": {"macro.coupling": "load"},
-    "loads of free patches": {"macro.coupling": "load", "contact.boundary": "free"},
+    "some of the area": {"grid.extent": "1.8 mm", "patches.macro_cell": "300 um", "patches.width": "100 um"},
+    "loads": {"patches.coupling": "load"},
+    "loads of free patches": {"patches.coupling": "load", "contact.boundary": "free"},
     "loads of some of the area, by a foundation that follows": {
-        "macro.coupling": "load",
-        "contact.foundation_update": "updated",
+        "patches.coupling": "load",
+        "contact.bulk_update": "updated",
         "grid.extent": "1.8 mm",
-        "macro.cell": "300 um",
-        "macro.patch": "100 um",
+        "patches.macro_cell": "300 um",
+        "patches.width": "100 um",
     },
 }
 

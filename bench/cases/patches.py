@@ -43,7 +43,7 @@ def _models(study: Study, setting: Setting) -> Iterator[dict[str, Any]]:
         )
         yield {
             "one scale": Package(study.replace({"study.model": "micro"}), heights_of(study), whole),
-            "patches": Patched(study.replace({"macro.bulk": "none"}), patches, parts[0]),
+            "patches": Patched(study.replace({"patches.bulk": "none"}), patches, parts[0]),
             "patches on springs": Patched(study, patches, parts[1]),
         }
 

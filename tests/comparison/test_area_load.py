@@ -55,7 +55,7 @@ def test_theories_beside_flats() -> None:
 
 def test_theories_beside_balls_that_touch_their_points() -> None:
     found = lines(compared(*({"contact.load": f"{load} N"} for load in LOADS)))
-    assert [*found] == ["computed: foundation, H = 590 MPa", "load over hardness", "Hertz, smooth bodies"]
+    assert [*found] == ["computed: local, H = 590 MPa", "load over hardness", "Hertz, smooth bodies"]
     load, area = found["load over hardness"].T
     np.testing.assert_allclose(area, 1e3 * load / 590.0)
     load, area = found["Hertz, smooth bodies"].T
@@ -64,7 +64,7 @@ def test_theories_beside_balls_that_touch_their_points() -> None:
 
 def test_bodies_that_differ_have_no_theory() -> None:
     found = lines(compared({"contact.load": "4 N"}, {"contact.load": "8 N", "disc.synthetic.seed": 2}))
-    assert [*found] == ["computed: foundation, H = 590 MPa"]
+    assert [*found] == ["computed: local, H = 590 MPa"]
 
 
 def test_one_load_has_no_such_figure() -> None:

@@ -133,27 +133,27 @@ def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path) -> Non
         drawn = (out / f"{name}.svg").read_text(encoding="utf-8")
         labels = ("a", "light", "soft")
         if name == "area_load":  # where runs of one law make one series
-            labels = ("computed: foundation, H = 590 MPa", "load over hardness")
+            labels = ("computed: local, H = 590 MPa", "load over hardness")
         assert all(f"<!-- {label} -->" in drawn for label in labels)
 
 
 def test_representative_patches_are_told_beside_whole_ones(runs: Path, tmp_path: Path) -> None:
     """And a two-scale run beside one of one scale."""
     changes = {"grid.cell": "10 um", "disc.synthetic.cut_off": "20 um", "grid.extent": "1.2 mm"}
-    changes |= {"sliding.distance": "0.1 mm", "macro.cell": "300 um", "output.snapshots": []}
+    changes |= {"sliding.distance": "0.1 mm", "patches.macro_cell": "300 um", "output.snapshots": []}
     for name, patch in {"whole": "300 um", "part": "150 um"}.items():
-        study = Study.load("two-scale").replace(changes | {"macro.patch": patch, "study.name": name})
+        study = Study.load("two-scale").replace(changes | {"patches.width": patch, "study.name": name})
         warpwear.run(study, out=tmp_path / name, plots=False).close()
     read = gather([tmp_path / "whole", tmp_path / "part"])
     told = [note for note in read.notes if note.startswith("Unlike tests")]
-    assert told == ["Unlike tests: the runs differ in macro.patch (whole 300 µm, part 150 µm)."]
+    assert told == ["Unlike tests: the runs differ in patches.width (whole 300 µm, part 150 µm)."]
     lines = {line.split("  ")[0]: line.split()[-2:] for line in to_text(read).splitlines()}
-    assert lines["macro.cell, µm"] == ["300", "300"]
-    assert lines["macro.patch, µm"] == ["300", "150"]
+    assert lines["patches.macro_cell, µm"] == ["300", "300"]
+    assert lines["patches.width, µm"] == ["300", "150"]
     beside = gather([runs / "a", tmp_path / "part"])
     assert "Unlike tests: the runs differ in model (v3-fine micro, part two-scale)." in beside.notes
-    assert not any("differ in macro" in note for note in beside.notes)
-    assert "macro.patch" not in to_text(gather([runs / "a", runs / "light"]))
+    assert not any("differ in patches." in note for note in beside.notes)
+    assert "patches.width" not in to_text(gather([runs / "a", runs / "light"]))
 
 
 def test_two_folders_of_one_name_go_by_their_paths(runs: Path, tmp_path: Path) -> None:

@@ -17,9 +17,9 @@ from warpwear.figures.patches import load_share_error, smooth_shares
 
 RUNS: dict[str, dict[str, Any]] = {
     "all covered": {"output.snapshots": ["0.3 mm", "3 mm"]},
-    "a ninth": {"grid.extent": "2.1 mm", "macro.cell": "300 um", "macro.patch": "100 um"}
+    "a ninth": {"grid.extent": "2.1 mm", "patches.macro_cell": "300 um", "patches.width": "100 um"}
     | {"sliding.distance": "60 mm"},
-    "no smooth contact": {"disc.material": None, "macro.bulk": "none"},
+    "no smooth contact": {"disc.material": None, "patches.bulk": "none"},
 }
 OF_FIELDS = {"setup", "pressure_map", "contact_map", "wear_map", "sphere_3d", "disc_profiles", "islands"}
 
@@ -59,7 +59,7 @@ def test_the_maps_show_the_loads(
     for run, panels in (("all covered", 6), ("a ninth", 2), ("no smooth contact", 1)):
         figure, _ = load_shares[run]
         assert len(figure.axes) == panels
-        area = results[run].study.macro.cell ** 2
+        area = results[run].study.patches.macro_cell ** 2
         for axes in figure.axes:
             shown = np.ma.filled(axes.images[0].get_array(), np.nan)
             assert np.nansum(shown) * area == pytest.approx(8.0, rel=1e-9)
@@ -83,7 +83,7 @@ def test_fields_with_holes_are_not_drawn(results: dict[str, Result], tmp_path: P
 
 def test_the_summary_tells_of_patches(results: dict[str, Result]) -> None:
     whole, sampled = (results[name].summary["patches"] for name in ("all covered", "a ninth"))
-    assert (whole["number"], whole["cover"], whole["bulk"]) == (900, 1.0, "foundation")
+    assert (whole["number"], whole["cover"], whole["bulk"]) == (900, 1.0, "spring")
     assert sampled["number"] == 49
     assert sampled["cover"] == pytest.approx(1.0 / 9.0)
 
@@ -91,7 +91,7 @@ def test_the_summary_tells_of_patches(results: dict[str, Result]) -> None:
 def test_smooth_shares_are_those_of_the_load_coupling(results: dict[str, Result]) -> None:
     """What the figure draws beside the patches is what that coupling prescribes."""
     whole = results["all covered"]
-    load = warpwear.run(whole.study.replace({"macro.coupling": "load"}))
+    load = warpwear.run(whole.study.replace({"patches.coupling": "load"}))
     rows = [0, 40, load.history["distance"].size - 1]
     found = smooth_shares(whole, rows)
     assert found is not None

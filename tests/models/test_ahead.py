@@ -20,7 +20,7 @@ LAWS = {
     "no cap": {"contact.hardness": "inf MPa"},
     "radial": {"wear.distance_factor": "radial"},
     "running in": {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1e-2 mm^3/N/m"},
-    "smooth": {"study.model": "macro", "contact.foundation": "pressure", "contact.hardness": "inf MPa"},
+    "smooth": {"study.model": "macro", "contact.bulk_stiffness": "pressure", "contact.hardness": "inf MPa"},
 }
 PLAN = (0.003 * 1.1 ** np.arange(60)).tolist()
 

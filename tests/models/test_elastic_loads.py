@@ -134,12 +134,12 @@ def test_loads_that_no_patch_carries(loads: tuple[float, ...], told: str) -> Non
 def test_the_loads_are_those_of_the_local_law(kind: str) -> None:
     """What a smooth contact prescribes does not depend on how the patches answer."""
     study = quick().replace(KINDS[kind])
-    if study.contact.foundation_update == "updated":  # which follows the scar, and so the patches
-        study = study.replace({"contact.foundation_update": "initial"})
+    if study.contact.bulk_update == "updated":  # which follows the scar, and so the patches
+        study = study.replace({"contact.bulk_update": "initial"})
     model = Stepped(study).model
     heights = surface_in(study).heights(study.cells.x, study.cells.y)
     with Executor(study.patch_layout.grid) as executor:
-        local = study.replace({"contact.law": "foundation"})
+        local = study.replace({"contact.law": "local"})
         other = TwoScaleModel(local, study.patch_layout, heights, executor)
         for increment in (0.003, 0.3, 3.0, 0.1):
             row, expected = model.advance(increment).row, other.advance(increment).row
@@ -151,7 +151,7 @@ def test_the_loads_are_those_of_the_local_law(kind: str) -> None:
 
 def test_a_patch_may_let_go_of_its_load(monkeypatch: pytest.MonkeyPatch) -> None:
     """It then carries nothing, is not worn, and takes load again; also in the first step after a restart."""
-    study = quick(macro__coupling="load")
+    study = quick(patches__coupling="load")
     begun, stepped = Stepped(study), Stepped(study)
     begun.model.advance(3.0)
     stepped.model.restore(*begun.model.saved_state())

@@ -104,7 +104,7 @@ def test_threads_change_nothing(threads: int, coupling: str, monkeypatch: pytest
     monkeypatch.setattr(patch_influence, "BLOCK", 40)
     found = []
     for count in (1, threads):
-        model = Stepped(quick(macro__coupling=coupling), threads=count).model
+        model = Stepped(quick(patches__coupling=coupling), threads=count).model
         found.append([model.advance(increment).row for increment in (0.003, 0.3, 3.0)])
         assert (model._influence._near._pool is None) == (count == 1)
     assert found[0] == found[1]
@@ -146,7 +146,7 @@ def test_what_is_conserved_in_every_step(kind: str, device: str) -> None:
         assert row["area_contact"] == pytest.approx(in_contact.sum(), rel=1e-12)
         assert 0 < model.visited < patches.count
         assert not share[model._order[model.visited :]].any()
-        if study.macro.coupling == "approach":
+        if study.patches.coupling == "approach":
             assert unworn[model.visited :].min() >= row["approach"]
         before = after
 
@@ -168,14 +168,14 @@ def test_patches_that_are_left_out_change_nothing(monkeypatch: pytest.MonkeyPatc
         assert_allclose(*shares, rtol=0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("behind", [{"bulk": "none"}, {"bulk": "foundation"}, {"coupling": "load"}])
+@pytest.mark.parametrize("behind", [{"bulk": "none"}, {"bulk": "spring"}, {"coupling": "load"}])
 def test_stiff_bodies_are_on_the_capped_foundation(behind: dict[str, str]) -> None:
     """What is left of a cell's compliance is K ΔL, as with the local law."""
     study = quick(**{"sphere.young": "1e9 GPa", "disc.young": "1e9 GPa"})
-    study = study.replace({f"macro.{key}": value for key, value in behind.items()})
-    study = study.replace({"contact.foundation": "2e5 N/mm^3"})
+    study = study.replace({f"patches.{key}": value for key, value in behind.items()})
+    study = study.replace({"contact.bulk_stiffness": "2e5 N/mm^3"})
     one = Stepped(study)
-    local = study.replace({"contact.law": "foundation"})
+    local = study.replace({"contact.law": "local"})
     heights = surface_in(study).heights(study.cells.x, study.cells.y)
     with Executor(study.patch_layout.grid) as executor:
         other = TwoScaleModel(local, study.patch_layout, heights, executor)
@@ -190,7 +190,7 @@ def test_stiff_bodies_are_on_the_capped_foundation(behind: dict[str, str]) -> No
 
 def test_soft_cells_are_those_below_a_cut() -> None:
     """With bodies that hardly yield but flow at H, cells in contact are the lowest, F/H of them."""
-    study = quick(**{"sphere.young": "1e6 GPa", "disc.young": "1e6 GPa", "macro.bulk": "none"})
+    study = quick(**{"sphere.young": "1e6 GPa", "disc.young": "1e6 GPa", "patches.bulk": "none"})
     stepped = Stepped(study)
     gap = stepped.gap()
     row = stepped.model.advance(0.0, with_pressure=True).row
@@ -200,10 +200,10 @@ def test_soft_cells_are_those_below_a_cut() -> None:
     assert row["approach"] == pytest.approx(np.sort(gap.ravel())[math.ceil(cells) - 1], abs=1e-8)
 
 
-@pytest.mark.parametrize("bulk", ["none", "foundation"])
+@pytest.mark.parametrize("bulk", ["none", "spring"])
 def test_flat_bodies_share_the_load_evenly(bulk: str) -> None:
     """Also where nothing but the choice of the patches visited says so."""
-    flat = {"sphere.radius": "inf mm", "contact.foundation": "2e6 N/mm^3", "macro.bulk": bulk}
+    flat = {"sphere.radius": "inf mm", "contact.bulk_stiffness": "2e6 N/mm^3", "patches.bulk": bulk}
     model = Stepped(quick(disc__synthetic={"kind": "flat"}).replace(flat)).model
     for increment in (0.0, 3.0):
         model.advance(increment)
@@ -213,7 +213,7 @@ def test_flat_bodies_share_the_load_evenly(bulk: str) -> None:
 #: Static, of a smooth ball on a smooth disc; patches yield in no way to their means.
 SMOOTH: dict[str, Any] = {
     "contact.law": "half-space",
-    "macro.bulk": "none",
+    "patches.bulk": "none",
     "disc.synthetic.kind": "flat",
     "sliding.distance": "0 mm",
     "output.snapshots": ["0 mm"],
@@ -228,7 +228,7 @@ def test_patches_that_do_not_resist_fill_in_the_order_of_their_gaps() -> None:
             "sphere.radius": "30 mm",
             "grid.cell": "5 um",
             "grid.extent": "50 um",
-            "macro.cell": "10 um",
+            "patches.macro_cell": "10 um",
             "contact.load": "0.1 N",
             "checks.strict": False,  # the contact is as wide as the domain
         }
@@ -251,8 +251,8 @@ def test_a_load_near_what_the_sphere_can_carry_asks_for_more_patches() -> None:
             "contact.load": "11.8 N",  # of 12.57
             "grid.cell": "10 um",
             "grid.extent": "0.42 mm",
-            "macro.cell": "70 um",
-            "macro.bulk": "foundation",
+            "patches.macro_cell": "70 um",
+            "patches.bulk": "spring",
             "checks.strict": False,  # the contact is as wide as the sphere
         }
     )
@@ -287,12 +287,12 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"macro.coupling": "load", "contact.hardness": "inf MPa"}, "needs a finite contact.hardness"),
-        ({"contact.boundary": "free"}, "contact.boundary = 'free' of patches needs macro.bulk = 'none'"),
+        ({"patches.coupling": "load", "contact.hardness": "inf MPa"}, "needs a finite contact.hardness"),
+        ({"contact.boundary": "free"}, "contact.boundary = 'free' of patches needs patches.bulk = 'none'"),
         ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
         ({"sliding.kinematics": "swept"}, "sliding.kinematics"),
         ({"sphere.material": None}, "needs Young's modulus and Poisson's ratio of both bodies"),
-        ({"macro.patch": "12 um"}, "macro.patch = 12 µm is not a whole number of cells"),
+        ({"patches.width": "12 um"}, "patches.width = 12 µm is not a whole number of cells"),
         ({"contact.hardness": "1 MPa"}, "more than the domain under the sphere carries"),
     ],
 )
@@ -320,7 +320,7 @@ def test_a_whole_run(tmp_path: Path, device: str) -> None:
         for index in range(2):
             snapshot = result.snapshot(index)
             row = int(np.searchsorted(result.history["distance"], snapshot.distance))
-            n = round(result.study.cells.nx / result.study.macro.cell * result.study.cells.cell)
+            n = round(result.study.cells.nx / result.study.patches.macro_cell * result.study.cells.cell)
             of_patches = snapshot.pressure.reshape(n, -1, n, 5).sum(axis=(1, 3)) * area
             assert_allclose(of_patches.ravel(), result.load_share[row], atol=1e-12)
             assert snapshot.wear_disc.sum() * area == pytest.approx(
@@ -329,5 +329,5 @@ def test_a_whole_run(tmp_path: Path, device: str) -> None:
         figure, _ = drawn(result, "load_share")
         for axes in figure.axes:
             shown = np.ma.filled(axes.images[0].get_array(), np.nan)
-            assert np.nansum(shown) * result.study.macro.cell**2 == pytest.approx(8.0, rel=1e-9)
+            assert np.nansum(shown) * result.study.patches.macro_cell**2 == pytest.approx(8.0, rel=1e-9)
         assert drawn(result, "patch_zoom")[0].axes

@@ -129,7 +129,7 @@ def test_bodies_without_compliance_wear_as_on_the_capped_foundation() -> None:
     heights = np.random.default_rng(1).normal(0.0, 1e-3, grid.shape)
     with Executor(grid) as executor:
         one = HalfSpaceModel(stiff, heights.copy(), executor)
-        other = OneScaleModel(stiff.replace({"contact.law": "foundation"}), heights.copy(), executor)
+        other = OneScaleModel(stiff.replace({"contact.law": "local"}), heights.copy(), executor)
         for increment in (0.03, 0.3, 3.0):
             step, expected = one.advance(increment), other.advance(increment)
             for name in (
@@ -206,8 +206,8 @@ def test_what_does_not_fit_is_refused_in_one_sentence(changes: dict[str, Any], w
 def test_keys_of_the_other_law_are_told() -> None:
     told = study(contact__stiffness="1e6 N/mm^3").notices()
     assert any("contact.stiffness does not apply to contact.law = 'half-space'" in note for note in told)
-    told = study(contact__law="foundation", contact__boundary="free").notices()
-    assert any("contact.boundary does not apply to contact.law = 'foundation'" in note for note in told)
+    told = study(contact__law="local", contact__boundary="free").notices()
+    assert any("contact.boundary does not apply to contact.law = 'local'" in note for note in told)
     again = Study(**tomllib.loads(study().to_toml()))
     assert again.boundary == "free"
     # Shown as assumed, and still open: a flat in the sphere's place gets its own.
@@ -216,5 +216,5 @@ def test_keys_of_the_other_law_are_told() -> None:
         assert re.search(rf'^boundary = "{boundary}" +# ASSUMED: ', shown, re.MULTILINE)
     given = study(contact__boundary="free")
     assert re.search(r'^boundary = "free"$', to_marked_toml(given), re.MULTILINE)
-    assert "boundary" not in to_marked_toml(study(contact__law="foundation"))
+    assert "boundary" not in to_marked_toml(study(contact__law="local"))
     assert math.isinf(again.law().stiffness)

@@ -152,7 +152,7 @@ def test_stiff_bodies_wear_as_by_the_local_law(changes: dict[str, Any]) -> None:
     moves = [(0, 0.02), (1, 0.02), (2, 0.02), (1, 0.02), (8, 0.01)]
     with Executor(GRID) as executor:
         elastic = contact_of(study, disc, executor, periodic=True)
-        local_law = study.replace({"contact.law": "foundation"})
+        local_law = study.replace({"contact.law": "local"})
         local = SlidingContact(local_law, disc.copy(), executor, periodic=True)
         for move in moves:
             found, expected = elastic.step(*move, with_pressure=True), local.step(*move, with_pressure=True)
@@ -275,7 +275,7 @@ def test_a_run_on_every_kind_of_track(track: str, device: str) -> None:
     changes = {"sliding.distance": "2.17 mm", "contact.law": "half-space", "sliding.plastic": "keep"}
     study = small(track).replace(changes)
     result = warpwear.run(study, device=device)
-    local = warpwear.run(study.replace({"contact.law": "foundation"}), device="cpu").history
+    local = warpwear.run(study.replace({"contact.law": "local"}), device="cpu").history
     history, last = result.history, result.snapshot(-1)
     area = TRACK_CELL**2
     assert history["wear_volume_sphere"][-1] == pytest.approx(9.4e-7 * 8.0 * 2.17, rel=1e-9)

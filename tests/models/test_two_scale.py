@@ -29,16 +29,16 @@ from warpwear.study.text import to_marked_toml
 QUICK = {
     "grid.cell": "10 um",
     "disc.synthetic.cut_off": "20 um",  # what such cells resolve
-    "macro.cell": "50 um",
-    "macro.patch": "50 um",
+    "patches.macro_cell": "50 um",
+    "patches.width": "50 um",
     "sliding.distance": "60 mm",
     "output.snapshots": ["0.3 mm", "3 mm"],
 }
 KINDS = {
-    "no bulk": {"macro.bulk": "none"},
+    "no bulk": {"patches.bulk": "none"},
     "bulk": {},
-    "bulk that follows": {"contact.foundation_update": "updated"},
-    "soft bulk": {"contact.foundation": "3e4 N/mm^3"},
+    "bulk that follows": {"contact.bulk_update": "updated"},
+    "soft bulk": {"contact.bulk_stiffness": "3e4 N/mm^3"},
     "elastic, explicit": {
         "contact.stiffness": "2e5 N/mm^3",
         "stepping.scheme": "explicit",
@@ -46,8 +46,8 @@ KINDS = {
         "stepping.largest": "0.3 mm",
         "sliding.distance": "3 mm",
     },
-    "load": {"macro.coupling": "load"},
-    "some of the area": {"grid.extent": "1.8 mm", "macro.cell": "300 um", "macro.patch": "100 um"},
+    "load": {"patches.coupling": "load"},
+    "some of the area": {"grid.extent": "1.8 mm", "patches.macro_cell": "300 um", "patches.width": "100 um"},
 }
 
 
@@ -92,7 +92,9 @@ def test_full_tiling_without_bulk_is_the_one_scale_run(
     macro: str, stiffness: str, hardness: str, distance: str, device: str
 ) -> None:
     """To 1e-12 in approach, pressures and wear, in every step of a worn run."""
-    study = quick(macro__cell=macro, macro__patch=None, macro__bulk="none", contact__stiffness=stiffness)
+    study = quick(
+        patches__macro_cell=macro, patches__width=None, patches__bulk="none", contact__stiffness=stiffness
+    )
     study = study.replace({"sliding.distance": distance, "contact.hardness": hardness})
     with (
         warpwear.run(study.replace({"study.model": "micro"}), device=device) as one,
@@ -227,8 +229,10 @@ def reference_step(
 @pytest.mark.parametrize("spring", [1.9e6, 3e3])
 def test_a_bulk_spring_in_series_against_bisection(spring: float) -> None:
     """Over a worn run: every patch's approach and load, δ and the gap, within what bisection resolves."""
-    study = quick(grid__cell="25 um", macro__cell="100 um", macro__patch="100 um", grid__extent="1 mm")
-    study = study.replace({"contact.foundation": f"{spring} N/mm^3"})
+    study = quick(
+        grid__cell="25 um", patches__macro_cell="100 um", patches__width="100 um", grid__extent="1 mm"
+    )
+    study = study.replace({"contact.bulk_stiffness": f"{spring} N/mm^3"})
     stepped = Stepped(study)
     gap = stepped.gap().reshape(stepped.patches.count, -1)
     wear = sum(study.wear_coefficients)
@@ -365,7 +369,7 @@ def test_a_smooth_contact_prescribes_the_loads() -> None:
     x, n = study.cells.x, stepped.patches.across
     r2 = x[:, None] ** 2 + x[None, :] ** 2
     gap = (r2 / (3.0 + np.sqrt(9.0 - r2))).reshape(n, -1, n, stepped.patches.side).mean(axis=(1, 3)).ravel()
-    wear, foundation, area = sum(study.wear_coefficients), study.foundation(), stepped.patches.area
+    wear, foundation, area = sum(study.wear_coefficients), study.bulk_stiffness(), stepped.patches.area
     for increment in (0.003, 0.01, 0.1, 1.0, 3.0, 3.0):
         stepped.model.advance(increment)
         c = 1.0 / foundation + wear * increment
@@ -393,7 +397,7 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
 
     monkeypatch.setattr("warpwear.models.patches.smooth.newton_in_bracket", just_converged)
     wear = 0.003 * sum(stepped.study.wear_coefficients)
-    target = smooth.press(foundation=stepped.study.foundation(), removal=wear)
+    target = smooth.press(foundation=stepped.study.bulk_stiffness(), removal=wear)
     assert area * target.sum() == pytest.approx(load, rel=1e-14)
 
     def response(base: FloatArray, offset: FloatArray) -> load_shares.Answer:
@@ -413,7 +417,9 @@ def test_patches_of_a_field_come_back() -> None:
     tiling = quick(grid__extent="1.8 mm").patch_layout
     assert_array_equal(tiling.on_domain(tiling.stored(field)), field)
     for rule in ("centre", "random"):
-        some = of_kind("some of the area").replace({"macro.placement": rule, "macro.seed": 3}).patch_layout
+        some = (
+            of_kind("some of the area").replace({"patches.placement": rule, "patches.seed": 3}).patch_layout
+        )
         back = some.on_domain(some.stored(field), beside=-1.0)
         covered = back != -1.0
         assert_array_equal(back[covered], field[covered])
@@ -481,13 +487,22 @@ def test_the_hdf5_file_has_the_patches(tmp_path: Path) -> None:
 
 
 BAD = [
-    ({"macro.cell": "55 um"}, r"macro\.cell = 55 µm is not a whole number of cells of 10 µm.*60 µm"),
-    ({"macro.patch": "33 um"}, r"macro\.patch = 33 µm is not a whole number of cells"),
-    ({"macro.patch": "70 um"}, r"macro\.patch = 70 µm is larger than macro\.cell = 50 µm: .*overlap"),
-    ({"macro.cell": "1.5 mm", "macro.patch": None}, r"macro\.cell = 1500 µm is larger than the contact"),
     (
-        {"macro.cell": "70 um", "macro.patch": None},
-        r"grid\.extent = 1\.5 mm is not a whole number of cells of macro\.cell = 70 µm; .* 1\.47 mm",
+        {"patches.macro_cell": "55 um"},
+        r"patches\.macro_cell = 55 µm is not a whole number of cells of 10 µm.*60 µm",
+    ),
+    ({"patches.width": "33 um"}, r"patches\.width = 33 µm is not a whole number of cells"),
+    (
+        {"patches.width": "70 um"},
+        r"patches\.width = 70 µm is larger than patches\.macro_cell = 50 µm: .*overlap",
+    ),
+    (
+        {"patches.macro_cell": "1.5 mm", "patches.width": None},
+        r"patches\.macro_cell = 1500 µm is larger than the contact",
+    ),
+    (
+        {"patches.macro_cell": "70 um", "patches.width": None},
+        r"grid\.extent = 1\.5 mm is not a whole number of cells of patches\.macro_cell = 70 µm; .* 1\.47 mm",
     ),
     ({"stepping.scheme": "explicit"}, r"'two-scale' needs patches that yield"),
     ({"sliding.distance": "0 mm"}, r"'two-scale' needs patches that yield"),
@@ -497,14 +512,14 @@ BAD = [
         r"wear\.law = 'running-in'",
     ),
     ({"wear.law": "bearing-curve"}, r"the two-scale model resolves"),
-    ({"contact.hardness": "inf MPa", "macro.coupling": "load"}, r"'load' needs a finite contact\.hardness"),
+    ({"contact.hardness": "inf MPa", "patches.coupling": "load"}, r"'load' needs a finite contact\.hardness"),
     (
-        {"macro.coupling": "load", "stepping.scheme": "explicit", "contact.stiffness": "1e4 N/mm^3"},
+        {"patches.coupling": "load", "stepping.scheme": "explicit", "contact.stiffness": "1e4 N/mm^3"},
         r"'load' needs stepping\.scheme = 'implicit'",
     ),
-    ({"disc.material": None}, r"contact\.foundation = 'area' needs Young's modulus"),
-    ({"macro.bulk": "perhaps"}, r"macro\.bulk = 'perhaps'"),
-    ({"macro.placement": "corner"}, r"macro\.placement = 'corner'"),
+    ({"disc.material": None}, r"contact\.bulk_stiffness = 'area' needs Young's modulus"),
+    ({"patches.bulk": "perhaps"}, r"patches\.bulk = 'perhaps'"),
+    ({"patches.placement": "corner"}, r"patches\.placement = 'corner'"),
 ]
 
 
@@ -516,33 +531,33 @@ def test_bad_input_is_one_sentence(changes: dict[str, Any], message: str) -> Non
 
 
 def test_a_patch_narrower_than_the_roughness_cannot_stand_for_more() -> None:
-    narrow = {"grid.extent": "1.8 mm", "macro.cell": "150 um", "macro.patch": "50 um"}
+    narrow = {"grid.extent": "1.8 mm", "patches.macro_cell": "150 um", "patches.width": "50 um"}
     with pytest.raises(
-        InputError, match=r"macro\.patch = 50 µm is narrower than the roll-off .*about 10\d\.\d"
+        InputError, match=r"patches\.width = 50 µm is narrower than the roll-off .*about 10\d\.\d"
     ):
         warpwear.run(quick().replace(narrow))
 
 
 def test_loads_that_are_prescribed_need_macro_cells_wholly_under_the_sphere() -> None:
-    study = quick(macro__coupling="load", sphere__radius="0.2 mm", contact__hardness="100 MPa")
+    study = quick(patches__coupling="load", sphere__radius="0.2 mm", contact__hardness="100 MPa")
     study = study.replace({"contact.load": "12 N"})  # all of the sphere would carry 12.6 N
     with pytest.raises(InputError, match=r"contact\.load = 12 N is more than the \d+ macro cells that lie"):
         warpwear.run(study)
 
 
 def test_patches_are_as_wide_as_the_macro_cell_that_is_set() -> None:
-    """Of the preset, where nobody has said how wide: a refusal would blame macro.patch, which was not set."""
-    changed = Study.load("two-scale").replace({"macro.cell": "30 um"})
-    assert changed.macro.patch_width == changed.macro.cell
+    """In the preset nobody says how wide: a refusal would blame patches.width, which was not set."""
+    changed = Study.load("two-scale").replace({"patches.macro_cell": "30 um"})
+    assert changed.patches.patch_width == changed.patches.macro_cell
     assert not changed.samples_area
-    assert 'patch = "30 um" ' in to_marked_toml(changed)
-    assert "patch" not in tomllib.loads(changed.to_toml())["macro"]
+    assert 'width = "30 um" ' in to_marked_toml(changed)
+    assert "width" not in tomllib.loads(changed.to_toml())["patches"]
 
 
 def test_a_macro_cell_wider_than_the_contact_shares_no_load() -> None:
-    wide = {"macro.cell": "0.75 mm", "macro.patch": None, "sliding.distance": "0.3 mm"}
+    wide = {"patches.macro_cell": "0.75 mm", "patches.width": None, "sliding.distance": "0.3 mm"}
     with pytest.raises(
-        InputError, match=r"macro\.cell = 750 µm is larger than the contact, .* 6\d\d µm wide"
+        InputError, match=r"patches\.macro_cell = 750 µm is larger than the contact, .* 6\d\d µm wide"
     ):
         warpwear.run(quick().replace(wide))
 
@@ -550,17 +565,20 @@ def test_a_macro_cell_wider_than_the_contact_shares_no_load() -> None:
 def test_a_contact_that_outgrows_the_macro_grid_stops_the_run() -> None:
     with pytest.raises(InputError, match=r"grid\.extent = 0\.5 mm is too small: the contact reached"):
         warpwear.run(quick(grid__extent="0.5 mm", sliding__distance="40 mm"))
-    some = {"grid.extent": "0.9 mm", "macro.cell": "300 um", "macro.patch": "100 um"}
+    some = {"grid.extent": "0.9 mm", "patches.macro_cell": "300 um", "patches.width": "100 um"}
     with pytest.raises(InputError, match=r"the contact reached the domain's edge"):
         warpwear.run(quick(sliding__distance="100 mm").replace(some))
 
 
 def test_a_history_of_patches_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two tables of steps × patches, and both again for a checkpoint; beside six fields of their cells."""
-    study = Study.load("two-scale").replace({"macro.cell": "2 um"})
+    study = Study.load("two-scale").replace({"patches.macro_cell": "2 um"})
     cells = study.patch_layout.grid.cells
     tables, fields = 4 * 8 * 1099 * 750**2, 6 * 8 * cells
-    refused = r"macro\.cell = 2 µm makes 562500 patches, .* 1099 steps take 18\.4 GiB .* a larger macro\.cell"
+    refused = (
+        r"patches\.macro_cell = 2 µm makes 562500 patches, .* 1099 steps take 18\.4 GiB .* a larger "
+        r"patches\.macro_cell"
+    )
     monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": tables + fields - 1})
     with pytest.raises(InputError, match=refused):
         warpwear.run(study)
@@ -572,7 +590,7 @@ def test_a_history_of_patches_that_memory_does_not_hold(monkeypatch: pytest.Monk
 def test_keys_without_a_use_are_told() -> None:
     assert quick().notices() == []
     micro = quick(study__model="micro")
-    assert any("macro.cell" in notice and "no patches" in notice for notice in micro.notices())
-    load = quick(macro__coupling="load", macro__bulk="none")
-    assert any(notice.startswith("macro.bulk does not apply") for notice in load.notices())
-    assert "macro" not in tomllib.loads(micro.to_toml())
+    assert any("patches.macro_cell" in notice and "no patches" in notice for notice in micro.notices())
+    load = quick(patches__coupling="load", patches__bulk="none")
+    assert any(notice.startswith("patches.bulk does not apply") for notice in load.notices())
+    assert "patches" not in tomllib.loads(micro.to_toml())

@@ -143,7 +143,7 @@ def test_a_broken_state_stops_the_run_with_what_came_before(
         with pytest.raises((InvariantError, ConvergenceError), match=message) as stopped:
             warpwear.run(small(), out=out, plots=False, device=device)
     check_sentence(stopped.value)
-    assert "out keeps the run so far" in str(stopped.value)
+    assert f". The run folder {out} holds the steps so far." in str(stopped.value)
     with Result.open(out) as result:
         assert not result.finished
         assert 9 <= result.history["distance"].size <= 15
@@ -211,12 +211,17 @@ def test_a_contact_at_the_edge_leaves_the_run_so_far(
     assert told.startswith(
         "warpwear: grid.extent = 0.44 mm is too small: the contact reached the domain's edge"
     )
-    assert told.endswith("keeps the run so far, and --resume with checks.strict = false goes on.")
+    assert told.endswith(
+        "a larger extent is needed. The run folder out holds the steps so far. "
+        "To continue anyway: --resume --set checks.strict=false."
+    )
     with Result.open("out") as result:
         steps = result.history["distance"].size
         assert not result.finished
         first = result.record["warnings"][-1]
-    with pytest.raises(InputError, match=r"made after a check failed \(edge\); --resume with checks"):
+    with pytest.raises(
+        InputError, match=r"after a check failed \(edge\)\. To continue anyway: --resume --set"
+    ):
         warpwear.run("mine.toml", out="out", resume=True)
     with pytest.raises(SystemExit) as done:
         cli.main([*command, "--resume", "--set", "checks.strict=false"])
@@ -237,8 +242,11 @@ def test_in_memory_nothing_can_be_kept() -> None:
 @pytest.mark.parametrize(
     ("changes", "helps"),
     [
-        ({}, r" \(stepping\.first, stepping\.largest\)"),
-        ({"stepping": {"increment": "0.02 mm"}}, r" \(stepping\.increment\)"),
+        (
+            {"stepping": {"first": "3 um", "largest": "40 um"}},
+            r"--set stepping\.first='0\.0015 mm' --set stepping\.largest='0\.02 mm'",
+        ),
+        ({"stepping": {"increment": "0.02 mm"}}, r"--set stepping\.increment='0\.01 mm'"),
     ],
     ids=["growing", "fixed"],
 )
@@ -255,7 +263,8 @@ def test_an_unbalanced_step_leaves_the_run_so_far(
         return advance(self, *args, **kwargs)
 
     monkeypatch.setattr(OneScaleModel, "advance", failing)
-    told = rf"8 N are left; out keeps the run so far, and a new run with smaller increments{helps} may get"
+    kept = rf"The run folder {re.escape(str(tmp_path / 'out'))} holds the steps so far\."
+    told = rf"8 N are left\. {kept} A new run may get further with smaller increments: {helps}\.$"
     with pytest.raises(ConvergenceError, match=told):
         warpwear.run(small().replace(changes), out=tmp_path / "out", plots=False)
     with Result.open(tmp_path / "out") as result:
@@ -276,7 +285,8 @@ def test_an_unbalanced_step_on_a_track_leaves_the_run_so_far(
         return step(self, *args, **kwargs)
 
     monkeypatch.setattr(SlidingContact, "step", failing)
-    with pytest.raises(ConvergenceError, match=r"8 N are left; out keeps the run so far\.$"):
+    kept = rf"8 N are left\. The run folder {re.escape(str(tmp_path / 'out'))} holds the steps so far\.$"
+    with pytest.raises(ConvergenceError, match=kept):
         warpwear.run(small_track("representative"), out=tmp_path / "out", plots=False)
     with Result.open(tmp_path / "out") as result:
         assert result.history["distance"].size == 10
@@ -291,7 +301,10 @@ def test_without_a_checkpoint_a_stopped_run_begins_again(
     with pytest.raises(SystemExit):
         cli.main(["run", str(tmp_path / "mine.toml"), "--out", str(tmp_path / "out"), "--no-plots"])
     told = capsys.readouterr().err
-    assert told.endswith("out keeps the run so far, and --resume with checks.strict = false begins again.\n")
+    assert told.endswith(
+        f". The run folder {tmp_path / 'out'} holds the steps so far. "
+        "To begin again and go on anyway: --resume --set checks.strict=false.\n"
+    )
     assert told.count("of Archard's law") == 1
     with Result.open(tmp_path / "out") as result:
         assert "of Archard's law" in result.record["warnings"][-1]
@@ -312,7 +325,12 @@ def test_a_load_that_patches_do_not_carry_stops_the_run(monkeypatch: pytest.Monk
 
 def test_the_wear_of_a_much_harder_body_is_no_difference_of_large_numbers() -> None:
     study = Study.load("two-scale").replace(
-        {"grid.cell": "20 um", "macro.cell": "100 um", "macro.patch": None, "sliding.distance": "1 mm"}
+        {
+            "grid.cell": "20 um",
+            "patches.macro_cell": "100 um",
+            "patches.width": None,
+            "sliding.distance": "1 mm",
+        }
         | {"wear.sphere": "1e-3 mm^3/N/m", "wear.disc": "1e-11 mm^3/N/m"}
     )
     with warpwear.run(study) as result:
@@ -321,7 +339,7 @@ def test_the_wear_of_a_much_harder_body_is_no_difference_of_large_numbers() -> N
         np.testing.assert_allclose(last.wear_disc, 1e-8 * last.wear_sphere, rtol=1e-12)
 
 
-@pytest.mark.parametrize("law", ["foundation", "half-space"])
+@pytest.mark.parametrize("law", ["local", "half-space"])
 @pytest.mark.parametrize("least", ["sphere", "disc"])
 def test_a_body_that_hardly_wears_has_its_own_digits(law: str, least: str) -> None:
     """Its wear is no difference of two that are nearly equal."""

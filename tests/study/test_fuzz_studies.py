@@ -163,7 +163,7 @@ TO_SCALE = {
     "contact.load": "N",
     "contact.hardness": "MPa",
     "contact.stiffness": "N/mm^3",
-    "contact.foundation": "N/mm^3",
+    "contact.bulk_stiffness": "N/mm^3",
     "wear.sphere": "mm^3/N/m",
     "wear.disc": "mm^3/N/m",
     "sliding.distance": "mm",
@@ -179,9 +179,9 @@ CHOICES = {
     "wear.distance_factor": ["none", "across", "radial"],
     "checks.strict": [True, False],
     "friction.area": ["contact", "cumulative", "nominal"],
-    "macro.cell": ["50 um", "100 um", "200 um"],
-    "macro.placement": ["random"],
-    "macro.coupling": ["approach", "load"],
+    "patches.macro_cell": ["50 um", "100 um", "200 um"],
+    "patches.placement": ["random"],
+    "patches.coupling": ["approach", "load"],
 }
 
 

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from warpwear import InputError, Study
+from warpwear.study.keys import declarations
 from warpwear.study.loading import presets
 from warpwear.study.text import assumptions, to_marked_toml
 
@@ -36,7 +38,7 @@ BAD = [
     ),
     ({"contact.hardness": "nan MPa"}, r"contact\.hardness = 'nan MPa'"),
     ({"contact.hardness": "inf MPa", "stepping.scheme": "explicit"}, r"contact\.hardness = inf MPa needs"),
-    ({"contact.law": "half"}, r"contact\.law = 'half' is not allowed; allowed: 'foundation'"),
+    ({"contact.law": "half"}, r"contact\.law = 'half' is not allowed; allowed: 'local' or 'half-space'"),
     ({"grid.cell": "0 um"}, r"grid\.cell = '0 um': must be greater than 0 mm"),
     ({"grid.cell": "7 um"}, r"grid\.extent = 1\.5 mm is not a whole number .*cells of 7 µm.*1\.498 mm"),
     ({"sphere.radius": "3 mm", "sphere.diameter": "6 mm"}, r"sphere\.radius or sphere\.diameter"),
@@ -56,21 +58,21 @@ BAD = [
     ({"contact.load": {"a": 1}}, r"contact\.load = \{'a': 1\}: needs its unit"),
     ({"wear.sphere": 1e-4, "contact.hardness": "inf MPa"}, r"wear\.sphere = 0\.0001 is k of .*finite"),
     ({"disc.material": "kryptonite"}, r"disc\.material = 'kryptonite'"),
-    ({"study.model": "two-scale", "macro.seed": -1}, r"macro\.seed = -1: "),
-    ({"study.model": "macro", "sphere.radius": "inf mm"}, r"contact\.foundation = 'area' needs a sphere"),
+    ({"study.model": "two-scale", "patches.seed": -1}, r"patches\.seed = -1: "),
+    ({"study.model": "macro", "sphere.radius": "inf mm"}, r"contact\.bulk_stiffness = 'area' needs a sphere"),
     (
         {"study.model": "macro", "disc.material": None},
-        r"contact\.foundation = 'area' needs Young's modulus .*",
+        r"contact\.bulk_stiffness = 'area' needs Young's modulus .*",
     ),
     (
         {
             "study.model": "macro",
-            "contact.foundation": "1e6 N/mm^3",
-            "contact.foundation_update": "updated",
+            "contact.bulk_stiffness": "1e6 N/mm^3",
+            "contact.bulk_update": "updated",
         },
-        r"foundation_update = 'updated' needs contact\.foundation = area, pressure, approach",
+        r"bulk_update = 'updated' needs contact\.bulk_stiffness = area, pressure, approach",
     ),
-    ({"contact.foundation": "volume"}, r"contact\.foundation = 'volume'"),
+    ({"contact.bulk_stiffness": "volume"}, r"contact\.bulk_stiffness = 'volume'"),
     ({"wear.law": "exponential"}, r"wear\.law = 'exponential' needs wear\.decay"),
     ({"wear.law": "running-in", "wear.running_in": "1 mm"}, r"needs wear\.initial_sphere or"),
     ({"wear.decay": "3 mm"}, r"wear\.decay = '3 mm': has the wrong dimension: an inverse length"),
@@ -191,6 +193,9 @@ def test_replacing_one_way_of_saying_drops_the_other() -> None:
     assert fine.replace({"stepping.increment": "0.3 mm"}).stepping.plan == (0.3, 1.0, 0.3)
     assert fine.replace(sliding={"passes": 2}).sliding.total == 60.0
     assert fine.replace({"disc.surface": "a.sur"}).disc.synthetic is None
+    lower = fine.replace({"disc.synthetic.sq": "1 um"}).disc.synthetic
+    assert lower is not None
+    assert (lower.ra, lower.sq) == (None, pytest.approx(1e-3))
     assert fine.sphere.radius == 3.0  # the original is untouched
 
 
@@ -200,6 +205,15 @@ def test_keys_that_do_not_apply_are_noticed() -> None:
     assert "feed" not in flat.to_toml()
     short = Study.load("v3").replace({"sliding.distance": "30 mm"})
     assert short.notices() == ["output.snapshots that no step ends at: 240, 600, 1200, 2400 mm."]
+
+
+def test_every_rule_asks_for_what_a_study_has() -> None:
+    """A rule whose key or property is misspelt would never let its key be used."""
+    study = Study.load("v3")
+    for key, declared in declarations(Study).items():
+        for rule in declared.applies:
+            attrgetter(rule.name)(study)
+            assert rule.otherwise.startswith("does not apply"), key
 
 
 def test_a_rough_study_becomes_a_smooth_one() -> None:
@@ -248,7 +262,7 @@ def test_the_macro_model_has_a_cell_of_its_own_and_no_cap() -> None:
 )
 def test_foundations_match_one_of_hertz_values(match: str, constant: float) -> None:
     """π K_N R δ² = F: the area 2πRδ, the peak K_N δ or the approach δ itself is Hertz's."""
-    study = Study.load("v1").replace({"contact.foundation": match, "stepping.scheme": "implicit"})
+    study = Study.load("v1").replace({"contact.bulk_stiffness": match, "stepping.scheme": "implicit"})
     assert study.hertz is not None
     stiffness = study.law().stiffness
     assert stiffness == pytest.approx(constant * study.hertz.modulus / study.hertz.radius, rel=1e-12)
@@ -367,9 +381,9 @@ def test_a_description_tells_what_was_changed(tmp_path: Path) -> None:
 
 
 def test_patches_on_a_part_of_the_area_know_the_scar_to_a_macro_cell() -> None:
-    some = {"grid.extent": "2.1 mm", "macro.cell": "300 um", "macro.patch": "100 um"}
+    some = {"grid.extent": "2.1 mm", "patches.macro_cell": "300 um", "patches.width": "100 um"}
     study = Study.load("two-scale").replace(some)
     assert study.notices()[-1].endswith("off by up to a macro cell on each side.")
-    told = study.replace({"friction.area": "nominal", "contact.foundation_update": "updated"}).notices()[-1]
-    assert told.endswith("and friction.area = 'nominal' and contact.foundation_update = 'updated' with them.")
+    told = study.replace({"friction.area": "nominal", "contact.bulk_update": "updated"}).notices()[-1]
+    assert told.endswith("and friction.area = 'nominal' and contact.bulk_update = 'updated' with them.")
     assert Study.load("two-scale").notices() == []

@@ -85,10 +85,10 @@ def test_v2_wears_the_disc_less_and_presses_its_sides_more(device: str) -> None:
 
 def test_unstable_steps_are_refused_and_if_forced_keep_all_volumes(device: str) -> None:
     """C_W = 16/(3π) at 0.3 mm: volumes and depths are perfect, the area is chaos."""
-    unstable = {"contact.foundation": "area"}
+    unstable = {"contact.bulk_stiffness": "area"}
     with pytest.raises(InputError, match=r"beyond the explicit stability limit 2/\(k K\) = 0\.274 mm.*force"):
         Study.load("v1").replace(unstable)
-    forced = smooth_model(device, "v1", ("contact.foundation", "area"), ("stepping.force", True)).history
+    forced = smooth_model(device, "v1", ("contact.bulk_stiffness", "area"), ("stepping.force", True)).history
     stable = smooth_model(device).history
     for name in ("wear_volume_sphere", "wear_volume_disc", "wear_depth_disc", "patch_along"):
         assert_allclose(forced[name][-1], stable[name][-1], rtol=1e-3)
@@ -101,7 +101,7 @@ def test_unstable_steps_are_refused_and_if_forced_keep_all_volumes(device: str) 
 def test_a_foundation_that_follows_the_patch(device: str) -> None:
     """K_N = C_W E*/a of the area in contact: starts as Hertz's, ends as that of the final patch."""
     study = Study.load("v1").replace(
-        {"contact.foundation_update": "updated", "stepping.scheme": "implicit", "stepping.increment": "3 mm"}
+        {"contact.bulk_update": "updated", "stepping.scheme": "implicit", "stepping.increment": "3 mm"}
     )
     result = run(study, device=device, plots=False)
     assert study.hertz is not None

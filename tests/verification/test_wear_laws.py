@@ -60,7 +60,7 @@ def flat_on_flat(**changes: str) -> Study:
     return smooth(
         study__model="macro",
         sphere__radius="inf mm",
-        contact__foundation="1e6 N/mm^3",
+        contact__bulk_stiffness="1e6 N/mm^3",
         grid__extent="1 mm",
         grid__cell="100 um",
         wear__law="bearing-curve",

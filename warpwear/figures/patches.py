@@ -48,7 +48,7 @@ def load_share(data: FigureData) -> Figure:
             if line == 1:
                 apart = load_share_error(found[name][column], found["patches"][column])
                 title = f"{100.0 * apart:.2g} % of the load\non other patches"
-                if data.study.macro.coupling == "load":
+                if data.study.patches.coupling == "load":
                     title = "as prescribed"
             panel.set_title(title)
             below = line == len(found) - 1 or columns == 1
@@ -151,14 +151,14 @@ def smooth_shares(result: ResultFile, rows: Sequence[int]) -> FloatArray | None:
     K_N: its elastic constants are not known.
     """
     study = result.study
-    if isinstance(study.contact.foundation, str) and study.hertz is None:
+    if isinstance(study.contact.bulk_stiffness, str) and study.hertz is None:
         return None
     smooth = SmoothContact(study, study.patch_layout)
     found: dict[int, FloatArray] = {}
     slid = 0.0
     for row, increment in enumerate(result.history["increment"][: max(rows) + 1]):
         removal = sum(law.removal(slid, float(increment)) for law in study.wear_laws)
-        pressure = smooth.press(foundation=study.foundation(), removal=removal)
+        pressure = smooth.press(foundation=study.bulk_stiffness(), removal=removal)
         slid += float(increment)
         if row in rows:
             found[row] = smooth.area * pressure

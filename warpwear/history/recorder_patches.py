@@ -60,10 +60,10 @@ class PatchLedger:
     @property
     def foundation(self) -> float:
         """K_N of the next step [N/mm³], which may follow the scar; inf where it plays no part."""
-        if not self._study.uses_foundation:
+        if not self._study.uses_bulk_stiffness:
             return math.inf
         nominal = self.row.get("area_nominal", 0.0)
-        return self._study.foundation(radius=math.sqrt(nominal / math.pi) or None)
+        return self._study.bulk_stiffness(radius=math.sqrt(nominal / math.pi) or None)
 
     def enter(
         self,

@@ -1,7 +1,6 @@
 """The HDF5 file of a run, read by `ResultFile`."""
 
 import json
-import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property
@@ -126,7 +125,7 @@ class ResultFile:
     def study(self) -> Study:
         """The study that was run."""
         with _damage_told(self._file):
-            return Study(**tomllib.loads(self._file.attrs["study"]))
+            return Study.stored(self._file.attrs["study"])
 
     @property
     def attributes(self) -> dict[str, Any]:

@@ -72,7 +72,7 @@ def summarise(result: "ResultFile") -> dict[str, Any]:
         ),
         "hertz": _elastic(study),
         "foundation_N_per_mm3": _finite(
-            study.foundation() if study.uses_foundation else study.law().stiffness
+            study.bulk_stiffness() if study.uses_bulk_stiffness else study.law().stiffness
         ),
         "half_space": _half_space(result),
         "patches": _patches(result),
@@ -193,11 +193,11 @@ def _patches(result: "ResultFile") -> dict[str, Any] | None:
     evaluations = result.history["evaluations"]
     return {
         "number": int(result.load_share.shape[1]),
-        "width_um": 1.0e3 * study.macro.patch_width,
-        "macro_cell_um": 1.0e3 * study.macro.cell,
-        "cover": (study.macro.patch_width / study.macro.cell) ** 2,
-        "coupling": study.macro.coupling,
-        "bulk": study.macro.bulk if study.macro.coupling == "approach" else "foundation",
+        "width_um": 1.0e3 * study.patches.patch_width,
+        "macro_cell_um": 1.0e3 * study.patches.macro_cell,
+        "cover": (study.patches.patch_width / study.patches.macro_cell) ** 2,
+        "coupling": study.patches.coupling,
+        "bulk": study.patches.bulk if study.patches.coupling == "approach" else "spring",
         "carrying_at_the_end": int(np.count_nonzero(result.load_share[-1])),
         "evaluations": {"median": float(np.median(evaluations)), "most": float(evaluations.max())},
     }

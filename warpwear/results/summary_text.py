@@ -56,7 +56,7 @@ def _models(s: dict[str, Any]) -> list[Row]:
     patches = s["patches"]
     if patches:
         rows += _patches(patches, of_half_space=half_space is not None)
-    if s["model"] == "macro" or (patches and patches["bulk"] == "foundation"):
+    if s["model"] == "macro" or (patches and patches["bulk"] == "spring"):
         rows.append(
             Row("foundation", "foundation_N_per_mm3", s["foundation_N_per_mm3"], note="to begin with")
         )
@@ -69,7 +69,7 @@ def _patches(patches: dict[str, Any], *, of_half_space: bool) -> list[Row]:
     """Declare the patches of a two-scale run."""
     p = patches
     covered = "all" if p["cover"] == 1.0 else f"{100.0 * p['cover']:.3g} %"
-    spring = "a bulk spring each" if p["bulk"] == "foundation" else "no bulk spring"
+    spring = "a bulk spring each" if p["bulk"] == "spring" else "no bulk spring"
     shared = f"one approach, {spring}" if p["coupling"] == "approach" else "loads as a smooth contact says"
     iterations = "" if of_half_space else f"; {p['evaluations']['median']:g} iterations in the median"
     cells = f"in macro cells of {p['macro_cell_um']:g} µm ({covered} of the area)"

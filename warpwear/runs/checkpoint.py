@@ -133,7 +133,7 @@ class Found:
 
     def refuse_changes(self, study: Study, *, device: str) -> None:
         """Raises InputError for a run that would not go on where this one stopped."""
-        changed = changed_keys(Study(**tomllib.loads(self._about["study"])), study)
+        changed = changed_keys(Study.stored(self._about["study"]), study)
         if changed:
             raise InputError(
                 f"{self._path} is of another study ({', '.join(changed)}); --resume needs the study as it "
@@ -141,8 +141,8 @@ class Found:
             )
         if study.checks.strict and self._about["told"]:
             raise InputError(
-                f"{self._path} was made after a check failed ({', '.join(self._about['told'])}); "
-                "--resume with checks.strict = false goes on, --overwrite starts anew."
+                f"{self._path} was made after a check failed ({', '.join(self._about['told'])}). "
+                "To continue anyway: --resume --set checks.strict=false; to start anew: --overwrite."
             )
         if self._about["device"].split(":")[0] != device.split(":")[0]:
             raise InputError(

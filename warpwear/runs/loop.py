@@ -202,16 +202,17 @@ class StepLoop:
         LOG.warning(str(error))  # the screen gets it when the run is closed
         if isinstance(error, ConvergenceError):
             self.warnings.append(str(error))
-        kept = "out keeps the run so far"
+        assert self._checkpoints is not None  # or there is nothing to keep the run in
+        kept = f"The run folder {self._checkpoints.path.parent} holds the steps so far."
+        plan = self.study.stepping
         if isinstance(error, InvariantError):
-            has_checkpoint = self._checkpoints is not None and self._checkpoints.path.exists()
-            what = "goes on" if has_checkpoint else "begins again"
-            kept += f", and --resume with checks.strict = false {what}"
+            to_do = "continue anyway" if self._checkpoints.path.exists() else "begin again and go on anyway"
+            kept += f" To {to_do}: --resume --set checks.strict=false."
         elif not self.study.is_swept and self.study.sliding.total:  # the same step would end the same way
-            fixed = self.study.stepping.increment is not None
-            keys = "stepping.increment" if fixed else "stepping.first, stepping.largest"
-            kept += f", and a new run with smaller increments ({keys}) may get further"
-        self.failed = type(error)(f"{str(error).removesuffix('.')}; {kept}.")
+            names = ("first", "largest") if plan.increment is None else ("increment",)
+            halves = (f"--set stepping.{name}='{getattr(plan, name) / 2.0:g} mm'" for name in names)
+            kept += f" A new run may get further with smaller increments: {' '.join(halves)}."
+        self.failed = type(error)(f"{str(error).removesuffix('.')}. {kept}")
 
     def _check_results(self, history: dict[str, FloatArray]) -> None:
         highest = history["cof"].max()

@@ -171,10 +171,10 @@ def _check_memory_of_book(study: Study, patches: Patches, device: str) -> None:
     free = free_memory(device)["the host"]
     if fields <= free < fields + tables:  # fields that are too many are told by their cells
         raise InputError(
-            f"macro.cell = {1e3 * study.macro.cell:g} µm makes {patches.count} patches, whose loads and "
-            f"areas over {steps} steps take {tables / 2**30:.1f} GiB of memory beside "
+            f"patches.macro_cell = {1e3 * study.patches.macro_cell:g} µm makes {patches.count} patches, "
+            f"whose loads and areas over {steps} steps take {tables / 2**30:.1f} GiB of memory beside "
             f"{fields / 2**30:.1f} GiB of fields; the host has {free / 2**30:.1f} GiB free, so a larger "
-            "macro.cell is needed."
+            "patches.macro_cell is needed."
         )
 
 

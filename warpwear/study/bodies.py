@@ -1,5 +1,6 @@
 """[sphere] and [disc]: the bodies, what they are made of, and the disc's surface."""
 
+from functools import partial
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -15,8 +16,17 @@ from warpwear.study.keys import (
     Pressure,
     Section,
     key,
+    when,
 )
 from warpwear.study.materials import material
+from warpwear.study.units import is_pair, is_quantity, one_by_one
+
+ROUGH = when("is_rough", otherwise="does not apply to the macro model, which has a smooth disc")
+FROM_A_FILE = when("disc.synthetic", None, otherwise="does not apply to a synthetic surface")
+RANDOM = when("disc.synthetic.kind", "self-affine", "milled", otherwise="does not apply to kind = '{}'")
+MILLED = when("disc.synthetic.kind", "milled", otherwise="does not apply to kind = '{}'")
+random_key, milled_key = partial(key, applies=RANDOM), partial(key, applies=MILLED)
+file_key = partial(key, applies=(ROUGH, FROM_A_FILE))
 
 
 class Body(Section):
@@ -37,8 +47,8 @@ class Body(Section):
 class Sphere(Body):
     """[sphere]"""
 
-    radius: LengthOrInfinite | None = key(None, "radius; 'inf mm' is a rigid flat")
-    diameter: Length | None = key(None, "diameter, instead of the radius")
+    radius: LengthOrInfinite | None = key(None, "radius; 'inf mm' is a rigid flat", one_of="size")
+    diameter: Length | None = key(None, "diameter, instead of the radius", one_of="size")
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:
@@ -59,16 +69,22 @@ class Synthetic(Section):
     """[disc.synthetic]"""
 
     kind: Literal["self-affine", "milled", "flat"] = key(..., "which surface")
-    ra: Length | None = key(None, "arithmetic mean height Ra")
-    sq: Length | None = key(None, "root mean square height Sq, instead of Ra")
-    hurst: HurstExponent = key(0.8, "Hurst exponent", assumed="typical of machined steel")
-    roll_off: Length = key("100 um", "wavelength above which the spectrum is flat", assumed="not measured")
-    cut_off: Length = key("8 um", "shortest wavelength (λs)", assumed="profile filter λs of ISO 3274")
-    seed: int = key(0, "seed of the random numbers", assumed="one surface of many")
-    period: Length = key("2 mm", "length after which the surface repeats", assumed="wider than the contact")
-    feed: Length = key("0.65 mm", "milled: distance of the feed marks")
-    fine_ra: LengthOrZero = key("0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra")
-    lay: Angle = key(
+    ra: Length | None = random_key(None, "arithmetic mean height Ra", one_of="height")
+    sq: Length | None = random_key(None, "root mean square height Sq, instead of Ra", one_of="height")
+    hurst: HurstExponent = random_key(0.8, "Hurst exponent", assumed="typical of machined steel")
+    roll_off: Length = random_key(
+        "100 um", "wavelength above which the spectrum is flat", assumed="not measured"
+    )
+    cut_off: Length = random_key("8 um", "shortest wavelength (λs)", assumed="profile filter λs of ISO 3274")
+    seed: int = random_key(0, "seed of the random numbers", assumed="one surface of many")
+    period: Length = random_key(
+        "2 mm", "length after which the surface repeats", assumed="wider than the contact"
+    )
+    feed: Length = milled_key("0.65 mm", "milled: distance of the feed marks")
+    fine_ra: LengthOrZero = milled_key(
+        "0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra"
+    )
+    lay: Angle = milled_key(
         "90 deg", "milled: angle between feed marks and sliding", assumed="sliding across the marks"
     )
 
@@ -82,7 +98,8 @@ class Synthetic(Section):
 
 
 def _pixel(value: Any) -> Any:
-    return (value, value) if isinstance(value, str) else value
+    value = one_by_one(value)
+    return (value, value) if isinstance(value, str) or is_quantity(value) or is_pair(value) else value
 
 
 def _crop(value: Any) -> Any:
@@ -95,31 +112,37 @@ def _crop(value: Any) -> Any:
 class Disc(Body):
     """[disc]"""
 
-    surface: str | None = key(None, "file of a measured surface, relative to the study")
-    synthetic: Synthetic | None = key(None, "a synthetic surface instead")
-    extend: Literal["refuse", "mirror", "periodic"] = key(
+    surface: str | None = key(
+        None, "file of a measured surface, relative to the study", applies=ROUGH, one_of="surface"
+    )
+    synthetic: Synthetic | None = key(None, "a synthetic surface instead", applies=ROUGH, one_of="surface")
+    extend: Literal["refuse", "mirror", "periodic"] = file_key(
         "refuse", "when the file is smaller than the domain"
     )
-    height_sign: Literal["up", "down"] = key("up", "down turns the file's heights over: it gives depths")
-    crop: Annotated[tuple[LengthOrZero, ...], BeforeValidator(_crop)] | None = key(
+    height_sign: Literal["up", "down"] = file_key("up", "down turns the file's heights over: it gives depths")
+    crop: Annotated[tuple[LengthOrZero, ...], BeforeValidator(_crop)] | None = file_key(
         None, "part of the file used: x0, x1, y0, y1 from its corner, or a size around its middle"
     )
-    sliding_axis: Literal["x", "y"] = key("x", "axis of the file along which the sphere slides")
-    outliers: Deviations | None = key(
+    sliding_axis: Literal["x", "y"] = file_key("x", "axis of the file along which the sphere slides")
+    outliers: Deviations | None = file_key(
         None, "points farther than so many robust standard deviations from the local median are removed"
     )
-    level: Literal["none", "plane", "sphere"] | Annotated[int, Field(ge=0, le=12)] = key(
+    level: Literal["none", "plane", "sphere"] | Annotated[int, Field(ge=0, le=12)] = file_key(
         "plane", "form removed from the measurement: none, plane, sphere or degree of a polynomial"
     )
-    s_filter: Length | None = key(None, "waves shorter than this are filtered out (Gaussian, ISO 16610-61)")
-    l_filter: Length | None = key(None, "waves longer than this are filtered out (Gaussian, ISO 16610-61)")
-    pixel: Annotated[tuple[Length, Length], BeforeValidator(_pixel)] | None = key(
+    s_filter: Length | None = file_key(
+        None, "waves shorter than this are filtered out (Gaussian, ISO 16610-61)"
+    )
+    l_filter: Length | None = file_key(
+        None, "waves longer than this are filtered out (Gaussian, ISO 16610-61)"
+    )
+    pixel: Annotated[tuple[Length, Length], BeforeValidator(_pixel)] | None = file_key(
         None, "distance of the file's points, needed by .npy; overrides what a file says"
     )
-    height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = key(
+    height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = file_key(
         None, "unit of the file's heights, needed by .npy; overrides what a file says"
     )
-    array: str | None = key(None, "which array of a .npz that holds several")
+    array: str | None = file_key(None, "which array of a .npz that holds several")
 
     @model_validator(mode="after")
     def _one_surface(self) -> Self:

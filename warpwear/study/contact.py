@@ -1,9 +1,11 @@
 """[contact], [wear], [friction] and [junctions]: the laws of what touches."""
 
 from dataclasses import dataclass
+from functools import partial
+from numbers import Real
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, PlainSerializer, PlainValidator, model_validator
+from pydantic import PlainSerializer, PlainValidator, model_validator
 
 from warpwear.laws.elastic import MATCHES
 from warpwear.study.keys import (
@@ -19,12 +21,30 @@ from warpwear.study.keys import (
     Stiffness,
     SurfaceEnergy,
     key,
+    when,
 )
 from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, parse, text
 
-
-def _foundation(value: Any) -> Any:
-    return value if isinstance(value, str) and value in MATCHES else Quantity("N/mm^3").read(value)
+#: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
+BULK = (
+    when("study.model", "macro", "two-scale", otherwise="does not apply to the micro model"),
+    when("uses_bulk_stiffness", otherwise="does not apply to patches.bulk = 'none'"),
+)
+ROUGH = when(
+    "study.model",
+    "micro",
+    "two-scale",
+    otherwise="does not apply to the {} model: its K_N is contact.bulk_stiffness",
+)
+LOCAL = when("contact.law", "local", otherwise="does not apply to contact.law = '{}': E* of both bodies does")
+AT_REST = when(
+    "sliding.kinematics",
+    "stationary",
+    otherwise="does not apply to sliding.kinematics = '{}', where a cell slides while the contact is over it",
+)
+FITTED = when("friction.shear_strength", None, otherwise="does not apply with a friction.shear_strength")
+fitted_key = partial(key, applies=FITTED, one_of="strength: measured")
+running_in_key = partial(key, applies=when("wear.law", "running-in"))
 
 
 class Contact(Section):
@@ -34,10 +54,11 @@ class Contact(Section):
     hardness: PressureOrInfinite | None = key(
         None, "largest pressure of a cell; by default the softer body's, in the macro model none"
     )
-    law: Literal["foundation", "half-space"] = key(
-        "foundation",
-        "under a largest pressure; foundation: every cell by itself; half-space: elastic bodies, whose "
+    law: Literal["local", "half-space"] = key(
+        "local",
+        "under a largest pressure; local: every cell by itself; half-space: elastic bodies, whose "
         "asperities feel each other",
+        former_value=("foundation", "local"),
     )
     boundary: Literal["free", "periodic"] | None = key(
         None,
@@ -45,25 +66,29 @@ class Contact(Section):
         "if not given free under a sphere, periodic under a flat and for patches",
         assumed="nothing beyond the domain under a sphere; under a flat the domain is repeated, and in the "
         "two-scale model each patch",
+        applies=when("contact.law", "half-space"),
     )
     stiffness: Stiffness = key(
         "inf N/mm^3",
         "micro and two-scale model: local foundation stiffness k",
         assumed="asperities do not deform elastically",
+        applies=(ROUGH, LOCAL),
     )
-    foundation: Annotated[
-        float | Literal["area", "pressure", "approach"],
-        BeforeValidator(_foundation),
-        PlainSerializer(lambda v: v if isinstance(v, str) else text(v, "N/mm^3")),
+    bulk_stiffness: Annotated[
+        float | Literal["area", "pressure", "approach"], Quantity("N/mm^3", words=tuple(MATCHES))
     ] = key(
         "area",
         "macro model, bulk of the two-scale: stiffness K_N that gives Hertz's area, peak pressure or "
         "approach, or a stiffness",
         assumed="one spring constant matches one of Hertz's three values",
+        applies=BULK,
+        formerly="contact.foundation",
     )
-    foundation_update: Literal["initial", "updated"] = key(
+    bulk_update: Literal["initial", "updated"] = key(
         "initial",
         "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (two-scale: scar)",
+        applies=BULK,
+        formerly="contact.foundation_update",
     )
 
 
@@ -79,7 +104,7 @@ class ArchardCoefficient:
         """From text with a unit, or a bare number. Raises ValueError."""
         if isinstance(given, cls):
             return given
-        bare = isinstance(given, int | float) and not isinstance(given, bool)
+        bare = isinstance(given, Real) and not isinstance(given, bool)
         value = Number(NOT_NEGATIVE).read(given) if bare else parse(given, "mm^3/N/m")
         return cls(NOT_NEGATIVE.check(value), bare)
 
@@ -105,12 +130,22 @@ class Wear(Section):
     law: Literal["archard", "exponential", "running-in", "bearing-curve"] = key(
         "archard", "depth = K × pressure × distance, K constant or by an empirical law of the distance slid"
     )
-    decay: PerLength | None = key(None, "exponential: α of V = K F (1 − e^(−αL))/α, an empirical fit")
-    running_in: Length | None = key(None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit")
-    initial_sphere: WearCoefficient | None = key(None, "running-in: K0 of the sphere; K if not given")
-    initial_disc: WearCoefficient | None = key(None, "running-in: K0 of the disc; K if not given")
+    decay: PerLength | None = key(
+        None,
+        "exponential: α of V = K F (1 − e^(−αL))/α, an empirical fit",
+        applies=when("wear.law", "exponential"),
+    )
+    running_in: Length | None = running_in_key(
+        None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit"
+    )
+    initial_sphere: WearCoefficient | None = running_in_key(
+        None, "running-in: K0 of the sphere; K if not given"
+    )
+    initial_disc: WearCoefficient | None = running_in_key(None, "running-in: K0 of the disc; K if not given")
     distance_factor: Literal["none", "across", "radial"] = key(
-        "none", "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial"
+        "none",
+        "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial",
+        applies=AT_REST,
     )
 
     @model_validator(mode="after")
@@ -127,11 +162,11 @@ class Wear(Section):
 class Friction(Section):
     """[friction]"""
 
-    shear_strength: Pressure | None = key(None, "interfacial shear strength τ0")
-    coefficient: FrictionCoefficient = key(
+    shear_strength: Pressure | None = key(None, "interfacial shear strength τ0", one_of="strength")
+    coefficient: FrictionCoefficient = fitted_key(
         0.6, "measured coefficient that fixes τ0, instead", assumed="for want of a measured one"
     )
-    calibrate: Literal["end", "initial"] = key("end", "when the measured coefficient holds")
+    calibrate: Literal["end", "initial"] = fitted_key("end", "when the measured coefficient holds")
     ploughing: FrictionOffset = key(0.0, "part μ_p of the coefficient that does not shear")
     initial_ratio: Ratio | None = key(
         None, "running-in: τ at the start over τ0, with τ0 (1 + (ratio − 1) e^(−L/L_τ)); an empirical fit"

@@ -13,10 +13,9 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.track import Track
 from warpwear.study.bodies import Disc, Sphere
 from warpwear.study.contact import ArchardCoefficient, Contact, Friction, Junctions, Wear
-from warpwear.study.keys import Section
-from warpwear.study.loading import value_of
+from warpwear.study.keys import Section, key, value_of, when
 from warpwear.study.motion import GridSection, Sliding, Stepping
-from warpwear.study.settings import About, Checks, Macro, Output, Run
+from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.units import text
 
 
@@ -36,11 +35,27 @@ class Content(Section):
     stepping: Stepping = Stepping()
     friction: Friction = Friction()
     junctions: Junctions = Junctions()
-    macro: Macro = Macro()
+    patches: PatchesSection = key(
+        PatchesSection(),
+        "patches of the two-scale model",
+        applies=when(
+            "study.model", "two-scale", otherwise="does not apply to the {} model: it has no patches"
+        ),
+    )
     run: Run = Run()
     checks: Checks = Checks()
     output: Output = Output()
     assumed: dict[str, str] = Field(default={}, description="keys that were assumed, and why")
+
+    @property
+    def is_rough(self) -> bool:
+        """Whether the disc's roughness plays a part, resolved or as a bearing curve."""
+        return self.study.model != "macro" or self.wear.law == "bearing-curve"
+
+    @property
+    def caps_pressure(self) -> bool:
+        """Whether a hardness limits the pressure of a cell."""
+        return math.isfinite(self.hardness)
 
     @property
     def is_swept(self) -> bool:
@@ -71,9 +86,9 @@ class Content(Section):
     @property
     def patch_layout(self) -> Patches:
         """Where the patches lie that a two-scale study asks for."""
-        domain, macro = self.cells, self.macro
-        pitch, side = round(macro.cell / domain.cell), round(macro.patch_width / domain.cell)
-        seed = macro.seed if macro.placement == "random" else None
+        domain, patches = self.cells, self.patches
+        pitch, side = round(patches.macro_cell / domain.cell), round(patches.patch_width / domain.cell)
+        seed = patches.seed if patches.placement == "random" else None
         return Patches.laid_out(domain, pitch=pitch, side=side, seed=seed)
 
     @property
@@ -115,7 +130,7 @@ class Content(Section):
         found = {
             "contact.hardness": text(self.hardness, "MPa"),
             "contact.boundary": self.boundary,
-            "macro.patch": text(self.macro.patch_width, "mm"),
+            "patches.width": text(self.patches.patch_width, "mm"),
         }
         values = self.model_dump()
         return {name: value for name, value in found.items() if value_of(values, name) is None}
@@ -154,31 +169,36 @@ class Content(Section):
     def law(self, *, radius: float | None = None) -> CappedFoundation:
         """The law of a cell. radius: of the area in contact [mm], for a foundation that follows it."""
         macro = self.study.model == "macro"
-        stiffness = self.foundation(radius=radius) if macro else self.contact.stiffness
+        stiffness = self.bulk_stiffness(radius=radius) if macro else self.contact.stiffness
         if self.contact.law == "half-space":
             stiffness = math.inf  # what yields is the half-space
         return CappedFoundation(stiffness=stiffness, hardness=self.hardness)
 
-    def foundation(self, *, radius: float | None = None) -> float:
-        """K_N of the macro contact [N/mm³]. radius: of the contact [mm], for a foundation that follows it."""
-        stiffness = self.contact.foundation
+    def bulk_stiffness(self, *, radius: float | None = None) -> float:
+        """K_N of the bulk of both bodies [N/mm³]. radius: of the contact [mm], for a K_N that follows it."""
+        stiffness = self.contact.bulk_stiffness
         if isinstance(stiffness, str):
             assert self.hertz is not None  # checked with the study
-            follows = self.contact.foundation_update == "updated"
+            follows = self.contact.bulk_update == "updated"
             stiffness = self.hertz.foundation(stiffness, radius=radius if follows else None)
         return stiffness
 
     @property
-    def uses_foundation(self) -> bool:
+    def uses_bulk_stiffness(self) -> bool:
         """Whether K_N plays a part."""
         if self.study.model == "two-scale":
-            return self.macro.bulk == "foundation" or self.macro.coupling == "load"
+            return self.patches.bulk == "spring" or self.patches.coupling == "load"
         return self.study.model == "macro"
 
     @property
     def samples_area(self) -> bool:
         """Whether patches stand for more than themselves, so that fields cover only a part of the domain."""
-        return self.study.model == "two-scale" and self.macro.patch_width < self.macro.cell
+        return self.study.model == "two-scale" and self.patches.patch_width < self.patches.macro_cell
+
+    @property
+    def places_at_random(self) -> bool:
+        """Whether patches that stand for more than themselves lie at random in their macro cells."""
+        return self.samples_area and self.patches.placement == "random"
 
     @property
     def wear_coefficients(self) -> tuple[float, float]:

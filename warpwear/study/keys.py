@@ -1,12 +1,16 @@
-"""What the sections of a study are made of: keys, each with its unit, default, allowed values and meaning.
+"""What the sections of a study are made of: keys, each declared once with all that is known of it.
 
-The sections themselves are in `sections_*.py`. Numbers are kept in mm, N, MPa and s. A key whose default is
-a choice of ours and not the user's carries `assumed`, which `warpwear show` and the results repeat. Keys
-that no rule of the chosen kind uses are ignored with a notice (see `unused_keys`), so that changing one key
-can change a kind.
+A key has a unit, a default, allowed values and a meaning. Numbers are kept in mm, N, MPa and s. A key whose
+default is a choice of ours and not the user's carries `assumed`, which `warpwear show` and the results
+repeat. Keys that are not used under the choices made are ignored with a notice (see `Rule`), so that changing
+one key can change a kind.
 """
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from types import MappingProxyType
+from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
@@ -37,27 +41,97 @@ PerLength = Annotated[float, Quantity("1/mm")]
 SurfaceEnergy = Annotated[float, Quantity("N/mm")]
 
 
-def key(default: Any = ..., meaning: str = "", *, assumed: str | None = None) -> Any:
-    """A key of a section. assumed: why this default was chosen, where it is a physical assumption."""
-    extra: Any = {"assumed": assumed} if assumed else None
-    return Field(default, description=meaning, json_schema_extra=extra)
+@dataclass(frozen=True)
+class Rule:
+    """One condition under which a key is used; see `when`."""
+
+    name: str  # dotted key of a study, or a property of its content or of a section
+    values: tuple[Any, ...]  # of that, under which the key is used
+    otherwise: str  # end of the sentence about a key that is not used; {} is the value
+
+    def why_not(self, study: BaseModel) -> str | None:
+        """End of the sentence about a key that the study does not use; None where it may be used."""
+        value: Any = study
+        for part in self.name.split("."):
+            value = getattr(value, part, None)
+        return None if value in self.values else self.otherwise.format(value)
+
+
+def when(name: str, *values: Any, otherwise: str | None = None) -> Rule:
+    """The rule that a key is used where `name` has one of the values; without values, where it is true.
+
+    otherwise: what to say of the key elsewhere, by default "does not apply to NAME = 'VALUE'".
+    """
+    return Rule(name, values or (True,), otherwise or f"does not apply to {name} = '{{}}'")
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What a key says of itself beside type, default and meaning, by the arguments of `key`."""
+
+    assumed: str | None = None
+    applies: tuple[Rule, ...] = ()
+    one_of: str | None = None
+    formerly: str | None = None
+    former_value: tuple[str, str] | None = None
+
+    def __call__(self, schema: dict[str, Any]) -> None:
+        """Pydantic calls it with the key's JSON schema, to which it adds why the default was assumed."""
+        if self.assumed is not None:
+            schema["assumed"] = self.assumed
+
+
+def key(
+    default: Any = ...,
+    meaning: str = "",
+    *,
+    assumed: str | None = None,
+    applies: Rule | tuple[Rule, ...] = (),
+    one_of: str | None = None,
+    formerly: str | None = None,
+    former_value: tuple[str, str] | None = None,
+) -> Any:
+    """A key of a section, with all that is known of it.
+
+    assumed: why this default was chosen, where it is a physical assumption. applies: when the key is used;
+    the first rule that does not hold says why it is not; those of a section hold for its keys too.
+    one_of: "THING" that keys of the section say in different ways; "THING: WAY" where some say it together.
+    formerly: dotted name before it was renamed. former_value: old and new name of a value.
+    """
+    rules = (applies,) if isinstance(applies, Rule) else applies
+    declared = Declared(assumed, rules, one_of, formerly, former_value)
+    return Field(default, description=meaning, json_schema_extra=declared)
 
 
 class Section(BaseModel):
-    """Frozen, and no key that is not declared."""
+    """A section is frozen and takes no key that is not declared.
+
+    Copies and pickles hold its keys alone: what a `cached_property` keeps would be stale in a changed copy.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
+    def __getstate__(self) -> dict[Any, Any]:
+        return super().__getstate__() | {"__dict__": self._keys_of(self)}
 
-def all_keys(model: type[BaseModel], prefix: str = "") -> list[str]:
+    def __copy__(self) -> Self:
+        copied = super().__copy__()
+        object.__setattr__(copied, "__dict__", self._keys_of(copied))
+        return copied
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        copied = super().__deepcopy__(memo)
+        object.__setattr__(copied, "__dict__", self._keys_of(copied))
+        return copied
+
+    @staticmethod
+    def _keys_of(section: BaseModel) -> dict[str, Any]:
+        return {name: value for name, value in vars(section).items() if name in type(section).model_fields}
+
+
+def all_keys(model: type[BaseModel]) -> list[str]:
     """Dotted names of all keys and sections."""
-    found = []
-    for name, info in model.model_fields.items():
-        found.append(prefix + name)
-        section = section_in(info.annotation)
-        if section is not None:
-            found += all_keys(section, f"{prefix}{name}.")
-    return found
+    return list(declarations(model))
 
 
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
@@ -85,3 +159,65 @@ def given_keys(section: BaseModel, prefix: str = "") -> set[str]:
         value = getattr(section, name)
         found |= given_keys(value, f"{prefix}{name}.") if isinstance(value, BaseModel) else {prefix + name}
     return found
+
+
+@cache
+def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Declared]:
+    """Dotted name of each key and section -> what it says of itself, its section's rules before its own."""
+    found: dict[str, Declared] = {}
+    for name, info in model.model_fields.items():
+        extra = info.json_schema_extra
+        found[prefix + name] = declared = extra if isinstance(extra, Declared) else Declared()
+        section = section_in(info.annotation)
+        if section is not None:
+            for below, of_key in declarations(section, f"{prefix}{name}.").items():
+                found[below] = replace(of_key, applies=(*declared.applies, *of_key.applies))
+    return MappingProxyType(found)
+
+
+def inapplicable(study: BaseModel) -> dict[str, str]:
+    """Keys that nothing uses under the choices made -> why, as the end of a sentence."""
+    found = {}
+    for name, declared in declarations(type(study)).items():
+        why = next((why for rule in declared.applies if (why := rule.why_not(study))), None)
+        if why is not None:
+            found[name] = why
+    return found
+
+
+def unused_key_notices(study: BaseModel) -> list[str]:
+    """A sentence about each reason why keys are given but not used."""
+    given = given_keys(study)
+    reasons: dict[str, list[str]] = {}
+    for name, why in inapplicable(study).items():
+        if name in given:
+            reasons.setdefault(why, []).append(name)
+    return [
+        f"{', '.join(names)} {why if len(names) == 1 else why.replace('does not', 'do not', 1)}."
+        for why, names in reasons.items()
+    ]
+
+
+def alternatives_of(model: type[BaseModel], name: str) -> set[str]:
+    """Dotted names of the keys that say the same as a key, or as a section it lies in, in other ways."""
+    keys = declarations(model)
+    found: set[str] = set()
+    above = ""
+    for part in name.split("."):
+        section, above = above, f"{above}.{part}".lstrip(".")
+        one_of = keys[above].one_of if above in keys else None
+        if one_of is None:
+            continue
+        for other, declared in keys.items():
+            said = declared.one_of or ""
+            same_thing = other.rpartition(".")[0] == section and said.split(":")[0] == one_of.split(":")[0]
+            if same_thing and other != above and (said != one_of or ":" not in said):
+                found.add(other)
+    return found
+
+
+def value_of(nested: Any, name: str) -> Any:
+    """The value of a dotted key; None where there is none."""
+    for part in name.split("."):
+        nested = nested.get(part) if isinstance(nested, dict) else None
+    return nested

@@ -3,11 +3,14 @@
 import tomllib
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from warpwear.errors import InputError
+from warpwear.study.content import Content
+from warpwear.study.keys import alternatives_of, declarations, value_of
 from warpwear.study.materials import material
 from warpwear.study.units import text
 
@@ -85,28 +88,69 @@ def fill(sections: dict[str, Any]) -> tuple[dict[str, Any], set[str]]:
     return filled, names
 
 
-#: Keys that say the same in different ways. Setting one with `replace` drops the others.
-ALTERNATIVES: tuple[tuple[frozenset[str], ...], ...] = (
-    (frozenset({"sphere.radius"}), frozenset({"sphere.diameter"})),
-    (frozenset({"disc.surface"}), frozenset({"disc.synthetic"})),
-    (frozenset({"disc.synthetic.ra"}), frozenset({"disc.synthetic.sq"})),
-    (
-        frozenset({"sliding.distance"}),
-        frozenset({"sliding.passes"}),
-        frozenset({"sliding.cycles"}),
-        frozenset({"sliding.duration", "sliding.frequency"}),
-        frozenset({"sliding.revolutions"}),
-    ),
-    (frozenset({"sliding.stroke"}), frozenset({"sliding.track_radius"})),
-    (
-        frozenset({"stepping.increment"}),
-        frozenset({"stepping.first", "stepping.growth", "stepping.largest"}),
-    ),
-    (
-        frozenset({"friction.shear_strength"}),
-        frozenset({"friction.coefficient", "friction.calibrate"}),
-    ),
-)
+def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """A copy of sections with new names for old ones of keys and values, and a sentence about each of these.
+
+    Raises InputError for a key that is given by its old name and by its new one.
+    """
+    found = {name: dict(keys) if isinstance(keys, dict) else keys for name, keys in sections.items()}
+    reasons = found.get("assumed")
+    notices = []
+    for new, declared in declarations(Content).items():
+        old = declared.formerly or new
+        moved = old != new and _is_given(found, old)
+        if moved:
+            if _is_given(found, new):
+                raise InputError(_given_twice(old, new))
+            _insert(found, new, _remove(found, old))
+        if isinstance(reasons, dict) and old != new and old in reasons:
+            reasons.setdefault(new, reasons.pop(old))
+            moved = True
+        value, now = declared.former_value or ("", "")
+        given = value_of(found, new)
+        if value and isinstance(given, str) and given == value:
+            _insert(found, new, now)
+            notices.append(_renamed(f"{old if moved else new} = '{value}'", f"{new} = '{now}'"))
+        elif moved:
+            notices.append(_renamed(old, new))
+    for old, new in _former_names().items():
+        if "." not in old and old in found:  # what is left in a section: no keys, but the new one can say so
+            left = found.pop(old)
+            keys = found.setdefault(new, {} if isinstance(left, dict) else left)
+            found[new] = left | keys if isinstance(left, dict) and isinstance(keys, dict) else keys
+    return found, notices
+
+
+def changes_with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """Changes by dotted names, with new names for old ones, and a sentence about each of these."""
+    found: dict[str, Any] = {}
+    notices: list[str] = []
+    for old, value in flat.items():
+        nested: dict[str, Any] = {}
+        _insert(nested, old, value)
+        nested, more = with_new_names(nested)
+        new = _former_names().get(old, old)
+        if new in found or (new != old and new in flat):
+            raise InputError(_given_twice(old, new))
+        found[new] = value_of(nested, new)
+        notices += more
+    return found, notices
+
+
+@cache
+def _former_names() -> Mapping[str, str]:
+    """Names of keys and sections before they were renamed -> their names now."""
+    renamed = {declared.formerly: new for new, declared in declarations(Content).items() if declared.formerly}
+    sections = {old.partition(".")[0]: new.partition(".")[0] for old, new in renamed.items()}
+    return renamed | {old: new for old, new in sections.items() if old not in Content.model_fields}
+
+
+def _renamed(old: str, new: str) -> str:
+    return f"{old} has a new name, and the next release refuses the old one: type {new}."
+
+
+def _given_twice(old: str, new: str) -> str:
+    return f"{old} and {new} are the old and the new name of one key: give {new} alone."
 
 
 def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
@@ -128,11 +172,7 @@ def _dropped_by(name: str) -> set[str]:
     body, _, key = name.partition(".")
     if key == "material":  # another material has other constants
         return {f"{body}.{constant}" for constant in CONSTANTS}
-    for group in ALTERNATIVES:
-        for way in group:
-            if any(name == k or name.startswith(k + ".") for k in way):
-                return set().union(*group) - way
-    return set()
+    return alternatives_of(Content, name)
 
 
 def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
@@ -144,20 +184,17 @@ def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
     nested[last] = value
 
 
-def value_of(nested: Any, name: str) -> Any:
-    """The value of a dotted key; None where there is none."""
-    for part in name.split("."):
-        nested = nested.get(part) if isinstance(nested, dict) else None
-    return nested
+def _is_given(nested: Any, name: str) -> bool:
+    parent, _, last = name.rpartition(".")
+    section = value_of(nested, parent) if parent else nested
+    return isinstance(section, dict) and last in section
 
 
-def _remove(nested: dict[str, Any], name: str) -> None:
-    *parents, last = name.split(".")
-    for parent in parents:
-        nested = nested.get(parent, {})
-        if not isinstance(nested, dict):
-            return
-    nested.pop(last, None)
+def _remove(nested: dict[str, Any], name: str) -> Any:
+    """Take a dotted key out and return its value; None where there is none."""
+    parent, _, last = name.rpartition(".")
+    section = value_of(nested, parent) if parent else nested
+    return section.pop(last, None) if isinstance(section, dict) else None
 
 
 #: Between a description and the keys changed since it was written.

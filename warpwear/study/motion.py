@@ -1,15 +1,44 @@
 """[grid], [sliding] and [stepping]: the cells, the way of the sphere, and the steps it is cut into."""
 
 import math
-from typing import Annotated, Any, Literal, Self
+from functools import partial
+from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
+from pydantic import Field, model_validator
 
-from warpwear.study.keys import Frequency, Growth, Length, LengthOrZero, Section, Speed, Strokes, Time, key
-from warpwear.study.units import Number, Quantity, text
+from warpwear.study.keys import (
+    Frequency,
+    Growth,
+    Length,
+    LengthOrZero,
+    Section,
+    Speed,
+    Strokes,
+    Time,
+    key,
+    when,
+)
+from warpwear.study.units import Number, Quantity
 
 #: Along a side: a million squared is more than any memory holds.
 MOST_CELLS = 1_000_000
+
+
+SWEPT = when("sliding.kinematics", "swept")
+ON_A_CIRCLE = when(
+    "sliding.uses_track_radius", otherwise="does not apply to sliding.kinematics = 'stationary'"
+)
+CAPPED = when("caps_pressure", otherwise="does not apply without a contact.hardness: no cell reaches it")
+STEPS = when(
+    "sliding.kinematics",
+    "stationary",
+    otherwise="does not apply to sliding.kinematics = '{}', whose steps are sliding.shift cells long",
+)
+FIXED = when("stepping.increment", None, otherwise="does not apply to a fixed stepping.increment")
+NO_COMPLIANCE = when(
+    "uses_bearing_area", otherwise="does not apply: with compliance the balance holds to 1e-12"
+)
+growing_key = partial(key, applies=(STEPS, FIXED), one_of="plan: growing")
 
 
 class GridSection(Section):
@@ -35,50 +64,47 @@ class GridSection(Section):
         return self
 
 
-def _track(value: Any) -> Any:
-    if value == "full":
-        return value
-    try:
-        return Quantity("mm").read(value)
-    except ValueError as error:
-        raise ValueError(f"{error}, or 'full'") from None
-
-
 class Sliding(Section):
     """[sliding]"""
 
-    distance: LengthOrZero | None = key(None, "total sliding distance; 0 is a static contact")
-    passes: Strokes | None = key(None, "instead of distance: number of strokes")
-    cycles: Strokes | None = key(None, "instead of distance: number of pairs of strokes")
-    duration: Time | None = key(None, "instead of distance, with frequency: time of the test")
-    frequency: Frequency | None = key(None, "cycles in a second")
-    revolutions: Annotated[float, Number()] | None = key(
-        None, "instead of distance: revolutions of a rotating disc"
+    distance: LengthOrZero | None = key(None, "total sliding distance; 0 is a static contact", one_of="total")
+    passes: Strokes | None = key(None, "instead of distance: number of strokes", one_of="total")
+    cycles: Strokes | None = key(None, "instead of distance: number of pairs of strokes", one_of="total")
+    duration: Time | None = key(
+        None, "instead of distance, with frequency: time of the test", one_of="total: duration"
     )
-    stroke: Length | None = key(None, "length of one pass")
+    frequency: Frequency | None = key(None, "cycles in a second", one_of="total: duration")
+    revolutions: Annotated[float, Number()] | None = key(
+        None, "instead of distance: revolutions of a rotating disc", one_of="total"
+    )
+    stroke: Length | None = key(None, "length of one pass", one_of="lap")
     track_radius: Length | None = key(
-        None, "instead of stroke: radius of the track on a rotating disc, which slides one way only"
+        None,
+        "instead of stroke: radius of the track on a rotating disc, which slides one way only",
+        applies=ON_A_CIRCLE,
+        one_of="lap",
     )
     speed: Speed | None = key(None, "sliding speed, for the time axis only")
     kinematics: Literal["stationary", "swept"] = key(
         "stationary",
         "stationary: the same disc cells stay under the sphere; swept: it slides along a track on the disc",
     )
-    track: Annotated[
-        float | Literal["full"],
-        BeforeValidator(_track),
-        PlainSerializer(lambda v: v if v == "full" else text(v, "mm")),
-    ] = key(
+    track: Annotated[float | Literal["full"], Quantity("mm", words=("full",))] = key(
         "full",
         "swept: the whole stroke, or the length of a periodic disc on which one lap stands for one pass",
+        applies=SWEPT,
     )
     shift: Annotated[int, Field(ge=1, le=100_000, strict=True)] = key(
-        8, "swept: cells that the sphere moves on in a step", assumed="well within the contact's length"
+        8,
+        "swept: cells that the sphere moves on in a step",
+        assumed="well within the contact's length",
+        applies=SWEPT,
     )
     plastic: Literal["forget", "keep"] = key(
         "forget",
         "swept: a disc cell at the hardness springs back, or keeps the depth it was pressed to",
         assumed="Archard's wear alone; 'keep' is the other end",
+        applies=(SWEPT, CAPPED),
     )
 
     @model_validator(mode="after")
@@ -107,6 +133,11 @@ class Sliding(Section):
         return self
 
     @property
+    def uses_track_radius(self) -> bool:
+        """Whether the track's radius plays a part: the sphere slides along it, or revolutions are counted."""
+        return self.kinematics == "swept" or self.revolutions is not None
+
+    @property
     def lap(self) -> float | None:
         """What is slid in one pass: the stroke, or the way of one revolution [mm]."""
         return self.stroke if self.track_radius is None else 2.0 * math.pi * self.track_radius
@@ -125,23 +156,21 @@ class Sliding(Section):
         return self.stroke * (self.passes or 2 * (self.cycles or 0))
 
 
-def _tolerance(value: Any) -> Any:
-    return value if value == "one cell" else Quantity("N").read(value)
-
-
 class Stepping(Section):
     """[stepping]"""
 
     scheme: Literal["explicit", "implicit"] = key("implicit", "pressure of the step's start, or of its end")
-    increment: Length | None = key(None, "fixed sliding increment")
-    first: Length = key("3 um", "growing increments: the first", assumed="nanometres of wear")
-    growth: Growth = key(1.02, "ratio of an increment to the last", assumed="grow with the distance slid")
-    largest: Length = key("3 mm", "growing increments: the largest", assumed="a tenth of a usual stroke")
-    load_tolerance: Annotated[
-        float | Literal["one cell"],
-        BeforeValidator(_tolerance),
-        PlainSerializer(lambda v: v if v == "one cell" else text(v, "N")),
-    ] = key("one cell", "bearing area only: load left unbalanced, at most")
+    increment: Length | None = key(None, "fixed sliding increment", applies=STEPS, one_of="plan")
+    first: Length = growing_key("3 um", "growing increments: the first", assumed="nanometres of wear")
+    growth: Growth = growing_key(
+        1.02, "ratio of an increment to the last", assumed="grow with the distance slid"
+    )
+    largest: Length = growing_key(
+        "3 mm", "growing increments: the largest", assumed="a tenth of a usual stroke"
+    )
+    load_tolerance: Annotated[float | Literal["one cell"], Quantity("N", words=("one cell",))] = key(
+        "one cell", "bearing area only: load left unbalanced, at most", applies=NO_COMPLIANCE
+    )
     force: bool = key(False, "go on beyond the explicit stability limit")
 
     @model_validator(mode="after")

@@ -47,35 +47,36 @@ def _model(study: Content) -> None:
             raise ValueError("wear.law = 'bearing-curve' needs stepping.scheme = 'implicit'")
     if study.study.model == "two-scale":
         _patches(study)
-    if study.uses_foundation:
+    if study.uses_bulk_stiffness:
         _foundation(study)
 
 
 def _patches(study: Content) -> None:
-    macro, cell = study.macro, study.grid.cell
-    for name, length in (("cell", macro.cell), ("patch", macro.patch_width)):
+    patches, cell = study.patches, study.grid.cell
+    for name, length in (("macro_cell", patches.macro_cell), ("width", patches.patch_width)):
         if not _whole(length / cell):
             near = max(round(length / cell), 1) * cell
             raise ValueError(
-                f"macro.{name} = {1e3 * length:g} µm is not a whole number of cells of {1e3 * cell:g} µm; "
+                f"patches.{name} = {1e3 * length:g} µm is not a whole number of cells of {1e3 * cell:g} µm; "
                 f"the nearest that is, is {1e3 * near:.6g} µm"
             )
-    if macro.patch_width > macro.cell * (1.0 + SAME):
+    named = f"patches.macro_cell = {1e3 * patches.macro_cell:g} µm"
+    if patches.patch_width > patches.macro_cell * (1.0 + SAME):
         raise ValueError(
-            f"macro.patch = {1e3 * macro.patch_width:g} µm is larger than macro.cell = "
-            f"{1e3 * macro.cell:g} µm: patches would overlap; allowed are a smaller macro.patch (by default "
-            "the macro cell) and a larger macro.cell"
+            f"patches.width = {1e3 * patches.patch_width:g} µm is larger than {named}: patches would "
+            "overlap; allowed are a smaller patches.width (by default the macro cell) and a larger "
+            "patches.macro_cell"
         )
-    if macro.cell > 0.5 * study.grid.extent * (1.0 + SAME):
+    if patches.macro_cell > 0.5 * study.grid.extent * (1.0 + SAME):
         raise ValueError(
-            f"macro.cell = {1e3 * macro.cell:g} µm is larger than the contact's domain allows: grid.extent = "
-            f"{study.grid.extent:g} mm must hold two macro cells or more"
+            f"{named} is larger than the contact's domain allows: grid.extent = {study.grid.extent:g} mm "
+            "must hold two macro cells or more"
         )
-    cells = study.grid.extent / macro.cell
+    cells = study.grid.extent / patches.macro_cell
     if not _whole(cells):
         raise ValueError(
-            f"grid.extent = {study.grid.extent:g} mm is not a whole number of cells of macro.cell = "
-            f"{1e3 * macro.cell:g} µm; the nearest extent that is, is {round(cells) * macro.cell:.9g} mm"
+            f"grid.extent = {study.grid.extent:g} mm is not a whole number of cells of {named}; the nearest "
+            f"extent that is, is {round(cells) * patches.macro_cell:.9g} mm"
         )
     if study.uses_bearing_area:
         raise ValueError(
@@ -92,37 +93,37 @@ def _patches(study: Content) -> None:
             f"wear.distance_factor = '{study.wear.distance_factor}' changes what sphere and disc wear beside "
             "each other from cell to cell, which the two-scale model keeps in one proportion; allowed is none"
         )
-    if macro.coupling == "load" and study.stepping.scheme == "explicit":
-        raise ValueError("macro.coupling = 'load' needs stepping.scheme = 'implicit'")
-    if macro.coupling == "load" and not math.isfinite(study.hardness):
+    if patches.coupling == "load" and study.stepping.scheme == "explicit":
+        raise ValueError("patches.coupling = 'load' needs stepping.scheme = 'implicit'")
+    if patches.coupling == "load" and not math.isfinite(study.hardness):
         raise ValueError(
-            "macro.coupling = 'load' needs a finite contact.hardness: without it the smooth contact asks of "
-            "patches what asperities cannot carry"
+            "patches.coupling = 'load' needs a finite contact.hardness: without it the smooth contact asks "
+            "of patches what asperities cannot carry"
         )
 
 
 def _foundation(study: Content) -> None:
-    match = study.contact.foundation
+    match = study.contact.bulk_stiffness
     named = isinstance(match, str)
     if named and study.sphere.curvature == 0.0:
         raise ValueError(
-            f"contact.foundation = '{match}' needs a sphere: allowed for a flat is a stiffness such as "
+            f"contact.bulk_stiffness = '{match}' needs a sphere: allowed for a flat is a stiffness such as "
             "'2e6 N/mm^3'"
         )
     if named and study.hertz is None:
         raise ValueError(
-            f"contact.foundation = '{match}' needs Young's modulus and Poisson's ratio of both bodies: "
+            f"contact.bulk_stiffness = '{match}' needs Young's modulus and Poisson's ratio of both bodies: "
             "sphere.material or sphere.young and sphere.poisson, and the same of the disc; or a stiffness "
             "such as '2e6 N/mm^3'"
         )
-    if not named and study.contact.foundation_update == "updated":
+    if not named and study.contact.bulk_update == "updated":
         raise ValueError(
-            "contact.foundation_update = 'updated' needs contact.foundation = "
+            "contact.bulk_update = 'updated' needs contact.bulk_stiffness = "
             f"{', '.join(MATCHES)}, not a stiffness"
         )
     if not named and not math.isfinite(float(match)):
         raise ValueError(
-            f"contact.foundation = inf N/mm^3: the {study.study.model} model needs a finite stiffness"
+            f"contact.bulk_stiffness = inf N/mm^3: the {study.study.model} model needs a finite stiffness"
         )
 
 
@@ -157,10 +158,10 @@ def _half_space(study: Content) -> None:
 
 
 def _elastic_patches(study: Content) -> None:
-    shared = study.macro.coupling == "approach"
-    if shared and study.boundary == "free" and study.macro.bulk == "foundation":
+    shared = study.patches.coupling == "approach"
+    if shared and study.boundary == "free" and study.patches.bulk == "spring":
         raise ValueError(
-            "contact.boundary = 'free' of patches needs macro.bulk = 'none': a free patch contains the "
+            "contact.boundary = 'free' of patches needs patches.bulk = 'none': a free patch contains the "
             "displacement of its mean, which a bulk behind it would count twice"
         )
 
@@ -219,12 +220,12 @@ def doubts(study: Content) -> list[str]:
         )
     if study.samples_area:
         by_them = ["friction.area = 'nominal'"] if study.friction.area == "nominal" else []
-        if study.uses_foundation and study.contact.foundation_update == "updated":
-            by_them.append("contact.foundation_update = 'updated'")
+        if study.uses_bulk_stiffness and study.contact.bulk_update == "updated":
+            by_them.append("contact.bulk_update = 'updated'")
         found.append(
-            f"macro.patch = {1e3 * study.macro.patch_width:g} µm stands for macro.cell = "
-            f"{1e3 * study.macro.cell:g} µm: the scar's extents and its nominal area are those of what "
-            "touched in patches, off by up to a macro cell on each side"
+            f"patches.width = {1e3 * study.patches.patch_width:g} µm stands for patches.macro_cell = "
+            f"{1e3 * study.patches.macro_cell:g} µm: the scar's extents and its nominal area are those of "
+            "what touched in patches, off by up to a macro cell on each side"
             f"{', and ' + ' and '.join(by_them) + ' with them' if by_them else ''}."
         )
     if study.wear.law == "bearing-curve":

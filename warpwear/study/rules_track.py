@@ -111,27 +111,6 @@ def unstable(study: Content) -> str | None:
     )
 
 
-def inapplicable(study: Content) -> dict[str, str]:
-    """Keys that nothing uses by the study's kinematics -> why, as the end of a sentence."""
-    sliding = study.sliding
-    found: dict[str, str] = {}
-    if not study.is_swept:
-        why = "does not apply to sliding.kinematics = 'stationary'"
-        found |= dict.fromkeys(("sliding.track", "sliding.shift", "sliding.plastic"), why)
-        if sliding.revolutions is None:
-            found["sliding.track_radius"] = why
-        return found
-    steps = ("increment", "first", "growth", "largest")
-    why = "does not apply to sliding.kinematics = 'swept', whose steps are sliding.shift cells long"
-    found |= dict.fromkeys((f"stepping.{name}" for name in steps), why)
-    found["wear.distance_factor"] = (
-        "does not apply to sliding.kinematics = 'swept', where a cell slides while the contact is over it"
-    )
-    if not math.isfinite(study.hardness):
-        found["sliding.plastic"] = "does not apply without a contact.hardness: no cell reaches it"
-    return found
-
-
 def doubts(study: Content) -> list[str]:
     """What is computed as asked for, but with numbers that mislead, each as a sentence."""
     if not study.is_swept:

@@ -1,10 +1,19 @@
-"""[study], [macro], [run], [checks] and [output]: which model, its patches, and how a run goes."""
+"""[study], [patches], [run], [checks] and [output]: which model, its patches, and how a run goes."""
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from warpwear.study.keys import Interval, Length, LengthOrZero, Section, key
+from warpwear.study.keys import Interval, Length, LengthOrZero, Section, key, when
+from warpwear.study.units import one_by_one
+
+ONE_APPROACH = when(
+    "patches.coupling",
+    "approach",
+    otherwise="does not apply to patches.coupling = '{}', whose macro contact has K_N",
+)
+SAMPLES = when("samples_area", otherwise="does not apply: the patches tile the contact")
+AT_RANDOM = when("places_at_random", otherwise="does not apply: no patch is placed at random")
 
 
 class About(Section):
@@ -21,33 +30,48 @@ class About(Section):
     )
 
 
-class Macro(Section):
-    """[macro]: of the two-scale model"""
+class PatchesSection(Section):
+    """[patches]: of the two-scale model"""
 
-    cell: Length = key("50 um", "size of a macro cell, each of which has one patch of the grid's cells")
-    patch: Length | None = key(
-        None, "size of a patch; by default the macro cell, which tiles the contact; smaller ones stand for it"
+    macro_cell: Length = key(
+        "50 um",
+        "size of a macro cell, each of which has one patch of the grid's cells",
+        formerly="macro.cell",
     )
-    bulk: Literal["foundation", "none"] = key(
-        "foundation",
-        "spring behind each patch: foundation is K_N, the elastic bulk of both bodies, in series; none where "
+    width: Length | None = key(
+        None,
+        "size of a patch; by default the macro cell, which tiles the contact; smaller ones stand for it",
+        formerly="macro.patch",
+    )
+    bulk: Literal["spring", "none"] = key(
+        "spring",
+        "behind each patch: a spring of K_N, the elastic bulk of both bodies, in series; none where "
         "the patch's own law carries that compliance, as free patches of the half-space do",
         assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
+        applies=ONE_APPROACH,
+        formerly="macro.bulk",
+        former_value=("foundation", "spring"),
     )
     coupling: Literal["approach", "load"] = key(
         "approach",
         "approach: one for all patches, whose own answers share the load; load: a smooth macro contact "
         "prescribes the load of each patch",
+        formerly="macro.coupling",
     )
     placement: Literal["centre", "random"] = key(
-        "centre", "place of a smaller patch in its macro cell: in the middle, or at random by macro.seed"
+        "centre",
+        "place of a smaller patch in its macro cell: in the middle, or at random by patches.seed",
+        applies=SAMPLES,
+        formerly="macro.placement",
     )
-    seed: Annotated[int, Field(ge=0, strict=True)] = key(0, "seed of the random placement")
+    seed: Annotated[int, Field(ge=0, strict=True)] = key(
+        0, "seed of the random placement", applies=AT_RANDOM, formerly="macro.seed"
+    )
 
     @property
     def patch_width(self) -> float:
         """[mm]"""
-        return self.cell if self.patch is None else self.patch
+        return self.macro_cell if self.width is None else self.width
 
 
 class Run(Section):
@@ -71,7 +95,7 @@ class Checks(Section):
 class Output(Section):
     """[output]"""
 
-    snapshots: tuple[LengthOrZero, ...] = key(
+    snapshots: Annotated[tuple[LengthOrZero, ...], BeforeValidator(one_by_one)] = key(
         (),
         "sliding distances at which fields are kept; the end always is; swept: at the end of the step that "
         "reaches each",

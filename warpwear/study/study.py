@@ -1,5 +1,6 @@
 """A study: what to compute, read from TOML, checked, frozen."""
 
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
@@ -7,9 +8,18 @@ from typing import Any, Self
 from pydantic import ValidationError, model_validator
 
 from warpwear.errors import InputError
-from warpwear.study import rules, rules_track, text, unused
+from warpwear.study import rules, rules_track, text
 from warpwear.study.content import Content
-from warpwear.study.loading import change, fill, is_described, read_sections, value_of, with_changes
+from warpwear.study.keys import unused_key_notices, value_of
+from warpwear.study.loading import (
+    change,
+    changes_with_new_names,
+    fill,
+    is_described,
+    read_sections,
+    with_changes,
+    with_new_names,
+)
 
 
 class Study(Content):
@@ -19,7 +29,11 @@ class Study(Content):
     Frozen; `replace` gives a changed copy. Raises InputError for anything that cannot be computed.
     """
 
+    #: Sentences about keys and values that were given by their old names.
+    _old_names: tuple[str, ...] = ()
+
     def __init__(self, **sections: Any) -> None:
+        sections, old_names = with_new_names(sections)
         filled, names = fill(sections)
         try:
             super().__init__(**filled)
@@ -28,16 +42,24 @@ class Study(Content):
         for name in names:  # so that they are told from what was given
             section, _, key = name.partition(".")
             getattr(self, section).model_fields_set.discard(key)
+        self._old_names = tuple(old_names)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         rules.check(self)
         return self
 
+    def __eq__(self, other: object) -> bool:
+        """Two studies are equal where their resolved texts are: what they compute, assume and are called."""
+        return self.to_toml() == other.to_toml() if isinstance(other, Study) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.to_toml())
+
     def notices(self) -> list[str]:
         """What is given but not used, and what is asked for but cannot be trusted, each as a sentence."""
         total = self.sliding.total
-        found = [*unused.told(self), *rules_track.doubts(self)]
+        found = [*self._old_names, *unused_key_notices(self), *rules_track.doubts(self)]
         late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > total or s == 0.0 < total)
         if late:
             found.append(f"output.snapshots that no step ends at: {late} mm.")
@@ -49,8 +71,18 @@ class Study(Content):
 
     @classmethod
     def load(cls, path_or_preset: str | Path) -> Self:
-        """The study in a TOML file, or the preset of that name. Raises InputError."""
-        return cls(**read_sections(path_or_preset))
+        """The study in a TOML file or a run folder, or the preset of that name. Raises InputError."""
+        found = cls(**read_sections(path_or_preset))
+        if Path(path_or_preset).is_dir():  # whose study.toml no person wrote
+            found._old_names = ()
+        return found
+
+    @classmethod
+    def stored(cls, content: str) -> Self:
+        """The study in the text of a stored result, which may use old names of keys: no notice tells them."""
+        found = cls(**tomllib.loads(content))
+        found._old_names = ()
+        return found
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Mapping[str, Any]) -> Self:
         """A copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
@@ -61,9 +93,11 @@ class Study(Content):
         flat = dict(changes or {})
         for section, keys in sections.items():
             flat |= {f"{section}.{k}": v for k, v in keys.items()}
+        flat, old_names = changes_with_new_names(flat)
         nested = self.model_dump(exclude_unset=True)
         change(nested, flat)
         found = type(self)(**nested)
+        found._old_names = tuple(dict.fromkeys([*self._old_names, *old_names]))
         if not self.study.description or "study.description" in flat:
             return found
         before, after = self.model_dump(), found.model_dump()

@@ -10,10 +10,10 @@ import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from warpwear.study.content import Content
-from warpwear.study.keys import all_keys, given_keys, key_of, section_in
+from warpwear.study.keys import Declared, all_keys, declarations, given_keys, inapplicable, key_of, section_in
 from warpwear.study.loading import CONSTANTS
 from warpwear.study.materials import material
-from warpwear.study.unused import inapplicable
+from warpwear.study.units import is_quantity
 
 
 def to_toml(study: Content) -> str:
@@ -64,10 +64,9 @@ def assumptions(study: Content) -> dict[str, str]:
             known = material(getattr(study, body).material)
             found[name] = f"{known.name}, {known.condition}: {known.sources[constant]}"
         elif name not in given:
-            info = key_of(type(study), name)
-            extra = info.json_schema_extra if info else None
-            if isinstance(extra, dict) and "assumed" in extra:
-                found[name] = str(extra["assumed"])
+            assumed = declarations(type(study)).get(name, Declared()).assumed
+            if assumed is not None:
+                found[name] = assumed
     return found
 
 
@@ -138,6 +137,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         str(p) for p in first["loc"] if not str(p).startswith(("literal[", "constrained-", "function-"))
     )
     kind, value = first["type"], first.get("input")
+    value = str(value) if is_quantity(value) else value
     if kind == "extra_forbidden":
         near = get_close_matches(name, all_keys(model), n=1, cutoff=0.5)
         hint = (

@@ -1,9 +1,10 @@
-"""Quantities in text, such as "9.4e-4 mm^3/N/m", to numbers in the units of the solver: mm, N, MPa, s."""
+"""Quantities, such as "9.4e-4 mm^3/N/m", become numbers in the units of the solver: mm, N, MPa, s."""
 
 import math
 import re
 from dataclasses import dataclass
 from functools import cache
+from numbers import Real
 from typing import Any
 
 from pydantic import GetCoreSchemaHandler
@@ -45,8 +46,15 @@ def _registry() -> Any:
 
 
 def parse(value: Any, unit: str) -> float:
-    """A quantity in text as a number in `unit`. Raises ValueError with a sentence about what is allowed."""
-    if isinstance(value, bool) or not isinstance(value, str):
+    """A quantity as a number in `unit`: text, a pair of number and unit, or a quantity of pint.
+
+    Raises ValueError with a sentence about what is allowed, also for a bare number.
+    """
+    if is_quantity(value):
+        return _converted(value, unit)
+    if is_pair(value):
+        value = f"{float(value[0])!r} {value[1]}"
+    if not isinstance(value, str):
         raise ValueError(f"needs its unit: {EXAMPLES[unit]}")
     if "," in value:
         raise ValueError(f"has a comma: write the number with a decimal point, {EXAMPLES[unit]}")
@@ -56,12 +64,36 @@ def parse(value: Any, unit: str) -> float:
     asked = found["unit"] or "dimensionless"
     try:
         quantity = _registry().Quantity(float(found["number"]), f"1{asked}" if asked[0] == "/" else asked)
-        number = float(quantity.to(unit).magnitude)
-    except pint.DimensionalityError:
-        raise ValueError(f"has the wrong dimension: {EXAMPLES[unit]} is expected") from None
     except Exception:  # pint raises whatever its parser meets, AttributeError and tokenize errors included
         raise ValueError(f"cannot be read: {EXAMPLES[unit]} is expected") from None
-    return number
+    return _converted(quantity, unit)
+
+
+def _converted(quantity: Any, unit: str) -> float:
+    try:
+        return float(quantity.to(unit).magnitude)
+    except pint.DimensionalityError:
+        raise ValueError(f"has the wrong dimension: {EXAMPLES[unit]} is expected") from None
+    except Exception:  # an array, or an error of a foreign registry
+        raise ValueError(f"cannot be read: {EXAMPLES[unit]} is expected") from None
+
+
+def is_quantity(value: Any) -> bool:
+    """Whether a value is a quantity of pint, of whatever registry."""
+    return hasattr(value, "magnitude") and hasattr(value, "to")
+
+
+def is_pair(value: Any) -> bool:
+    """Whether a value is a number and its unit, such as (8, "N")."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        return False
+    number, unit = value
+    return isinstance(number, Real) and not isinstance(number, bool) and isinstance(unit, str)
+
+
+def one_by_one(value: Any) -> Any:
+    """A list of quantities as it is; the elements of an array with one unit; else the value."""
+    return list(value) if is_quantity(value) and getattr(value.magnitude, "ndim", 0) == 1 else value
 
 
 def text(value: float, unit: str) -> str:
@@ -108,21 +140,31 @@ POSITIVE_OR_INFINITE = Range(infinite=True)
 
 @dataclass(frozen=True)
 class Quantity:
-    """Annotation of a study's field: text with a unit in the study, a float in `unit` here."""
+    """Annotation of a study's field: a quantity in the study, a float in `unit` here; or one of `words`."""
 
     unit: str
     range: Range = POSITIVE
+    words: tuple[str, ...] = ()
 
-    def read(self, value: Any) -> float:
-        return self.range.check(parse(value, self.unit), self.unit)
+    def read(self, value: Any) -> float | str:
+        """The number in `unit`, or the word. Raises ValueError, saying what is allowed."""
+        if isinstance(value, str) and value in self.words:
+            return value
+        try:
+            return self.range.check(parse(value, self.unit), self.unit)
+        except ValueError as error:
+            or_word = f", or {', '.join(repr(word) for word in self.words)}" if self.words else ""
+            raise ValueError(f"{error}{or_word}") from None
+
+    def write(self, value: float | str) -> str:
+        """Text that `read` reads back without loss."""
+        return value if isinstance(value, str) else text(value, self.unit)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(
             self.read,
-            handler(float),
-            serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda number: text(number, self.unit)
-            ),
+            handler(source),
+            serialization=core_schema.plain_serializer_function_ser_schema(self.write),
         )
 
 
@@ -133,7 +175,7 @@ class Number:
     range: Range = POSITIVE
 
     def read(self, value: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        if isinstance(value, bool) or not isinstance(value, Real):
             raise ValueError("must be a number without a unit")
         try:
             return self.range.check(float(value))

@@ -111,7 +111,7 @@ def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False
             increment: compute(f"V1 implicit, {increment:g} mm", _implicit(smooth, increment))
             for increment in plan.increments
         }
-        area = {"contact.foundation": "area"}
+        area = {"contact.bulk_stiffness": "area"}
         step = smooth.stepping.plan[2]
         beyond = compute(
             f"V1 with Hertz's area, explicit {step:g} mm", smooth.replace(area | {"stepping.force": True})

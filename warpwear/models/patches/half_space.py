@@ -53,7 +53,7 @@ class ElasticPatchesModel:
         curvature = study.sphere.curvature
         _, lowest = unworn(patches, heights, executor, curvature=curvature)
         of_patches = lowest.numpy().min(axis=1)
-        self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
+        self._smooth = SmoothContact(study, patches) if study.patches.coupling == "load" else None
         reached = of_patches if self._smooth is None else self._smooth.initial
         self._order = np.argsort(reached, kind="stable")
         #: As they are stored here.

@@ -37,7 +37,7 @@ class TwoScaleModel:
         self.contact = PatchContact(patches, heights, executor, curvature=curvature, hardness=hardness)
         self._ledger = PatchLedger(study, patches)
         self.book = self._ledger.book
-        self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
+        self._smooth = SmoothContact(study, patches) if study.patches.coupling == "load" else None
         self._last: Shares | None = None
         self._foresight = PatchForesight()
         self.ahead = 0
@@ -65,7 +65,7 @@ class TwoScaleModel:
         evaluations = self.contact.evaluations
         shares = self._share(removal)
         evaluations = self.contact.evaluations - evaluations
-        self._foresight.note(shares, self._last, removal, sprung=study.uses_foundation)
+        self._foresight.note(shares, self._last, removal, sprung=study.uses_bulk_stiffness)
         self._last = shares
         pressure = None
         if with_pressure:

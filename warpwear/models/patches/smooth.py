@@ -35,7 +35,8 @@ class SmoothContact:
             raise InputError(
                 f"contact.load = {self._load:g} N is more than the {whole} macro cells that lie wholly under "
                 f"the sphere carry at the hardness ({whole * self.area * self._hardness:.4g} N), as "
-                "macro.coupling = 'load' needs it; allowed are smaller loads or smaller ones of macro.cell."
+                "patches.coupling = 'load' needs it; allowed are smaller loads or a smaller "
+                "patches.macro_cell."
             )
         self.worn = np.zeros(patches.count)  # by both bodies [mm]
         self.approach = float(self.initial.min())  # [mm]

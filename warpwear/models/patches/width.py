@@ -44,10 +44,11 @@ def _refuse_wide(study: "Study", heights: FloatArray) -> None:
     hertz = study.hertz.radius if study.hertz else 0.0
     smooth = max(0.5 * worn_patch(study), hertz, math.sqrt(study.contact.load / (math.pi * study.hardness)))
     width = 2.0 * math.sqrt(smooth**2 + 2.0 * max(float(heights.max()), 0.0) / curvature)
-    if study.macro.cell > width:
+    if study.patches.macro_cell > width:
         raise InputError(
-            f"macro.cell = {1e3 * study.macro.cell:g} µm is larger than the contact, which ends about "
-            f"{1e3 * width:.3g} µm wide: one patch would carry all of the load; allowed are smaller ones."
+            f"patches.macro_cell = {1e3 * study.patches.macro_cell:g} µm is larger than the contact, which "
+            f"ends about {1e3 * width:.3g} µm wide: one patch would carry all of the load; allowed are "
+            "smaller ones."
         )
 
 
@@ -58,12 +59,12 @@ def _refuse_narrow(patches: Patches, heights: FloatArray) -> None:
     width = patches.side * cell
     if found.wavelength is None:
         raise InputError(
-            f"macro.patch = {1e3 * width:g} µm cannot stand for a macro cell: the roughness has no roll-off "
-            "length within the domain; allowed are patches as large as macro.cell."
+            f"patches.width = {1e3 * width:g} µm cannot stand for a macro cell: the roughness has no "
+            "roll-off length within the domain; allowed are patches as large as patches.macro_cell."
         )
     if width < CERTAIN * found.wavelength:
         raise InputError(
-            f"macro.patch = {1e3 * width:g} µm is narrower than the roll-off length of the roughness, about "
-            f"{1e3 * found.wavelength:.4g} µm (from: {found.source}), so it cannot stand for a macro cell; "
-            "allowed are wider patches, or ones as large as macro.cell."
+            f"patches.width = {1e3 * width:g} µm is narrower than the roll-off length of the roughness, "
+            f"about {1e3 * found.wavelength:.4g} µm (from: {found.source}), so it cannot stand for a macro "
+            "cell; allowed are wider patches, or ones as large as patches.macro_cell."
         )

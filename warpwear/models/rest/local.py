@@ -45,7 +45,7 @@ class OneScaleModel:
         self._wear = study.wear_laws
         self._rigid = study.uses_bearing_area
         #: 1/k of the foundation [mm³/N], None where it follows the contact.
-        updated = study.study.model == "macro" and study.contact.foundation_update == "updated"
+        updated = study.study.model == "macro" and study.contact.bulk_update == "updated"
         self._compliance = None if updated else study.law().compliance
         self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
         self._sums = executor.partials(len(SUMS))

@@ -1,0 +1,89 @@
+"""Studies are values: equal ones have equal hashes; copies and pickles carry nothing stale."""
+
+import copy
+import pickle
+import tomllib
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import pytest
+
+from warpwear import Study
+from warpwear.study.loading import presets
+
+COPIES: dict[str, Callable[[Study], Study]] = {
+    "pickle": lambda study: pickle.loads(pickle.dumps(study)),
+    "copy": copy.copy,
+    "deepcopy": copy.deepcopy,
+    "model_copy": lambda study: study.model_copy(),
+    "deep model_copy": lambda study: study.model_copy(deep=True),
+    "text": lambda study: Study(**tomllib.loads(study.to_toml())),
+    "replace": lambda study: study.replace({}),
+}
+
+
+@pytest.mark.parametrize("how", COPIES)
+@pytest.mark.parametrize("name", presets())
+def test_a_copy_is_equal(name: str, how: str) -> None:
+    study = Study.load(name)
+    again = COPIES[how](study)
+    assert again == study
+    assert hash(again) == hash(study)
+    assert again.notices() == study.notices()
+    assert len({study, again}) == 1
+
+
+def test_studies_that_differ_are_unequal() -> None:
+    study = Study.load("v3-fine")
+    others = [
+        study.replace({"contact.load": "4 N"}),
+        study.replace({"contact.stiffness": "inf N/mm^3"}),  # no longer assumed
+        study.replace({"study.name": "other"}),
+        Study.load("v3"),
+    ]
+    assert len({study, *others}) == 5
+    assert study != "v3-fine"
+    assert study == study.replace({"contact.load": "8000 mN"})
+    assert hash(study) == hash(study.replace({"contact.load": (8, "N")}))
+
+
+def test_old_names_make_no_other_study() -> None:
+    study = Study.load("two-scale")
+    old = study.replace({"macro.coupling": "approach"})
+    assert old.notices() != study.notices()
+    assert old == study
+    assert hash(old) == hash(study)
+    assert pickle.loads(pickle.dumps(old)).notices() == old.notices()
+    assert old.model_copy().notices() == old.notices()
+
+
+class Cached(Study):
+    """A study with a value that is computed once."""
+
+    @cached_property
+    def area(self) -> float:
+        return self.grid.extent**2
+
+
+@pytest.mark.parametrize("how", ["pickle", "copy", "deepcopy", "model_copy", "deep model_copy"])
+def test_no_copy_carries_a_value_that_was_computed_before(how: str) -> None:
+    study = Cached(**tomllib.loads(Study.load("v3-fine").to_toml()))
+    assert study.area == 1.5**2
+    copied: Any = COPIES[how](study)
+    assert "area" not in vars(copied)
+    changed = study.model_copy(update={"grid": study.grid.model_copy(update={"extent": 3.0})})
+    assert changed.area == 9.0
+    assert study.area == 1.5**2
+    assert copied.area == 1.5**2
+
+
+def test_derived_values_of_a_changed_copy_are_its_own() -> None:
+    study = Study.load("v3-fine")
+    before = study.hertz, study.cells, study.wear_laws, study.hardness
+    heavier = study.contact.model_copy(update={"load": 16.0, "hardness": 1000.0})
+    changed = study.model_copy(update={"contact": heavier})
+    assert changed.hardness == 1000.0
+    assert changed.hertz is not None
+    assert changed.hertz.load == 16.0
+    assert (study.hertz, study.cells, study.wear_laws, study.hardness) == before
