@@ -15,7 +15,7 @@ from warpwear.version import __version__
 if TYPE_CHECKING:
     from warpwear.errors import ConvergenceError, InputError
     from warpwear.result import Result
-    from warpwear.runs.run import run
+    from warpwear.runs.run import run, steps
     from warpwear.study.study import Study
 
 _PUBLIC = {
@@ -24,9 +24,10 @@ _PUBLIC = {
     "Result": "warpwear.result:Result",
     "Study": "warpwear.study.study:Study",
     "run": "warpwear.runs.run:run",
+    "steps": "warpwear.runs.run:steps",
 }
 
-__all__ = ["ConvergenceError", "InputError", "Result", "Study", "__version__", "run"]
+__all__ = ["ConvergenceError", "InputError", "Result", "Study", "__version__", "run", "steps"]
 
 
 def _register(wing: str) -> None:
@@ -54,4 +55,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

@@ -9,7 +9,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.grid import FloatArray
-from warpwear.history.columns import Column
+from warpwear.history.quantities import EVOLUTION
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.export import worn_heights
 from warpwear.results.file import ResultFile
@@ -18,19 +18,6 @@ from warpwear.surfaces.roughness import bearing_parameters, height_parameters
 
 ndimage = lazy.module("scipy.ndimage")
 
-COLUMNS = (
-    Column("distance", "mm", "sliding distance of the snapshot"),
-    Column("sa", "um", "arithmetic mean height of the disc inside the scar, its bowl taken off"),
-    Column("sq", "um", "root mean square height"),
-    Column("ssk", "1", "skewness"),
-    Column("sk", "um", "core height"),
-    Column("spk", "um", "reduced peak height"),
-    Column("svk", "um", "reduced valley depth"),
-    Column("islands", "1", "connected regions in contact (cells that share an edge)"),
-    Column("islands_of_one_cell", "1", "those of a single cell: the mesh does not resolve them"),
-    Column("island_area_median", "mm^2", "median area of an island"),
-    Column("island_area_largest", "mm^2", "area of the largest"),
-)
 #: The worn scar is a bowl: a polynomial of this degree is taken off before roughness is measured.
 FORM_DEGREE = 2
 #: A scar of fewer cells has no roughness worth a number.
@@ -53,7 +40,7 @@ def surface_evolution(result: ResultFile) -> SurfaceEvolution:
 def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
     rows, areas = [], []
     if not result.snapshot_distances.size:  # interrupted before the first
-        return SurfaceEvolution({column.name: np.empty(0) for column in COLUMNS}, ())
+        return SurfaceEvolution({column.name: np.empty(0) for column in EVOLUTION}, ())
     for index in range(result.snapshot_distances.size):
         snapshot = result.snapshot(index)
         islands = island_areas(result, snapshot)
@@ -67,7 +54,7 @@ def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
             }
         )
         areas.append(islands)
-    table = {column.name: np.array([row[column.name] for row in rows]) for column in COLUMNS}
+    table = {column.name: np.array([row[column.name] for row in rows]) for column in EVOLUTION}
     return SurfaceEvolution(table, tuple(areas))
 
 

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 
 from warpwear.grid import FloatArray, Grid
-from warpwear.history.columns import columns_of
-from warpwear.history.recorder_patches import COLUMNS as OF_PATCHES
+from warpwear.history.quantities import FIELDS, OF_THE_TRACK, PATCH_TABLES, Quantity, columns_of
 from warpwear.history.recorder_patches import PatchBook
-from warpwear.history.snapshot import FIELDS, Snapshot
+from warpwear.history.snapshot import Snapshot
+from warpwear.results.file import PATCH
 from warpwear.study.study import Study
 from warpwear.version import __version__
 
@@ -42,8 +43,8 @@ class ResultWriter:
             precision="float64",
             finished=False,
         )
-        for name, centres in (("x", grid.x), ("y", grid.y)):
-            file.create_dataset(f"grid/{name}", data=centres).attrs["units"] = "mm"
+        self._axis("grid/x", grid.x)
+        self._axis("grid/y", grid.y)
         file.create_group("snapshots")
 
     def add_snapshot(self, snapshot: Snapshot) -> None:
@@ -60,16 +61,17 @@ class ResultWriter:
             dataset = group.create_dataset(
                 name, data=values, chunks=chunks, compression="gzip", compression_opts=1, shuffle=True
             )
-            dataset.attrs["units"] = FIELDS[name]
+            _describe(dataset, FIELDS[name])
 
     def add_track(self, x: FloatArray, heights: FloatArray) -> None:
         """Keep the disc of a swept run: places of its rows [mm], heights before any wear [mm]."""
         self._check_space(heights.nbytes)
         group = self._file.create_group("track")
-        for name, centres in (("x", x), ("y", self._file["grid/y"][()])):
-            group.create_dataset(name, data=centres).attrs["units"] = "mm"
+        group["x"] = self._axis("grid/track_x", x)
         # As it is: roughness gains a tenth by compression, at many times the time.
-        group.create_dataset("heights", data=heights).attrs["units"] = "mm"
+        dataset = group.create_dataset("heights", data=heights)
+        dataset.attrs["units"] = "mm"
+        _label(dataset, self._file["grid"], "track_x", "y")
 
     @property
     def snapshot_bytes(self) -> int:
@@ -93,30 +95,48 @@ class ResultWriter:
         group = self._file.create_group("history")
         for column in columns_of(self._study):
             dataset = group.create_dataset(
-                column.name,
-                data=history[column.name],
-                compression="gzip",
-                shuffle=True,
-                chunks=True,
+                column.name, data=history[column.name], compression="gzip", shuffle=True, chunks=True
             )
-            dataset.attrs["units"] = column.units
-            dataset.attrs["meaning"] = column.meaning
+            _describe(dataset, column)
+        group["distance"].make_scale("distance")
+        for name in group:
+            if name != "distance":
+                _label(group[name], group, "distance")
+        self._label_snapshots()
         self._file.attrs["record"] = json.dumps(record)
         self._file.attrs["finished"] = finished
         self._file.flush()
 
     def add_patches(self, book: "PatchBook") -> None:
         """Keep what each patch did, after the history is finished, and where the macro cells lie."""
-        for column in OF_PATCHES:
+        for column in PATCH_TABLES:
             table = book.table(column.name)
             self._check_space(table.nbytes)
             dataset = self._file.create_dataset(
                 f"history/{column.name}", data=table, compression="gzip", shuffle=True, chunks=True
             )
-            dataset.attrs["units"], dataset.attrs["meaning"] = column.units, column.meaning
+            _describe(dataset, column)
+            if PATCH not in self._file["history"]:
+                self._axis(f"history/{PATCH}", np.arange(table.shape[1]), units="1")
+            _label(dataset, self._file["history"], "distance", PATCH)
         for name, centres in zip(("x", "y"), book.patches.centres, strict=True):
             self._file.create_dataset(f"macro/{name}", data=centres).attrs["units"] = "mm"
         self._file.flush()
+
+    def _axis(self, path: str, values: "np.ndarray[Any, Any]", *, units: str = "mm") -> h5py.Dataset:
+        """A dataset that is the scale of an axis, named by the last part of its path."""
+        axis = self._file.create_dataset(path, data=values)
+        axis.attrs["units"] = units
+        axis.make_scale(path.rpartition("/")[2])
+        return axis
+
+    def _label_snapshots(self) -> None:
+        """Say which axes the fields of all snapshots have; checkpoints hold them without."""
+        track = "track" in self._file
+        for group in self._file["snapshots"].values():
+            for name in [name for name in FIELDS if name in group]:
+                along = "track_x" if track and name in OF_THE_TRACK else "x"
+                _label(group[name], self._file["grid"], along, "y")
 
     def _check_space(self, size: int) -> None:
         """For so many bytes before compression [B]."""
@@ -124,6 +144,26 @@ class ResultWriter:
             return
         path = Path(self._file.filename)
         make_sure_of(size + SPACE_FOR_THE_REST, path.parent, offset=path.stat().st_size)
+
+
+def _label(dataset: h5py.Dataset, scales: h5py.Group, *names: str) -> None:
+    """Say which scales of a group the axes of a dataset have; the dataset's group gets hard links to them.
+
+    A scale elsewhere does not open in xarray. Written by hand, without the list that each scale would keep of
+    its datasets: the HDF5 library copies it whenever it grows, and fails at 4000 of them.
+    """
+    references = np.empty(len(names), dtype=object)
+    for place, name in enumerate(names):
+        if name not in dataset.parent:
+            dataset.parent[name] = scales[name]
+        references[place] = np.array([scales[name].ref], dtype=h5py.ref_dtype)
+    dataset.attrs.create("DIMENSION_LIST", references, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+
+
+def _describe(dataset: h5py.Dataset, quantity: Quantity) -> None:
+    """Give a dataset the unit and the meaning of its quantity, under the names that xarray plots by."""
+    dataset.attrs["units"] = quantity.units
+    dataset.attrs["long_name"] = quantity.meaning
 
 
 #: What a file system says that cannot set room aside.

@@ -26,7 +26,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.columns import Rows
+from warpwear.history.rows import Rows
 from warpwear.results.seal import HEADER, digest_of, has_mark, seal, words_of
 from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, make_sure_of
 from warpwear.study.study import Study
