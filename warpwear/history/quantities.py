@@ -153,4 +153,4 @@ def markdown_table() -> str:
     rows += [
         f"| `{q.name}` | {q.units} | {values[q.per]} | {limits[q.only]} | {q.meaning} |" for q in QUANTITIES
     ]
-    return "\n".join(rows) + "\n"
+    return "\n".join(rows).replace("^2", "²").replace("^3", "³") + "\n"
