@@ -63,7 +63,7 @@ class Rows:
         return (self[index] for index in range(len(self)))
 
     def column(self, name: str) -> FloatArray:
-        """Shape (rows,); NaN for a column that the rows do not have."""
+        """One value a row, shape (rows,); NaN for a column that the rows do not have."""
         if name not in self._names:
             return np.full(len(self), math.nan)
         table = np.frombuffer(self._values).reshape(len(self), len(self._names))

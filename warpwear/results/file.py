@@ -18,17 +18,17 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import FIELDS, UNITS
 from warpwear.history.rows import History
 from warpwear.history.snapshot import Snapshot
-from warpwear.results.seal import digest_of, has_mark, words_of
+from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
 
-Made = TypeVar("Made")
+Derived = TypeVar("Derived")
 FILE_NAME = "result.h5"
 #: Heights that were given as an array, beside the file.
 SURFACE_FILE = "surface.npy"
 #: Datasets beside the columns of the history: numbers of its patches.
 PATCH = "patch"
-#: Of a distance asked for, by which a snapshot's may differ and be the one.
+#: Part of a distance asked for by which a snapshot's may differ and be the one.
 SAME_DISTANCE = 1.0e-6
 #: What the seal of the file begins with.
 MAGIC = "warpwear result"
@@ -38,7 +38,7 @@ def check_seal(path: Path) -> None:
     """Raises InputError for a sealed file that is not what was written. One made by hand may be anything."""
     try:
         with path.open("rb") as file:
-            words = words_of(file)
+            words = read_header(file)
             sealed = " ".join(words[:2]) == MAGIC
             if sealed and words[2:] != [digest_of(file)]:
                 raise InputError(
@@ -87,7 +87,7 @@ class ResultFile:
     def __init__(self, file: h5py.File, path: Path | None = None) -> None:
         self._file = file
         self.path = path
-        self._made: dict[str, Any] = {}
+        self._derived: dict[str, Any] = {}
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
@@ -265,7 +265,7 @@ class ResultFile:
         return self._array("track/heights", "has no track", rows)
 
     def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:
-        """Depths worn off the track and displaced of it for good at snapshot number `index` [mm]."""
+        """Depths worn off the track, and displaced of it for good, at snapshot number `index` [mm]."""
         with self._reading() as file:
             group = file["snapshots"][list(file["snapshots"])[index]]
             worn: FloatArray = group["wear_disc"][rows]
@@ -278,13 +278,13 @@ class ResultFile:
             found: dict[str, Any] = json.loads(file.attrs.get("record", "{}"))
             return found
 
-    def once(self, make: Callable[[Self], Made]) -> Made:
+    def once(self, make: Callable[[Self], Derived]) -> Derived:
         """What a function makes of this result; it is called the first time only."""
         name = f"{make.__module__}.{make.__qualname__}"
-        if name not in self._made:
-            self._made[name] = make(self)
-        made: Made = self._made[name]
-        return made
+        if name not in self._derived:
+            self._derived[name] = make(self)
+        derived: Derived = self._derived[name]
+        return derived
 
     def close(self) -> None:
         """Close the file. What was read stays."""

@@ -25,7 +25,7 @@ def _write_table(path: Path, columns: Sequence[Quantity], table: Mapping[str, Fl
 
 
 def _without_nan(values: Any) -> Any:
-    """The same, None for what is no finite number: JSON has no word for it."""
+    """Replace what is no finite number by None: JSON has no word for it."""
     if isinstance(values, dict):
         return {name: _without_nan(value) for name, value in values.items()}
     if isinstance(values, list | tuple):

@@ -17,7 +17,7 @@ from warpwear.results import friction
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
-from warpwear.runs.checkpoint import Checkpoint, Checkpoints, Found, opened
+from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, opened
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Invariants, Violation
 from warpwear.runs.make import model_of, plan_of
@@ -60,7 +60,7 @@ class StepLoop:
         #: Why the run stopped early, if a step was wrong.
         self.failed: InvariantError | ConvergenceError | None = None
         self._invariants = Invariants(study)
-        self._told: list[str] = []
+        self._reported: list[str] = []
         self._writer = writer
         self._progress = progress
         grid = study.cells
@@ -100,7 +100,7 @@ class StepLoop:
         if self._checkpoints is not None and self.finished:
             self._checkpoints.remove()
 
-    def _restore(self, found: Found) -> None:
+    def _restore(self, found: StoredCheckpoint) -> None:
         found.refuse_changes(self.study, device=self._device)
         found.refuse_surface(self._surface_sum)
         then = found.read()
@@ -108,7 +108,7 @@ class StepLoop:
         assert self._writer is not None
         self._writer.take_snapshots_from(found.file)
         self._rows = Rows(then.rows)
-        self.warnings, self._told = then.warnings, then.told
+        self.warnings, self._reported = then.warnings, then.reported_violations
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
 
@@ -141,9 +141,7 @@ class StepLoop:
             "elapsed_s": self._elapsed,
             "made_with": versions(self._processor),
         }
-        self._writer.finish(history, record, finished=self.finished)
-        if self._book is not None:
-            self._writer.add_patches(self._book)
+        self._writer.finish(history, record, finished=self.finished, book=self._book)
 
     def steps(self) -> Iterator[RunStep]:
         """Every step of the study, with its fields; nothing is written."""
@@ -211,7 +209,7 @@ class StepLoop:
     def _checkpoint(self, checkpoints: Checkpoints) -> None:
         arrays, numbers = self._model.saved_state()
         self._check(self._invariants.of_fields(arrays, self._rows[-1]))
-        now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._told, self._elapsed)
+        now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._reported, self._elapsed)
         assert self._writer is not None
         try:
             checkpoints.write(now, self._writer)
@@ -241,14 +239,14 @@ class StepLoop:
         """
         for violation in violations:
             if self.study.checks.strict:
-                self._told.append(violation.quantity)
+                self._reported.append(violation.quantity)
                 self.warnings.append(f"{violation.sentence}.")
                 error = InvariantError(f"{violation.sentence}; {violation.remedy}.")
                 if not violation.sound:
                     raise error
                 return error
-            if violation.quantity not in self._told:
-                self._told.append(violation.quantity)
+            if violation.quantity not in self._reported:
+                self._reported.append(violation.quantity)
                 self._add_warning(f"{violation.sentence}.")
         return None
 
