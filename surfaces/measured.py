@@ -58,10 +58,14 @@ class Measured:
 
         Along an axis whose pixel is finer than the spacing of the points, the measurement is first low-passed
         against aliasing by the Gaussian filter of ISO 16610-61 (separable: 16610-21 along each axis) with a
-        cut-off of two cells, where it transmits half. That takes the memory of two more fields. Raises
-        InputError, naming ``disc.extend``, where the points leave the measurement and `extend` is "refuse".
+        cut-off of two cells, where it transmits half. That takes the memory of two more fields. Points that
+        are its pixels have the heights of these, to the last digit. Raises InputError, naming
+        ``disc.extend``, where the points leave the measurement and `extend` is "refuse".
         """
         self._check_reach(x, y)
+        pixels = [_pixels(p, n, d) for p, n, d in zip((x, y), self.levelled.shape, self.pixel, strict=True)]
+        if pixels[0] is not None and pixels[1] is not None:
+            return self.levelled[pixels[0], pixels[1]].copy()
         edge = "grid-wrap" if self.extend == "periodic" else "reflect"
         field = self.levelled
         for axis, cut_off in enumerate(self._cut_offs(x, y)):
@@ -242,6 +246,16 @@ def _sampling(pixel: float, cell: float, cut_off: float | None) -> list[str]:
             "is in the result"
         ]
     return []
+
+
+def _pixels(points: FloatArray, count: int, pixel: float) -> slice | None:
+    """The pixels that points along an axis [mm] are the centres of; None where they are not."""
+    places = points / pixel + 0.5 * (count - 1)
+    first = round(float(places[0]))
+    if not 0 <= first <= count - points.size:
+        return None
+    apart = np.abs(places - np.arange(first, first + points.size)).max()
+    return slice(first, first + points.size) if apart <= SLACK * count else None
 
 
 def _spline_rows(points: FloatArray, *, count: int, pixel: float, edge: str) -> Any:

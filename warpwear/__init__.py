@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from warpwear.contact.solve import solve_contact
     from warpwear.errors import ConvergenceError, InputError
     from warpwear.result import Result
-    from warpwear.runs.run import run
+    from warpwear.runs.run import run, steps
     from warpwear.study.study import Study
 
 _PUBLIC = {
@@ -26,9 +26,19 @@ _PUBLIC = {
     "Study": "warpwear.study.study:Study",
     "run": "warpwear.runs.run:run",
     "solve_contact": "warpwear.contact.solve:solve_contact",
+    "steps": "warpwear.runs.run:steps",
 }
 
-__all__ = ["ConvergenceError", "InputError", "Result", "Study", "__version__", "run", "solve_contact"]
+__all__ = [
+    "ConvergenceError",
+    "InputError",
+    "Result",
+    "Study",
+    "__version__",
+    "run",
+    "solve_contact",
+    "steps",
+]
 
 
 def _register(wing: str) -> None:
@@ -56,4 +66,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

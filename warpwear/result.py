@@ -8,6 +8,7 @@ from typing import Any
 from warpwear.lazy import resolve
 from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
+from warpwear.results.frames import to_dataframe, to_xarray
 from warpwear.results.summary import summarise
 
 #: Draws the figures; Matplotlib takes as long to import as everything else together.
@@ -28,6 +29,17 @@ class Result(ResultFile):
     def surface_evolution(self) -> SurfaceEvolution:
         """Roughness inside the scar and islands of contact at every snapshot."""
         return surface_evolution(self)
+
+    def to_dataframe(self) -> Any:
+        """The history as a pandas.DataFrame, a row a step; units in `.attrs["units"]`."""
+        return to_dataframe(self)
+
+    def to_xarray(self) -> Any:
+        """History, patches and all snapshots as an xarray.Dataset, read into memory.
+
+        Dimensions step, distance (of the snapshots), x, y, track_x, patch; units in the attributes.
+        """
+        return to_xarray(self)
 
     @property
     def plot(self) -> Any:

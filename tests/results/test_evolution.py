@@ -6,7 +6,8 @@ from scipy import ndimage
 
 import warpwear
 from warpwear import Result, Study
-from warpwear.results.evolution import COLUMNS, surface_evolution
+from warpwear.history.quantities import EVOLUTION
+from warpwear.results.evolution import surface_evolution
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +24,7 @@ def result() -> Result:
 
 def test_one_row_a_snapshot(result: Result) -> None:
     found = surface_evolution(result)
-    assert list(found.table) == [column.name for column in COLUMNS]
+    assert list(found.table) == [column.name for column in EVOLUTION]
     assert found.table["distance"].tolist() == [0.003, 3.0, 30.0, 240.0]
     assert all(values.shape == (4,) for values in found.table.values())
 

@@ -13,9 +13,10 @@ import pytest
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.engine.executor import Executor
-from warpwear.history.columns import COLUMNS
+from warpwear.history.quantities import columns_of
 from warpwear.models.rest.local import OneScaleModel
 
+COLUMNS = columns_of(Study.load("v3-fine"))
 QUICK = {"grid.cell": "20 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm"]}
 
 
@@ -50,9 +51,11 @@ def test_the_hdf5_file_is_as_documented(folder: Path) -> None:
             assert file["history"][column.name].dtype == np.float64
         assert [g.attrs["distance"] for g in file["snapshots"].values()] == [3.0, 30.0]
         for group in file["snapshots"].values():
-            assert set(group) == {"pressure", "wear_sphere", "wear_disc", "gap"}
-            assert {d.shape for d in group.values()} == {(75, 75)}
-            assert all(d.compression for d in group.values())
+            fields = {"pressure", "wear_sphere", "wear_disc", "gap"}
+            assert set(group) == fields | {"x", "y"}
+            assert {group[name].shape for name in fields} == {(75, 75)}
+            assert all(group[name].compression for name in fields)
+            assert group["x"] == file["grid/x"]  # one dataset under two names
         assert file["grid/x"].shape == file["grid/y"].shape == (75,)
 
 

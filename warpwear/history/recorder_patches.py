@@ -9,7 +9,7 @@ import numpy as np
 
 from warpwear.contact.balance import Balance, residual_of
 from warpwear.grid import FloatArray
-from warpwear.history.columns import Column
+from warpwear.history.quantities import PATCH_TABLES
 from warpwear.history.recorder import Ledger, Step
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.patches import Patches
@@ -122,16 +122,9 @@ class PatchLedger:
         self.book.restore(arrays)
 
 
-#: Tables of shape (steps, patches), patches in the order of `Patches`: x · across + y.
-COLUMNS = (
-    Column("load_share", "N", "load of each patch, or of the macro cell that it stands for"),
-    Column("area_patch", "mm^2", "real area of contact of each, or of its macro cell"),
-)
-
-
 def bytes_of_book(steps: int, patches: int) -> int:
     """What the tables take of memory at most: as they grow and, for a checkpoint, as they are written."""
-    return 2 * len(COLUMNS) * 8 * steps * patches
+    return 2 * len(PATCH_TABLES) * 8 * steps * patches
 
 
 class PatchBook:
@@ -139,10 +132,10 @@ class PatchBook:
 
     def __init__(self, patches: Patches) -> None:
         self.patches = patches
-        self._rows: dict[str, list[FloatArray]] = {column.name: [] for column in COLUMNS}
+        self._rows: dict[str, list[FloatArray]] = {table.name: [] for table in PATCH_TABLES}
 
     def enter(self, **row: FloatArray) -> None:
-        """Values of one step by the names of `COLUMNS`, shape (patches,) each."""
+        """Values of one step by the names of `PATCH_TABLES`, shape (patches,) each."""
         for name, values in row.items():
             self._rows[name].append(values)
 
@@ -152,8 +145,8 @@ class PatchBook:
 
     def saved_state(self) -> dict[str, Any]:
         """Arrays that `restore` takes back."""
-        return {column.name: self.table(column.name) for column in COLUMNS}
+        return {table.name: self.table(table.name) for table in PATCH_TABLES}
 
     def restore(self, arrays: Mapping[str, Any]) -> None:
-        for column in COLUMNS:
-            self._rows[column.name] = list(arrays[column.name])
+        for table in PATCH_TABLES:
+            self._rows[table.name] = list(arrays[table.name])

@@ -6,17 +6,8 @@ import numpy as np
 
 from warpwear.grid import FloatArray
 
-#: Name -> unit.
-FIELDS = {
-    "pressure": "MPa",
-    "wear_sphere": "mm",
-    "wear_disc": "mm",
-    "gap": "mm",
-    "plastic_disc": "mm",  # of a swept disc that keeps its dents
-}
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Snapshot:
     """Fields at one sliding distance, each of shape (nx, ny), axis 0 along the sliding direction.
 
@@ -31,6 +22,15 @@ class Snapshot:
     gap: FloatArray  # [mm], after the step's wear
     plastic_disc: FloatArray | None = None  # [mm], displaced for good, of a swept disc that keeps its dents
     row: int | None = None  # of the track, under the sphere's first row
+
+    @property
+    def fields(self) -> dict[str, FloatArray]:
+        """Name -> field, of those that there are; units in `warpwear.history.quantities`."""
+        return {name: values for name, values in vars(self).items() if isinstance(values, np.ndarray)}
+
+    def __repr__(self) -> str:
+        nx, ny = self.pressure.shape
+        return f"<Snapshot at {self.distance:g} mm, {nx} × {ny} cells: {', '.join(self.fields)}>"
 
     @property
     def wear_beneath(self) -> FloatArray:

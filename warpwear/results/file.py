@@ -1,24 +1,34 @@
 """The HDF5 file of a run, read by `ResultFile`."""
 
 import json
-from collections.abc import Callable, Iterator
+import operator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, Self, SupportsIndex, TypeVar, overload
 
 import h5py
 import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.snapshot import FIELDS, Snapshot
-from warpwear.results.seal import digest_of, has_mark, words_of
+from warpwear.history.quantities import FIELDS, UNITS
+from warpwear.history.rows import History
+from warpwear.history.snapshot import Snapshot
+from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
+from warpwear.study.units import parse
 
-Made = TypeVar("Made")
+Derived = TypeVar("Derived")
 FILE_NAME = "result.h5"
+#: Heights that were given as an array, beside the file.
+SURFACE_FILE = "surface.npy"
+#: Datasets beside the columns of the history: numbers of its patches.
+PATCH = "patch"
+#: Part of a distance asked for by which a snapshot's may differ and be the one.
+SAME_DISTANCE = 1.0e-6
 #: What the seal of the file begins with.
 MAGIC = "warpwear result"
 
@@ -27,7 +37,7 @@ def check_seal(path: Path) -> None:
     """Raises InputError for a sealed file that is not what was written. One made by hand may be anything."""
     try:
         with path.open("rb") as file:
-            words = words_of(file)
+            words = read_header(file)
             sealed = " ".join(words[:2]) == MAGIC
             if sealed and words[2:] != [digest_of(file)]:
                 raise InputError(
@@ -44,25 +54,39 @@ def is_one(path: Path) -> bool:
     return has_mark(path, MAGIC)
 
 
-@contextmanager
-def _damage_told(file: h5py.File) -> Iterator[None]:
-    """InputError where a file cannot give what it must hold."""
-    name = file.filename
-    try:
-        yield
-    except InputError:
-        raise
-    except (OSError, KeyError, ValueError, TypeError, RuntimeError, AttributeError) as error:
-        raise InputError(f"{name} is damaged or not a result of warpwear: {error}.") from error
+class Snapshots(Sequence[Snapshot]):
+    """The snapshots of a result, each read from its file when it is asked for; a slice is a part of them."""
+
+    def __init__(self, result: "ResultFile", numbers: range) -> None:
+        self._result, self._numbers = result, numbers
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    @overload
+    def __getitem__(self, index: int) -> Snapshot: ...
+    @overload
+    def __getitem__(self, index: slice) -> "Snapshots": ...
+    def __getitem__(self, index: int | slice) -> "Snapshot | Snapshots":
+        if isinstance(index, slice):
+            return Snapshots(self._result, self._numbers[index])
+        return self._result.snapshot(self._numbers[_number(index, len(self))])
+
+    def __repr__(self) -> str:
+        distances = self._result.snapshot_distances[self._numbers]
+        return f"<{len(self)} snapshots at {', '.join(f'{d:g}' for d in distances)} mm>"
 
 
 class ResultFile:
-    """What a run left in its file: history, snapshots, study. Open one with `ResultFile.open(path)`."""
+    """What a run left in its file: history, snapshots, study. Open one with `ResultFile.open(path)`.
 
-    def __init__(self, file: h5py.File, folder: Path | None = None) -> None:
+    path: of the file, None for a run in memory. What was read stays when the file is closed.
+    """
+
+    def __init__(self, file: h5py.File, path: Path | None = None) -> None:
         self._file = file
-        self.folder = folder
-        self._made: dict[str, Any] = {}
+        self.path = path
+        self._derived: dict[str, Any] = {}
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
@@ -76,18 +100,45 @@ class ResultFile:
             opened = h5py.File(file, "r")
         except OSError as error:
             raise InputError(f"{file} is no HDF5 file or is damaged: {error}.") from error
-        with _damage_told(opened):
+        result = cls(opened, file)
+        with result._reading():
             is_result = "history" in opened and "study" in opened.attrs
         if not is_result:
             opened.close()
             raise InputError(f"{file} is an HDF5 file, but not a result of warpwear.")
-        return cls(opened, file.parent)
+        return result
+
+    @property
+    def folder(self) -> Path | None:
+        """The run folder; None for a run in memory."""
+        return None if self.path is None else self.path.parent
+
+    @contextmanager
+    def _reading(self) -> Iterator[h5py.File]:
+        """The open file. Raises InputError where it is closed, or cannot give what it must hold."""
+        if not self._file:
+            again = f"open it again with Result.open({str(self.path)!r})" if self.path else "it was in memory"
+            raise InputError(f"this result is closed, so that nothing more can be read from it: {again}.")
+        try:
+            yield self._file
+        except InputError:
+            raise
+        except (OSError, KeyError, ValueError, TypeError, RuntimeError, AttributeError) as error:
+            name = self._file.filename
+            raise InputError(f"{name} is damaged or not a result of warpwear: {error}.") from error
 
     @cached_property
-    def history(self) -> dict[str, FloatArray]:
-        """Column name -> one value a step, shape (steps,). Units and meanings: `history.columns`."""
-        with _damage_told(self._file):
-            return {name: dataset[()] for name, dataset in self._file["history"].items() if dataset.ndim == 1}
+    def history(self) -> History:
+        """Column name -> one value a step, shape (steps,); in the units of `units`."""
+        with self._reading() as file:
+            columns = {k: v[()] for k, v in file["history"].items() if v.ndim == 1 and k != PATCH}
+        declared = [name for name in UNITS if name in columns]
+        return History((name, columns[name]) for name in dict.fromkeys((*declared, *columns)))
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Name of a column, field or table -> its unit, such as "mm^2"."""
+        return dict(UNITS)
 
     @cached_property
     def load_share(self) -> FloatArray:
@@ -113,93 +164,121 @@ class ResultFile:
         return self._of_patches("macro/y")
 
     def _of_patches(self, name: str) -> FloatArray:
-        if name not in self._file:
-            raise InputError(
-                f"the run has no patches: study.model is '{self.study.study.model}', not 'two-scale'."
-            )
-        with _damage_told(self._file):
-            values: FloatArray = self._file[name][()]
-        return values
+        return self._array(
+            name, f"has no patches: study.model is '{self.study.study.model}', not 'two-scale'"
+        )
+
+    def _array(self, name: str, otherwise: str = "", rows: slice = slice(None)) -> FloatArray:
+        """Rows of a dataset. otherwise: what the run lacks where it has none, as the end of a sentence."""
+        with self._reading() as file:
+            if otherwise and name not in file:
+                raise InputError(f"the run {otherwise}.")
+            values: FloatArray = file[name][rows]
+            return values
 
     @cached_property
     def study(self) -> Study:
-        """The study that was run."""
-        with _damage_told(self._file):
-            return Study.stored(self._file.attrs["study"])
+        """The study that was run. Heights given as an array are those in the run folder, wherever it is."""
+        with self._reading() as file:
+            found = Study.stored(file.attrs["study"])
+            given = self.folder and self.folder / SURFACE_FILE
+            if given and given.is_file() and Path(found.disc.surface or "").name == SURFACE_FILE:
+                found = Study.stored(file.attrs["study"], surface=str(given.resolve()))
+        return found
 
     @property
     def attributes(self) -> dict[str, Any]:
         """Version, device, threads, precision, finished."""
-        with _damage_told(self._file):
-            return {k: v for k, v in self._file.attrs.items() if k != "study"}
+        with self._reading() as file:
+            return {k: v for k, v in file.attrs.items() if k != "study"}
 
     @property
     def finished(self) -> bool:
         """False for a run that was interrupted."""
-        with _damage_told(self._file):
-            return bool(self._file.attrs["finished"])
+        with self._reading() as file:
+            return bool(file.attrs["finished"])
 
     @cached_property
     def x(self) -> FloatArray:
         """Centres of the cells along the sliding direction [mm], shape (nx,)."""
-        return self._centres("x")
+        return self._array("grid/x")
 
     @cached_property
     def y(self) -> FloatArray:
         """Centres of the cells across the sliding direction [mm], shape (ny,)."""
-        return self._centres("y")
-
-    def _centres(self, axis: str) -> FloatArray:
-        with _damage_told(self._file):
-            values: FloatArray = self._file[f"grid/{axis}"][()]
-        return values
+        return self._array("grid/y")
 
     @cached_property
     def snapshot_distances(self) -> FloatArray:
         """Sliding distances of the snapshots [mm]."""
-        with _damage_told(self._file):
-            return np.array([group.attrs["distance"] for group in self._file["snapshots"].values()])
+        with self._reading() as file:
+            return np.array([group.attrs["distance"] for group in file["snapshots"].values()])
 
-    def snapshot(self, index: int) -> Snapshot:
-        """Snapshot number `index`; -1 is the end. Raises IndexError."""
-        with _damage_told(self._file):
-            names = list(self._file["snapshots"])
-            group = self._file["snapshots"][names[index]]
+    @property
+    def snapshots(self) -> Snapshots:
+        """All snapshots, as a sequence that reads one when it is asked for it; the last is the end."""
+        return Snapshots(self, range(self.snapshot_distances.size))
+
+    def snapshot(self, index: SupportsIndex) -> Snapshot:
+        """Snapshot number `index`; -1 is the end. Raises InputError for what is no number, IndexError."""
+        number = _number(index, self.snapshot_distances.size)
+        with self._reading() as file:
+            group = file["snapshots"][list(file["snapshots"])[number]]
             row = int(group.attrs["row"]) if "row" in group.attrs else None
             fields = {name: group[name][()] for name in FIELDS if name in group}
             return Snapshot(float(group.attrs["distance"]), row=row, **fields)
 
+    def at(self, distance: str | float) -> Snapshot:
+        """The snapshot kept at a sliding distance, such as "30 mm", or a number [mm].
+
+        Of a swept run, whose steps end where its track has them, one that was asked for there is the first at
+        or after it. Raises InputError, naming those that are kept, for another distance.
+        """
+        try:
+            asked = float(distance) if isinstance(distance, int | float) else parse(distance, "mm")
+        except ValueError as error:
+            raise InputError(f"at = {distance!r}: {error}.") from error
+        kept, slack = self.snapshot_distances, SAME_DISTANCE * abs(asked)
+        found = np.flatnonzero(np.abs(kept - asked) <= slack)
+        if not found.size and self.study.is_swept and asked in self.study.output.snapshots:
+            found = np.flatnonzero(kept > asked)
+        if not found.size:
+            raise InputError(
+                f"at = {distance!r}: no snapshot is kept there; allowed: "
+                f"{', '.join(f'{d:g} mm' for d in kept) or 'none, as the run has no snapshots'}."
+            )
+        return self.snapshot(int(found[0]))
+
     @cached_property
     def track_x(self) -> FloatArray:
-        """Centres of the track's rows along the sliding direction [mm], shape (rows,). KeyError without."""
-        values: FloatArray = self._file["track/x"][()]
-        return values
+        """Centres of the track's rows along the sliding direction [mm], shape (rows,). InputError without."""
+        return self._array("track/x", "has no track")
 
     def track_heights(self, rows: slice = slice(None)) -> FloatArray:
-        """Heights of the track before any wear [mm], shape (rows, ny). KeyError without a track."""
-        values: FloatArray = self._file["track/heights"][rows]
-        return values
+        """Heights of the track before any wear [mm], shape (rows, ny). InputError without a track."""
+        return self._array("track/heights", "has no track", rows)
 
     def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:
-        """Depths worn off the track and displaced of it for good at snapshot number `index` [mm]."""
-        group = self._file["snapshots"][list(self._file["snapshots"])[index]]
-        worn: FloatArray = group["wear_disc"][rows]
-        return worn, group["plastic_disc"][rows] if "plastic_disc" in group else np.zeros_like(worn)
+        """Depths worn off the track, and displaced of it for good, at snapshot number `index` [mm]."""
+        with self._reading() as file:
+            group = file["snapshots"][list(file["snapshots"])[index]]
+            worn: FloatArray = group["wear_disc"][rows]
+            return worn, group["plastic_disc"][rows] if "plastic_disc" in group else np.zeros_like(worn)
 
     @property
     def record(self) -> dict[str, Any]:
         """What the run recorded beside numbers: the surface, notices and warnings, elapsed time."""
-        with _damage_told(self._file):
-            found: dict[str, Any] = json.loads(self._file.attrs.get("record", "{}"))
+        with self._reading() as file:
+            found: dict[str, Any] = json.loads(file.attrs.get("record", "{}"))
             return found
 
-    def once(self, make: Callable[[Self], Made]) -> Made:
+    def once(self, make: Callable[[Self], Derived]) -> Derived:
         """What a function makes of this result; it is called the first time only."""
         name = f"{make.__module__}.{make.__qualname__}"
-        if name not in self._made:
-            self._made[name] = make(self)
-        made: Made = self._made[name]
-        return made
+        if name not in self._derived:
+            self._derived[name] = make(self)
+        derived: Derived = self._derived[name]
+        return derived
 
     def close(self) -> None:
         """Close the file. What was read stays."""
@@ -213,8 +292,30 @@ class ResultFile:
     ) -> None:
         self.close()
 
+    def __reduce__(self) -> tuple[Callable[[Path], Self], tuple[Path]]:
+        """A result is pickled as its path, and opened again from there."""
+        if self.path is None:
+            raise InputError("a result in memory cannot be pickled; give the run a folder with out.")
+        return type(self).open, (self.path.resolve(),)
+
     def __repr__(self) -> str:
+        if not self._file:
+            return f"<Result, closed: {self.path or 'it was in memory'}>"
         distance = self.history["distance"]
         state = "finished" if self.finished else "interrupted"
         name = self.study.study.name
         return f"<Result of '{name}': {distance[-1]:g} mm in {distance.size} steps, {state}>"
+
+
+def _number(index: SupportsIndex, count: int) -> int:
+    """A place in a sequence, counted from its start. Raises InputError for no whole number, IndexError."""
+    try:
+        number = operator.index(index)
+    except TypeError:
+        raise InputError(
+            f"snapshot = {index!r}: a number from 0 to {count - 1} is expected, -1 is the last; for a "
+            "distance use result.at('30 mm')."
+        ) from None
+    if not -count <= number < count:
+        raise IndexError(f"snapshot {number} is not among the {count} of this result")
+    return number % count

@@ -1,8 +1,8 @@
-"""Files that tell whether they are what was written, by a digest in the room before their HDF5 part.
+"""What a file says of itself: whether it is still what was written, and what it was made with.
 
-They open with a user block of `HEADER` bytes, a line "MARK DIGEST": the digest of everything behind it is
-checked before the HDF5 library sees any of it, which takes lost blocks for zeros and does not survive every
-damage.
+A sealed file opens with a user block of `HEADER` bytes that holds a line "MARK DIGEST". The digest is that of
+everything behind the block, and is checked before the HDF5 library sees any of it: that library takes lost
+blocks for zeros and does not survive every damage.
 """
 
 import hashlib
@@ -14,7 +14,10 @@ from typing import Any
 
 from warpwear.version import __version__
 
+#: Size of the user block [B].
 HEADER = 512
+#: Packages whose numbers a result depends on.
+PACKAGES = ("warp-lang", "numpy", "scipy", "h5py")
 
 
 def seal(file: BufferedIOBase, mark: str) -> None:
@@ -24,13 +27,13 @@ def seal(file: BufferedIOBase, mark: str) -> None:
     file.write(f"{mark} {digest}\n".encode())
 
 
-def words_of(file: BufferedIOBase) -> list[str]:
-    """Of the first line of a file, open at its beginning: those of its mark, and its digest."""
+def read_header(file: BufferedIOBase) -> list[str]:
+    """The words of the first line of a file that is open at its beginning: its mark's, and its digest."""
     return file.readline(HEADER).decode(errors="replace").split()
 
 
 def digest_of(file: BufferedIOBase) -> str:
-    """Of everything behind the header."""
+    """The digest of everything behind the header."""
     file.seek(HEADER)
     return hashlib.file_digest(file, "blake2b").hexdigest()
 
@@ -44,12 +47,8 @@ def has_mark(path: Path, mark: str) -> bool:
         return False
 
 
-#: Whose numbers a result depends on.
-PACKAGES = ("warp-lang", "numpy", "scipy", "h5py")
-
-
 def versions(device: Any) -> dict[str, str]:
-    """Versions of warpwear, Python and packages, the system, the processor. device: Warp's."""
+    """Versions of warpwear, Python and `PACKAGES`, the system, and the processor. device: Warp's."""
     return {
         "warpwear": __version__,
         "python": platform.python_version(),

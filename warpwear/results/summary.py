@@ -162,7 +162,10 @@ def course(result: "ResultFile", name: str) -> tuple[FloatArray, FloatArray]:
 
 
 def _shape(distance: FloatArray, values: FloatArray) -> dict[str, float] | None:
-    """None for too few steps, for a late start, and for values that are not known or, late, not positive."""
+    """How a quantity grows, as `shape_of_growth`.
+
+    None for too few steps, for a late start, and for values that are not known or, late, not positive.
+    """
     if distance.size < 20 or distance[0] > distance[-1] / 80.0:
         return None
     if not (np.isfinite(values).all() and np.all(values[distance >= 0.5 * distance[-1]] > 0.0)):
@@ -186,7 +189,7 @@ def _elastic(study: "Study") -> dict[str, float] | None:
 
 
 def _patches(result: "ResultFile") -> dict[str, Any] | None:
-    """Of a two-scale run."""
+    """What the patches of a two-scale run are; None for another."""
     study = result.study
     if study.study.model != "two-scale":
         return None

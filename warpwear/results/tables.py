@@ -1,21 +1,22 @@
 """What a run leaves beside its HDF5 file: the study, the history and the summary as text."""
 
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+import tomli_w
 
 from warpwear.grid import FloatArray
-from warpwear.history.columns import Column, columns_of
-from warpwear.results.evolution import COLUMNS as EVOLUTION
+from warpwear.history.quantities import EVOLUTION, Quantity, columns_of
 from warpwear.results.evolution import surface_evolution
-from warpwear.results.file import ResultFile
+from warpwear.results.file import SURFACE_FILE, ResultFile
 from warpwear.results.report import to_json
 from warpwear.results.summary import summarise
 from warpwear.study.study import Study
 
 
-def _write_table(path: Path, columns: Sequence[Column], table: Mapping[str, FloatArray]) -> None:
+def _write_table(path: Path, columns: Sequence[Quantity], table: Mapping[str, FloatArray]) -> None:
     """Write columns of a table as CSV with units in its header. table: name -> values, (steps,)."""
     header = ",".join(f"{column.name} [{column.units}]" for column in columns)
     rows = np.column_stack([table[column.name] for column in columns])
@@ -24,7 +25,12 @@ def _write_table(path: Path, columns: Sequence[Column], table: Mapping[str, Floa
 
 def write_tables(folder: Path, study: Study, result: ResultFile) -> None:
     """Write study.toml, history.csv, surface.csv and summary.json into a folder."""
-    (folder / "study.toml").write_text(study.to_toml(), encoding="utf-8")
+    sections = study.to_toml()
+    if (folder / SURFACE_FILE).is_file():  # beside it, wherever the folder is moved
+        content = tomllib.loads(sections)
+        content["disc"]["surface"] = SURFACE_FILE
+        sections = tomli_w.dumps(content)
+    (folder / "study.toml").write_text(sections, encoding="utf-8")
     _write_table(folder / "history.csv", columns_of(study), result.history)
     _write_table(folder / "surface.csv", EVOLUTION, surface_evolution(result).table)
     summary = to_json(summarise(result))

@@ -5,21 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.results.evolution import LENGTHS, roughness_without_form
 from warpwear.results.file import ResultFile
-from warpwear.surfaces.levelling import without_polynomial
-from warpwear.surfaces.roughness import bearing_parameters, height_parameters
 
-#: Rows of a track read at once, and at most for its roughness.
-ROWS, ROUGH_ROWS = 2000, 2000
-#: Of the middle of the groove, whose roughness is taken: its width over that of the patch.
+#: Rows of a track that are read at once.
+ROWS = 2000
+#: Rows of a track whose roughness is taken, at most.
+ROUGH_ROWS = 2000
+#: Width of the middle of the groove, whose roughness is taken, over that of the patch.
 MIDDLE = 0.5
-#: The groove's form, a polynomial, is taken off before roughness is measured.
-FORM_DEGREE = 2
-#: A part of fewer cells has no roughness worth a number.
-FEWEST_CELLS = 100
-#: Of its length, what a step may lack and count as whole.
+#: Part of its length that a step may lack and count as whole.
 SHORT = 1.0e-3
-PARAMETERS = ("sa", "sq", "sk", "spk", "svk")
 
 
 @dataclass(frozen=True)
@@ -32,26 +28,26 @@ class Groove:
     distance: float  # [mm]
     y: FloatArray  # [mm]
     worn: FloatArray  # mean depth [mm], shape (ny,)
-    displaced: FloatArray  # the same of what was pressed down for good
+    displaced: FloatArray  # mean depth pressed down for good [mm], shape (ny,)
 
     @property
     def depth(self) -> FloatArray:
-        """[mm]"""
+        """Mean depth that is gone [mm], shape (ny,)."""
         return self.worn + self.displaced
 
     @property
     def width(self) -> float:
-        """Of the cells that lost anything [mm]."""
+        """Width of the cells that lost anything [mm]."""
         return float(np.count_nonzero(self.depth)) * float(self.y[1] - self.y[0])
 
     @property
     def section(self) -> float:
-        """[mm²]"""
+        """Area of the cross-section that is gone [mm²]."""
         return float(self.depth.sum()) * float(self.y[1] - self.y[0])
 
     @property
     def mean_depth(self) -> float:
-        """Over the width [mm]; 0 where nothing is gone."""
+        """Mean of the depth over the width [mm]; 0 where nothing is gone."""
         return self.section / self.width if self.width else 0.0
 
 
@@ -66,7 +62,7 @@ def whole_rows(result: ResultFile) -> slice:
 
 
 def groove(result: ResultFile, index: int) -> Groove:
-    """At snapshot number `index`."""
+    """The groove at snapshot number `index`."""
     rows = whole_rows(result)
     worn, displaced = np.zeros(result.y.size), np.zeros(result.y.size)
     for first in range(rows.start, rows.stop, ROWS):
@@ -79,7 +75,7 @@ def groove(result: ResultFile, index: int) -> Groove:
 
 
 def depth_along(result: ResultFile, index: int, bins: int) -> tuple[FloatArray, FloatArray]:
-    """Places along the track [mm] and mean depths over the groove's width [mm], in at most so many bins."""
+    """Places along the track [mm], at most `bins`, and the groove's mean depth around each [mm]."""
     rows = result.track_x.size
     width = groove(result, index).width
     per_bin = -(-rows // bins)
@@ -103,7 +99,7 @@ class Blocks:
 
 
 def blocks(result: ResultFile, index: int, most: int) -> Blocks:
-    """The track at snapshot number `index` in at most so many blocks along either side."""
+    """The track at snapshot number `index`, in at most `most` blocks along either side."""
     rows, columns = result.track_x.size, result.y.size
     along, across = -(-rows // most), -(-columns // most)
     nx, ny = rows // along, columns // across
@@ -133,28 +129,20 @@ def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
     columns = np.flatnonzero(np.abs(result.y) <= half)
     unworn = result.track_heights(part)[:, columns]
     stroke = result.study.track.stroke
-    table: dict[str, list[float]] = {name: [] for name in ("passes", *PARAMETERS)}
+    table: dict[str, list[float]] = {name: [] for name in ("passes", *LENGTHS)}
     for index in range(-1, result.snapshot_distances.size):
         heights = unworn
         if index >= 0:
             heights = unworn - np.add(*result.track_loss(index, part))[:, columns]
         table["passes"].append(float(result.snapshot_distances[index]) / stroke if index >= 0 else 0.0)
-        for name, value in _parameters(heights).items():
-            table[name].append(value)
+        found = roughness_without_form(heights, np.ones(heights.shape, dtype=bool))
+        for name in LENGTHS:
+            table[name].append(found[name])
     return {name: np.array(values) for name, values in table.items()}
 
 
-def _parameters(heights: FloatArray) -> dict[str, float]:
-    if heights.size < FEWEST_CELLS:
-        return dict.fromkeys(PARAMETERS, np.nan)
-    level = without_polynomial(heights, degree=FORM_DEGREE).ravel()
-    found, bearing = height_parameters(level), bearing_parameters(level)
-    lengths = {"sa": found["sa"], "sq": found["sq"], "sk": bearing.sk, "spk": bearing.spk, "svk": bearing.svk}
-    return {name: 1.0e3 * lengths[name] for name in PARAMETERS}
-
-
 def pass_numbers(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":
-    """Of every step, from 0."""
+    """The number of the pass that each step belongs to, from 0."""
     passes = result.history["distance"] / result.study.track.stroke
     return np.maximum(np.ceil(passes - 1.0e-9).astype(int), 1) - 1
 

@@ -1,4 +1,7 @@
-"""Writes a result: one HDF5 file a run, snapshot by snapshot, its history at the end."""
+"""Writes a result: one HDF5 file a run, snapshot by snapshot, its history at the end.
+
+Room is made sure of before anything is written: the HDF5 library does not survive a full disk.
+"""
 
 import errno
 import json
@@ -10,30 +13,31 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 
 from warpwear.grid import FloatArray, Grid
-from warpwear.history.columns import columns_of
-from warpwear.history.recorder_patches import COLUMNS as OF_PATCHES
+from warpwear.history.quantities import FIELDS, OF_THE_TRACK, PATCH_TABLES, Quantity, columns_of
 from warpwear.history.recorder_patches import PatchBook
-from warpwear.history.snapshot import FIELDS, Snapshot
+from warpwear.history.snapshot import Snapshot
+from warpwear.results.file import PATCH
 from warpwear.study.study import Study
 from warpwear.version import __version__
 
-#: For attributes, tables and the log beside what is counted [B].
+#: Room for attributes, tables and the log beside what is counted [B].
 SPACE_FOR_THE_REST = 2 * 2**20
 #: Cells along a side of a compressed block.
 CHUNK = 256
+#: Errors of a file system that cannot set room aside.
+NO_PREALLOCATION = (errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL, errno.EPERM)
+TABLE: dict[str, Any] = {"compression": "gzip", "shuffle": True, "chunks": True}
 
 
 class ResultWriter:
-    """Writes a run into an open HDF5 file.
-
-    Raises OSError before it writes what the disk may not hold: the HDF5 library does not survive a full disk.
-    """
+    """Writes a run into an open HDF5 file. Raises OSError before it writes what the disk may not hold."""
 
     def __init__(self, file: h5py.File, study: Study, grid: Grid, *, device: str, threads: int) -> None:
         self._file, self._study = file, study
-        self._check_space(0)
+        self._require_space(0)
         file.attrs.update(
             version=__version__,
             study=study.to_toml(),
@@ -42,38 +46,38 @@ class ResultWriter:
             precision="float64",
             finished=False,
         )
-        for name, centres in (("x", grid.x), ("y", grid.y)):
-            file.create_dataset(f"grid/{name}", data=centres).attrs["units"] = "mm"
+        self._add_axis("grid/x", grid.x)
+        self._add_axis("grid/y", grid.y)
         file.create_group("snapshots")
 
     def add_snapshot(self, snapshot: Snapshot) -> None:
         """Keep the fields of one distance."""
-        fields = {name: values for name in FIELDS if (values := getattr(snapshot, name)) is not None}
-        self._check_space(sum(values.nbytes for values in fields.values()))
+        self._require_space(sum(values.nbytes for values in snapshot.fields.values()))
         snapshots = self._file["snapshots"]
         group = snapshots.create_group(f"{len(snapshots):04d}")
         group.attrs["distance"] = snapshot.distance
         if snapshot.row is not None:
             group.attrs["row"] = snapshot.row
-        for name, values in fields.items():
+        for name, values in snapshot.fields.items():
             chunks = tuple(min(CHUNK, n) for n in values.shape)
             dataset = group.create_dataset(
                 name, data=values, chunks=chunks, compression="gzip", compression_opts=1, shuffle=True
             )
-            dataset.attrs["units"] = FIELDS[name]
+            _describe(dataset, FIELDS[name])
 
     def add_track(self, x: FloatArray, heights: FloatArray) -> None:
         """Keep the disc of a swept run: places of its rows [mm], heights before any wear [mm]."""
-        self._check_space(heights.nbytes)
+        self._require_space(heights.nbytes)
         group = self._file.create_group("track")
-        for name, centres in (("x", x), ("y", self._file["grid/y"][()])):
-            group.create_dataset(name, data=centres).attrs["units"] = "mm"
+        group["x"] = self._add_axis("grid/track_x", x)
         # As it is: roughness gains a tenth by compression, at many times the time.
-        group.create_dataset("heights", data=heights).attrs["units"] = "mm"
+        dataset = group.create_dataset("heights", data=heights)
+        dataset.attrs["units"] = "mm"
+        _label(dataset, self._file["grid"], "track_x", "y")
 
     @property
     def snapshot_bytes(self) -> int:
-        """What the snapshots so far take in a file [B]."""
+        """Size of the snapshots so far in the file [B]."""
         groups = self._file["snapshots"].values()
         return sum(dataset.id.get_storage_size() for group in groups for dataset in group.values())
 
@@ -83,69 +87,103 @@ class ResultWriter:
 
     def take_snapshots_from(self, file: h5py.File) -> None:
         """Begin with the snapshots of another file."""
-        self._check_space(Path(file.filename).stat().st_size)
+        self._require_space(Path(file.filename).stat().st_size)
         del self._file["snapshots"]
         file.copy("snapshots", self._file)
 
-    def finish(self, history: Mapping[str, FloatArray], record: Mapping[str, Any], *, finished: bool) -> None:
-        """Keep the history and what else the run recorded, and mark it as finished or interrupted."""
-        self._check_space(sum(values.nbytes for values in history.values()))
+    def finish(
+        self,
+        history: Mapping[str, FloatArray],
+        record: Mapping[str, Any],
+        *,
+        finished: bool,
+        book: PatchBook | None = None,
+    ) -> None:
+        """Keep the history and what else the run recorded, and mark it as finished or interrupted.
+
+        book: of what each patch did, in a run that has patches.
+        """
+        self._require_space(sum(values.nbytes for values in history.values()))
         group = self._file.create_group("history")
         for column in columns_of(self._study):
-            dataset = group.create_dataset(
-                column.name,
-                data=history[column.name],
-                compression="gzip",
-                shuffle=True,
-                chunks=True,
-            )
-            dataset.attrs["units"] = column.units
-            dataset.attrs["meaning"] = column.meaning
+            dataset = group.create_dataset(column.name, data=history[column.name], **TABLE)
+            _describe(dataset, column)
+        group["distance"].make_scale("distance")
+        for name in group.keys() - {"distance"}:
+            _label(group[name], group, "distance")
+        if book is not None:
+            self._add_patches(book)
+        track = "track" in self._file
+        for snapshot in self._file["snapshots"].values():  # only now: checkpoints hold them without labels
+            for name in snapshot.keys() & FIELDS.keys():
+                along = "track_x" if track and name in OF_THE_TRACK else "x"
+                _label(snapshot[name], self._file["grid"], along, "y")
         self._file.attrs["record"] = json.dumps(record)
         self._file.attrs["finished"] = finished
         self._file.flush()
 
-    def add_patches(self, book: "PatchBook") -> None:
-        """Keep what each patch did, after the history is finished, and where the macro cells lie."""
-        for column in OF_PATCHES:
-            table = book.table(column.name)
-            self._check_space(table.nbytes)
-            dataset = self._file.create_dataset(
-                f"history/{column.name}", data=table, compression="gzip", shuffle=True, chunks=True
-            )
-            dataset.attrs["units"], dataset.attrs["meaning"] = column.units, column.meaning
+    def _add_patches(self, book: PatchBook) -> None:
+        """Keep what each patch did, and where the macro cells lie."""
+        self._add_axis(f"history/{PATCH}", np.arange(book.patches.count), units="1")
+        for quantity in PATCH_TABLES:
+            table = book.table(quantity.name)
+            self._require_space(table.nbytes)
+            dataset = self._file.create_dataset(f"history/{quantity.name}", data=table, **TABLE)
+            _describe(dataset, quantity)
+            _label(dataset, self._file["history"], "distance", PATCH)
         for name, centres in zip(("x", "y"), book.patches.centres, strict=True):
             self._file.create_dataset(f"macro/{name}", data=centres).attrs["units"] = "mm"
-        self._file.flush()
 
-    def _check_space(self, size: int) -> None:
-        """For so many bytes before compression [B]."""
-        if self._file.driver == "core":
-            return
-        path = Path(self._file.filename)
-        make_sure_of(size + SPACE_FOR_THE_REST, path.parent, offset=path.stat().st_size)
+    def _add_axis(self, path: str, values: "np.ndarray[Any, Any]", *, units: str = "mm") -> h5py.Dataset:
+        """Make the scale of an axis, which is named by the last part of its path."""
+        axis = self._file.create_dataset(path, data=values)
+        axis.attrs["units"] = units
+        axis.make_scale(path.rpartition("/")[2])
+        return axis
+
+    def _require_space(self, nbytes: int) -> None:
+        """Raises OSError unless the file can grow by what is to be written, before compression [B]."""
+        if self._file.driver != "core":
+            path = Path(self._file.filename)
+            require_free_space(path.parent, nbytes + SPACE_FOR_THE_REST, offset=path.stat().st_size)
 
 
-#: What a file system says that cannot set room aside.
-CANNOT = (errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL, errno.EPERM)
+def _describe(dataset: h5py.Dataset, quantity: Quantity) -> None:
+    """Give a dataset the unit and the meaning of its quantity, under the names that xarray plots by."""
+    dataset.attrs["units"] = quantity.units
+    dataset.attrs["long_name"] = quantity.meaning
 
 
-def make_sure_of(size: int, folder: Path, *, offset: int = 0) -> None:
-    """Raises OSError unless a file in the folder can grow by so many bytes beyond an offset [B].
+def _label(dataset: h5py.Dataset, scales: h5py.Group, *names: str) -> None:
+    """Say which scales of a group the axes of a dataset have; the dataset's group gets hard links to them.
+
+    A scale elsewhere does not open in xarray. Written by hand, without the list that each scale would keep of
+    its datasets: the HDF5 library copies it whenever it grows, and fails at 4000 of them.
+    """
+    references = np.empty(len(names), dtype=object)
+    for place, name in enumerate(names):
+        if name not in dataset.parent:
+            dataset.parent[name] = scales[name]
+        references[place] = np.array([scales[name].ref], dtype=h5py.ref_dtype)
+    dataset.attrs.create("DIMENSION_LIST", references, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+
+
+def require_free_space(folder: Path, nbytes: int, *, offset: int = 0) -> None:
+    """Raises OSError unless a file in the folder can grow by `nbytes` beyond an offset [B].
 
     Where the system can, the room is set aside for a moment: a quota and a limit to the size of a file show
     only then.
     """
     free = shutil.disk_usage(folder).free
-    if free < size:
-        raise OSError(errno.ENOSPC, f"{size / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free")
+    if free < nbytes:
+        raise OSError(errno.ENOSPC, f"{nbytes / 2**20:.0f} MiB are needed, {free / 2**20:.0f} MiB are free")
     if not hasattr(os, "posix_fallocate"):
         return
     with tempfile.TemporaryFile(dir=folder) as file:
         try:
-            os.posix_fallocate(file.fileno(), offset, size)
+            os.posix_fallocate(file.fileno(), offset, nbytes)
         except OSError as error:
-            if error.errno in CANNOT:
+            if error.errno in NO_PREALLOCATION:
                 return
             why = os.strerror(error.errno or errno.ENOSPC)
-            raise OSError(error.errno, f"{(offset + size) / 2**20:.0f} MiB are needed: {why}") from error
+            raise OSError(error.errno, f"{(offset + nbytes) / 2**20:.0f} MiB are needed: {why}") from error

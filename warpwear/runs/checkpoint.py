@@ -26,19 +26,21 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.columns import Rows
-from warpwear.results.seal import HEADER, digest_of, has_mark, seal, words_of
-from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, make_sure_of
+from warpwear.history.rows import Rows
+from warpwear.results.seal import HEADER, digest_of, has_mark, read_header, seal
+from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, require_free_space
 from warpwear.study.study import Study
 from warpwear.version import __version__
 
 FILE_NAME = "checkpoint.h5"
-#: Of the content. A file of another one is refused.
-FORMAT = 4
+#: Number of the content's layout. A file of another one is refused.
+FORMAT = 5
 MAGIC = "warpwear checkpoint"
+#: Fields of a `Checkpoint` beside its arrays and rows.
+OF_THE_RUN = ("numbers", "warnings", "reported_violations", "elapsed")
 #: Sections and keys that no result depends on.
 LABELS = ("study.name", "study.description", "run", "checks", "assumed")
-#: And those that no step depends on: a run may go on with others.
+#: Sections and keys that no step depends on: a run may go on with others.
 FREE = (*LABELS, "friction", "junctions")
 
 
@@ -50,7 +52,7 @@ class Checkpoint:
     numbers: dict[str, Any]  # of the model, by name, as JSON keeps them
     rows: Sequence[dict[str, float]] | Rows  # of the history
     warnings: list[str]
-    told: list[str]  # names of the invariants whose violation is among the warnings
+    reported_violations: list[str]  # names of the invariants whose violation is among the warnings
     elapsed: float  # [s]
 
 
@@ -89,10 +91,7 @@ class Checkpoints:
                 table = np.array([[row[name] for name in columns] for row in now.rows])
                 file.create_dataset("rows", data=table).attrs["columns"] = columns
                 snapshots.copy_snapshots_to(file)
-                about = self._about | {
-                    name: getattr(now, name) for name in ("numbers", "warnings", "told", "elapsed")
-                }
-                file["about"] = json.dumps(about)
+                file["about"] = json.dumps(self._about | {name: getattr(now, name) for name in OF_THE_RUN})
             with self._new.open("r+b") as whole:
                 seal(whole, f"{MAGIC} {FORMAT}")
                 whole.flush()
@@ -104,17 +103,17 @@ class Checkpoints:
             self._last = time.monotonic()
 
     def remove(self) -> None:
-        """The run needs none any more."""
+        """Remove the file: the run needs none any more."""
         self.path.unlink(missing_ok=True)
 
     def _check_space(self, now: Checkpoint, snapshots: ResultWriter) -> None:
         size = sum(values.nbytes for values in now.arrays.values()) + snapshots.snapshot_bytes
         size += 8 * len(now.rows) * len(now.rows[0]) + SPACE_FOR_THE_REST
-        make_sure_of(size, self._new.parent)
+        require_free_space(self._new.parent, size)
 
 
-class Found:
-    """A checkpoint that was found whole."""
+class StoredCheckpoint:
+    """A checkpoint in a file, which is whole and of this format."""
 
     def __init__(self, path: Path, file: h5py.File) -> None:
         self._path = path
@@ -128,7 +127,7 @@ class Found:
 
     @property
     def version(self) -> str:
-        """Of warpwear, that wrote it."""
+        """Version of warpwear that wrote it."""
         return str(self._about["version"])
 
     def refuse_changes(self, study: Study, *, device: str) -> None:
@@ -139,9 +138,9 @@ class Found:
                 f"{self._path} is of another study ({', '.join(changed)}); --resume needs the study as it "
                 "was, --overwrite starts anew."
             )
-        if study.checks.strict and self._about["told"]:
+        if study.checks.strict and (failed := self._about["reported_violations"]):
             raise InputError(
-                f"{self._path} was made after a check failed ({', '.join(self._about['told'])}). "
+                f"{self._path} was made after a check failed ({', '.join(failed)}). "
                 "To continue anyway: --resume --set checks.strict=false; to start anew: --overwrite."
             )
         if self._about["device"].split(":")[0] != device.split(":")[0]:
@@ -159,23 +158,23 @@ class Found:
             )
 
     def read(self) -> Checkpoint:
-        """All of it but the snapshots."""
+        """Where the run was: all that is stored but the snapshots."""
         return Checkpoint(
             {name: dataset[()] for name, dataset in self.file["model"].items()},
             rows=[dict(zip(self._columns, row, strict=True)) for row in self._table],
-            **{name: self._about[name] for name in ("numbers", "warnings", "told", "elapsed")},
+            **{name: self._about[name] for name in OF_THE_RUN},
         )
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[Found | None]:
+def opened(path: Path) -> Iterator[StoredCheckpoint | None]:
     """The checkpoint in a file, None without one. Raises InputError for one that is damaged or too new."""
     if not path.exists():
         yield None
         return
     damaged = f"{path} is damaged: it is not what was written; --overwrite starts anew."
     with path.open("rb") as whole:
-        words = words_of(whole)
+        words = read_header(whole)
         if len(words) != 4 or " ".join(words[:2]) != MAGIC:
             raise InputError(damaged)
         if words[2] != str(FORMAT):
@@ -186,7 +185,7 @@ def opened(path: Path) -> Iterator[Found | None]:
         if words[3] != digest_of(whole):
             raise InputError(damaged)
     with h5py.File(path, "r") as file:
-        yield Found(path, file)
+        yield StoredCheckpoint(path, file)
 
 
 def holds_checkpoint(folder: Path) -> bool:
@@ -200,7 +199,7 @@ def is_one(path: Path) -> bool:
 
 
 def checksum(heights: FloatArray) -> int:
-    """Of a surface."""
+    """A number that tells the heights of one surface from those of another."""
     return zlib.crc32(np.ascontiguousarray(heights).data)
 
 
@@ -219,7 +218,7 @@ def _flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def _flush_folder(folder: Path) -> None:
-    """That the new name survives a power failure; not every system can."""
+    """Make sure that the new name survives a power failure; not every system can."""
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:

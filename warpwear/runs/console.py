@@ -1,4 +1,4 @@
-"""Progress of a run on standard error: a bar with the time left on a terminal, plain lines elsewhere."""
+"""How a run speaks to a terminal and listens to it: progress on standard error, and signals to stop."""
 
 import signal
 import sys
@@ -16,7 +16,7 @@ EVERY_SECONDS = 30.0
 
 
 class Progress:
-    """Counts steps; says where the run is about every tenth of them, or in a bar."""
+    """Counts steps: in a bar with the time left on a terminal, in a line every tenth of them elsewhere."""
 
     def __init__(self, study: Study, *, quiet: bool = False) -> None:
         self._name = study.study.name
@@ -27,7 +27,7 @@ class Progress:
         self._next = 0.1
 
     def start(self, steps: int, *, done: int = 0) -> None:
-        """The run begins, or goes on; it has this many steps, of which so many are done."""
+        """The run of `steps` steps begins, or goes on where `done` of them are done."""
         self._steps, self._done, self._before = steps, done, done
         self._next = done / steps + 0.1
         self._started = self._said = time.perf_counter()
@@ -65,7 +65,7 @@ class Progress:
 
 
 class Interrupts:
-    """Inside the context the first signal that would raise KeyboardInterrupt only sets `asked`.
+    """A context in which the first signal that would raise KeyboardInterrupt only sets `asked`.
 
     A second one raises it at once. Handlers of others, and signals in other threads, are left alone.
     """

@@ -131,7 +131,7 @@ def move_into_place(work: Path, folder: Path) -> None:
 
 
 def _log_so_far(folder: Path) -> bytes:
-    """Of the sessions that went before, killed ones too: each began with the log of those before it."""
+    """The log of the sessions that went before, killed ones too: each began with that of those before it."""
     logs = []
     for path in (folder / LOG, *folder.glob(f"{WORK}*/{LOG}")):
         with suppress(OSError):

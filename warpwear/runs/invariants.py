@@ -14,9 +14,9 @@ import numpy as np
 from warpwear.contact.balance import TOLERANCE
 from warpwear.study.study import Study
 
-#: Of a worn volume, off what Archard's law asks for: rounding leaves 1e-12 of it.
+#: Part of a worn volume that may be off what Archard's law asks for; rounding leaves 1e-12 of it.
 CONSERVATION = 1.0e-10
-#: And over the cells ever touched [mm]: what rounding of their gaps leaves of their mean.
+#: Mean depth over the cells ever touched that rounding of their gaps may add or take [mm].
 ROUNDING = 1.0e-15
 #: Columns that may be no number: without a speed, and before the shear strength is calibrated.
 OPEN = frozenset(("time", "cof"))

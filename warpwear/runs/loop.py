@@ -3,24 +3,29 @@
 import logging
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError, InvariantError
 from warpwear.grid import FloatArray
-from warpwear.history.columns import Rows, columns_of
+from warpwear.history.quantities import columns_of
+from warpwear.history.recorder import Step
+from warpwear.history.rows import Rows
+from warpwear.history.snapshot import Snapshot
 from warpwear.results import friction
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
-from warpwear.runs.checkpoint import Checkpoint, Checkpoints, Found, opened
+from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, opened
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Invariants, Violation
 from warpwear.runs.make import model_of, plan_of
+from warpwear.runs.step import RunStep
 from warpwear.study.rules import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
+from warpwear.surfaces.base import Surface
 
 LOG = logging.getLogger("warpwear")
 
@@ -31,31 +36,44 @@ FEW_CELLS = 20
 
 
 class StepLoop:
-    """The steps of one run and what is kept of them."""
+    """The steps of one run and what is kept of them.
 
-    def __init__(self, study: Study, executor: Executor, writer: ResultWriter, progress: Progress) -> None:
+    writer: of the result; None where nobody asks for one. surface: instead of the study's.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        executor: Executor,
+        writer: ResultWriter | None,
+        progress: Progress,
+        *,
+        surface: Surface | None = None,
+    ) -> None:
         self.study = study
-        self.finished = self.interrupted = False
+        self.finished = False
+        #: What stopped the run from outside: a KeyboardInterrupt, or an exception of who watches it.
+        self.interrupted: BaseException | None = None
         self._checkpoints: Checkpoints | None = None
         self._checkpoint_failed = False
         self._elapsed_before = 0.0
         #: Why the run stopped early, if a step was wrong.
         self.failed: InvariantError | ConvergenceError | None = None
         self._invariants = Invariants(study)
-        self._told: list[str] = []
+        self._reported: list[str] = []
         self._writer = writer
         self._progress = progress
         grid = study.cells
         problem = too_small(study)
         if problem is not None and study.checks.strict:
             raise InputError(f"{problem}.")
-        surface = surface_in(study)
+        surface = surface or surface_in(study)
         along = study.track.x if study.is_swept else grid.x
         self.warnings = [*study.notices(), *surface.notices(along, grid.y)]
         for warning in self.warnings:
             self._warn(warning)
         made = model_of(study, surface, executor)
-        if made.heights is not None:
+        if made.heights is not None and writer is not None:
             writer.add_track(study.track.x, made.heights)
         self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
         self._processor, self._device = executor.device, str(executor.device)
@@ -82,28 +100,30 @@ class StepLoop:
         if self._checkpoints is not None and self.finished:
             self._checkpoints.remove()
 
-    def _restore(self, found: Found) -> None:
+    def _restore(self, found: StoredCheckpoint) -> None:
         found.refuse_changes(self.study, device=self._device)
         found.refuse_surface(self._surface_sum)
         then = found.read()
         self._model.restore(then.arrays, then.numbers)
+        assert self._writer is not None
         self._writer.take_snapshots_from(found.file)
         self._rows = Rows(then.rows)
-        self.warnings, self._told = then.warnings, then.told
+        self.warnings, self._reported = then.warnings, then.reported_violations
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
 
-    def run(self) -> None:
-        """Make the steps, and write what they leave into the result."""
+    def run(self, callback: Callable[[RunStep], object] | None = None) -> None:
+        """Make the steps, and write what they leave into the result. callback: is given every step."""
         plan = plan_of(self.study)
+        assert self._writer is not None
         self._started = time.perf_counter()
         self._progress.start(len(plan), done=len(self._rows))
         try:
-            self._make_steps(plan[len(self._rows) :])
-        except KeyboardInterrupt:
+            self._make_steps(plan, callback)
+        except KeyboardInterrupt as error:
             if not self._rows:
                 raise
-            self.interrupted = True
+            self.interrupted = error
         except (InvariantError, ConvergenceError) as error:
             if not self._rows or self._checkpoints is None:
                 raise
@@ -121,43 +141,76 @@ class StepLoop:
             "elapsed_s": self._elapsed,
             "made_with": versions(self._processor),
         }
-        self._writer.finish(history, record, finished=self.finished)
-        if self._book is not None:
-            self._writer.add_patches(self._book)
+        self._writer.finish(history, record, finished=self.finished, book=self._book)
 
-    def _make_steps(self, plan: Sequence[tuple[float, float, bool]]) -> None:
-        """Steps of (increment, distance at its end, whether to keep a snapshot) [mm]."""
-        speed = self.study.sliding.speed
-        steps = self._model.steps((increment, keep) for increment, _, keep in plan)
+    def steps(self) -> Iterator[RunStep]:
+        """Every step of the study, with its fields; nothing is written."""
+        plan = plan_of(self.study)
+        self._progress.start(len(plan))
+        for step, wrong in self._steps(plan, with_fields=True):
+            yield step
+            if wrong is not None:
+                raise wrong
+
+    def _steps(
+        self, plan: Sequence[tuple[float, float, bool]], *, with_fields: bool
+    ) -> Iterator[tuple[RunStep, InvariantError | None]]:
+        """Steps that are still to be made of a plan, each checked and booked, and what is wrong with it.
+
+        plan: of every step the increment, the distance at its end [mm], and whether to keep a snapshot.
+        with_fields: whether every step can be asked for its fields, not only those that are kept.
+        """
+        speed, left = self.study.sliding.speed, plan[len(self._rows) :]
+        steps = self._model.steps((increment, keep or with_fields) for increment, _, keep in left)
+        for (_, distance, keep), step in zip(left, steps, strict=True):
+            row = step.row | {"distance": distance}
+            stop = self._check(
+                self._invariants.of_row(row, touches_edge=step.touches_edge, touches_rim=step.touches_rim)
+            )
+            snapshot = self._model.snapshot(step, distance) if keep and self._writer is not None else None
+            if snapshot is not None and self._writer is not None:
+                self._check(self._invariants.of_fields(vars(snapshot), row))
+                self._writer.add_snapshot(snapshot)
+            row |= {"time": distance / speed if speed else math.nan}
+            self._rows.append(row)
+            self._progress.step(row)
+            index = len(self._rows) - 1
+
+            def fields(made: Step = step, distance: float = distance, index: int = index) -> Snapshot | None:
+                return self._model.snapshot(made, distance) if index == len(self._rows) - 1 else None
+
+            yield RunStep(index, len(plan), self.study, row, fields), stop
+
+    def _make_steps(
+        self, plan: Sequence[tuple[float, float, bool]], callback: Callable[[RunStep], object] | None
+    ) -> None:
+        """Make the steps of a plan that are left, and checkpoints between them."""
         with Interrupts() as interrupts:
-            for (_, distance, keep), step in zip(plan, steps, strict=True):
-                row = step.row | {"distance": distance}
-                stop = self._check(
-                    self._invariants.of_row(row, touches_edge=step.touches_edge, touches_rim=step.touches_rim)
-                )
-                snapshot = self._model.snapshot(step, distance) if keep else None
-                if snapshot is not None:
-                    self._check(self._invariants.of_fields(vars(snapshot), row))
-                    self._writer.add_snapshot(snapshot)
-                self._rows.append(row | {"time": distance / speed if speed else math.nan})
-                self._progress.step(row)
+            for step, stop in self._steps(plan, with_fields=callback is not None):
+                if callback is not None:
+                    try:
+                        callback(step)
+                    except BaseException as error:  # stops the run as an interrupt does
+                        self.interrupted = error
                 if self._model.ahead:  # of a block that is made, so the state is not this step's
                     if stop is not None:
                         raise stop
                     continue
-                asked = interrupts.asked or stop is not None
+                if interrupts.asked:
+                    self.interrupted = KeyboardInterrupt()
+                asked = self.interrupted is not None or stop is not None
                 if self._checkpoints is not None and (asked or self._checkpoints.due):
                     self._checkpoint(self._checkpoints)
                 if stop is not None:
                     raise stop
-                if interrupts.asked:
-                    self.interrupted = True
+                if self.interrupted is not None:
                     break
 
     def _checkpoint(self, checkpoints: Checkpoints) -> None:
         arrays, numbers = self._model.saved_state()
         self._check(self._invariants.of_fields(arrays, self._rows[-1]))
-        now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._told, self._elapsed)
+        now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._reported, self._elapsed)
+        assert self._writer is not None
         try:
             checkpoints.write(now, self._writer)
         except OSError as error:
@@ -186,14 +239,14 @@ class StepLoop:
         """
         for violation in violations:
             if self.study.checks.strict:
-                self._told.append(violation.quantity)
+                self._reported.append(violation.quantity)
                 self.warnings.append(f"{violation.sentence}.")
                 error = InvariantError(f"{violation.sentence}; {violation.remedy}.")
                 if not violation.sound:
                     raise error
                 return error
-            if violation.quantity not in self._told:
-                self._told.append(violation.quantity)
+            if violation.quantity not in self._reported:
+                self._reported.append(violation.quantity)
                 self._add_warning(f"{violation.sentence}.")
         return None
 

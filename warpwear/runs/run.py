@@ -1,14 +1,15 @@
-"""Runs a study: checks that can fail first, then the step loop, then what it leaves behind."""
+"""Run a study, whole or step by step: first what can fail at once, then the steps, then what they leave."""
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
 import h5py
+from numpy.typing import ArrayLike
 
-from warpwear.engine.device import find_device, memory_told
+from warpwear.engine.device import find_device, report_out_of_memory
 from warpwear.errors import InputError
 from warpwear.result import Result
 from warpwear.results.file import FILE_NAME
@@ -19,9 +20,12 @@ from warpwear.runs import folder as run_folder
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import opened
 from warpwear.runs.console import Progress
+from warpwear.runs.given import GivenSurface, take_surface
 from warpwear.runs.loop import StepLoop
 from warpwear.runs.make import executor_of
+from warpwear.runs.step import RunStep
 from warpwear.study.study import Study
+from warpwear.surfaces.base import Surface
 from warpwear.version import __version__
 
 LOG = logging.getLogger("warpwear")
@@ -30,6 +34,7 @@ LOG = logging.getLogger("warpwear")
 def run(
     study: Study | str | Path,
     *,
+    surface: ArrayLike | Surface | None = None,
     out: str | Path | None = None,
     device: str = "cpu",
     threads: int | None = None,
@@ -37,46 +42,62 @@ def run(
     overwrite: bool = False,
     resume: bool = False,
     progress: bool = False,
+    callback: Callable[[RunStep], object] | None = None,
 ) -> Result:
     """Run a study (or the one in a file, or a preset) and return its result.
 
+    surface: heights [mm] instead of the study's disc, positive out of the material, axis 0 along the sliding
+    direction: an array of a height a cell of the domain, shape (nx, ny), or of the track of a swept run,
+    shape (rows, ny); or an object with the methods of `warpwear.surfaces.base.Surface`, which is sampled
+    there. Their mean is taken off: approaches count from it. With `out` they are saved as surface.npy, which
+    the resolved study names, so that it runs again by itself.
     out: run folder to write (study.toml, result.h5, history.csv, summary.json, figures, log.txt); without it
     the result lives in memory. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
     result depends on it. overwrite: replace a run that is there already. resume: go on from the checkpoint
     that an unfinished run left in `out`, from the start where there is none; a finished run is returned as it
-    is. progress: report on standard error.
+    is. progress: report on standard error. callback: is called with every step, see `steps`, whose exception
+    stops the run as an interrupt does: what there is so far is kept, with a checkpoint, and it is raised.
 
     Raises InputError, and leaves no folder behind, for anything that cannot be computed. A step that is wrong
     raises InvariantError (the contact at the domain's edge, say) or ConvergenceError (an unbalanced contact)
     and leaves an unfinished run with the last checkpoint, as does KeyboardInterrupt, raised at the end of a
     step.
     """
-    if not isinstance(study, Study):
-        study = Study.load(study)
     folder = None if out is None else Path(out)
     if resume and (folder is None or overwrite):
         raise InputError(f"resume needs out, a run folder{', and excludes overwrite' if overwrite else ''}.")
+    study, given = _prepare(study, surface, folder)
     if folder is not None:
         run_folder.check(folder, overwrite=overwrite, resume=resume)
         if resume and run_folder.is_finished(folder, study):
+            if given:
+                given.refuse_others(folder)
             return Result.open(folder)
         if resume:
             with opened(folder / CHECKPOINT) as found:  # before anything is made that takes long
                 if found is not None:
                     found.refuse_changes(study, device=str(find_device(device)))
-    with memory_told(study.cells):
+    with report_out_of_memory(study.cells):
         executor = executor_of(study, device=device, threads=threads)
         with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
             with _log_to(work), _result_file(work) as file:
                 LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
+                if work and given:
+                    given.save(work)
                 writer = ResultWriter(
                     file, study, study.cells, device=str(executor.device), threads=executor.threads
                 )
-                loop = StepLoop(study, executor, writer, Progress(study, quiet=not progress))
+                loop = StepLoop(
+                    study,
+                    executor,
+                    writer,
+                    Progress(study, quiet=not progress),
+                    surface=given.surface if given else None,
+                )
                 if folder and work:
                     loop.checkpoint_in(folder, work, resume=resume)
-                loop.run()
-                result = Result(file, None)
+                loop.run(callback)
+                result = Result(file)
                 if work:
                     write_tables(work, study, result)
             if work and folder:
@@ -86,11 +107,51 @@ def run(
                 result = Result.open(folder)
     if loop.failed is not None:
         raise loop.failed
-    if loop.interrupted:
-        raise KeyboardInterrupt
+    if loop.interrupted is not None:
+        raise loop.interrupted
     if folder and plots:
         result.plot.save_all(folder / "figures")
     return result
+
+
+def steps(
+    study: Study | str | Path,
+    *,
+    surface: ArrayLike | Surface | None = None,
+    device: str = "cpu",
+    threads: int | None = None,
+) -> Iterator[RunStep]:
+    """Make the steps of a study one by one: `for step in warpwear.steps(study): step.row["cof"]`.
+
+    Each step has `row`, a dictionary of the history's columns, `units` of them, and `snapshot()` or `fields`:
+    pressure, wear_sphere, wear_disc and gap after it, while no later one is made. Nothing is kept or written;
+    stop whenever you like. study, surface, device, threads: as of `run`, and so are the numbers. That every
+    step can be asked for its fields costs up to as much again on a CPU; on a GPU, where `run` makes blocks of
+    steps ahead, each is then made alone, so that it is slower and rounds differently.
+
+    Raises what `run` raises, when the first step is asked for or the step that is wrong.
+    """
+    study, given = _prepare(study, surface, None)
+    with (
+        report_out_of_memory(study.cells),
+        executor_of(study, device=device, threads=threads) as executor,
+        _log_to(None),
+    ):
+        progress = Progress(study, quiet=True)
+        loop = StepLoop(study, executor, None, progress, surface=given.surface if given else None)
+        yield from loop.steps()
+
+
+def _prepare(
+    study: Study | str | Path, surface: ArrayLike | Surface | None, folder: Path | None
+) -> tuple[Study, GivenSurface | None]:
+    """The study, and the heights given for its disc if there are any."""
+    if not isinstance(study, Study):
+        study = Study.load(study)
+    if surface is None:
+        return study, None
+    given = take_surface(study, surface, folder)
+    return given.study, given
 
 
 @contextmanager

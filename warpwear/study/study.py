@@ -78,9 +78,15 @@ class Study(Content):
         return found
 
     @classmethod
-    def stored(cls, content: str) -> Self:
-        """The study in the text of a stored result, which may use old names of keys: no notice tells them."""
-        found = cls(**tomllib.loads(content))
+    def stored(cls, content: str, *, surface: str | None = None) -> Self:
+        """The study in the text of a stored result, which may use old names of keys: no notice tells them.
+
+        surface: file of the disc's heights where that has moved since; without it the one in the text.
+        """
+        sections = tomllib.loads(content)
+        if surface is not None:
+            sections["disc"]["surface"] = surface
+        found = cls(**sections)
         found._old_names = ()
         return found
 

@@ -1,0 +1,75 @@
+"""Quantities are declared once, and everything that is computed is declared."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import warpwear
+from warpwear import Study
+from warpwear.history.quantities import FIELDS, QUANTITIES, columns_of, markdown_table, per
+from warpwear.history.rows import Rows
+
+SHORT: dict[str, tuple[str, dict[str, Any]]] = {
+    "smooth": ("v1", {}),
+    "bearing area": ("v3", {"grid.cell": "20 um"}),
+    "rough": ("v3-fine", {"grid.cell": "20 um"}),
+    "half-space": ("v3-fine", {"grid.cell": "20 um", "contact.law": "half-space"}),
+    "patches": ("two-scale", {"grid.cell": "10 um"}),
+    "patches of half-spaces": ("two-scale", {"grid.cell": "10 um", "contact.law": "half-space"}),
+    "track": ("track", {"grid.cell": "20 um"}),
+    "track that keeps its dents": ("track", {"grid.cell": "20 um", "sliding.plastic": "keep"}),
+    "track of a half-space": ("track", {"grid.cell": "20 um", "contact.law": "half-space"}),
+}
+
+
+@pytest.mark.parametrize("case", SHORT)
+def test_every_model_books_what_is_declared_of_it(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    preset, changes = SHORT[case]
+    study = Study.load(preset).replace(changes | {"sliding.distance": "1 mm", "output.snapshots": []})
+    seen: list[dict[str, float]] = []
+    append = Rows.append
+
+    def noted(self: Rows, row: dict[str, float]) -> None:
+        seen.append(row)
+        append(self, row)
+
+    monkeypatch.setattr(Rows, "append", noted)
+    result = warpwear.run(study)
+    booked = {column.name for column in columns_of(study) if column.booked}
+    assert seen
+    assert all(set(row) == booked for row in seen)
+    assert list(result.history) == [column.name for column in columns_of(study)]
+    assert all(np.isfinite(result.history[name]).all() for name in booked)
+    assert set(result.snapshot(-1).fields) == {n for n, field in FIELDS.items() if field.applies_to(study)}
+    for quantity in per("patch"):
+        assert hasattr(type(result), quantity.name)
+        if quantity.applies_to(study):
+            assert getattr(result, quantity.name).shape[0] == len(seen)
+        else:
+            with pytest.raises(warpwear.InputError, match="has no patches"):
+                getattr(result, quantity.name)
+
+
+def test_names_are_unique_and_units_the_same_under_one_name() -> None:
+    for what in ("step", "patch", "cell", "snapshot"):
+        names = [quantity.name for quantity in per(what)]  # type: ignore[arg-type]
+        assert len(names) == len(set(names))
+    units: dict[str, set[str]] = {}
+    for quantity in QUANTITIES:
+        units.setdefault(quantity.name, set()).add(quantity.units)
+        assert quantity.meaning
+        assert not quantity.meaning.endswith(".")
+    assert all(len(of_one) == 1 for of_one in units.values())
+
+
+def test_the_table_of_the_documentation() -> None:
+    table = markdown_table()
+    assert len(table.splitlines()) == 2 + len(QUANTITIES)
+    assert "| `cof` | 1 | step |  | coefficient of friction" in table
+    assert {line.count("|") for line in table.splitlines()} == {6}
+    page = Path(__file__).parents[2] / "docs" / "results.md"
+    if not page.is_file():
+        pytest.skip("no docs/results.md")
+    assert table in page.read_text(encoding="utf-8")

@@ -1,0 +1,81 @@
+"""A result as tables of pandas and data sets of xarray, with units and meanings in their attributes."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.history.quantities import FIELDS, OF_THE_TRACK, PATCH_TABLES, UNITS, Quantity, per
+from warpwear.results.file import ResultFile
+
+COLUMNS = {quantity.name: quantity for quantity in per("step")}
+
+
+def to_dataframe(result: ResultFile) -> Any:
+    """The history as a pandas.DataFrame: a row a step, a column a quantity, `attrs["units"]` by column.
+
+    Raises InputError where pandas is not installed.
+    """
+    frame = _package("pandas", "to_dataframe").DataFrame(dict(result.history))
+    frame.index.name = "step"
+    frame.attrs["units"] = {name: UNITS[name] for name in frame if name in UNITS}
+    return frame
+
+
+def to_xarray(result: ResultFile) -> Any:
+    """History, tables of patches and all snapshots as an xarray.Dataset, read into memory.
+
+    Dimensions: step (row of the history); distance (of the snapshots) [mm], x, y [mm], and track_x [mm] for
+    the disc of a swept run; patch. `step_distance` is the history's distance. Units and meanings stand in
+    the attributes `units` and `long_name`. A single snapshot is read from the file by
+    xarray.open_dataset(path, group="snapshots/0000", engine="h5netcdf"). Raises InputError without xarray.
+    """
+    xarray = _package("xarray", "to_xarray")
+    history = dict(result.history)
+    coordinates = {
+        "step": ("step", np.arange(history["distance"].size), {"long_name": "row of the history"}),
+        "step_distance": _described(COLUMNS, "distance", ("step",), history.pop("distance")),
+    }
+    data = {name: _described(COLUMNS, name, ("step",), values) for name, values in history.items()}
+    if result.study.study.model == "two-scale":
+        tables = {table.name: table for table in PATCH_TABLES}
+        data |= {name: _described(tables, name, ("step", "patch"), getattr(result, name)) for name in tables}
+        places = np.meshgrid(result.macro_x, result.macro_y, indexing="ij")
+        for name, centres in zip(("patch_x", "patch_y"), places, strict=True):
+            coordinates[name] = (
+                "patch",
+                centres.ravel(),
+                {"units": "mm", "long_name": "centre of the patch"},
+            )
+    snapshots = list(result.snapshots)
+    if snapshots:
+        axes = {"distance": result.snapshot_distances, "x": result.x, "y": result.y}
+        if result.study.is_swept:
+            axes["track_x"] = result.track_x
+            rows = np.array([snapshot.row for snapshot in snapshots])
+            coordinates["track_row"] = ("distance", rows, {"long_name": "row of the track under x[0]"})
+        coordinates |= {name: (name, values, {"units": "mm"}) for name, values in axes.items()}
+        for name in snapshots[0].fields:
+            along = "track_x" if name in OF_THE_TRACK and "track_x" in axes else "x"
+            stacked = np.stack([snapshot.fields[name] for snapshot in snapshots])
+            data[name] = _described(FIELDS, name, ("distance", along, "y"), stacked)
+    about = {"title": result.study.study.name, "study": result.study.to_toml()}
+    about["source"] = f"warpwear {result.attributes['version']}"
+    return xarray.Dataset(data, coordinates, about)
+
+
+def _described(
+    declared: Mapping[str, Quantity], name: str, dimensions: tuple[str, ...], values: Any
+) -> tuple[tuple[str, ...], Any, dict[str, str]]:
+    """A variable for xarray: dimensions, values, and the unit and meaning of the quantity of that name."""
+    known = declared.get(name)
+    return dimensions, values, {"units": known.units, "long_name": known.meaning} if known else {}
+
+
+def _package(name: str, what: str) -> Any:
+    try:
+        return lazy.load(name)
+    except ImportError as error:
+        raise InputError(f"{what}() needs the package {name}: pip install 'warpwear[io]'") from error

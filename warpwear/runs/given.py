@@ -1,0 +1,104 @@
+"""Heights that a user gives as an array, instead of a file or a synthetic surface named in the study."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.results.file import SURFACE_FILE
+from warpwear.study.bodies import Disc
+from warpwear.study.study import Study
+from warpwear.study.units import text
+from warpwear.surfaces.base import Surface
+from warpwear.surfaces.chain import Chain, prepare
+from warpwear.surfaces.measured import Measured
+from warpwear.surfaces.reading import Reading
+
+#: What the study of a run in memory names in the place of a file.
+NO_FILE = "array given to run"
+#: Keys of [disc] that do not say what its surface is.
+OF_THE_BODY = ("material", "young", "poisson", "hardness")
+
+
+@dataclass(frozen=True, eq=False)
+class GivenSurface:
+    """An array of heights, and the study that names it."""
+
+    study: Study
+    surface: Surface
+    heights: FloatArray  # [mm], as they were given
+
+    def save(self, folder: Path) -> None:
+        """Write the heights into a folder, from where the study's name for them leads to the same surface."""
+        np.save(folder / SURFACE_FILE, self.heights)
+
+    def refuse_others(self, folder: Path) -> None:
+        """Raises InputError unless the heights that a finished run's folder holds are these."""
+        path = folder / SURFACE_FILE
+        if not (path.is_file() and np.array_equal(np.load(path), self.heights)):
+            raise InputError(
+                f"out = {folder} holds a run on another surface; --overwrite it, or give another --out."
+            )
+
+
+def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurface:
+    """The study on heights [mm] of its domain, or of its track, and what it takes them for.
+
+    surface: an array of the shape of `study.cells`, (rows, ny) of a swept study's track; or an object with
+    the methods of `Surface`, which is sampled there. Heights count from their mean, as measured ones do: an
+    approach is over their mean plane. folder: where `save` is to put them; None for a run in memory.
+
+    Raises InputError for another shape, for values that are no finite numbers and for the macro model.
+    """
+    if study.study.model == "macro":
+        raise InputError(
+            "surface = an array does not apply to study.model = 'macro', whose disc is smooth; allowed: "
+            "'micro', 'two-scale'."
+        )
+    cells, cell = study.cells, study.grid.cell
+    x = study.track.x if study.is_swept else cells.x
+    if hasattr(surface, "heights"):
+        surface = surface.heights(x, cells.y)
+    heights = _numbers(surface)
+    shape = (x.size, cells.ny)
+    if heights.shape != shape:
+        where = "track" if study.is_swept else "domain"
+        raise InputError(
+            f"surface has the shape {heights.shape}; an array of the shape {shape} is asked for, a height "
+            f"[mm] for every cell of {1e3 * cell:g} µm of the {where}."
+        )
+    if missing := int(heights.size - np.count_nonzero(np.isfinite(heights))):
+        raise InputError(f"surface holds {missing} values that are no finite numbers; every cell needs one.")
+    path = NO_FILE if folder is None else str(folder.resolve() / SURFACE_FILE)
+    reading = Reading(heights, (cell, cell), format="npy", unit="mm", pixel_given=True, unit_given=True)
+    chain = Chain(level="none")
+    prepared = prepare(reading, chain, name=SURFACE_FILE if folder else NO_FILE)
+    details: dict[str, Any] = {"file": Path(path).name, "format": "npy", "unit": "mm", "level": "none"}
+    details["operations"] = list(prepared.operations)
+    return GivenSurface(
+        _on_file(study, path),
+        Measured(levelled=prepared.heights, pixel=(cell, cell), details=details),
+        heights,
+    )
+
+
+def _numbers(surface: Any) -> FloatArray:
+    try:
+        return np.array(surface, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"surface is a {type(surface).__name__}; an array of heights in mm is expected, or an object "
+            "with heights(x, y). The name of a file belongs in disc.surface."
+        ) from error
+
+
+def _on_file(study: Study, path: str) -> Study:
+    """The study with the disc that a file of one height a cell describes."""
+    cell = text(study.grid.cell, "mm")
+    named = {"surface": path, "pixel": [cell, cell], "height_unit": "mm", "level": "none"}
+    other = study.disc.model_fields_set - {*named, *OF_THE_BODY, "synthetic"}
+    named |= {key: Disc.model_fields[key].default for key in other}
+    return study.replace({f"disc.{key}": value for key, value in named.items()})

@@ -1,0 +1,72 @@
+"""One step of a run that goes on, as those see it who watch it."""
+
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.history.quantities import UNITS, columns_of
+from warpwear.history.snapshot import Snapshot
+from warpwear.results import friction
+from warpwear.study.study import Study
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RunStep:
+    """One step that was just made: its row of the history and, until the next is made, its fields.
+
+    index: of the row in the history; count: steps of the whole run.
+    """
+
+    index: int
+    count: int
+    _study: Study
+    _booked: dict[str, float]
+    _fields: Callable[[], Snapshot | None]
+
+    @cached_property
+    def row(self) -> dict[str, float]:
+        """Name -> value of every column of the history, in the units of `units`.
+
+        The coefficient of friction is NaN where no friction.shear_strength is given: what it is calibrated
+        with is the whole run.
+        """
+        row = {column.name: self._booked.get(column.name, np.nan) for column in columns_of(self._study)}
+        law = self._study.friction
+        if law.shear_strength is not None:
+            history = {name: np.array([value]) for name, value in row.items()}
+            row["cof"] = float(
+                friction.coefficient(law, history, load=self._study.contact.load, finished=False)[0]
+            )
+        return row
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Name of a column or field -> its unit, such as "mm^2"."""
+        return dict(UNITS)
+
+    @property
+    def fields(self) -> dict[str, FloatArray]:
+        """Name -> field of this step, as those of `snapshot()`."""
+        return self.snapshot().fields
+
+    def snapshot(self) -> Snapshot:
+        """Pressure, wear of both bodies and gap after this step; copies, which stay as they are.
+
+        Raises InputError when a later step has been made: the fields are then of that one.
+        """
+        found = self._fields()
+        if found is None:
+            raise InputError(
+                f"step {self.index} is over: its fields are there until the next one is made; take "
+                "snapshot() before."
+            )
+        return deepcopy(found)  # on a CPU a model gives views of what it works on
+
+    def __repr__(self) -> str:
+        distance, area = self._booked["distance"], self._booked["area_contact"]
+        return f"<step {self.index} of {self.count}: {distance:g} mm slid, {area:.4g} mm² in contact>"
