@@ -13,8 +13,8 @@ from warpwear.study.bodies import Disc
 from warpwear.study.study import Study
 from warpwear.study.units import text
 from warpwear.surfaces.base import Surface
-from warpwear.surfaces.chain import Chain, prepare
 from warpwear.surfaces.measured import Measured
+from warpwear.surfaces.preparation import Preparation, prepare
 from warpwear.surfaces.reading import Reading
 
 #: What the study of a run in memory names in the place of a file.
@@ -74,8 +74,7 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurfac
         raise InputError(f"surface holds {missing} values that are no finite numbers; every cell needs one.")
     path = NO_FILE if folder is None else str(folder.resolve() / SURFACE_FILE)
     reading = Reading(heights, (cell, cell), format="npy", unit="mm", pixel_given=True, unit_given=True)
-    chain = Chain(level="none")
-    prepared = prepare(reading, chain, name=SURFACE_FILE if folder else NO_FILE)
+    prepared = prepare(reading, Preparation(level="none"), name=SURFACE_FILE if folder else NO_FILE)
     details: dict[str, Any] = {"file": Path(path).name, "format": "npy", "unit": "mm", "level": "none"}
     details["operations"] = list(prepared.operations)
     return GivenSurface(

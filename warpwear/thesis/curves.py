@@ -188,7 +188,7 @@ def stability(axes: Any, runs: Runs, numbers: Numbers) -> None:
     stable, unstable = {"color": LINES["v1"]["color"]}, {"color": LINES["v3"]["color"]}
     over_distance(axes[0], beyond, "area_contact", lw=0.2, **unstable)
     over_distance(axes[0], steady, "area_contact", label="stable: implicit", **stable)
-    dots = {"lw": 0.7, "marker": ".", "ms": 2, "label": "explicit, beyond the limit"}
+    dots: dict[str, Any] = {"lw": 0.7, "marker": ".", "ms": 2, "label": "explicit, beyond the limit"}
     fs.over_distance(axes[1], beyond["distance"][near], beyond["area_contact"][near], **dots, **unstable)
     axes[1].plot(steady["distance"][near], steady["area_contact"][near], **stable)
     axes[1].set_title("30 mm in the middle, a dot a step")
