@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import Study, run
 from warpwear.contact.foresight import Foresight
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 from warpwear.laws.archard import WearLaw, removals_of
@@ -115,7 +116,7 @@ def test_foresight_continues_a_line_of_rates() -> None:
         if slid > 0.4:
             assert foresight.expected(removal) == pytest.approx(change, rel=1e-12)
         again = Foresight()
-        again.restore(json.loads(json.dumps(foresight.saved_state())))
+        saved.restore(again, *json.loads(json.dumps(saved.save(foresight))))
         assert again.expected(removal) == foresight.expected(removal)
         approach += change
         foresight.note(approach, removal)

@@ -21,6 +21,7 @@ from test_half_space import MODULUS, bounded
 
 from warpwear import InputError
 from warpwear.contact.half_space import BoundedPressure, HalfSpace
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.models.patches.local import TwoScaleModel
@@ -154,7 +155,7 @@ def test_a_patch_may_let_go_of_its_load(monkeypatch: pytest.MonkeyPatch) -> None
     study = quick(macro__coupling="load")
     begun, stepped = Stepped(study), Stepped(study)
     begun.model.advance(3.0)
-    stepped.model.restore(*begun.model.saved_state())
+    saved.restore(stepped.model, *saved.save(begun.model))
     model, smooth = stepped.model, stepped.model._smooth
     assert smooth is not None
     press = type(smooth).press

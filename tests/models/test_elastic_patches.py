@@ -14,6 +14,7 @@ from test_half_space import MODULUS, bounded, dense_free, dense_periodic, rough
 import warpwear
 from warpwear import InputError, Study
 from warpwear.contact.half_space import BoundedPressure, HalfSpace, HalfSpaceContact
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
@@ -356,9 +357,9 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
         stepped, found = Stepped(study), []
         for number, increment in enumerate(increments):
             if number == restart:
-                arrays, numbers = stepped.model.saved_state()
+                arrays, numbers = saved.save(stepped.model)
                 stepped = Stepped(study)
-                stepped.model.restore(arrays, json.loads(json.dumps(numbers)))
+                saved.restore(stepped.model, arrays, json.loads(json.dumps(numbers)))
             found.append(stepped.model.advance(increment).row)
         return found, stepped.gap(), stepped.model.book.table("load_share")
 

@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.rest.half_space import HalfSpaceModel
@@ -171,9 +172,9 @@ def test_a_model_goes_on_from_any_step(changes: dict[str, Any]) -> None:
             found = []
             for number, increment in enumerate(increments):
                 if number == restart:
-                    arrays, numbers = model.saved_state()
+                    arrays, numbers = saved.save(model)
                     model = HalfSpaceModel(asked, heights.copy(), executor)
-                    model.restore(arrays, json.loads(json.dumps(numbers)))
+                    saved.restore(model, arrays, json.loads(json.dumps(numbers)))
                 found.append(model.advance(increment).row)
             return found, [field.copy() for field in model.worn()]
 

@@ -14,6 +14,7 @@ from test_swept import TRACKS, WINDOW, rough, small
 
 import warpwear
 from warpwear import Study
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.errors import InvariantError
 from warpwear.grid import FloatArray, Grid
@@ -57,7 +58,7 @@ def contact_of(study: Study, disc: FloatArray, executor: Executor, **options: An
 
 
 def fields_of(contact: Any, executor: Executor) -> dict[str, FloatArray]:
-    return {name: executor.to_numpy(field).copy() for name, field in vars(contact.state).items()}
+    return {name: executor.to_numpy(v).copy() for name, v in contact.state.fields.items()}
 
 
 @dataclass
@@ -251,10 +252,10 @@ def test_a_track_goes_on_from_any_step(track: str, wears: bool, threads: int) ->
             model = SweptModel(study, path, rough(path.rows), executor)
             steps = list(model.steps(plan[:restart]))
             if restart is not None:
-                arrays, numbers = model.saved_state()
+                arrays, numbers = saved.save(model)
                 arrays = {name: values.copy() for name, values in arrays.items()}
                 model = SweptModel(study, path, rough(path.rows), executor)
-                model.restore(arrays, json.loads(json.dumps(numbers)))
+                saved.restore(model, arrays, json.loads(json.dumps(numbers)))
                 steps += model.steps(plan[restart:])
             gap = model.snapshot(steps[-1], 0.9).gap
             return [step.row for step in steps], gap, *fields_of(model.contact, executor).values()

@@ -98,7 +98,7 @@ def displacements(rng: np.random.Generator, *, periodic: bool) -> list[tuple[int
 
 
 def fields_of(contact: SlidingContact, executor: Executor) -> dict[str, FloatArray]:
-    return {name: executor.to_numpy(field).copy() for name, field in vars(contact.state).items()}
+    return {name: executor.to_numpy(v).copy() for name, v in contact.state.fields.items()}
 
 
 @pytest.mark.parametrize("periodic", [True, False], ids=["periodic", "track"])

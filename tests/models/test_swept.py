@@ -14,6 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.contact.balance import Balance, Balancer
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder import Step
@@ -113,10 +114,10 @@ def steps_of(study: Study, disc: FloatArray, device: str, *, restart: int | None
         model = fresh()
         steps: list[Step] = list(model.steps(plan[:restart]))
         if restart is not None:
-            arrays, numbers = model.saved_state()
+            arrays, numbers = saved.save(model)
             arrays = {name: values.copy() for name, values in arrays.items()}
             model = fresh()
-            model.restore(arrays, json.loads(json.dumps(numbers)))
+            saved.restore(model, arrays, json.loads(json.dumps(numbers)))
             steps += model.steps(plan[restart:])
         last = next(iter(model.steps([(study.sliding.total, True)])))
         snapshot = model.snapshot(last, 0.0)
@@ -147,7 +148,9 @@ def test_a_track_is_that_of_every_cell(track: str, loses: str, threads: int) -> 
     with Executor(study.cells) as executor:
         model = SweptModel(study, study.track, rough(rows), executor)
         steps = list(model.steps(model_plan))
-        state = {k: executor.to_numpy(v).copy() for k, v in vars(model.contact.state).items()}
+        state = {
+            k: executor.to_numpy(getattr(model.contact.state, k)).copy() for k in model.contact.state.FIELDS
+        }
     assert [step.row["area_contact"] for step in steps] == pytest.approx(plain["area"], rel=1e-12)
     for name in ("wear_sphere", "wear_disc", *(["plastic_disc"] if loses != "forgets" else [])):
         assert_allclose(state[name], plain[name], rtol=1e-10, atol=1e-15, err_msg=name)
@@ -166,9 +169,9 @@ def test_a_sphere_that_does_not_wear_was_touched_all_the_same(threads: int) -> N
         model = SweptModel(study, track, rough(track.rows), executor)
         for number, increments in enumerate((plan[:9], plan[9:])):
             if number:
-                arrays, numbers = model.saved_state()
+                arrays, numbers = saved.save(model)
                 model = SweptModel(study, track, rough(track.rows), executor)
-                model.restore(arrays, json.loads(json.dumps(numbers)))
+                saved.restore(model, arrays, json.loads(json.dumps(numbers)))
             for step in model.steps(increments):
                 assert step.pressure is not None
                 now = step.pressure > 0.0

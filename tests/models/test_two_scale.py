@@ -16,6 +16,7 @@ import warpwear
 from warpwear import ConvergenceError, InputError, Result, Study
 from warpwear.contact import balance
 from warpwear.contact.balance import Found, newton_in_bracket
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.patches import shares as load_shares
@@ -443,11 +444,11 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
         stepped, found = Stepped(study), []
         for number, increment in enumerate(increments):
             if number == restart:
-                arrays, numbers = stepped.model.saved_state()
+                arrays, numbers = saved.save(stepped.model)
                 kept = {name: np.array(values) for name, values in arrays.items()}
-                assert ("ahead_slope" in kept) == (kind != "load")
+                assert ("contact.ahead.answer.slope" in kept) == (kind != "load")
                 stepped = Stepped(study)
-                stepped.model.restore(kept, json.loads(json.dumps(numbers)))
+                saved.restore(stepped.model, kept, json.loads(json.dumps(numbers)))
             then = increments[number + 1] if number + 1 < len(increments) else None
             found.append(stepped.model.advance(increment, then=then).row)
         return found, stepped.gap(), stepped.model.book.table("load_share")

@@ -14,6 +14,7 @@ from test_swept import small as small_track
 import warpwear
 from warpwear import ConvergenceError, InputError, Result, Study
 from warpwear.cli import main as cli
+from warpwear.engine import state as saved
 from warpwear.errors import InvariantError
 from warpwear.models.patches.shares import _Search
 from warpwear.models.rest.local import OneScaleModel
@@ -85,14 +86,14 @@ def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 
     def spoil(self: OneScaleModel) -> None:
         calls.append(1)
         if len(calls) == step:
-            arrays, numbers = self.saved_state()
-            if name not in arrays:
+            arrays, numbers = saved.save(self)
+            if f"state.{name}" not in arrays:
                 pytest.skip(f"the model's steps do not change {name}")
             arrays = {key: np.array(values) for key, values in arrays.items()}
-            row, column = np.unravel_index(arrays["gap"].argmin(), arrays["gap"].shape)
-            where = min(row, arrays[name].shape[0] - 1), column
-            arrays[name][where] = how(arrays[name][where])
-            self.restore(arrays, numbers)
+            gap, field = (arrays[f"state.{key}"].reshape(self._executor.grid.nx, -1) for key in ("gap", name))
+            where = np.unravel_index(gap.argmin(), gap.shape)
+            field[where] = how(field[where])
+            saved.restore(self, arrays, numbers)
 
     def advance_broken(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
         spoil(self)

@@ -5,6 +5,7 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -70,6 +71,8 @@ class BoundedPressure:
     where p = 0, t − λ where p = H; t gap after deformation, λ approach), over the rms height of the gap. The
     load is met to 1e-12.
     """
+
+    STATE: ClassVar = {"pressure_field": Field, "_started": bool}
 
     def __init__(
         self,

@@ -8,7 +8,7 @@ is therefore that of the whole grid, and its cost follows the contact.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 import warp as wp
@@ -91,6 +91,8 @@ class WindowedHalfSpace:
     hardness: H [MPa]. tolerance: as of `half_space.BoundedPressure`.
     """
 
+    STATE: ClassVar = {"_pressure": Field, "_started": bool, "_window": Window}
+
     def __init__(
         self,
         executor: Executor,
@@ -118,15 +120,14 @@ class WindowedHalfSpace:
 
     @property
     def window(self) -> list[int] | None:
-        """Where it looks first, for `go_on_from`."""
+        """First row and the one after the last, then vectors likewise, of where it looks first."""
         return None if self._window is None else [*vars(self._window).values()]
 
-    def go_on_from(self, pressure: FloatArray | None, window: Sequence[int]) -> None:
-        """Start the next solve on a window, from a pressure between 0 and H [MPa], shape (nx, ny), if any."""
-        if pressure is not None:
-            self._executor.fill(self._pressure, pressure)
-        self._started = pressure is not None
-        self._look_at(Window(*window))
+    def restored(self) -> None:
+        """Look first where another one did at that time."""
+        window, self._window = self._window, None
+        if window is not None:
+            self._look_at(window)
 
     def forget(self) -> None:
         """Start the next solve from nothing."""

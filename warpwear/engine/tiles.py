@@ -2,8 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 import warp as wp
@@ -66,6 +65,18 @@ class Tiles(TileList):
     tile is always listed: a pass over the memory costs less there than to decide about it.
     """
 
+    #: The list too, as sums depend on it in rounding.
+    STATE: ClassVar = {
+        "_lowest": Field,
+        "_kept": Field,
+        "rest": Field,
+        "list": Field,
+        "count": Field,
+        "limit": float,
+        "_asked": float,
+        "_fresh": bool,
+    }
+
     def __init__(self, executor: Executor, gap: Field, unworn: Field, share: Field, *, least: float) -> None:
         super().__init__(executor, least=least)
         self._fields = [gap, unworn, share]
@@ -84,26 +95,9 @@ class Tiles(TileList):
         """Lowest gap before anything was worn [mm]; none is lower later."""
         return self._smallest
 
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that `restore` takes back; the list too, as sums depend on it in rounding."""
-        arrays = {name: array.numpy() for name, array in self._arrays().items()}
-        return arrays, {"limit": self.limit, "asked": self._asked, "fresh": self._fresh}
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+    def restored(self) -> None:
         """Go on with the list of another time, on the fields of that time."""
-        for name, array in self._arrays().items():
-            array.assign(arrays[name])
-        self._asked, self._fresh = numbers["asked"], numbers["fresh"]
-        self._adopt(numbers["limit"])
-
-    def _arrays(self) -> dict[str, Any]:
-        return {
-            "tiles_lowest": self._lowest,
-            "tiles_kept": self._kept,
-            "tiles_rest": self.rest,
-            "tiles_list": self.list,
-            "tiles_count": self.count,
-        }
+        self._adopt(self.limit)
 
     def begin(self) -> None:
         """From every tile, which is what is listed at first, to the lowest."""

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from warpwear.contact.balance import Balance
 from warpwear.errors import ConvergenceError
@@ -29,6 +30,8 @@ class Ledger:
     area that a cell stands for over its own. margin: cells along the edge that must not be touched.
     """
 
+    STATE: ClassVar = {"most": dict, "row": dict}
+
     def __init__(self, study: Study, grid: Grid, *, weight: float = 1.0, margin: int = 1) -> None:
         self._study, self._grid, self._weight, self._margin = study, grid, weight, margin
         self._x, self._y = grid.x, grid.y
@@ -46,10 +49,10 @@ class Ledger:
         )
 
     @property
-    def columns(self) -> slice:
-        """Columns between the first and the last that were ever touched; none before the first step."""
+    def columns(self) -> tuple[int, int]:
+        """First column that was ever touched, and the one after the last; 0, 0 before the first step."""
         first, last = (self.most[name] for name in ("first_column", "last_column"))
-        return slice(int(-first), int(last) + 1) if math.isfinite(first) else slice(0, 0)
+        return (int(-first), int(last) + 1) if math.isfinite(first) else (0, 0)
 
     def enter(
         self,

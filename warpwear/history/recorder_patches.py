@@ -1,9 +1,8 @@
 """The books of a contact of patches: its history, what each patch did, and whose wear it was."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
@@ -24,11 +23,53 @@ class Worn:
     most: dict[str, float]  # over all patches, by those of `MAXIMA`; "worn" is by both bodies
 
 
+#: Tables of shape (steps, patches), patches in the order of `Patches`: x · across + y.
+COLUMNS = (
+    Column("load_share", "N", "load of each patch, or of the macro cell that it stands for"),
+    Column("area_patch", "mm^2", "real area of contact of each, or of its macro cell"),
+)
+
+
+def bytes_of_book(steps: int, patches: int) -> int:
+    """What the tables take of memory at most: as they grow and, for a checkpoint, as they are written."""
+    return 2 * len(COLUMNS) * 8 * steps * patches
+
+
+class PatchBook:
+    """Grows by a row of each table a step."""
+
+    STATE: ClassVar = {"tables": dict}
+
+    def __init__(self, patches: Patches) -> None:
+        self.patches = patches
+        self._rows: dict[str, list[FloatArray]] = {column.name: [] for column in COLUMNS}
+
+    def enter(self, **row: FloatArray) -> None:
+        """Values of one step by the names of `COLUMNS`, shape (patches,) each."""
+        for name, values in row.items():
+            self._rows[name].append(values)
+
+    def table(self, name: str) -> FloatArray:
+        """Shape (steps, patches)."""
+        return np.array(self._rows[name]).reshape(-1, self.patches.count)
+
+    @property
+    def tables(self) -> dict[str, FloatArray]:
+        """Every table, by name; may be set."""
+        return {name: self.table(name) for name in self._rows}
+
+    @tables.setter
+    def tables(self, tables: dict[str, FloatArray]) -> None:
+        self._rows = {name: list(table) for name, table in tables.items()}
+
+
 class PatchLedger:
     """Of one study, whose sphere and disc wear in one proportion.
 
     patches: in the order of the macro cells, in which the book has them.
     """
+
+    STATE: ClassVar = {"_ledger": Ledger, "book": PatchBook}
 
     def __init__(self, study: Study, patches: Patches) -> None:
         self._study, self._patches = study, patches
@@ -112,48 +153,3 @@ class PatchLedger:
             wear_disc=self._parts[1] * worn,
             gap=patches.on_domain(gap, beside=math.nan),
         )
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that `restore` takes back."""
-        return self.book.saved_state(), {"most": self.most, "row": self.row}
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
-        self.book.restore(arrays)
-
-
-#: Tables of shape (steps, patches), patches in the order of `Patches`: x · across + y.
-COLUMNS = (
-    Column("load_share", "N", "load of each patch, or of the macro cell that it stands for"),
-    Column("area_patch", "mm^2", "real area of contact of each, or of its macro cell"),
-)
-
-
-def bytes_of_book(steps: int, patches: int) -> int:
-    """What the tables take of memory at most: as they grow and, for a checkpoint, as they are written."""
-    return 2 * len(COLUMNS) * 8 * steps * patches
-
-
-class PatchBook:
-    """Grows by a row of each table a step."""
-
-    def __init__(self, patches: Patches) -> None:
-        self.patches = patches
-        self._rows: dict[str, list[FloatArray]] = {column.name: [] for column in COLUMNS}
-
-    def enter(self, **row: FloatArray) -> None:
-        """Values of one step by the names of `COLUMNS`, shape (patches,) each."""
-        for name, values in row.items():
-            self._rows[name].append(values)
-
-    def table(self, name: str) -> FloatArray:
-        """Shape (steps, patches)."""
-        return np.array(self._rows[name]).reshape(-1, self.patches.count)
-
-    def saved_state(self) -> dict[str, Any]:
-        """Arrays that `restore` takes back."""
-        return {column.name: self.table(column.name) for column in COLUMNS}
-
-    def restore(self, arrays: Mapping[str, Any]) -> None:
-        for column in COLUMNS:
-            self._rows[column.name] = list(arrays[column.name])

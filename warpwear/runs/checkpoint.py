@@ -34,7 +34,7 @@ from warpwear.version import __version__
 
 FILE_NAME = "checkpoint.h5"
 #: Of the content. A file of another one is refused.
-FORMAT = 4
+FORMAT = 5
 MAGIC = "warpwear checkpoint"
 #: Sections and keys that no result depends on.
 LABELS = ("study.name", "study.description", "run", "checks", "assumed")

@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from warpwear.engine import state
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError, InvariantError
 from warpwear.grid import FloatArray
@@ -86,7 +87,7 @@ class StepLoop:
         found.refuse_changes(self.study, device=self._device)
         found.refuse_surface(self._surface_sum)
         then = found.read()
-        self._model.restore(then.arrays, then.numbers)
+        state.restore(self._model, then.arrays, then.numbers)
         self._writer.take_snapshots_from(found.file)
         self._rows = Rows(then.rows)
         self.warnings, self._told = then.warnings, then.told
@@ -155,7 +156,7 @@ class StepLoop:
                     break
 
     def _checkpoint(self, checkpoints: Checkpoints) -> None:
-        arrays, numbers = self._model.saved_state()
+        arrays, numbers = state.save(self._model)
         self._check(self._invariants.of_fields(arrays, self._rows[-1]))
         now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._told, self._elapsed)
         try:

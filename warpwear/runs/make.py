@@ -1,8 +1,7 @@
 """From a study to what a run steps through: its model, the executor it launches on, the plan of its steps."""
 
-from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -10,11 +9,10 @@ from warpwear.engine.device import free_memory
 from warpwear.engine.executor import FIELDS_NEEDED, Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchBook, bytes_of_book
-from warpwear.history.snapshot import Snapshot
 from warpwear.laws.patches import Patches
 from warpwear.laws.track import WHOLE, Track, increments
+from warpwear.models.model import Model
 from warpwear.models.patches.half_space import ElasticPatchesModel
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.models.patches.width import refuse_unsuitable
@@ -33,25 +31,6 @@ HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0}, 12.0
 SLIDING_FIELDS = 3.0
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
-
-
-class Model(Protocol):
-    """Contact and wear of one study on one executor."""
-
-    #: Steps that the state is ahead of the last one given.
-    ahead: int
-
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each (increment [mm], whether a snapshot of it will be asked for)."""
-
-    def snapshot(self, step: Step, distance: float) -> Snapshot:
-        """The fields after the last step given, at its distance [mm]."""
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
 
 
 @dataclass(frozen=True)

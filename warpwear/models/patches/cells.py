@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import warp as wp
@@ -74,6 +75,8 @@ class PatchContact:
 
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
+
+    STATE: ClassVar = {"gap": Field, "reached": FloatArray, "ahead": Ahead}
 
     def __init__(
         self, patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float, hardness: float

@@ -9,16 +9,16 @@ all cells, whose one multiplier is δ: see `patch_influence` for its operator an
 Where a smooth contact prescribes each p_k, on springs K_N of its own, each u_k is a multiplier of its own.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 import warp as wp
 
 from warpwear.contact.half_space import BoundedPressure, HalfSpaceContact
 from warpwear.contact.half_space_passes import NO_CAP
-from warpwear.engine.executor import Executor
+from warpwear.engine.executor import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
@@ -45,6 +45,15 @@ class ElasticPatchesModel:
     patches: in the order of the macro cells. executor: on `patches.grid`. heights: of the disc over its mean
     plane [mm], shape of the domain.
     """
+
+    STATE: ClassVar = {
+        "_ledger": PatchLedger,
+        "_smooth": SmoothContact,
+        "gap": Field,
+        "_solver": BoundedPressure,
+        "_reached": float,
+        "visited": int,
+    }
 
     def __init__(self, study: Study, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.study, self._executor = study, executor
@@ -113,26 +122,6 @@ class ElasticPatchesModel:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         gap, initial = (self._executor.to_numpy(field) for field in (self.gap, self.initial))
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, initial=initial)
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-        arrays, numbers = self._ledger.saved_state()
-        arrays |= {"gap": self._executor.to_numpy(self.gap), "pressure": self._solver.pressure}
-        numbers["reached"] = self._reached
-        if self._smooth is not None:
-            of_patches, approach = self._smooth.saved_state()
-            arrays, numbers = arrays | of_patches, numbers | approach | {"visited": self.visited}
-        return arrays, numbers
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
-        self._executor.fill(self.gap, arrays["gap"])
-        self._solver.go_on_from(arrays["pressure"])
-        self._reached = numbers["reached"]
-        if self._smooth is not None:
-            self._smooth.restore(arrays, numbers)
-            self.visited = numbers["visited"]
-        self._ledger.restore(arrays, numbers)
 
     def _press(self, smooth: SmoothContact, removal: float) -> HalfSpaceContact:
         """The contact at the end of a step that removes so much [mm³/N], by loads that are prescribed."""

@@ -2,8 +2,8 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.patches import Patches
-from warpwear.models.patches.cells import Ahead, PatchContact
+from warpwear.models.patches.cells import PatchContact
 from warpwear.models.patches.foresight import PatchForesight
-from warpwear.models.patches.shares import Answer, Shares, Task, press, share
+from warpwear.models.patches.shares import Shares, Task, press, share
 from warpwear.models.patches.smooth import SmoothContact
 from warpwear.study.study import Study
 
@@ -29,6 +29,14 @@ class TwoScaleModel:
 
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
+
+    STATE: ClassVar = {
+        "contact": PatchContact,
+        "_ledger": PatchLedger,
+        "_smooth": SmoothContact,
+        "_last": Shares,
+        "_foresight": PatchForesight,
+    }
 
     def __init__(self, study: Study, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.study, self.patches = study, patches
@@ -93,42 +101,6 @@ class TwoScaleModel:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         gap, initial = (self._executor.to_numpy(f) for f in (self.contact.gap, self.contact.initial))
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, initial=initial)
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-        arrays, numbers = self._ledger.saved_state()
-        arrays |= {"gap": self._executor.to_numpy(self.contact.gap), "reached": self.contact.reached}
-        numbers |= {"last": None, "ahead_stiffness": None}
-        foreseen, numbers["foresight"] = self._foresight.saved_state()
-        arrays |= foreseen
-        if (ahead := self.contact.ahead) is not None:
-            numbers["ahead_stiffness"] = ahead.stiffness
-            arrays |= {"ahead_base": ahead.base, "ahead_offset": ahead.offset}
-            arrays |= {f"ahead_{name}": values for name, values in ahead.answer._asdict().items()}
-        if self._last is not None:
-            state = vars(self._last)
-            arrays |= {f"shares_{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
-            numbers["last"] = {k: v for k, v in state.items() if not isinstance(v, np.ndarray)}
-        if self._smooth is not None:
-            worn, approach = self._smooth.saved_state()
-            arrays, numbers = arrays | worn, numbers | approach
-        return arrays, numbers
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
-        self._executor.fill(self.contact.gap, arrays["gap"])
-        self.contact.reached = arrays["reached"]
-        self._ledger.restore(arrays, numbers)
-        self._foresight.restore(arrays, numbers["foresight"])
-        if numbers["ahead_stiffness"] is not None:
-            answer = Answer(*(arrays[f"ahead_{name}"] for name in Answer._fields))
-            foreseen = numbers["ahead_stiffness"], arrays["ahead_base"], arrays["ahead_offset"]
-            self.contact.ahead = Ahead(*foreseen, answer)
-        if numbers["last"] is not None:
-            of_patches = {k: arrays[f"shares_{k}"] for k in ("base", "offset", "pressure")}
-            self._last = Shares(**of_patches, **numbers["last"])
-        if self._smooth is not None:
-            self._smooth.restore(arrays, numbers)
 
     def _share(self, removal: float) -> Shares:
         study, row = self.study, self._ledger.row

@@ -1,8 +1,7 @@
 """The smooth macro contact that prescribes the load of each patch (coupling = "load")."""
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,6 +21,8 @@ class SmoothContact:
 
     Raises InputError for a load that the others do not carry.
     """
+
+    STATE: ClassVar = {"worn": FloatArray, "approach": float}
 
     def __init__(self, study: Study, patches: Patches) -> None:
         self._load, self._hardness = study.contact.load, study.hardness
@@ -68,13 +69,6 @@ class SmoothContact:
         self.approach = base + found.offset
         self.worn = self.worn + removal * p
         return p
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that `restore` takes back."""
-        return {"smooth_worn": self.worn}, {"smooth_approach": self.approach}
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        self.worn, self.approach = arrays["smooth_worn"], numbers["smooth_approach"]
 
     def _adding_up(self, p: FloatArray) -> FloatArray:
         """Without what the search left of the load: that of the patches comes on top of it."""

@@ -1,7 +1,7 @@
 """The bodies of a contact that lies still: their gap as worn and unworn, and whose wear it was."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -25,6 +25,12 @@ class State:
     #: Parts of sphere and disc in what is worn, where all cells and steps have the same, else None: a small
     #: one is then no difference of large ones.
     parts: tuple[float, float] | None
+    #: The fields that steps change.
+    changing: tuple[str, ...] = ("gap",)
+
+    @property
+    def STATE(self) -> dict[str, Any]:
+        return dict.fromkeys(self.changing, Field)
 
     @classmethod
     def of(

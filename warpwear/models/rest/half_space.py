@@ -1,7 +1,7 @@
 """One grid on the elastic–plastic half-space: the sphere and every asperity of the disc deform together."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import ClassVar
 
 import warp as wp
 
@@ -28,6 +28,8 @@ class HalfSpaceModel:
     heights: of the disc over its mean plane [mm], shape (nx, ny). The caller may let go of the array.
     """
 
+    STATE: ClassVar = {"state": State, "_half_space": WindowedHalfSpace, "_ledger": Ledger}
+
     def __init__(self, study: Study, heights: FloatArray, executor: Executor) -> None:
         self.study = study
         self._executor = executor
@@ -36,6 +38,7 @@ class HalfSpaceModel:
         sphere, disc = self._wear = study.wear_laws
         self._share_changes = not sphere.in_proportion_to(disc)
         self.state = State.of(executor, heights, self._wear, curvature=study.sphere.curvature)
+        self.state.changing += ("share",) * self._share_changes
         self._half_space = WindowedHalfSpace(
             executor, modulus=study.effective_modulus, boundary=study.boundary, hardness=study.hardness
         )
@@ -93,22 +96,3 @@ class HalfSpaceModel:
         sphere, disc = self.worn()
         gap = self._executor.to_numpy(self.state.gap)
         return Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-        arrays = {"gap": self._executor.to_numpy(self.state.gap), "pressure": self._half_space.pressure}
-        if self._share_changes:
-            arrays["share"] = self._executor.to_numpy(self.state.share)
-        return arrays, {
-            "most": self._ledger.most,
-            "row": self._ledger.row,
-            "window": self._half_space.window,
-        }
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
-        self._executor.fill(self.state.gap, arrays["gap"])
-        if self._share_changes:
-            self._executor.fill(self.state.share, arrays["share"])
-        self._half_space.go_on_from(arrays["pressure"], numbers["window"])
-        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])

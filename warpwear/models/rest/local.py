@@ -2,11 +2,11 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, replace
-from typing import Any
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import ClassVar
 
-from warpwear.contact.balance import STEPS_AHEAD, Ahead, Balance, Balancer, Carried, residual_of
+from warpwear.contact.balance import STEPS_AHEAD, Ahead, Balance, Balancer, residual_of
 from warpwear.contact.bearing_area import BearingArea
 from warpwear.contact.foresight import Foresight
 from warpwear.engine.executor import Executor, Field
@@ -36,6 +36,16 @@ class OneScaleModel:
     heights: of the disc over its mean plane [mm], shape (nx, ny). The caller may let go of the array.
     bearing_curve: of a roughness that the grid does not resolve, by which the disc runs in.
     """
+
+    STATE: ClassVar = {
+        "state": State,
+        "_recession": Recession,
+        "tiles": Tiles,
+        "_last": Balance,
+        "_foresight": Foresight,
+        "_ahead": Ahead,
+        "_ledger": Ledger,
+    }
 
     def __init__(
         self, study: Study, heights: FloatArray, executor: Executor, *, bearing_curve: Logistic | None = None
@@ -70,6 +80,7 @@ class OneScaleModel:
             study.wear.distance_factor == "none" and not self._share_changes and self._recession is None
         )
         self.state = State.of(executor, heights, self._wear, curvature=curvature, factor=self._factor)
+        self.state.changing += ("share",) * self._share_changes + ("unworn",) * (bearing_curve is not None)
         grid = executor.grid
         fully = study.contact.load / (study.hardness * grid.cell_area)
         self.tiles = Tiles(executor, self.state.gap, self.state.unworn, self.state.share, least=SPARE * fully)
@@ -82,49 +93,12 @@ class OneScaleModel:
         #: Steps that the state is ahead of the last one given, in a block.
         self.ahead = 0
 
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs.
-
-        On a CPU fields are views of their memory. Not to be asked while steps are ahead.
-        """
-        arrays = {name: self._executor.to_numpy(field) for name, field in self._changing().items()}
-        of_tiles, numbers = self.tiles.saved_state()
-        last = None if self._last is None else asdict(self._last)
-        return arrays | of_tiles, {
-            "tiles": numbers,
-            "last": last,
-            "foresight": self._foresight.saved_state(),
-            "ahead": None if self._ahead is None else asdict(self._ahead),
-            "most": self._ledger.most,
-            "row": self._ledger.row,
-        }
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
-        for name, field in self._changing().items():
-            self._executor.fill(field, arrays[name])
-        self.tiles.restore(arrays, numbers["tiles"])
-        self._last = None if numbers["last"] is None else Balance(**numbers["last"])
-        self._foresight.restore(numbers["foresight"])
-        ahead = numbers["ahead"]
-        self._ahead = ahead and Ahead(tuple(ahead["made_for"]), ahead["offset"], Carried(*ahead["carried"]))
-        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
-
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
         sphere, disc = self.worn()
         gap = self._executor.to_numpy(self.state.gap)
         return Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
-
-    def _changing(self) -> dict[str, Field]:
-        """The fields that steps change."""
-        fields = {"gap": self.state.gap}
-        if self._share_changes:
-            fields["share"] = self.state.share
-        if self._recession is not None:
-            fields |= {"unworn": self.state.unworn, "beyond": self._recession.beyond}
-        return fields
 
     def worn(self) -> tuple[FloatArray, FloatArray]:
         """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""

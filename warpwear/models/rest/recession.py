@@ -6,6 +6,8 @@ than a smooth one by a constant. The idea, and a logistic function for the curve
 Letters 70, 2022, doi 10.1007/s11249-022-01602-6); the equations here follow from the balance of volumes.
 """
 
+from typing import ClassVar
+
 from warpwear.contact.balance import Balance
 from warpwear.engine.executor import Executor, Field
 from warpwear.kernels import recession as running_in
@@ -14,6 +16,8 @@ from warpwear.laws.bearing_curve import Logistic
 
 class Recession:
     """What a logistic bearing curve adds to the steps of a model."""
+
+    STATE: ClassVar = {"beyond": Field}
 
     def __init__(self, curve: Logistic, executor: Executor, distance_factor: Field) -> None:
         self._curve = curve

@@ -1,13 +1,13 @@
 """The bodies of a contact that slides: a sphere and a disc displaced under it, each with what it has lost."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.state import Columns
 from warpwear.grid import FloatArray
 from warpwear.kernels import gap
 from warpwear.kernels.cells import LANES, PADDING
@@ -24,6 +24,16 @@ class State:
     wear_disc: Field
     plastic_disc: Field  # displaced for good where a cell was at the hardness; one row where none is kept
     reached: Field  # 1 where the sphere was in contact; one row where its wear shows that
+    #: First column that was ever touched, and the one after the last: beyond them all is as it was made.
+    columns: tuple[int, int] = (0, 0)
+
+    FIELDS: ClassVar = ("sphere", "disc", "wear_sphere", "wear_disc", "plastic_disc", "reached")
+    STATE: ClassVar = {"columns": tuple, **dict.fromkeys(FIELDS, Columns)}
+
+    @property
+    def fields(self) -> dict[str, Field]:
+        """All fields by name, in the order in which kernels take them."""
+        return {name: getattr(self, name) for name in self.FIELDS}
 
     @classmethod
     def of(
@@ -58,17 +68,6 @@ class State:
         if not 0 <= shift <= rows - nx:
             raise ValueError(f"a shift of {shift} rows leaves the disc of {rows} rows")
         return shift
-
-    def columns(self, executor: Executor, band: slice) -> dict[str, FloatArray]:
-        """A band of columns of every field, by name."""
-        return {name: executor.to_numpy(field)[:, band] for name, field in vars(self).items()}
-
-    def restore(self, executor: Executor, band: slice, arrays: Mapping[str, FloatArray]) -> None:
-        """Give the fields such columns back; the others stay."""
-        for name, field in vars(self).items():
-            values = executor.to_numpy(field)
-            values[:, band] = arrays[name]
-            executor.fill(field, values)
 
 
 def keeps_dents(study: Study) -> bool:

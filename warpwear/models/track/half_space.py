@@ -1,7 +1,6 @@
 """One grid in motion on the elastic–plastic half-space: a disc displaced under a wearing sphere."""
 
-from collections.abc import Mapping
-from typing import Any
+from typing import ClassVar
 
 import warp as wp
 
@@ -34,6 +33,12 @@ class ElasticSliding:
     disc, periodic, share: as of `sliding.SlidingContact`. Raises ValueError for the same discs.
     """
 
+    STATE: ClassVar = {
+        "state": State,
+        "_of_rows": dict,
+        "_half_space": WindowedHalfSpace,
+        "_ledger": TrackLedger,
+    }
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
 
@@ -110,7 +115,7 @@ class ElasticSliding:
                 self._mean_along(contact.pressure_field, window),
                 contact.gradient_field,
             ],
-            outputs=[*vars(state).values(), self._sums, self._maxima],
+            outputs=[*state.fields.values(), self._sums, self._maxima],
         )
         executor.launch(
             passes.totals,
@@ -123,9 +128,11 @@ class ElasticSliding:
         carried = total["pressure"] * executor.grid.cell_area
         residual = residual_of(carried, study.contact.load, approach=contact.approach)
         balance = Balance(contact.approach, 0.0, cap, residual, evaluations=contact.transforms)
-        return self._ledger.enter(
+        step = self._ledger.enter(
             balance, increment, (of_sphere, of_disc), reference, total, most, pressure=pressure
         )
+        state.columns = self._ledger.columns
+        return step
 
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
@@ -142,22 +149,3 @@ class ElasticSliding:
         every = [(0, self._executor.vectors)]
         self._executor.launch(passes.mean_of_lines, inputs=[field], outputs=[self._lines], chunks=every)
         return self._lines
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs.
-
-        Of fields only the columns that were ever touched: beyond them they are as they were made.
-        """
-        band = self._ledger.columns
-        arrays: dict[str, Any] = {**self.state.columns(self._executor, band)}
-        arrays |= {f"{name}_in_rows": rows.numpy() for name, rows in self._of_rows.items()}
-        numbers = {"columns": [band.start, band.stop], "window": self._half_space.window}
-        return arrays, numbers | {"most": self._ledger.most, "row": self._ledger.row}
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another contact of the same study, disc and device saved."""
-        self.state.restore(self._executor, slice(*numbers["columns"]), arrays)
-        for name, rows in self._of_rows.items():
-            rows.assign(arrays[f"{name}_in_rows"])
-        self._half_space.go_on_from(None, numbers["window"])
-        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])

@@ -2,8 +2,8 @@
 
 import math
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import ClassVar
 
 import numpy as np
 import warp as wp
@@ -25,8 +25,6 @@ from warpwear.study.study import Study
 SPARE = 1.25
 #: Changes of the approach from which the next is expected, and how many times the largest it may be.
 CHANGES, TIMES = 8, 2.0
-#: Kept of every tile and of every row.
-KEPT = ("touched", "worn_sphere", "worn_disc", "pressed_disc")
 #: Of a step before which nothing was touched.
 NO_ROWS = {"first_row": -math.inf, "last_row": -math.inf}
 #: What the approach may change by when nothing is known of it, and at least [mm].
@@ -47,6 +45,16 @@ class SlidingContact:
 
     Raises ValueError for a disc that is shorter than the grid or of another width.
     """
+
+    STATE: ClassVar = {
+        "state": State,
+        "tiles": SlidingTiles,
+        "_kept": list,
+        "_totals": list,
+        "_approach": float,
+        "_changes": deque,
+        "_ledger": TrackLedger,
+    }
 
     def __init__(
         self,
@@ -107,8 +115,8 @@ class SlidingContact:
         reference = near_mean if math.isfinite(near_mean) else 0.0
         pressure = self._pressures(balance, stiffness) if with_pressure else None
         state, tiles = self.state, self.tiles
-        columns = self._ledger.columns
-        known = (columns.start, columns.stop - 1) if columns.stop else (self._executor.grid.ny, -1)
+        first, end = self._ledger.columns
+        known = (first, end - 1) if end else (self._executor.grid.ny, -1)
         self._executor.launch(
             sliding.remove,
             inputs=[
@@ -161,7 +169,7 @@ class SlidingContact:
         if self._loop is None:
             self._loop = DeviceSliding(
                 self._executor,
-                [*vars(self.state).values()],
+                [*self.state.fields.values()],
                 [self.tiles.lowest.numbers, self.tiles.highest.numbers],
                 [kept.numbers for kept in self._kept],
                 self._totals,
@@ -184,38 +192,9 @@ class SlidingContact:
             self._changes.append(abs(step.balance.approach - self._approach))
             self._approach = step.balance.approach
             reference = self._ledger.row["pressure_mean"]
-            yield self._ledger.enter(step.balance, increment, removal, reference, step.totals, step.most)
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs.
-
-        Of fields only the columns that were ever touched: beyond them they are as they were made.
-        """
-        band = self._ledger.columns
-        arrays: dict[str, Any] = {**self.state.columns(self._executor, band)}
-        arrays |= {name: array.numpy() for name, array in self._of_tiles().items()}
-        return arrays, {
-            "columns": [band.start, band.stop],
-            "approach": self._approach,
-            "changes": [*self._changes],
-            "most": self._ledger.most,
-            "row": self._ledger.row,
-        }
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another contact of the same study, disc and device saved."""
-        self.state.restore(self._executor, slice(*numbers["columns"]), arrays)
-        for name, array in self._of_tiles().items():
-            array.assign(arrays[name])
-        self._approach = numbers["approach"]
-        self._changes.extend(numbers["changes"])
-        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
-
-    def _of_tiles(self) -> dict[str, Field]:
-        """What is kept of tiles and rows, by name."""
-        kept = {"sphere_lowest": self.tiles.lowest.numbers, "disc_highest": self.tiles.highest.numbers}
-        kept |= {f"{name}_in_tiles": kept.numbers for name, kept in zip(KEPT, self._kept, strict=True)}
-        return kept | {f"{name}_in_rows": totals for name, totals in zip(KEPT, self._totals, strict=True)}
+            entered = self._ledger.enter(step.balance, increment, removal, reference, step.totals, step.most)
+            self.state.columns = self._ledger.columns
+            yield entered
 
     def _pressures(self, balance: Balance, stiffness: Field) -> FloatArray:
         """The pressure field of a solved contact [MPa]."""
@@ -287,4 +266,6 @@ class SlidingContact:
         }
         rows = np.flatnonzero(touched)
         most |= {"first_row": -float(rows[0]), "last_row": float(rows[-1])} if rows.size else NO_ROWS
-        return self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
+        step = self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
+        self.state.columns = self._ledger.columns
+        return step

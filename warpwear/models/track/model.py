@@ -1,7 +1,7 @@
 """A sphere that slides over a track: one contact, displaced step by step along the way of `track.Track`."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import ClassVar
 
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
@@ -22,6 +22,8 @@ class SweptModel:
 
     heights: of the track over its mean plane [mm], shape (track.rows, ny). The caller may let go of it.
     """
+
+    STATE: ClassVar = {"contact": SlidingContact, "_done": int}
 
     def __init__(self, study: Study, track: Track, heights: FloatArray, executor: Executor) -> None:
         self._track, self._executor = track, executor
@@ -83,13 +85,3 @@ class SweptModel:
             plastic_disc=to_numpy(state.plastic_disc) if self._keeps else None,
             row=row,
         )
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-        arrays, numbers = self.contact.saved_state()
-        return arrays, numbers | {"steps": self._done}
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
-        self.contact.restore(arrays, numbers)
-        self._done = numbers["steps"]

@@ -1,7 +1,7 @@
 """The list of tiles that a sphere can touch on a disc displaced under it."""
 
 import math
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -22,6 +22,8 @@ BOUNDS_IN_CELLS = 1.0
 
 class PerTile:
     """One number a tile of a body, rows × tiles, seen also as eight neighbouring tiles in a vector."""
+
+    STATE: ClassVar = {"numbers": Field}
 
     def __init__(self, rows: int, tiles: int, device: Any) -> None:
         groups = -(-tiles // LANES)
@@ -48,6 +50,8 @@ class SlidingTiles(TileList):
     sphere, disc: heights as worn, of nx rows and of at least as many; places without a surface stand
     infinitely high on the sphere and low on the disc.
     """
+
+    STATE: ClassVar = {"lowest": PerTile, "highest": PerTile}
 
     def __init__(self, executor: Executor, sphere: Field, disc: Field, *, least: float) -> None:
         super().__init__(executor, least=least)
