@@ -255,7 +255,7 @@ def test_worn_run_equals_reference(
         tolerance=this.load_tolerance,
     )
     with Executor(grid, device=device, threads=threads) as executor:
-        model = OneScaleModel(this, heights.copy(), executor)
+        model = OneScaleModel(this.contact_task, heights.copy(), executor)
         steps = list(model.steps((d, True) for d in increments.tolist()))
         fields = dict(zip(("wear_sphere", "wear_disc"), model.worn(), strict=True))
         gap = executor.to_numpy(model.state.gap).copy()
@@ -284,7 +284,7 @@ def test_threads_do_not_change_a_bit(kind: str, device: str, threads: int) -> No
     outcomes = []
     for count in (1, threads):
         with Executor(Grid(61, 75, CELL), device=device, threads=count) as executor:
-            model = OneScaleModel(this, rough((61, 75), 4), executor)
+            model = OneScaleModel(this.contact_task, rough((61, 75), 4), executor)
             rows = [list(step.row.values()) for step in model.steps([(0.1, True)] * 30)]
             fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]
             outcomes.append((rows, fields))

@@ -40,7 +40,7 @@ def test_steps_evaluated_ahead_are_the_steps(kind: str, threads: int) -> None:
     outcomes = []
     for ahead in (False, True):
         with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
-            model = OneScaleModel(study(kind), heights(), executor)
+            model = OneScaleModel(study(kind).contact_task, heights(), executor)
             if ahead:
                 steps = list(model.steps((d, True) for d in PLAN))
             else:
@@ -61,7 +61,7 @@ def test_another_increment_than_announced_is_solved_for_itself() -> None:
     steps = {}
     for then in (None, 1.0):
         with Executor(Grid(*SHAPE, CELL)) as executor:
-            model = OneScaleModel(study("implicit"), heights(), executor)
+            model = OneScaleModel(study("implicit").contact_task, heights(), executor)
             steps[then] = [model.advance(d, with_pressure=True, then=then) for d in (0.01, 0.02, 0.3, 0.01)]
     for one, other in zip(steps[None], steps[1.0], strict=True):
         assert one.row["approach"] == pytest.approx(other.row["approach"], rel=1e-12)
@@ -80,7 +80,7 @@ def test_wear_of_both_bodies_is_what_the_pressures_took(kind: str) -> None:
         factor = np.sqrt(1.0 - d2 / 9.0)
     expected = np.zeros((2, *SHAPE))
     with Executor(grid) as executor:
-        model = OneScaleModel(this, heights(), executor)
+        model = OneScaleModel(this.contact_task, heights(), executor)
         distance = 0.0
         for step, increment in zip(model.steps((d, True) for d in PLAN), PLAN, strict=True):
             for worn, law, slid in zip(expected, this.wear_laws, (1.0, factor), strict=True):

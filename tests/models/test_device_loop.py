@@ -33,7 +33,7 @@ def test_blocks_are_steps(kind: str, device: str) -> None:
     outcomes: list[tuple[list[Step], list[np.ndarray]]] = []
     for in_blocks in (False, True):
         with Executor(grid, device=device) as executor:
-            model = OneScaleModel(study, surface_in(study).heights(grid.x, grid.y), executor)
+            model = OneScaleModel(study.contact_task, surface_in(study).heights(grid.x, grid.y), executor)
             model.in_blocks = in_blocks
             steps = list(model.steps(plan))
             fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]

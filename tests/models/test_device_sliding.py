@@ -32,7 +32,7 @@ def test_blocks_are_steps(track: str, law: str, device: str) -> None:
     outcomes = []
     for in_blocks in (False, True):
         with Executor(study.cells, device=device) as executor:
-            model = SweptModel(study, path, rough(path.rows), executor)
+            model = SweptModel(study.contact_task, path, rough(path.rows), executor)
             model.contact.blocks_allowed = in_blocks
             steps = list(model.steps(plan))
             fields = {

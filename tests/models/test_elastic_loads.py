@@ -141,7 +141,7 @@ def test_the_loads_are_those_of_the_local_law(kind: str) -> None:
     heights = surface_in(study).heights(study.cells.x, study.cells.y)
     with Executor(study.patch_layout.grid) as executor:
         local = study.replace({"contact.law": "foundation"})
-        other = TwoScaleModel(local, study.patch_layout, heights, executor)
+        other = TwoScaleModel(local.contact_task, study.patch_layout, heights, executor)
         for increment in (0.003, 0.3, 3.0, 0.1):
             row, expected = model.advance(increment).row, other.advance(increment).row
             shares = [m.book.table("load_share")[-1] for m in (model, other)]

@@ -188,7 +188,7 @@ class Stepped:
     def __init__(self, study: Study, *, device: str = "cpu", threads: int | None = None) -> None:
         self.executor = Executor(study.patch_layout.grid, device=device, threads=threads)
         heights = surface_in(study).heights(study.cells.x, study.cells.y)
-        self.model = ElasticPatchesModel(study, study.patch_layout, heights, self.executor)
+        self.model = ElasticPatchesModel(study.contact_task, study.patch_layout, heights, self.executor)
 
     def gap(self) -> FloatArray:
         """Of every patch as the model has them, shape (patches, side, side)."""
@@ -265,7 +265,7 @@ def test_stiff_bodies_are_on_the_capped_foundation(behind: dict[str, str]) -> No
     local = study.replace({"contact.law": "foundation"})
     heights = surface_in(study).heights(study.cells.x, study.cells.y)
     with Executor(study.patch_layout.grid) as executor:
-        other = TwoScaleModel(local, study.patch_layout, heights, executor)
+        other = TwoScaleModel(local.contact_task, study.patch_layout, heights, executor)
         for increment in (0.03, 0.3, 3.0, 3.0):
             row, expected = one.model.advance(increment).row, other.advance(increment).row
             assert row["approach"] == pytest.approx(expected["approach"], abs=1e-8)

@@ -110,7 +110,7 @@ def test_every_step_wears_what_its_pressure_says() -> None:
     grid = asked.cells
     heights = np.random.default_rng(1).normal(0.0, 1e-3, grid.shape)
     with Executor(grid) as executor:
-        model = HalfSpaceModel(asked, heights, executor)
+        model = HalfSpaceModel(asked.contact_task, heights, executor)
         before = executor.to_numpy(model.state.gap).copy()
         for increment in (0.003, 0.3, 30.0, 0.01):
             step = model.advance(increment, with_pressure=True)
@@ -129,8 +129,10 @@ def test_bodies_without_compliance_wear_as_on_the_capped_foundation() -> None:
     grid = Grid(60, 60, 0.02)
     heights = np.random.default_rng(1).normal(0.0, 1e-3, grid.shape)
     with Executor(grid) as executor:
-        one = HalfSpaceModel(stiff, heights.copy(), executor)
-        other = OneScaleModel(stiff.replace({"contact.law": "foundation"}), heights.copy(), executor)
+        one = HalfSpaceModel(stiff.contact_task, heights.copy(), executor)
+        other = OneScaleModel(
+            stiff.replace({"contact.law": "foundation"}).contact_task, heights.copy(), executor
+        )
         for increment in (0.03, 0.3, 3.0):
             step, expected = one.advance(increment), other.advance(increment)
             for name in (
@@ -168,12 +170,12 @@ def test_a_model_goes_on_from_any_step(changes: dict[str, Any]) -> None:
 
     def rows(restart: int | None) -> tuple[list[dict[str, float]], list[FloatArray]]:
         with Executor(asked.cells) as executor:
-            model = HalfSpaceModel(asked, heights.copy(), executor)
+            model = HalfSpaceModel(asked.contact_task, heights.copy(), executor)
             found = []
             for number, increment in enumerate(increments):
                 if number == restart:
                     arrays, numbers = saved.save(model)
-                    model = HalfSpaceModel(asked, heights.copy(), executor)
+                    model = HalfSpaceModel(asked.contact_task, heights.copy(), executor)
                     saved.restore(model, arrays, json.loads(json.dumps(numbers)))
                 found.append(model.advance(increment).row)
             return found, [field.copy() for field in model.worn()]

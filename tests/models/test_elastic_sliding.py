@@ -52,7 +52,7 @@ def heights(rows: int = ROWS) -> FloatArray:
 
 
 def contact_of(study: Study, disc: FloatArray, executor: Executor, **options: Any) -> ElasticSliding:
-    contact = ElasticSliding(study, disc.copy(), executor, **options)
+    contact = ElasticSliding(study.contact_task, disc.copy(), executor, **options)
     contact._half_space._tolerance = TIGHT
     return contact
 
@@ -154,7 +154,7 @@ def test_stiff_bodies_wear_as_by_the_local_law(changes: dict[str, Any]) -> None:
     with Executor(GRID) as executor:
         elastic = contact_of(study, disc, executor, periodic=True)
         local_law = study.replace({"contact.law": "foundation"})
-        local = SlidingContact(local_law, disc.copy(), executor, periodic=True)
+        local = SlidingContact(local_law.contact_task, disc.copy(), executor, periodic=True)
         for move in moves:
             found, expected = elastic.step(*move, with_pressure=True), local.step(*move, with_pressure=True)
             assert found.pressure is not None
@@ -249,12 +249,12 @@ def test_a_track_goes_on_from_any_step(track: str, wears: bool, threads: int) ->
 
     def outcome(threads: int, restart: int | None) -> tuple[Any, ...]:
         with Executor(study.cells, threads=threads) as executor:
-            model = SweptModel(study, path, rough(path.rows), executor)
+            model = SweptModel(study.contact_task, path, rough(path.rows), executor)
             steps = list(model.steps(plan[:restart]))
             if restart is not None:
                 arrays, numbers = saved.save(model)
                 arrays = {name: values.copy() for name, values in arrays.items()}
-                model = SweptModel(study, path, rough(path.rows), executor)
+                model = SweptModel(study.contact_task, path, rough(path.rows), executor)
                 saved.restore(model, arrays, json.loads(json.dumps(numbers)))
                 steps += model.steps(plan[restart:])
             gap = model.snapshot(steps[-1], 0.9).gap

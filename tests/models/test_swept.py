@@ -109,7 +109,7 @@ def steps_of(study: Study, disc: FloatArray, device: str, *, restart: int | None
     with Executor(study.cells, device=device) as executor:
 
         def fresh() -> SweptModel:
-            return SweptModel(study, track, disc.copy(), executor)
+            return SweptModel(study.contact_task, track, disc.copy(), executor)
 
         model = fresh()
         steps: list[Step] = list(model.steps(plan[:restart]))
@@ -146,7 +146,7 @@ def test_a_track_is_that_of_every_cell(track: str, loses: str, threads: int) -> 
     plain = plain_run(study, track, rough(rows))
     model_plan = [(increment, False) for increment, _, _ in plan_of(study)]
     with Executor(study.cells) as executor:
-        model = SweptModel(study, study.track, rough(rows), executor)
+        model = SweptModel(study.contact_task, study.track, rough(rows), executor)
         steps = list(model.steps(model_plan))
         state = {
             k: executor.to_numpy(getattr(model.contact.state, k)).copy() for k in model.contact.state.FIELDS
@@ -166,11 +166,11 @@ def test_a_sphere_that_does_not_wear_was_touched_all_the_same(threads: int) -> N
     track = study.track
     touched = np.zeros((WINDOW, WINDOW), dtype=bool)
     with Executor(study.cells, threads=threads) as executor:
-        model = SweptModel(study, track, rough(track.rows), executor)
+        model = SweptModel(study.contact_task, track, rough(track.rows), executor)
         for number, increments in enumerate((plan[:9], plan[9:])):
             if number:
                 arrays, numbers = saved.save(model)
-                model = SweptModel(study, track, rough(track.rows), executor)
+                model = SweptModel(study.contact_task, track, rough(track.rows), executor)
                 saved.restore(model, arrays, json.loads(json.dumps(numbers)))
             for step in model.steps(increments):
                 assert step.pressure is not None

@@ -71,7 +71,7 @@ class Stepped:
     def __init__(self, study: Study, *, device: str = "cpu", threads: int | None = None) -> None:
         self.study, self.patches = study, study.patch_layout
         self.executor = Executor(self.patches.grid, device=device, threads=threads)
-        self.model = TwoScaleModel(study, self.patches, _heights_on(study.cells), self.executor)
+        self.model = TwoScaleModel(study.contact_task, self.patches, _heights_on(study.cells), self.executor)
 
     def gap(self) -> FloatArray:
         """Of every patch, shape (patches, side, side)."""
@@ -384,7 +384,7 @@ def test_a_smooth_contact_prescribes_the_loads() -> None:
 def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where every patch and the smooth contact stop on the same side, as far off as they may."""
     stepped = Stepped(of_kind("load"))
-    smooth = SmoothContact(stepped.study, stepped.patches)
+    smooth = SmoothContact(stepped.study.contact_task, stepped.patches)
     load, area = stepped.study.contact.load, stepped.patches.area
 
     def just_converged(carried: Any, load: float, *others: Any) -> Found:

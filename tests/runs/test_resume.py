@@ -98,12 +98,12 @@ def steps_of(law: str, heights: FloatArray, increments: list[float], restart: in
     """Rows and fields of a model; with `restart`, of another one that goes on with its state at that step."""
     study = Study.load("v3-fine").replace({"stepping.increment": "1 mm", "stepping.force": True} | LAWS[law])
     with Executor(Grid(*SHAPE, CELL)) as executor:
-        model = OneScaleModel(study, heights.copy(), executor)
+        model = OneScaleModel(study.contact_task, heights.copy(), executor)
         rows = []
         for number, increment in enumerate(increments):
             if number == restart:
                 arrays, numbers = saved.save(model)
-                model = OneScaleModel(study, heights.copy(), executor)
+                model = OneScaleModel(study.contact_task, heights.copy(), executor)
                 saved.restore(model, arrays, json.loads(json.dumps(numbers)))
             rows.append(model.advance(increment).row)
         state = model.state

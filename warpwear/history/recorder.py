@@ -9,7 +9,7 @@ from warpwear.contact.balance import Balance
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import MAXIMA
-from warpwear.study.study import Study
+from warpwear.laws.task import ContactTask
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class Ledger:
 
     STATE: ClassVar = {"most": dict, "row": dict}
 
-    def __init__(self, study: Study, grid: Grid, *, weight: float = 1.0, margin: int = 1) -> None:
-        self._study, self._grid, self._weight, self._margin = study, grid, weight, margin
+    def __init__(self, task: ContactTask, grid: Grid, *, weight: float = 1.0, margin: int = 1) -> None:
+        self._task, self._grid, self._weight, self._margin = task, grid, weight, margin
         self._x, self._y = grid.x, grid.y
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = dict.fromkeys(
@@ -73,7 +73,7 @@ class Ledger:
 
         Raises ConvergenceError where nothing is in contact.
         """
-        grid, area, load = self._grid, self._weight * self._grid.cell_area, self._study.contact.load
+        grid, area, load = self._grid, self._weight * self._grid.cell_area, self._task.load
         count = total["contact"]
         if not count > 0.0 or not math.isfinite(total["pressure"]):
             raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
@@ -118,7 +118,7 @@ class Ledger:
         at_edge |= last_row >= grid.nx - margin or last_column >= grid.ny - margin
         # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
         reach = max(-self._x[first_row], self._x[last_row], -self._y[first_column], self._y[last_column])
-        beyond_sphere = bool((reach + 1.5 * grid.cell) * self._study.sphere.curvature >= 1.0)
+        beyond_sphere = bool((reach + 1.5 * grid.cell) * self._task.curvature >= 1.0)
         return Step(balance, self.row, at_edge, beyond_sphere, pressure)
 
 
@@ -128,8 +128,8 @@ class TrackLedger(Ledger):
     Its rows have one column more, `plastic_volume_disc`, from the total "pressed_disc".
     """
 
-    def __init__(self, study: Study, grid: Grid, *, share: float) -> None:
-        super().__init__(study, grid)
+    def __init__(self, task: ContactTask, grid: Grid, *, share: float) -> None:
+        super().__init__(task, grid)
         self._share = share
 
     def enter(

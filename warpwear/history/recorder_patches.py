@@ -12,7 +12,7 @@ from warpwear.history.columns import Column
 from warpwear.history.recorder import Ledger, Step
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.patches import Patches
-from warpwear.study.study import Study
+from warpwear.laws.task import ContactTask
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,14 +71,13 @@ class PatchLedger:
 
     STATE: ClassVar = {"_ledger": Ledger, "book": PatchBook}
 
-    def __init__(self, study: Study, patches: Patches) -> None:
-        self._study, self._patches = study, patches
-        self._wear = study.wear_laws
+    def __init__(self, task: ContactTask, patches: Patches) -> None:
+        self._task, self._patches = task, patches
         # In the outermost macro cells, what a patch touches may stand for the domain's edge.
         margin = 1 if patches.cover_everything else patches.pitch
-        self._ledger = Ledger(study, patches.domain, weight=patches.weight, margin=margin)
+        self._ledger = Ledger(task, patches.domain, weight=patches.weight, margin=margin)
         self.book = PatchBook(patches)
-        steady = [law.steady for law in self._wear]
+        steady = [law.steady for law in task.wear]
         #: Of what both bodies lose, the parts of sphere and disc: a small one is no difference of large ones.
         self._parts = [k / sum(steady) for k in steady] if sum(steady) else [0.5, 0.5]
 
@@ -94,17 +93,15 @@ class PatchLedger:
 
     def removals(self, later: float, increment: float) -> tuple[float, float]:
         """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
-        start = self.row["distance"] + later
-        sphere, disc = (law.removal(start, increment) for law in self._wear)
-        return sphere, disc
+        return self._task.removals(self.row["distance"] + later, increment)
 
     @property
     def foundation(self) -> float:
         """K_N of the next step [N/mm³], which may follow the scar; inf where it plays no part."""
-        if not self._study.uses_foundation:
+        if not self._task.uses_foundation:
             return math.inf
         nominal = self.row.get("area_nominal", 0.0)
-        return self._study.foundation(radius=math.sqrt(nominal / math.pi) or None)
+        return self._task.foundation_at(math.sqrt(nominal / math.pi) or None)
 
     def enter(
         self,
@@ -131,9 +128,9 @@ class PatchLedger:
             most[f"wear_{body}"] = part * deepest
         of_cell = self._patches.domain.cell_area * self._patches.weight
         carried = total["pressure"] * of_cell
-        residual = residual_of(carried, self._study.contact.load, approach=sum(approach))
+        residual = residual_of(carried, self._task.load, approach=sum(approach))
         self.book.enter(load_share=sums["pressure"] * of_cell, area_patch=sums["contact"] * of_cell)
-        balance = Balance(*approach, self._study.hardness, residual, evaluations=evaluations)
+        balance = Balance(*approach, self._task.hardness, residual, evaluations=evaluations)
         return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
 
     def snapshot(

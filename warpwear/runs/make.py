@@ -73,7 +73,7 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
         heights = _heights_of(study, surface, track)
         record = surface.record() | {"on_the_grid": _roughness_on(grid, heights[:MOST_ROWS])}
         found = checksum(heights)
-        swept = SweptModel(study, track, heights, executor)
+        swept = SweptModel(study.contact_task, track, heights, executor)
         return Made(swept, found, record, heights)
     heights = surface.heights(grid.x, grid.y)
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
@@ -81,15 +81,15 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
         patches = study.patch_layout
         refuse_unsuitable(study, patches, heights)
         make = ElasticPatchesModel if study.contact.law == "half-space" else TwoScaleModel
-        of_patches = make(study, patches, heights, executor)
+        of_patches = make(study.contact_task, patches, heights, executor)
         return Made(of_patches, checksum(heights), record, book=of_patches.book)
     if study.contact.law == "half-space":
-        return Made(HalfSpaceModel(study, heights, executor), checksum(heights), record)
+        return Made(HalfSpaceModel(study.contact_task, heights, executor), checksum(heights), record)
     curve = None
     if study.wear.law == "bearing-curve":
         curve = bearing_curve_of(study)
         record["bearing_curve"] = asdict(curve)
-    model = OneScaleModel(study, heights, executor, bearing_curve=curve)
+    model = OneScaleModel(study.contact_task, heights, executor, bearing_curve=curve)
     return Made(model, checksum(heights), record)
 
 

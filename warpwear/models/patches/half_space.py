@@ -26,10 +26,10 @@ from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import patches_half_space as patches_by_pressure
 from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.laws.patches import Patches
+from warpwear.laws.task import ContactTask
 from warpwear.models.patches.cells import places, unworn
 from warpwear.models.patches.influence import PatchInfluence
 from warpwear.models.patches.smooth import SmoothContact
-from warpwear.study.study import Study
 
 #: Before a step the approach is thought to grow by so much of what the last mean pressure would wear off.
 AHEAD = 2.0
@@ -55,14 +55,14 @@ class ElasticPatchesModel:
         "visited": int,
     }
 
-    def __init__(self, study: Study, patches: Patches, heights: FloatArray, executor: Executor) -> None:
-        self.study, self._executor = study, executor
-        self._ledger = PatchLedger(study, patches)
+    def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
+        self.task, self._executor = task, executor
+        self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
-        curvature = study.sphere.curvature
+        curvature = task.curvature
         _, lowest = unworn(patches, heights, executor, curvature=curvature)
         of_patches = lowest.numpy().min(axis=1)
-        self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
+        self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
         reached = of_patches if self._smooth is None else self._smooth.initial
         self._order = np.argsort(reached, kind="stable")
         #: As they are stored here.
@@ -78,11 +78,9 @@ class ElasticPatchesModel:
         #: Cells where there is a surface, in so many first patches.
         self._cells = np.cumsum(there)
         self._places = places(self.patches, executor)
-        assert study.effective_modulus is not None  # checked with the study
-        self._influence = PatchInfluence(
-            executor, self.patches, modulus=study.effective_modulus, boundary=study.boundary
-        )
-        self._solver = BoundedPressure(executor, self._influence, hardness=study.hardness)
+        assert task.modulus is not None  # checked with the study
+        self._influence = PatchInfluence(executor, self.patches, modulus=task.modulus, boundary=task.boundary)
+        self._solver = BoundedPressure(executor, self._influence, hardness=task.hardness)
         #: Patches visited in the last solve; the others have not been touched.
         self.visited = 0
         #: Largest approach so far [mm].
@@ -136,10 +134,10 @@ class ElasticPatchesModel:
 
         It is solved once no patch that was left out lies below its approach: those carry nothing then.
         """
-        load = self.study.contact.load / (self.patches.count * self.patches.area)
+        load = self.task.load / (self.patches.count * self.patches.area)
         needed = self._below(self._reached + AHEAD * removal * self._ledger.row["pressure_mean"])
         # As many as carry the load at the hardness.
-        carriers = load / self.study.hardness * self._influence.cells
+        carriers = load / self.task.hardness * self._influence.cells
         needed = max(needed, int(np.searchsorted(self._cells, carriers, side="right")) + 1)
         while True:
             self.visited = min(needed, self.patches.count)
@@ -160,7 +158,7 @@ class ElasticPatchesModel:
             patches_by_pressure.remove,
             inputs=[
                 self.patches.vectors,
-                min(self.study.hardness, NO_CAP),
+                min(self.task.hardness, NO_CAP),
                 removal,
                 reference,
                 *self._places,

@@ -14,15 +14,15 @@ from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.patches import Patches
+from warpwear.laws.task import ContactTask
 from warpwear.models.patches.cells import PatchContact
 from warpwear.models.patches.foresight import PatchForesight
 from warpwear.models.patches.shares import Shares, Task, press, share
 from warpwear.models.patches.smooth import SmoothContact
-from warpwear.study.study import Study
 
 
 class TwoScaleModel:
-    """Contact and wear of one study. Patches share the load by one approach, or as a smooth contact says.
+    """Contact and wear of one task. Patches share the load by one approach, or as a smooth contact says.
 
     Approaches and gaps count from the mean planes, so that the worn mean height of a patch, which closes the
     loop back to the macro contact, is part of its gap.
@@ -38,14 +38,14 @@ class TwoScaleModel:
         "_foresight": PatchForesight,
     }
 
-    def __init__(self, study: Study, patches: Patches, heights: FloatArray, executor: Executor) -> None:
-        self.study, self.patches = study, patches
+    def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
+        self.task, self.patches = task, patches
         self._executor = executor
-        curvature, hardness = study.sphere.curvature, study.hardness
+        curvature, hardness = task.curvature, task.hardness
         self.contact = PatchContact(patches, heights, executor, curvature=curvature, hardness=hardness)
-        self._ledger = PatchLedger(study, patches)
+        self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
-        self._smooth = SmoothContact(study, patches) if study.macro.coupling == "load" else None
+        self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
         self._last: Shares | None = None
         self._foresight = PatchForesight()
         self.ahead = 0
@@ -66,19 +66,19 @@ class TwoScaleModel:
 
         Raises ConvergenceError when the load cannot be shared.
         """
-        study, row = self.study, self._ledger.row
+        task, row = self.task, self._ledger.row
         removals = self._ledger.removals(0.0, increment)
         removal = sum(removals)
         self.contact.stiffness = self._stiffness(removal)
         evaluations = self.contact.evaluations
         shares = self._share(removal)
         evaluations = self.contact.evaluations - evaluations
-        self._foresight.note(shares, self._last, removal, sprung=study.uses_foundation)
+        self._foresight.note(shares, self._last, removal, sprung=task.uses_foundation)
         self._last = shares
         pressure = None
         if with_pressure:
             pressure = self.patches.on_domain(self.contact.pressures(shares.base, shares.offset))
-        reference = row["pressure_mean"] or (study.hardness if math.isfinite(study.hardness) else 0.0)
+        reference = row["pressure_mean"] or (task.hardness if math.isfinite(task.hardness) else 0.0)
         foreseen = None
         if then is not None and self._smooth is None:
             removal_next = sum(self._ledger.removals(increment, then))
@@ -103,12 +103,12 @@ class TwoScaleModel:
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, initial=initial)
 
     def _share(self, removal: float) -> Shares:
-        study, row = self.study, self._ledger.row
+        task, row = self.task, self._ledger.row
         foundation = self._ledger.foundation
         step, steps = self._foresight.expected(removal)
         if step is None:
             step = removal * row["pressure_mean"]
-        load = study.contact.load
+        load = task.load
         if self._smooth is not None:
             target = self._smooth.press(foundation=foundation, removal=removal)
             return press(
@@ -122,25 +122,25 @@ class TwoScaleModel:
                 area=self.patches.area,
                 load=load,
             )
-        task = Task(
+        sharing = Task(
             load=load,
             area=self.patches.area,
             flexibility=1.0 / foundation,
-            hardness=study.hardness,
+            hardness=task.hardness,
             lowest=self.contact.lowest,
         )
         if self._last is None:
-            return share(self.contact.response, task, None, step=self._first)
-        return share(self.contact.response, task, self._last, step=step, steps=steps)
+            return share(self.contact.response, sharing, None, step=self._first)
+        return share(self.contact.response, sharing, self._last, step=step, steps=steps)
 
     def _stiffness(self, removal: float) -> float:
         """1/c of a step that removes so much of both bodies [N/mm³]."""
-        implicit = self.study.stepping.scheme == "implicit"
-        compliance = self.study.law().compliance + (removal if implicit else 0.0)
+        implicit = self.task.implicit
+        compliance = self.task.compliance + (removal if implicit else 0.0)
         return 1.0 / compliance if compliance else RIGID
 
     @property
     def _first(self) -> float:
         """First step of a search from the lowest cell [mm]."""
-        pressure = min(self.study.hardness, self.study.contact.load / self.patches.domain.cell_area)
+        pressure = min(self.task.hardness, self.task.load / self.patches.domain.cell_area)
         return 0.5 * pressure / self.contact.stiffness

@@ -9,7 +9,7 @@ from warpwear.contact.balance import Carried, newton_in_bracket
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.patches import Patches
-from warpwear.study.study import Study
+from warpwear.laws.task import ContactTask
 from warpwear.surfaces.sphere import sag
 
 
@@ -24,10 +24,10 @@ class SmoothContact:
 
     STATE: ClassVar = {"worn": FloatArray, "approach": float}
 
-    def __init__(self, study: Study, patches: Patches) -> None:
-        self._load, self._hardness = study.contact.load, study.hardness
+    def __init__(self, task: ContactTask, patches: Patches) -> None:
+        self._load, self._hardness = task.load, task.hardness
         self.area = patches.area  # of a macro cell [mm²]
-        curvature = study.sphere.curvature
+        curvature = task.curvature
         heights = sag(patches.domain.x, patches.domain.y, radius=1.0 / curvature if curvature else np.inf)
         stored = patches.stored(heights).reshape(patches.count, patches.side, -1)[:, :, : patches.side]
         self.initial: FloatArray = stored.mean(axis=(1, 2))  # gap before any wear [mm]

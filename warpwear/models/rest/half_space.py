@@ -14,8 +14,8 @@ from warpwear.history.recorder import Ledger, Step
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_half_space as wear_by_pressure
 from warpwear.kernels.cells import MAXIMA, SUMS
+from warpwear.laws.task import ContactTask
 from warpwear.models.rest.bodies import State
-from warpwear.study.study import Study
 
 
 class HalfSpaceModel:
@@ -30,20 +30,19 @@ class HalfSpaceModel:
 
     STATE: ClassVar = {"state": State, "_half_space": WindowedHalfSpace, "_ledger": Ledger}
 
-    def __init__(self, study: Study, heights: FloatArray, executor: Executor) -> None:
-        self.study = study
+    def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
+        self.task = task
         self._executor = executor
-        assert study.effective_modulus is not None  # checked with the study
+        assert task.modulus is not None  # checked with the study
         wp.load_module(wear_by_pressure, device=executor.device)
-        sphere, disc = self._wear = study.wear_laws
-        self._share_changes = not sphere.in_proportion_to(disc)
-        self.state = State.of(executor, heights, self._wear, curvature=study.sphere.curvature)
+        self._share_changes = not task.in_proportion
+        self.state = State.of(executor, heights, task.wear, curvature=task.curvature)
         self.state.changing += ("share",) * self._share_changes
         self._half_space = WindowedHalfSpace(
-            executor, modulus=study.effective_modulus, boundary=study.boundary, hardness=study.hardness
+            executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
         )
         self._sums, self._maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
-        self._ledger = Ledger(study, executor.grid)
+        self._ledger = Ledger(task, executor.grid)
         #: No step is made before the one that is asked for.
         self.ahead = 0
 
@@ -57,13 +56,13 @@ class HalfSpaceModel:
 
         Raises ConvergenceError when the contact cannot be solved.
         """
-        executor, state, load = self._executor, self.state, self.study.contact.load
-        sphere, disc = (law.removal(self._ledger.row["distance"], increment) for law in self._wear)
+        executor, state, load = self._executor, self.state, self.task.load
+        sphere, disc = self.task.removals(self._ledger.row["distance"], increment)
         contact = self._half_space.solve(state.gap, load=load, compliance=sphere + disc)
         pressure = contact.pressure.copy() if with_pressure else None
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
-        cap = min(self.study.hardness, NO_CAP)
+        cap = min(self.task.hardness, NO_CAP)
         executor.launch(
             wear_by_pressure.remove,
             inputs=[

@@ -18,11 +18,11 @@ from warpwear.kernels import contact
 from warpwear.kernels import wear as removal_kernels
 from warpwear.kernels.cells import MAXIMA, SUMS
 from warpwear.laws.archard import distance_factor, removals_of
+from warpwear.laws.task import ContactTask
 from warpwear.models.rest.bodies import State
 from warpwear.models.rest.on_gpu import DeviceLoop
 from warpwear.models.rest.recession import Logistic, Recession
 from warpwear.models.rest.stiffness import Stiffness, Stiffnesses
-from warpwear.study.study import Study
 
 #: Steps made on a device before their history is read.
 LONGEST_BLOCK = 500
@@ -48,22 +48,25 @@ class OneScaleModel:
     }
 
     def __init__(
-        self, study: Study, heights: FloatArray, executor: Executor, *, bearing_curve: Logistic | None = None
+        self,
+        task: ContactTask,
+        heights: FloatArray,
+        executor: Executor,
+        *,
+        bearing_curve: Logistic | None = None,
     ) -> None:
-        self.study = study
+        self.task = task
         self._executor = executor
-        self._wear = study.wear_laws
-        self._rigid = study.uses_bearing_area
+        self._rigid = task.rigid
         #: 1/k of the foundation [mm³/N], None where it follows the contact.
-        updated = study.study.model == "macro" and study.contact.foundation_update == "updated"
-        self._compliance = None if updated else study.law().compliance
+        self._compliance = None if task.foundation_updated else task.compliance
         self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
         self._sums = executor.partials(len(SUMS))
         self._maxima = executor.partials(len(MAXIMA))
-        curvature = study.sphere.curvature
-        self._factor = distance_factor(executor.grid, study.wear.distance_factor, curvature=curvature)
+        curvature = task.curvature
+        self._factor = distance_factor(executor.grid, task.distance_factor, curvature=curvature)
         self._factor_field = executor.field(self._factor)
-        implicit = study.stepping.scheme == "implicit"
+        implicit = task.implicit
         self._stiffness = Stiffnesses(executor, self._factor, implicit=implicit)
         self._recession = (
             None if bearing_curve is None else Recession(bearing_curve, executor, self._factor_field)
@@ -71,18 +74,17 @@ class OneScaleModel:
         self._last: Balance | None = None
         self._foresight = Foresight()
         self._ahead: Ahead | None = None
-        self._ledger = Ledger(study, executor.grid)
-        sphere, disc = self._wear
+        self._ledger = Ledger(task, executor.grid)
         #: Whether the share of the sphere changes from step to step.
-        self._share_changes = not sphere.in_proportion_to(disc)
+        self._share_changes = not task.in_proportion
         #: 1 where every cell has the same 1/c and share.
         self._alike = int(
-            study.wear.distance_factor == "none" and not self._share_changes and self._recession is None
+            task.distance_factor == "none" and not self._share_changes and self._recession is None
         )
-        self.state = State.of(executor, heights, self._wear, curvature=curvature, factor=self._factor)
+        self.state = State.of(executor, heights, task.wear, curvature=curvature, factor=self._factor)
         self.state.changing += ("share",) * self._share_changes + ("unworn",) * (bearing_curve is not None)
         grid = executor.grid
-        fully = study.contact.load / (study.hardness * grid.cell_area)
+        fully = task.load / (task.hardness * grid.cell_area)
         self.tiles = Tiles(executor, self.state.gap, self.state.unworn, self.state.share, least=SPARE * fully)
         self._highest = self._bearing_area.bounds(self.state.gap, self.tiles)[1]
         #: Whether 1/c of a step is known before it.
@@ -139,13 +141,13 @@ class OneScaleModel:
                 self.state.unworn,
                 self.state.share,
                 self._factor_field,
-                load=self.study.contact.load,
-                hardness=self.study.hardness,
+                load=self.task.load,
+                hardness=self.task.hardness,
                 compliance=self._compliance,
-                implicit=self.study.stepping.scheme == "implicit",
+                implicit=self.task.implicit,
                 share_changes=self._share_changes,
             )
-        removals = removals_of(self._wear, self._ledger.row["distance"], increments)
+        removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
         mean = self._ledger.row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
         self.ahead = len(made)
@@ -240,7 +242,7 @@ class OneScaleModel:
         most = self.state.divide(dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True)))
         if not self._rigid:
             force = total["pressure"] * self._executor.grid.cell_area
-            residual = residual_of(force, self.study.contact.load, approach=balance.approach)
+            residual = residual_of(force, self.task.load, approach=balance.approach)
             balance = replace(balance, load_residual=residual)
         self._last = balance
         return self._ledger.enter(
@@ -249,21 +251,19 @@ class OneScaleModel:
 
     def _removal(self, later: float, increment: float) -> tuple[float, float]:
         """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
-        start = self._ledger.row["distance"] + later
-        sphere, disc = (law.removal(start, increment) for law in self._wear)
-        return sphere, disc
+        return self.task.removals(self._ledger.row["distance"] + later, increment)
 
     def _balance(self, stiffness: Stiffness, removal: float) -> Balance:
-        load = self.study.contact.load
+        load = self.task.load
         if self._rigid:
             return self._bearing_area.solve(
                 self.state.gap,
                 self.tiles,
                 highest=self._highest,
                 load=load,
-                hardness=self.study.hardness,
-                tolerance=self.study.load_tolerance,
-                step=removal * self.study.hardness,
+                hardness=self.task.hardness,
+                tolerance=self.task.load_tolerance,
+                step=removal * self.task.hardness,
             )
         # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
         step, known = removal * self._ledger.row["pressure_mean"], None
@@ -274,7 +274,7 @@ class OneScaleModel:
             stiffness.field,
             self.tiles,
             load=load,
-            hardness=self.study.hardness,
+            hardness=self.task.hardness,
             start=self._last.approach if self._last else None,
             step=step,
             stiffest=stiffness.stiffest,
@@ -286,7 +286,7 @@ class OneScaleModel:
         compliance = self._compliance
         if compliance is None:
             area = self._ledger.row["area_contact"]
-            compliance = self.study.law(radius=math.sqrt(area / math.pi) if area else None).compliance
+            compliance = 1.0 / self.task.foundation_at(math.sqrt(area / math.pi) if area else None)
         if self._recession is not None:
             compliance += removal_sphere
             field = self._recession.stiffness(compliance, removal_disc, self._wear_of_disc())

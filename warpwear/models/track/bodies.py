@@ -1,6 +1,5 @@
 """The bodies of a contact that slides: a sphere and a disc displaced under it, each with what it has lost."""
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -11,7 +10,7 @@ from warpwear.engine.state import Columns
 from warpwear.grid import FloatArray
 from warpwear.kernels import gap
 from warpwear.kernels.cells import LANES, PADDING
-from warpwear.study.study import Study
+from warpwear.laws.task import ContactTask
 
 
 @dataclass
@@ -37,7 +36,7 @@ class State:
 
     @classmethod
     def of(
-        cls, study: Study, executor: Executor, disc: FloatArray, *, sphere: FloatArray | None = None
+        cls, task: ContactTask, executor: Executor, disc: FloatArray, *, sphere: FloatArray | None = None
     ) -> Self:
         """Unworn, of the study's sphere or one of other heights [mm], shape (nx, ny).
 
@@ -47,13 +46,13 @@ class State:
         grid, rows = executor.grid, disc.shape[0]
         if rows < grid.nx or disc.shape[1] != grid.ny:
             raise ValueError(f"a disc of {disc.shape} cells does not fit under a grid of {grid.shape}")
-        wears = study.wear_laws[0].fastest > 0.0
+        wears = task.wear[0].fastest > 0.0
         return cls(
-            _sphere(study, executor) if sphere is None else _padded(executor, sphere, PADDING),
+            _sphere(task, executor) if sphere is None else _padded(executor, sphere, PADDING),
             _padded(executor, disc, -PADDING),
             executor.zeros(),
             executor.zeros(rows),
-            executor.zeros(rows if keeps_dents(study) else 1),
+            executor.zeros(rows if task.keeps_dents else 1),
             executor.zeros(1 if wears else grid.nx),
         )
 
@@ -70,15 +69,10 @@ class State:
         return shift
 
 
-def keeps_dents(study: Study) -> bool:
-    """Whether a disc cell at the hardness stays as deep as it was pressed."""
-    return study.sliding.plastic == "keep" and math.isfinite(study.hardness)
-
-
-def _sphere(study: Study, executor: Executor) -> Field:
+def _sphere(task: ContactTask, executor: Executor) -> Field:
     """Heights of the study's sphere, by the kernel that makes the gap of a smooth disc."""
     grid, heights = executor.grid, executor.zeros()
-    place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), study.sphere.curvature]
+    place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
     executor.launch(gap.gap, inputs=[*place, executor.zeros()], outputs=[heights, heights])
     return heights
 

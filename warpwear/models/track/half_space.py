@@ -12,8 +12,8 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step, TrackLedger
 from warpwear.kernels import sliding_half_space as passes
 from warpwear.kernels.cells import MAXIMA, SUMS
-from warpwear.models.track.bodies import State, keeps_dents
-from warpwear.study.study import Study
+from warpwear.laws.task import ContactTask
+from warpwear.models.track.bodies import State
 
 #: Rows of the table of partial sums.
 OF_STEP = (*SUMS, "pressed_disc")
@@ -44,23 +44,23 @@ class ElasticSliding:
 
     def __init__(
         self,
-        study: Study,
+        task: ContactTask,
         disc: FloatArray,
         executor: Executor,
         *,
         periodic: bool = False,
         share: float = 1.0,
     ) -> None:
-        self.state = State.of(study, executor, disc)
-        self.study = study
+        self.state = State.of(task, executor, disc)
+        self.task = task
         self.periodic = periodic
         self._executor = executor
         self._share = share
-        assert study.effective_modulus is not None  # checked with the study
+        assert task.modulus is not None  # checked with the study
         wp.load_module(passes, device=executor.device)
-        self.keeps_dents = keeps_dents(study)
+        self.keeps_dents = task.keeps_dents
         self._half_space = WindowedHalfSpace(
-            executor, modulus=study.effective_modulus, boundary=study.boundary, hardness=study.hardness
+            executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
         )
         #: The gap, a mean along x by rows, and that of whole lines.
         self._gap, self._means, self._lines = executor.zeros(), executor.zeros(), executor.zeros(1)
@@ -70,17 +70,17 @@ class ElasticSliding:
             name: wp.zeros(rows, dtype=wp.float64, device=executor.device)
             for name in ("wear_disc", "pressed_disc")
         }
-        self._ledger = TrackLedger(study, executor.grid, share=share)
+        self._ledger = TrackLedger(task, executor.grid, share=share)
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
 
         Raises ConvergenceError when the contact cannot be solved, ValueError as `SlidingContact.step`.
         """
-        executor, state, study = self._executor, self.state, self.study
+        executor, state, task = self._executor, self.state, self.task
         shift = state.row_of(shift, periodic=self.periodic)
         distance = self._ledger.row["distance"]
-        of_sphere, of_disc = (law.removal(distance, increment) for law in study.wear_laws)
+        of_sphere, of_disc = task.removals(distance, increment)
         removal_disc = self._share * of_disc
         window = self.cells_passing(increment)
         met = self._mean_along(state.wear_sphere, window)
@@ -93,7 +93,7 @@ class ElasticSliding:
         self._half_space.forget()
         contact = self._half_space.solve(
             self._gap,
-            load=study.contact.load,
+            load=task.load,
             compliance=removal_disc,
             streak_compliance=of_sphere,
             streak_window=window,
@@ -101,7 +101,7 @@ class ElasticSliding:
         pressure = contact.pressure.copy() if with_pressure else None
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
-        cap = min(study.hardness, NO_CAP)
+        cap = min(task.hardness, NO_CAP)
         executor.launch(
             passes.remove,
             inputs=[
@@ -126,7 +126,7 @@ class ElasticSliding:
         total |= {name: float(rows.numpy().sum()) for name, rows in self._of_rows.items()}
         most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
         carried = total["pressure"] * executor.grid.cell_area
-        residual = residual_of(carried, study.contact.load, approach=contact.approach)
+        residual = residual_of(carried, task.load, approach=contact.approach)
         balance = Balance(contact.approach, 0.0, cap, residual, evaluations=contact.transforms)
         step = self._ledger.enter(
             balance, increment, (of_sphere, of_disc), reference, total, most, pressure=pressure
@@ -137,7 +137,7 @@ class ElasticSliding:
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
         grid = self._executor.grid
-        if self.study.sphere.curvature == 0.0:
+        if self.task.curvature == 0.0:
             return grid.nx
         return min(max(round(self._share * increment / grid.cell), 1), grid.nx)
 

@@ -16,10 +16,10 @@ from warpwear.history.recorder import Step, TrackLedger
 from warpwear.kernels import contact, sliding
 from warpwear.kernels.cells import LANES, STEP, STEP_MAXIMA
 from warpwear.laws.archard import removals_of
-from warpwear.models.track.bodies import State, keeps_dents
+from warpwear.laws.task import ContactTask
+from warpwear.models.track.bodies import State
 from warpwear.models.track.on_gpu import DeviceSliding
 from warpwear.models.track.tiles import PerTile, SlidingTiles
-from warpwear.study.study import Study
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 1.25
@@ -58,7 +58,7 @@ class SlidingContact:
 
     def __init__(
         self,
-        study: Study,
+        task: ContactTask,
         disc: FloatArray,
         executor: Executor,
         *,
@@ -67,17 +67,17 @@ class SlidingContact:
         share: float = 1.0,
     ) -> None:
         grid = executor.grid
-        self.state = State.of(study, executor, disc, sphere=sphere)
-        self.study = study
+        self.state = State.of(task, executor, disc, sphere=sphere)
+        self.task = task
         self.periodic = periodic
         self._executor = executor
         self._rows = disc.shape[0]
         self._share = share
-        self._wear, self._elastic = study.wear_laws, study.law().compliance
-        self._implicit = study.stepping.scheme == "implicit"
-        self.keeps_dents = keeps_dents(study)
+        self._elastic = task.compliance
+        self._implicit = task.implicit
+        self.keeps_dents = task.keeps_dents
         self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
-        fully = study.contact.load / (study.hardness * grid.cell_area)
+        fully = task.load / (task.hardness * grid.cell_area)
         self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
         columns, device = executor.tiles_per_row, executor.device
         # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc,
@@ -90,10 +90,10 @@ class SlidingContact:
         self._stiffness: tuple[float, Field] | None = None  # with the compliance that it was made for
         self._approach: float | None = None
         self._changes: deque[float] = deque(maxlen=CHANGES)
-        self._ledger = TrackLedger(study, executor.grid, share=share)
+        self._ledger = TrackLedger(task, executor.grid, share=share)
         self._loop: DeviceSliding | None = None
         #: Whether the device can make steps by itself: those of a contact with compliance.
-        self.blocks_allowed = executor.device.is_cuda and not study.uses_bearing_area
+        self.blocks_allowed = executor.device.is_cuda and not task.rigid
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -106,7 +106,7 @@ class SlidingContact:
         shift = self.state.row_of(shift, periodic=self.periodic)
         self.tiles.displace(shift)
         distance = self._ledger.row["distance"]
-        of_sphere, of_disc = (law.removal(distance, increment) for law in self._wear)
+        of_sphere, of_disc = self.task.removals(distance, increment)
         removal_sphere, removal_disc = of_sphere, self._share * of_disc
         compliance = self._compliance(removal_sphere + removal_disc)
         stiffness = self._stiffness_of(compliance)
@@ -126,7 +126,7 @@ class SlidingContact:
                 reference,
                 shift,
                 *known,
-                compliance * self.study.hardness if self.keeps_dents else math.inf,
+                compliance * self.task.hardness if self.keeps_dents else math.inf,
                 stiffness,
             ],
             outputs=[
@@ -173,14 +173,14 @@ class SlidingContact:
                 [self.tiles.lowest.numbers, self.tiles.highest.numbers],
                 [kept.numbers for kept in self._kept],
                 self._totals,
-                load=self.study.contact.load,
-                hardness=self.study.hardness,
+                load=self.task.load,
+                hardness=self.task.hardness,
                 compliance=self._elastic,
                 implicit=self._implicit,
                 keeps=self.keeps_dents,
             )
         assert self._approach is not None
-        removals = removals_of(self._wear, self._ledger.row["distance"], increments)
+        removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
         made = self._loop.run(
             [shift % self._rows for shift in shifts],
             [(sphere, self._share * disc) for sphere, disc in removals],
@@ -221,7 +221,7 @@ class SlidingContact:
 
     def _balance(self, stiffness: Field, compliance: float) -> Balance:
         scatter = max(TIMES * max(self._changes, default=0.5 * FIRST_SCATTER), LEAST_SCATTER)
-        load, hardness = self.study.contact.load, self.study.hardness
+        load, hardness = self.task.load, self.task.hardness
         if compliance > 0.0:
             return self._balancer.foundation(
                 self.tiles.gap,
@@ -243,7 +243,7 @@ class SlidingContact:
             scatter=scatter,
             load=load,
             hardness=hardness,
-            tolerance=self.study.load_tolerance,
+            tolerance=self.task.load_tolerance,
         )
 
     def _entered(

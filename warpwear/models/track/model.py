@@ -7,11 +7,11 @@ from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
 from warpwear.models.track.half_space import ElasticSliding
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.on_gpu import LONGEST_BLOCK
-from warpwear.study.study import Study
 
 #: Fields of the disc's size at the peak of a run: heights as read and as worn, wear, room to work.
 DISC_FIELDS = 4.0
@@ -25,10 +25,10 @@ class SweptModel:
 
     STATE: ClassVar = {"contact": SlidingContact, "_done": int}
 
-    def __init__(self, study: Study, track: Track, heights: FloatArray, executor: Executor) -> None:
+    def __init__(self, task: ContactTask, track: Track, heights: FloatArray, executor: Executor) -> None:
         self._track, self._executor = track, executor
-        law = ElasticSliding if study.contact.law == "half-space" else SlidingContact
-        self.contact = law(study, heights, executor, periodic=track.periodic, share=track.share)
+        law = ElasticSliding if task.half_space else SlidingContact
+        self.contact = law(task, heights, executor, periodic=track.periodic, share=track.share)
         self._keeps = self.contact.keeps_dents
         self._done = 0
         #: Steps that the state is ahead of the last one given, in a block.
