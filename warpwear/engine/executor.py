@@ -77,7 +77,7 @@ class Executor:
         self.slots = grid.nx * self.slots_per_row
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if on_cpu else 0
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
-        self._launches: dict[tuple[str, int], tuple[Any, list[Any]]] = {}
+        self._launches: dict[tuple[Any, int], tuple[Any, list[Any]]] = {}
         self._whole = self.share(np.full(grid.nx, self.vectors * LANES))
         # Compiled before any thread needs them.
         for module in (gap, contact, removal, running_in, sliding, tiles):
@@ -140,10 +140,10 @@ class Executor:
 
     def _kept_launch(self, kernel: Any, chunk: int, size: int, arguments: list[Any]) -> Any:
         """The recorded launch of a kernel over a chunk, with what has changed since the last time."""
-        kept = self._launches.get((kernel.key, chunk))
+        kept = self._launches.get((kernel, chunk))  # kernels of two modules may have one name
         if kept is None:
             command = wp.launch(kernel, dim=size, inputs=arguments, device=self.device, record_cmd=True)
-            self._launches[kernel.key, chunk] = command, [size, *arguments]
+            self._launches[kernel, chunk] = command, [size, *arguments]
             return command
         command, last = kept
         if size != last[0]:
