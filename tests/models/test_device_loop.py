@@ -34,7 +34,7 @@ def test_blocks_are_steps(kind: str, device: str) -> None:
     for in_blocks in (False, True):
         with Executor(grid, device=device) as executor:
             model = OneScaleModel(study.contact_task, surface_in(study).heights(grid.x, grid.y), executor)
-            model.in_blocks = in_blocks
+            model.blocks_allowed = in_blocks
             steps = list(model.steps(plan))
             fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]
         outcomes.append((steps, fields))

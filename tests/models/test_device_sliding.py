@@ -35,10 +35,7 @@ def test_blocks_are_steps(track: str, law: str, device: str) -> None:
             model = SweptModel(study.contact_task, path, rough(path.rows), executor)
             model.contact.blocks_allowed = in_blocks
             steps = list(model.steps(plan))
-            fields = {
-                k: executor.to_numpy(getattr(model.contact.state, k)).copy()
-                for k in model.contact.state.FIELDS
-            }
+            fields = {k: executor.to_numpy(v).copy() for k, v in model.contact.state.fields.items()}
             lowest = [model.contact.tiles.lowest.to_numpy(), model.contact.tiles.highest.to_numpy()]
         outcomes.append((steps, fields, [bounds.copy() for bounds in lowest]))
     (one_by_one, fields, bounds), (blocks, fields_of_blocks, bounds_of_blocks) = outcomes

@@ -80,8 +80,8 @@ def test_rows_that_break_none() -> None:
 
 def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 10) -> None:
     """After so many steps change a value of a field in the contact, by the way that checkpoints take."""
-    monkeypatch.setattr("warpwear.models.rest.local.LONGEST_BLOCK", 1)  # on a GPU
-    advance, block, calls = OneScaleModel.advance, OneScaleModel._block, []
+    monkeypatch.setattr(OneScaleModel, "longest_block", 1)  # on a GPU
+    advance, block, calls = OneScaleModel.advance, OneScaleModel.block, []
 
     def spoil(self: OneScaleModel) -> None:
         calls.append(1)
@@ -100,12 +100,11 @@ def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 
         return advance(self, *args, **kwargs)
 
     def block_broken(self: OneScaleModel, increments: list[float]) -> Any:
-        if increments:
-            spoil(self)
+        spoil(self)
         yield from block(self, increments)
 
     monkeypatch.setattr(OneScaleModel, "advance", advance_broken)
-    monkeypatch.setattr(OneScaleModel, "_block", block_broken)
+    monkeypatch.setattr(OneScaleModel, "block", block_broken)
 
 
 def not_a_number(value: float) -> float:

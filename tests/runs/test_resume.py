@@ -167,7 +167,7 @@ def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
 
     def in_blocks(self: OneScaleModel, *args: Any, **kwargs: Any) -> None:
         init(self, *args, **kwargs)
-        self.in_blocks = True
+        self.blocks_allowed = True
 
     def stopped(self: DeviceLoop, *args: Any, **kwargs: Any) -> Any:
         made.append(1)
@@ -176,7 +176,7 @@ def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
         return run(self, *args, **kwargs)
 
     monkeypatch.setattr(OneScaleModel, "__init__", in_blocks)
-    monkeypatch.setattr("warpwear.models.rest.local.LONGEST_BLOCK", 10)
+    monkeypatch.setattr(OneScaleModel, "longest_block", 10)
     one, other = tmp_path / "alone", tmp_path / "stopped"
     warpwear.run(short(), out=one, plots=False).close()
     monkeypatch.setattr(DeviceLoop, "run", stopped)

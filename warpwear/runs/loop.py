@@ -142,7 +142,7 @@ class StepLoop:
                     self._writer.add_snapshot(snapshot)
                 self._rows.append(row | {"time": distance / speed if speed else math.nan})
                 self._progress.step(row)
-                if self._model.ahead:  # of a block that is made, so the state is not this step's
+                if self._model.steps_in_flight:  # of a block that is made, so the state is not this step's
                     if stop is not None:
                         raise stop
                     continue

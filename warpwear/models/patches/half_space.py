@@ -9,7 +9,6 @@ all cells, whose one multiplier is δ: see `patch_influence` for its operator an
 Where a smooth contact prescribes each p_k, on springs K_N of its own, each u_k is a multiplier of its own.
 """
 
-from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import ClassVar
 
@@ -27,6 +26,7 @@ from warpwear.kernels import patches_half_space as patches_by_pressure
 from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
+from warpwear.models.model import Model
 from warpwear.models.patches.cells import places, unworn
 from warpwear.models.patches.influence import PatchInfluence
 from warpwear.models.patches.smooth import SmoothContact
@@ -35,7 +35,7 @@ from warpwear.models.patches.smooth import SmoothContact
 AHEAD = 2.0
 
 
-class ElasticPatchesModel:
+class ElasticPatchesModel(Model):
     """Contact and wear of a two-scale study with contact.law = "half-space".
 
     A step finds the pressure with which it ends (implicit Archard), from the last one's pressure. Only
@@ -87,15 +87,8 @@ class ElasticPatchesModel:
         self._reached = float(of_patches.min())
         wp.load_module(patches_by_pressure, device=executor.device)
         self._sums, self._maxima = executor.partials(len(PATCH_SUMS)), executor.partials(len(PATCH_MAXIMA))
-        #: No step is made before the one that is asked for.
-        self.ahead = 0
 
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
-        for increment, with_pressure in plan:
-            yield self.advance(increment, with_pressure=with_pressure)
-
-    def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
+    def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact at the end of an increment [mm], and wear both bodies.
 
         Raises ConvergenceError when the contact cannot be solved.

@@ -1,8 +1,6 @@
 """Two scales: patches of fine cells that share the load of a macro contact."""
 
-import itertools
 import math
-from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 import numpy as np
@@ -15,13 +13,14 @@ from warpwear.history.recorder_patches import PatchLedger
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
+from warpwear.models.model import Model
 from warpwear.models.patches.cells import PatchContact
 from warpwear.models.patches.foresight import PatchForesight
 from warpwear.models.patches.shares import Shares, Task, press, share
 from warpwear.models.patches.smooth import SmoothContact
 
 
-class TwoScaleModel:
+class TwoScaleModel(Model):
     """Contact and wear of one task. Patches share the load by one approach, or as a smooth contact says.
 
     Approaches and gaps count from the mean planes, so that the worn mean height of a patch, which closes the
@@ -48,16 +47,6 @@ class TwoScaleModel:
         self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
         self._last: Shares | None = None
         self._foresight = PatchForesight()
-        self.ahead = 0
-
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
-        end: list[None] = [None]
-        for this, following in itertools.pairwise(itertools.chain(plan, end)):
-            assert this is not None
-            increment, with_pressure = this
-            then = following[0] if following else None
-            yield self.advance(increment, with_pressure=with_pressure, then=then)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Share the load, then slide by the increment [mm] and wear both bodies.

@@ -1,6 +1,5 @@
 """One grid on the elastic–plastic half-space: the sphere and every asperity of the disc deform together."""
 
-from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 import warp as wp
@@ -15,10 +14,11 @@ from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_half_space as wear_by_pressure
 from warpwear.kernels.cells import MAXIMA, SUMS
 from warpwear.laws.task import ContactTask
+from warpwear.models.model import Model
 from warpwear.models.rest.bodies import State
 
 
-class HalfSpaceModel:
+class HalfSpaceModel(Model):
     """Contact and wear of one study with contact.law = "half-space" on one executor.
 
     A step finds the pressure with which it ends: the wear of the step, (K_s + K_d) ΔL p, adds to what the
@@ -43,15 +43,8 @@ class HalfSpaceModel:
         )
         self._sums, self._maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
         self._ledger = Ledger(task, executor.grid)
-        #: No step is made before the one that is asked for.
-        self.ahead = 0
 
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
-        for increment, with_pressure in plan:
-            yield self.advance(increment, with_pressure=with_pressure)
-
-    def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
+    def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact at the end of an increment [mm], and wear both bodies.
 
         Raises ConvergenceError when the contact cannot be solved.

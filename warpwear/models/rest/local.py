@@ -1,8 +1,7 @@
 """One grid: a sphere wearing with a disc, smooth on a foundation (macro) or with every asperity (micro)."""
 
-import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
@@ -19,24 +18,25 @@ from warpwear.kernels import wear as removal_kernels
 from warpwear.kernels.cells import MAXIMA, SUMS
 from warpwear.laws.archard import distance_factor, removals_of
 from warpwear.laws.task import ContactTask
+from warpwear.models.model import Model
 from warpwear.models.rest.bodies import State
 from warpwear.models.rest.on_gpu import DeviceLoop
 from warpwear.models.rest.recession import Logistic, Recession
 from warpwear.models.rest.stiffness import Stiffness, Stiffnesses
 
-#: Steps made on a device before their history is read.
-LONGEST_BLOCK = 500
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
 
 
-class OneScaleModel:
+class OneScaleModel(Model):
     """Contact and wear of one study on one executor.
 
     heights: of the disc over its mean plane [mm], shape (nx, ny). The caller may let go of the array.
     bearing_curve: of a roughness that the grid does not resolve, by which the disc runs in.
     """
 
+    #: Steps made on a device before their history is read.
+    longest_block = 500
     STATE: ClassVar = {
         "state": State,
         "_recession": Recession,
@@ -90,10 +90,8 @@ class OneScaleModel:
         #: Whether 1/c of a step is known before it.
         self._foreseen = not self._rigid and self._recession is None and self._compliance is not None
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
-        self.in_blocks = executor.device.is_cuda and self._foreseen
+        self.blocks_allowed = executor.device.is_cuda and self._foreseen
         self._loop: DeviceLoop | None = None
-        #: Steps that the state is ahead of the last one given, in a block.
-        self.ahead = 0
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -106,32 +104,13 @@ class OneScaleModel:
         """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""
         return self.state.worn(self._executor)
 
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for.
+    @property
+    def in_blocks(self) -> bool:
+        """Whether the device makes the next steps by itself."""
+        return self.blocks_allowed and self._last is not None
 
-        On a GPU steps whose pressure nobody asks for are made in blocks, before the first of them is seen.
-        """
-        block: list[float] = []
-        end: list[None] = [None]
-        for this, following in itertools.pairwise(itertools.chain(plan, end)):
-            assert this is not None
-            (increment, with_pressure), then = this, following and following[0]
-            if self.in_blocks and self._last is not None and not with_pressure:
-                block.append(increment)
-                if len(block) < LONGEST_BLOCK:
-                    continue
-            yield from self._block(block)
-            block = []
-            if not self.in_blocks or with_pressure or self._last is None:
-                yield self.advance(
-                    increment, with_pressure=with_pressure, then=None if self.in_blocks else then
-                )
-        yield from self._block(block)
-
-    def _block(self, increments: list[float]) -> Iterator[Step]:
-        """Steps made on the device in one go."""
-        if not increments:
-            return
+    def block(self, increments: Sequence[float]) -> Iterator[Step]:
+        """Steps made on the device in one go, before the first of them is seen."""
         assert self._last is not None
         assert self._compliance is not None
         if self._loop is None:
@@ -150,9 +129,7 @@ class OneScaleModel:
         removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
         mean = self._ledger.row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
-        self.ahead = len(made)
         for increment, removed, step in zip(increments, removals, made, strict=True):
-            self.ahead -= 1
             self._last, self._ahead = step.balance, None
             self._foresight.note(step.balance.approach, sum(removed))
             reference = self._ledger.row["pressure_mean"]
@@ -188,7 +165,7 @@ class OneScaleModel:
         near_mean = balance.cap if self._rigid else self._ledger.row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
         step_next, stiffness_next = 0.0, stiffness
-        if then is not None and self._foreseen:
+        if then is not None and self._foreseen and not self.blocks_allowed:
             removal_next = self._removal(increment, then)
             stiffness_next = self._stiffness_of(*removal_next)
             step_next = self._foresight.expected(sum(removal_next)) or 0.0

@@ -1,6 +1,6 @@
 """A sphere that slides over a track: one contact, displaced step by step along the way of `track.Track`."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 from warpwear.engine.executor import Executor
@@ -9,6 +9,7 @@ from warpwear.history.recorder import Step
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
+from warpwear.models.model import Model
 from warpwear.models.track.half_space import ElasticSliding
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.on_gpu import LONGEST_BLOCK
@@ -17,12 +18,13 @@ from warpwear.models.track.on_gpu import LONGEST_BLOCK
 DISC_FIELDS = 4.0
 
 
-class SweptModel:
+class SweptModel(Model):
     """Contact and wear of one swept study on one executor.
 
     heights: of the track over its mean plane [mm], shape (track.rows, ny). The caller may let go of it.
     """
 
+    longest_block = LONGEST_BLOCK
     STATE: ClassVar = {"contact": SlidingContact, "_done": int}
 
     def __init__(self, task: ContactTask, track: Track, heights: FloatArray, executor: Executor) -> None:
@@ -31,41 +33,24 @@ class SweptModel:
         self.contact = law(task, heights, executor, periodic=track.periodic, share=track.share)
         self._keeps = self.contact.keeps_dents
         self._done = 0
-        #: Steps that the state is ahead of the last one given, in a block.
-        self.ahead = 0
 
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for.
+    @property
+    def in_blocks(self) -> bool:
+        """Whether the device makes the next steps by itself."""
+        return self.contact.in_blocks
 
-        On a GPU steps whose pressure nobody asks for are made in blocks, before the first of them is seen.
-        """
-        block: list[float] = []
-        for increment, with_pressure in plan:
-            if self.contact.in_blocks and not with_pressure:
-                block.append(increment)
-                if len(block) < LONGEST_BLOCK:
-                    continue
-            yield from self._block(block)
-            block = []
-            if with_pressure or not self.contact.in_blocks:
-                row = self._track.row(self._done)
-                yield self._given(self.contact.step(row, increment, with_pressure=with_pressure))
-        yield from self._block(block)
+    def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
+        """Solve the contact, slide on by the increment [mm] and wear both bodies."""
+        row = self._track.row(self._done)
+        return self._placed(self.contact.step(row, increment, with_pressure=with_pressure))
 
-    def _block(self, increments: list[float]) -> Iterator[Step]:
-        """Steps made on the device in one go."""
-        if not increments:
-            return
+    def block(self, increments: Sequence[float]) -> Iterator[Step]:
+        """Steps made on the device in one go, before the first of them is seen."""
         assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
-        first = self._done
-        rows = [self._track.row(first + i) for i in range(len(increments))]
-        steps = self.contact.steps(rows, increments)
-        self.ahead = len(increments)
-        for step in steps:
-            self.ahead -= 1
-            yield self._given(step)
+        rows = [self._track.row(self._done + i) for i in range(len(increments))]
+        return map(self._placed, self.contact.steps(rows, increments))
 
-    def _given(self, step: Step) -> Step:
+    def _placed(self, step: Step) -> Step:
         step.row["position"] = self._track.place(self._done)
         self._done += 1
         return step
