@@ -94,15 +94,12 @@ def test_against_a_dense_block_diagonal_matrix(
     assert apart[pressure < hardness].min() >= -1e-9
     if bulk or compliance or boundary == "free":  # so that the matrix is definite
         expected = bounded(matrix, GAPS.reshape(pressure.shape), contact.approach, hardness)
-        if contact.cells_between:
+        if ((pressure > 0.0) & (pressure < hardness)).any():
             assert_allclose(pressure, expected, atol=1e-8 * expected.max())
         solved.solver.forget()
-        moved, found = solved.at(approach=contact.approach + 1e-6, compliance=compliance)
+        _, found = solved.at(approach=contact.approach + 1e-6, compliance=compliance)
         expected = bounded(matrix, GAPS.reshape(pressure.shape), contact.approach + 1e-6, hardness)
         assert_allclose(found, expected, atol=1e-8 * expected.max())
-        between = ((expected > 1e-9) & (expected < hardness * (1 - 1e-9))).ravel()
-        slope = np.linalg.solve(matrix[np.ix_(between, between)], np.ones(between.sum())).sum()
-        assert solved.solver.slope(moved) == pytest.approx(slope / between.size, rel=1e-6)
 
 
 @pytest.mark.parametrize("compliance", [0.0, 0.05])
@@ -114,7 +111,7 @@ def test_every_patch_is_a_contact_of_its_own(boundary: str, bulk: float, complia
     contact, pressure = solved.at(mean_pressure=mean, compliance=compliance)
     means = pressure.mean(axis=1)
     assert 1 < np.count_nonzero(means) < PATCHES.count
-    joined = 0.0
+    block, joined = BOUNDARIES[boundary] + compliance * np.eye(ONE.cells), 0.0
     with Executor(ONE) as executor:
         for gap, p_k in zip(GAPS, means, strict=True):
             if p_k == 0.0:
@@ -129,9 +126,10 @@ def test_every_patch_is_a_contact_of_its_own(boundary: str, bulk: float, complia
             approach = contact.approach - bulk * p_k
             moved = alone.solve(executor.field(gap), approach=approach, compliance=compliance)
             assert moved.mean_pressure == pytest.approx(p_k, rel=1e-7)
-            slope = alone.slope(moved)
+            between = ((moved.pressure > 0.0) & (moved.pressure < hardness)).ravel()
+            inverse = np.linalg.inv(block[np.ix_(between, between)])
+            slope = inverse.sum() / ONE.cells
             joined += slope / (1.0 + bulk * slope) / PATCHES.count
-    assert solved.solver.slope(contact) == pytest.approx(joined, rel=1e-6)
     step = 1e-4 * mean
     ends = [solved.at(mean_pressure=mean + s, compliance=compliance)[0].approach for s in (-step, step)]
     assert 2.0 * step / (ends[1] - ends[0]) == pytest.approx(joined, rel=1e-4)
