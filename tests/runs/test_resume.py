@@ -28,7 +28,6 @@ from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.patches.half_space import ElasticPatchesModel
 from warpwear.models.patches.local import TwoScaleModel
-from warpwear.models.rest.half_space import HalfSpaceModel
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.rest.on_gpu import DeviceLoop
 from warpwear.models.track.half_space import ElasticSliding
@@ -43,7 +42,7 @@ _kills = runpy.run_path(str(KILLS))
 CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["study_of"]
 
 #: What makes a step of a model that lies still, or of a contact that slides.
-MODELS = (OneScaleModel, TwoScaleModel, HalfSpaceModel, ElasticPatchesModel)
+MODELS = (OneScaleModel, TwoScaleModel, ElasticPatchesModel)
 ADVANCE: dict[tuple[Any, str], Callable[..., Any]] = {(model, "advance"): model.advance for model in MODELS}
 ADVANCE |= {(ElasticSliding, "step"): ElasticSliding.step}
 

@@ -15,6 +15,7 @@ import warp as wp
 
 from warpwear.contact.half_space import TOLERANCE, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.state import Columns
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import half_space_setup
 from warpwear.kernels.cells import LANES, Cells
@@ -91,7 +92,7 @@ class WindowedHalfSpace:
     hardness: H [MPa]. tolerance: as of `half_space.BoundedPressure`.
     """
 
-    STATE: ClassVar = {"_pressure": Field, "_started": bool, "_window": Window}
+    STATE: ClassVar = {"_started": bool, "_window": Window, "_pressure": Columns}
 
     def __init__(
         self,
@@ -122,6 +123,13 @@ class WindowedHalfSpace:
     def window(self) -> list[int] | None:
         """First row and the one after the last, then vectors likewise, of where it looks first."""
         return None if self._window is None else [*vars(self._window).values()]
+
+    @property
+    def columns(self) -> tuple[int, int]:
+        """First column that may have a pressure to start from, and the one after the last."""
+        if self._window is None or not self._started:
+            return 0, 0
+        return self._window.first * LANES, self._window.end * LANES
 
     def restored(self) -> None:
         """Look first where another one did at that time."""

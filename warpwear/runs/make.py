@@ -1,6 +1,6 @@
 """From a study to what a run steps through: its model, the executor it launches on, the plan of its steps."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,6 @@ from warpwear.models.model import Model
 from warpwear.models.patches.half_space import ElasticPatchesModel
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.models.patches.width import refuse_unsuitable
-from warpwear.models.rest.half_space import HalfSpaceModel
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.model import DISC_FIELDS, SweptModel
 from warpwear.runs.checkpoint import checksum
@@ -27,7 +26,7 @@ from warpwear.surfaces.roughness import roughness
 
 #: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0}, 12.0
-#: More where the disc slides: sphere, its wear, gap and a mean along x, of which one at rest has two gaps.
+#: More where the disc slides: a mean along x, and what it takes to follow the disc.
 SLIDING_FIELDS = 3.0
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
@@ -84,7 +83,10 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
         of_patches = make(study.contact_task, patches, heights, executor)
         return Made(of_patches, checksum(heights), record, book=of_patches.book)
     if study.contact.law == "half-space":
-        return Made(HalfSpaceModel(study.contact_task, heights, executor), checksum(heights), record)
+        # Its asperities spring back: a dent that stays would be pressed anew in each step.
+        task = replace(study.contact_task, keeps_dents=False)
+        resting = SweptModel(task, Track.at_rest(grid), heights, executor)
+        return Made(resting, checksum(heights), record)
     curve = None
     if study.wear.law == "bearing-curve":
         curve = bearing_curve_of(study)

@@ -40,8 +40,8 @@ class State:
     ) -> Self:
         """Unworn, of the study's sphere or one of other heights [mm], shape (nx, ny).
 
-        disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). Raises ValueError for one that is
-        shorter than the grid or of another width.
+        disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). keeps: whether its dents stay. Raises
+        ValueError for a disc that is shorter than the grid or of another width.
         """
         grid, rows = executor.grid, disc.shape[0]
         if rows < grid.nx or disc.shape[1] != grid.ny:

@@ -1,4 +1,4 @@
-"""One grid in motion on the elastic–plastic half-space: a disc displaced under a wearing sphere."""
+"""One grid on the elastic–plastic half-space: a sphere, and a disc that moves or lies still under it."""
 
 from typing import ClassVar
 
@@ -20,7 +20,7 @@ OF_STEP = (*SUMS, "pressed_disc")
 
 
 class ElasticSliding:
-    """Contact and wear of one study with contact.law = "half-space" while its disc moves under the sphere.
+    """Contact and wear of one study with contact.law = "half-space" on one executor.
 
     A step finds the pressure p with which it ends (implicit Archard). During it the asperities, and p with
     them, move on by w cells. A disc cell is worn by its own p, a sphere cell by S p, the mean over w cells
@@ -28,9 +28,11 @@ class ElasticSliding:
     made with S of the sphere's wear, and p adds (G + K_disc ΔL + K_sphere ΔL S²) p to it. With the wear at
     the middle of the way instead, waves of the sphere between w/2 and w, of which S is negative, would grow.
     Under a flat w is the whole line: its contact goes on beyond the domain, while under a sphere a mean over
-    the line would smear the contact's outline, which does not move with the disc.
+    the line would smear the contact's outline, which does not move with the disc. Where the disc lies
+    still w is one cell, so that both bodies are worn by p, and a step starts from the last one's pressure.
 
-    disc, periodic, share: as of `sliding.SlidingContact`. Raises ValueError for the same discs.
+    disc, periodic, share: as of `local.SlidingContact`. Raises ValueError for the same discs. moves: whether
+    the disc does.
     """
 
     STATE: ClassVar = {
@@ -50,12 +52,13 @@ class ElasticSliding:
         *,
         periodic: bool = False,
         share: float = 1.0,
+        moves: bool = True,
     ) -> None:
         self.state = State.of(task, executor, disc)
         self.task = task
         self.periodic = periodic
         self._executor = executor
-        self._share = share
+        self._share, self._moves = share, moves
         assert task.modulus is not None  # checked with the study
         wp.load_module(passes, device=executor.device)
         self.keeps_dents = task.keeps_dents
@@ -63,7 +66,7 @@ class ElasticSliding:
             executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
         )
         #: The gap, a mean along x by rows, and that of whole lines.
-        self._gap, self._means, self._lines = executor.zeros(), executor.zeros(), executor.zeros(1)
+        self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if moves else 1)
         self._sums, self._maxima = executor.partials(len(OF_STEP)), executor.partials(len(MAXIMA))
         rows = disc.shape[0]
         self._of_rows = {
@@ -89,15 +92,17 @@ class ElasticSliding:
             inputs=[shift, met, state.wear_sphere, state.sphere, state.disc],
             outputs=[self._gap],
         )
-        # The last pressure is no better a start: neither where it was, nor carried along with the disc.
-        self._half_space.forget()
+        own = of_sphere if window == 1 else 0.0  # a mean over one cell is none
         contact = self._half_space.solve(
             self._gap,
             load=task.load,
-            compliance=removal_disc,
-            streak_compliance=of_sphere,
+            compliance=removal_disc + own,
+            streak_compliance=of_sphere - own,
             streak_window=window,
         )
+        if self._moves:
+            # This pressure is no better a start: neither where it is, nor carried along with the disc.
+            self._half_space.forget()
         pressure = contact.pressure.copy() if with_pressure else None
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
@@ -137,15 +142,19 @@ class ElasticSliding:
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
         grid = self._executor.grid
+        if not self._moves:
+            return 1
         if self.task.curvature == 0.0:
             return grid.nx
         return min(max(round(self._share * increment / grid.cell), 1), grid.nx)
 
     def _mean_along(self, field: Field, window: int) -> Field:
         """S of a field, by rows, or one row for all; it lasts until the next."""
+        if window == 1:
+            return field
         if window < self._executor.grid.nx:
             self._executor.launch(passes.mean_passing, inputs=[window, field], outputs=[self._means])
             return self._means
-        every = [(0, self._executor.vectors)]
-        self._executor.launch(passes.mean_of_lines, inputs=[field], outputs=[self._lines], chunks=every)
-        return self._lines
+        lines, every = self._means[:1], [(0, self._executor.vectors)]
+        self._executor.launch(passes.mean_of_lines, inputs=[field], outputs=[lines], chunks=every)
+        return lines

@@ -19,7 +19,7 @@ DISC_FIELDS = 4.0
 
 
 class SweptModel(Model):
-    """Contact and wear of one swept study on one executor.
+    """Contact and wear on one executor, of a disc that moves under the sphere or lies still.
 
     heights: of the track over its mean plane [mm], shape (track.rows, ny). The caller may let go of it.
     """
@@ -29,8 +29,12 @@ class SweptModel(Model):
 
     def __init__(self, task: ContactTask, track: Track, heights: FloatArray, executor: Executor) -> None:
         self._track, self._executor = track, executor
-        law = ElasticSliding if task.half_space else SlidingContact
-        self.contact = law(task, heights, executor, periodic=track.periodic, share=track.share)
+        periodic, share = track.periodic, track.share
+        self.contact = (
+            ElasticSliding(task, heights, executor, periodic=periodic, share=share, moves=track.moves)
+            if task.half_space
+            else SlidingContact(task, heights, executor, periodic=periodic, share=share)
+        )
         self._keeps = self.contact.keeps_dents
         self._done = 0
 
@@ -68,5 +72,5 @@ class SweptModel(Model):
             wear_disc=to_numpy(state.wear_disc),
             gap=to_numpy(state.sphere) - self._track.beneath(disc, row),
             plastic_disc=to_numpy(state.plastic_disc) if self._keeps else None,
-            row=row,
+            row=row if self._track.moves else None,
         )
