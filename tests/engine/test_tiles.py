@@ -11,6 +11,7 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.rest.local import OneScaleModel
+from warpwear.runs.make import model_at_rest
 
 SHAPE, CELL = (150, 203), 0.005
 LAWS = {
@@ -53,9 +54,10 @@ SURFACES: list[Callable[[np.random.Generator], FloatArray]] = [rough, plateaus, 
 def run(law: str, heights: FloatArray, increments: list[float], threads: int) -> tuple[list, list]:
     study = Study.load("v3-fine").replace({"stepping.increment": "1 mm", "stepping.force": True} | LAWS[law])
     with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
-        model = OneScaleModel(study.contact_task, heights.copy(), executor)
+        model = model_at_rest(study.contact_task, heights.copy(), executor)
         steps = list(model.steps((increment, True) for increment in increments))
-        fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]
+        last = model.snapshot(steps[-1], 0.0)
+        fields = [field.copy() for field in (last.gap, last.wear_sphere, last.wear_disc)]
     return steps, fields
 
 

@@ -13,13 +13,9 @@ from warpwear.study.surface import surface_in
 KINDS = {
     "implicit": {},
     "elastic, capped": {"contact.stiffness": "1.9e6 N/mm^3"},
-    "no cap, factor across": {"contact.hardness": "inf MPa", "wear.distance_factor": "across"},
-    "explicit, factor radial": {
-        "stepping.scheme": "explicit",
-        "contact.stiffness": "2e5 N/mm^3",
-        "wear.distance_factor": "radial",
-    },
-    "running in": {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1e-2 mm^3/N/m"},
+    "no cap": {"contact.hardness": "inf MPa"},
+    "explicit": {"stepping.scheme": "explicit", "contact.stiffness": "2e5 N/mm^3"},
+    "exponential": {"wear.law": "exponential", "wear.decay": "0.5 1/mm"},
     "smooth": {"study.model": "macro", "contact.foundation": "pressure", "contact.hardness": "inf MPa"},
 }
 

@@ -2,7 +2,9 @@
 
 import itertools
 import json
+import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.contact.balance import Balance, Balancer
+from warpwear.contact.balance import Balance, Balancer, Foundation
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
@@ -439,12 +441,12 @@ def test_a_step_ends_where_newton_s_is_surely_the_solution(
     """An evaluation is saved, nothing else changes; of a width that is no multiple of a vector's lanes."""
     study = small(track)
     sure = warpwear.run(study, device="cpu").history
-    foundation = Balancer.foundation
+    solve = Balancer.solve
 
-    def unsure(*args: Any, stiffest: float, **options: Any) -> Balance:
-        return foundation(*args, **options)
+    def unsure(self: Balancer, task: Foundation, **options: Any) -> Balance:
+        return solve(self, replace(task, stiffest=math.inf), **options)
 
-    monkeypatch.setattr(Balancer, "foundation", unsure)
+    monkeypatch.setattr(Balancer, "solve", unsure)
     looked_at = warpwear.run(study, device="cpu").history
     assert sure["evaluations"].mean() < looked_at["evaluations"].mean() - 0.5
     assert np.abs(sure["load_residual"]).max() <= 1e-12 * study.contact.load

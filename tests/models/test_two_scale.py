@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import warpwear
 from warpwear import ConvergenceError, InputError, Result, Study
 from warpwear.contact import balance
-from warpwear.contact.balance import Found, newton_in_bracket
+from warpwear.contact.balance import SearchResult, newton_in_bracket
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
@@ -387,7 +387,7 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
     smooth = SmoothContact(stepped.study.contact_task, stepped.patches)
     load, area = stepped.study.contact.load, stepped.patches.area
 
-    def just_converged(carried: Any, load: float, *others: Any) -> Found:
+    def just_converged(carried: Any, load: float, *others: Any) -> SearchResult:
         found = newton_in_bracket(carried, load, *others)
         offset = found.offset + 0.9e-12 * load / carried(found.offset).slope
         return found._replace(offset=offset, force=carried(offset).force)

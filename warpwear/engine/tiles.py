@@ -9,7 +9,7 @@ import warp as wp
 
 from warpwear.engine.executor import Executor, Field
 from warpwear.kernels import tiles
-from warpwear.kernels.cells import Kept
+from warpwear.kernels.cells import TileSums
 
 #: Of more tiles than so many, every fourth row tells how deep a list must reach to hold enough.
 SAMPLED, SAMPLE = 20_000, 4
@@ -35,7 +35,7 @@ class TileList(ABC):
         self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
         self.limit = math.inf
         self.listed = nx * columns
-        self.chunks = executor.share(np.full(nx, executor.grid.ny))
+        self.chunks = executor.split_rows(np.full(nx, executor.grid.ny))
 
     @property
     @abstractmethod
@@ -55,7 +55,7 @@ class TileList(ABC):
         self.limit = limit
         count = self.count.numpy()
         self.listed = int(count.sum())
-        self.chunks = self._executor.share(count * self._cells_of_tile)
+        self.chunks = self._executor.split_rows(count * self._cells_of_tile)
 
 
 class Tiles(TileList):
@@ -77,13 +77,13 @@ class Tiles(TileList):
         "_fresh": bool,
     }
 
-    def __init__(self, executor: Executor, gap: Field, unworn: Field, share: Field, *, least: float) -> None:
+    def __init__(self, executor: Executor, gap: Field, unworn: Field, *, least: float) -> None:
         super().__init__(executor, least=least)
-        self._fields = [gap, unworn, share]
+        self._fields = [gap, unworn]
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._lowest = wp.zeros((nx, columns), dtype=wp.float64, device=device)
-        self._kept = wp.zeros((nx, columns), dtype=Kept, device=device)
-        self.rest = wp.zeros(nx, dtype=Kept, device=device)
+        self._kept = wp.zeros((nx, columns), dtype=TileSums, device=device)
+        self.rest = wp.zeros(nx, dtype=TileSums, device=device)
         self._asked = math.inf
         executor.launch(tiles.lowest, inputs=[gap], outputs=[self._lowest])
         self._smallest = float(self._lowest.numpy().min())

@@ -23,6 +23,13 @@ class Step:
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
 
 
+def divided(found: Mapping[str, float], fractions: tuple[float, float]) -> dict[str, float]:
+    """Sums or maxima of "worn", by both bodies, as those of sphere and disc: a small one is no difference."""
+    rest = {name: value for name, value in found.items() if name != "worn"}
+    sphere, disc = fractions
+    return rest | {"wear_sphere": sphere * found["worn"], "wear_disc": disc * found["worn"]}
+
+
 class Ledger:
     """The books of one contact: its last row, and the largest of what only ever grows.
 
@@ -110,7 +117,7 @@ class Ledger:
             "cells_in_contact": count,
             "archard_volume_sphere": before["archard_volume_sphere"] + removal[0] * load,
             "archard_volume_disc": before["archard_volume_disc"]
-            + removal[1] * total["pressure_times_factor"] * area,
+            + removal[1] * total.get("pressure_times_factor", total["pressure"]) * area,
             "evaluations": float(balance.evaluations),
         }
         margin = self._margin
@@ -123,14 +130,14 @@ class Ledger:
 
 
 class TrackLedger(Ledger):
-    """Of a disc that slides: its volumes count 1/share times, as those of the stroke that it stands for.
+    """Books of a disc that slides, whose volumes count 1/track_fraction times, for the stroke it stands for.
 
     Its rows have one column more, `plastic_volume_disc`, from the total "pressed_disc".
     """
 
-    def __init__(self, task: ContactTask, grid: Grid, *, share: float) -> None:
+    def __init__(self, task: ContactTask, grid: Grid, *, track_fraction: float) -> None:
         super().__init__(task, grid)
-        self._share = share
+        self._track_fraction = track_fraction
 
     def enter(
         self,
@@ -145,7 +152,7 @@ class TrackLedger(Ledger):
         bearing: float | None = None,
     ) -> Step:
         """As of any contact."""
-        of_stroke = {name: total[name] / self._share for name in ("wear_disc", "pressed_disc")}
+        of_stroke = {name: total[name] / self._track_fraction for name in ("wear_disc", "pressed_disc")}
         total = {**total, **of_stroke}
         step = super().enter(
             balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing

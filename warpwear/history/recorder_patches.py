@@ -9,7 +9,7 @@ import numpy as np
 from warpwear.contact.balance import Balance, residual_of
 from warpwear.grid import FloatArray
 from warpwear.history.columns import Column
-from warpwear.history.recorder import Ledger, Step
+from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
@@ -77,9 +77,8 @@ class PatchLedger:
         margin = 1 if patches.cover_everything else patches.pitch
         self._ledger = Ledger(task, patches.domain, weight=patches.weight, margin=margin)
         self.book = PatchBook(patches)
-        steady = [law.steady for law in task.wear]
-        #: Of what both bodies lose, the parts of sphere and disc: a small one is no difference of large ones.
-        self._parts = [k / sum(steady) for k in steady] if sum(steady) else [0.5, 0.5]
+        #: Fractions of sphere and disc in what both lose.
+        self._fractions = task.wear_fractions
 
     @property
     def row(self) -> dict[str, float]:
@@ -119,13 +118,11 @@ class PatchLedger:
         reference: pressure from which the squares count [MPa]. pressure: on the domain [MPa], where it was
         asked for. Raises ConvergenceError where the pressures do not add up to the load.
         """
-        sums, most = worn.sums, dict(worn.most)
-        total = {name: float(values.sum()) for name, values in sums.items()}
-        total["pressure_times_factor"] = total["pressure"]
-        deepest = most.pop("worn")
-        for body, part in zip(("sphere", "disc"), self._parts, strict=True):
-            total[f"wear_{body}"] = part * total["worn"]
-            most[f"wear_{body}"] = part * deepest
+        total, most = (
+            divided(found, self._fractions)
+            for found in ({name: float(values.sum()) for name, values in worn.sums.items()}, worn.most)
+        )
+        sums = worn.sums
         of_cell = self._patches.domain.cell_area * self._patches.weight
         carried = total["pressure"] * of_cell
         residual = residual_of(carried, self._task.load, approach=sum(approach))
@@ -146,7 +143,7 @@ class PatchLedger:
         return Snapshot(
             distance,
             pressure=step.pressure,
-            wear_sphere=self._parts[0] * worn,
-            wear_disc=self._parts[1] * worn,
+            wear_sphere=self._fractions[0] * worn,
+            wear_disc=self._fractions[1] * worn,
             gap=patches.on_domain(gap, beside=math.nan),
         )

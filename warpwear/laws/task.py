@@ -46,6 +46,18 @@ class ContactTask:
         return sphere, disc
 
     @property
+    def is_uniform(self) -> bool:
+        """Whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
+        return self.distance_factor == "none" and self.in_proportion
+
+    @property
+    def wear_fractions(self) -> tuple[float, float]:
+        """Fractions of sphere and disc in what is worn, of bodies that wear in one proportion."""
+        sphere, disc = (law.fastest for law in self.wear)
+        both = sphere + disc
+        return (sphere / both, disc / both) if both else (0.5, 0.5)
+
+    @property
     def in_proportion(self) -> bool:
         """Whether both bodies wear in one proportion at every distance."""
         sphere, disc = self.wear

@@ -10,7 +10,9 @@ from warpwear.engine.executor import FIELDS_NEEDED, Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder_patches import PatchBook, bytes_of_book
+from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.patches import Patches
+from warpwear.laws.task import ContactTask
 from warpwear.laws.track import WHOLE, Track, increments
 from warpwear.models.model import Model
 from warpwear.models.patches.half_space import ElasticPatchesModel
@@ -55,8 +57,9 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
         fields += (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
         _check_memory(study, rows, fields, device)
         return Executor(study.cells, device=device, threads=threads)
-    # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
-    fields += 5.0 * (study.wear.distance_factor == "radial")
+    # Laws of cell by cell are those of a track, and a radial factor is a field of its own, as its stiffness.
+    task = study.contact_task
+    fields += (SLIDING_FIELDS + 2.0) * (not task.is_uniform or study.wear.law == "bearing-curve")
     if study.study.model == "two-scale":
         patches = study.patch_layout
         _check_memory_of_book(study, patches, device)
@@ -82,17 +85,26 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
         make = ElasticPatchesModel if study.contact.law == "half-space" else TwoScaleModel
         of_patches = make(study.contact_task, patches, heights, executor)
         return Made(of_patches, checksum(heights), record, book=of_patches.book)
-    if study.contact.law == "half-space":
-        # Its asperities spring back: a dent that stays would be pressed anew in each step.
-        task = replace(study.contact_task, keeps_dents=False)
-        resting = SweptModel(task, Track.at_rest(grid), heights, executor)
-        return Made(resting, checksum(heights), record)
-    curve = None
-    if study.wear.law == "bearing-curve":
-        curve = bearing_curve_of(study)
+    curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
+    if curve is not None:
         record["bearing_curve"] = asdict(curve)
-    model = OneScaleModel(study.contact_task, heights, executor, bearing_curve=curve)
+    model = model_at_rest(study.contact_task, heights, executor, bearing_curve=curve)
     return Made(model, checksum(heights), record)
+
+
+def model_at_rest(
+    task: ContactTask, heights: FloatArray, executor: Executor, *, bearing_curve: Logistic | None = None
+) -> Model:
+    """The model of one grid that lies still. Laws of cell by cell are those of a track that does not move.
+
+    heights: of the disc over its mean plane [mm], shape (nx, ny). bearing_curve: of a roughness that the grid
+    does not resolve.
+    """
+    if task.is_uniform and not task.half_space and bearing_curve is None:
+        return OneScaleModel(task, heights, executor)
+    # The asperities spring back: a dent that stays would be pressed anew in each step.
+    task = replace(task, keeps_dents=False)
+    return SweptModel(task, Track.at_rest(executor.grid), heights, executor, bearing_curve=bearing_curve)
 
 
 def plan_of(study: Study) -> list[tuple[float, float, bool]]:

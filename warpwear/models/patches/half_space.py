@@ -27,7 +27,7 @@ from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
-from warpwear.models.patches.cells import places, unworn
+from warpwear.models.patches.cells import unworn
 from warpwear.models.patches.influence import PatchInfluence
 from warpwear.models.patches.smooth import SmoothContact
 
@@ -60,8 +60,8 @@ class ElasticPatchesModel(Model):
         self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
         curvature = task.curvature
-        _, lowest = unworn(patches, heights, executor, curvature=curvature)
-        of_patches = lowest.numpy().min(axis=1)
+        _, layout = unworn(patches, heights, executor, curvature=curvature)
+        of_patches = layout.lowest.numpy().min(axis=1)
         self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
         reached = of_patches if self._smooth is None else self._smooth.initial
         self._order = np.argsort(reached, kind="stable")
@@ -72,12 +72,12 @@ class ElasticPatchesModel(Model):
             first_column=patches.first_column[self._order],
         )
         self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
-        self.initial, _ = unworn(self.patches, heights, executor, curvature=curvature)
+        self.initial, layout = unworn(self.patches, heights, executor, curvature=curvature)
         self.gap = wp.clone(self.initial)
         there = (executor.to_numpy(self.initial) < PADDING).sum(axis=1)
         #: Cells where there is a surface, in so many first patches.
         self._cells = np.cumsum(there)
-        self._places = places(self.patches, executor)
+        self._places = layout.first_row, layout.first_column
         assert task.modulus is not None  # checked with the study
         self._influence = PatchInfluence(executor, self.patches, modulus=task.modulus, boundary=task.boundary)
         self._solver = BoundedPressure(executor, self._influence, hardness=task.hardness)

@@ -127,7 +127,7 @@ class PatchInfluence:
     def visit(self, patches: int) -> None:
         """Leave out all but so many first patches: their pressures stay as they are, which must be 0."""
         self._near.patches = self._far.patches = patches
-        self.chunks: list[tuple[int, int]] | None = self._executor.share(
+        self.chunks: list[tuple[int, int]] | None = self._executor.split_rows(
             np.full(patches, self._executor.grid.ny)
         )
 

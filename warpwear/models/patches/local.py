@@ -75,7 +75,7 @@ class TwoScaleModel(Model):
             if step is not None:
                 offset = np.full_like(shares.base, step) if steps is None else steps
                 foreseen = self._stiffness(removal_next), shares.bases, offset
-        worn = self.contact.remove(
+        worn = self.contact.wear(
             shares.base,
             shares.offset,
             removal=removal,

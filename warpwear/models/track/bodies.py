@@ -14,7 +14,7 @@ from warpwear.laws.task import ContactTask
 
 
 @dataclass
-class State:
+class SlidingBodies:
     """Fields [mm] on the executor's device: of nx × ny cells, and of the disc's rows × ny cells."""
 
     sphere: Field  # height over the unworn apex, as worn
@@ -38,7 +38,7 @@ class State:
     def of(
         cls, task: ContactTask, executor: Executor, disc: FloatArray, *, sphere: FloatArray | None = None
     ) -> Self:
-        """Unworn, of the study's sphere or one of other heights [mm], shape (nx, ny).
+        """Unworn, of the task's sphere or one of other heights [mm], shape (nx, ny).
 
         disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). keeps: whether its dents stay. Raises
         ValueError for a disc that is shorter than the grid or of another width.
@@ -70,7 +70,7 @@ class State:
 
 
 def _sphere(task: ContactTask, executor: Executor) -> Field:
-    """Heights of the study's sphere, by the kernel that makes the gap of a smooth disc."""
+    """Heights of the task's sphere, by the kernel that makes the gap of a smooth disc."""
     grid, heights = executor.grid, executor.zeros()
     place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
     executor.launch(gap.gap, inputs=[*place, executor.zeros()], outputs=[heights, heights])

@@ -13,7 +13,7 @@ from warpwear.history.recorder import Step, TrackLedger
 from warpwear.kernels import sliding_half_space as passes
 from warpwear.kernels.cells import MAXIMA, SUMS
 from warpwear.laws.task import ContactTask
-from warpwear.models.track.bodies import State
+from warpwear.models.track.bodies import SlidingBodies
 
 #: Rows of the table of partial sums.
 OF_STEP = (*SUMS, "pressed_disc")
@@ -36,7 +36,7 @@ class ElasticSliding:
     """
 
     STATE: ClassVar = {
-        "state": State,
+        "state": SlidingBodies,
         "_of_rows": dict,
         "_half_space": WindowedHalfSpace,
         "_ledger": TrackLedger,
@@ -54,7 +54,7 @@ class ElasticSliding:
         share: float = 1.0,
         moves: bool = True,
     ) -> None:
-        self.state = State.of(task, executor, disc)
+        self.state = SlidingBodies.of(task, executor, disc)
         self.task = task
         self.periodic = periodic
         self._executor = executor
@@ -73,7 +73,7 @@ class ElasticSliding:
             name: wp.zeros(rows, dtype=wp.float64, device=executor.device)
             for name in ("wear_disc", "pressed_disc")
         }
-        self._ledger = TrackLedger(task, executor.grid, share=share)
+        self._ledger = TrackLedger(task, executor.grid, track_fraction=share)
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.

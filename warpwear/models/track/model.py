@@ -7,6 +7,7 @@ from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
 from warpwear.models.model import Model
@@ -22,19 +23,38 @@ class SweptModel(Model):
     """Contact and wear on one executor, of a disc that moves under the sphere or lies still.
 
     heights: of the track over its mean plane [mm], shape (track.rows, ny). The caller may let go of it.
+    bearing_curve: of a roughness that the grid does not resolve, by which a disc that lies still runs in.
     """
 
     longest_block = LONGEST_BLOCK
     STATE: ClassVar = {"contact": SlidingContact, "_done": int}
 
-    def __init__(self, task: ContactTask, track: Track, heights: FloatArray, executor: Executor) -> None:
+    def __init__(
+        self,
+        task: ContactTask,
+        track: Track,
+        heights: FloatArray,
+        executor: Executor,
+        *,
+        bearing_curve: Logistic | None = None,
+    ) -> None:
         self._track, self._executor = track, executor
-        periodic, share = track.periodic, track.share
-        self.contact = (
-            ElasticSliding(task, heights, executor, periodic=periodic, share=share, moves=track.moves)
-            if task.half_space
-            else SlidingContact(task, heights, executor, periodic=periodic, share=share)
-        )
+        periodic, fraction, moves = track.periodic, track.share, track.moves
+        self.contact: ElasticSliding | SlidingContact
+        if task.half_space:
+            self.contact = ElasticSliding(
+                task, heights, executor, periodic=periodic, share=fraction, moves=moves
+            )
+        else:
+            self.contact = SlidingContact(
+                task,
+                heights,
+                executor,
+                periodic=periodic,
+                track_fraction=fraction,
+                moves=moves,
+                bearing_curve=bearing_curve,
+            )
         self._keeps = self.contact.keeps_dents
         self._done = 0
 

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.tiles import TileList
 from warpwear.grid import FloatArray
 from warpwear.kernels import sliding
@@ -69,13 +69,17 @@ class SlidingTiles(TileList):
                 outputs=[kept.numbers, other.numbers] if low else [other.numbers, kept.numbers],
                 chunks=[(0, field.shape[0] * executor.slots_per_row)],
             )
-        rows = sphere.shape[0], -1, LANES
         # The sphere's lowest of eight tiles and the disc's highest of a row, before any wear.
-        self._coarse: list[Field] = [
-            wp.array(self.lowest.to_numpy().reshape(rows).min(axis=2), dtype=wp.float64, device=device),
-            wp.array(self.highest.to_numpy().max(axis=1), dtype=wp.float64, device=device),
-        ]
-        self._share_scan()
+        lowest = self.lowest.to_numpy().reshape(sphere.shape[0], -1, LANES).min(axis=2)
+        highest = self.highest.to_numpy().max(axis=1)
+        self._bound = arguments(
+            sliding.Bounds,
+            lowest_of_eight=wp.array(lowest, dtype=wp.float64, device=device),
+            highest_of_row=wp.array(highest, dtype=wp.float64, device=device),
+            lowest=self.lowest.vectors,
+            highest=self.highest.vectors,
+        )
+        self._split_scan()
 
     @property
     def smallest(self) -> float:
@@ -108,26 +112,19 @@ class SlidingTiles(TileList):
             limit = limit + depth if depth < DEEPEST else math.inf
             depth *= DEEPER
             self._list(limit)
-        self._share_scan()
+        self._split_scan()
 
     def _list(self, limit: float) -> None:
         self._executor.launch(
             sliding.select,
-            inputs=[
-                limit,
-                self.shift,
-                *self._coarse,
-                self.lowest.vectors,
-                self.highest.vectors,
-                *self._heights,
-            ],
+            inputs=[limit, self.shift, self._bound, *self._heights],
             outputs=[self.gap, self.list, self.count],
             chunks=self._scan,
             often=True,
         )
         self._adopt(limit)
 
-    def _share_scan(self) -> None:
+    def _split_scan(self) -> None:
         """Ranges of rows for the next scan: every bound is looked at, and gaps are made as last time."""
         tiles = self._executor.tiles_per_row * BOUNDS_IN_CELLS + self.count.numpy() * self._cells_of_tile
-        self._scan = self._executor.share(tiles)
+        self._scan = self._executor.split_rows(tiles)
