@@ -6,6 +6,8 @@ code and loops over scalars of a strided array not. Lanes beyond ny hold `PADDIN
 touch.
 """
 
+from enum import IntEnum
+
 import warp as wp
 
 LANES = 8
@@ -17,13 +19,13 @@ ABSENT = wp.constant(wp.float64(PADDING))
 #: Stands for "no cell" in partial maxima, and for a step without limit.
 NONE = wp.constant(wp.float64(1.0e300))
 #: Stands for "no cell" among first and last indices.
-NOWHERE = wp.constant(wp.float64(-1.0e9))
+NO_INDEX = wp.constant(wp.float64(-1.0e9))
 #: Vectors of a tile, see `tiles`.
-WIDTH = wp.constant(wp.int32(4))
+TILE_VECTORS = wp.constant(wp.int32(4))
 ZERO = wp.constant(wp.float64(0.0))
 ONE = wp.constant(wp.float64(1.0))
 
-#: Rows of the table of partial results, one column a slot, that `removal.remove` writes: of the step, and
+#: Rows of the table of partial results, one column a slot, of a half-space: of the step, and
 #: (from "touched" on) of the whole field.
 SUMS = (
     "pressure",
@@ -37,16 +39,58 @@ SUMS = (
 )
 #: Rows of the table of partial maxima, over the tiles visited. Lowest indices are stored negated.
 MAXIMA = ("pressure", "wear_sphere", "wear_disc", "first_row", "last_row", "first_column", "last_column")
-#: The same two tables of `sliding.remove`: sums of a step, and maxima. The rest is kept a tile and a row.
-STEP = ("pressure", "deviation_squared", "contact", "capped")
-STEP_MAXIMA = ("pressure", "wear_sphere", "wear_disc", "first_column", "last_column")
-#: The same two tables of `patches.remove`, of each patch; "worn" is by both bodies, rows and
-#: columns are the domain's.
-PATCH_SUMS = ("pressure", "deviation_squared", "contact", "capped", "touched", "worn")
-PATCH_MAXIMA = ("pressure", "worn", "first_row", "last_row", "first_column", "last_column")
-#: What is kept of every tile: cells ever touched, sums of the wear of sphere and disc [mm].
-Kept = wp.types.vector(3, wp.float64)
+#: What is kept of every tile: cells ever touched, sum of the wear of both bodies [mm].
+TileSums = wp.types.vector(2, wp.float64)
 
+
+class WearSum(IntEnum):
+    """Sums that one gap is worn with: rows of a table of partial results, one column a slot."""
+
+    PRESSURE = 0
+    DEVIATION_SQUARED = 1
+    CONTACT = 2
+    CAPPED = 3
+    TOUCHED = 4  # this and the next: of the whole field, not of the step
+    WORN = 5  # by both bodies [mm]
+
+
+class WearMost(IntEnum):
+    """Maxima likewise, over the tiles visited. Lowest indices are stored negated."""
+
+    PRESSURE = 0
+    WORN = 1
+    FIRST_ROW = 2
+    LAST_ROW = 3
+    FIRST_COLUMN = 4
+    LAST_COLUMN = 5
+
+
+class TrackSum(IntEnum):
+    """Sums of a step that wears two bodies; other sums are kept a tile and a row."""
+
+    PRESSURE = 0
+    DEVIATION_SQUARED = 1
+    CONTACT = 2
+    CAPPED = 3
+    PRESSURE_TIMES_FACTOR = 4
+
+
+class TrackMost(IntEnum):
+    """Maxima likewise."""
+
+    PRESSURE = 0
+    WEAR_SPHERE = 1
+    WEAR_DISC = 2
+    FIRST_COLUMN = 3
+    LAST_COLUMN = 4
+
+
+def names_of(rows: type[IntEnum]) -> tuple[str, ...]:
+    """Names of the rows of a table."""
+    return tuple(row.name.lower() for row in rows)
+
+
+PATCH_SUMS, PATCH_MAXIMA = names_of(WearSum), names_of(WearMost)
 
 wp.set_module_options({"enable_backward": False})
 

@@ -6,9 +6,20 @@ contact by more than 1e-12 of it; `base − gap` is exact near contact, so the o
 
 import warp as wp
 
-from warpwear.kernels.cells import ABSENT, LANES, ONE, WIDTH, ZERO, Cells, sum_of
+from warpwear.kernels.cells import ABSENT, LANES, ONE, TILE_VECTORS, ZERO, Cells, sum_of
 
 wp.set_module_options({"enable_backward": False})
+
+
+@wp.struct
+class Law:
+    """What the pressure of a cell follows from, beside its gap and stiffness."""
+
+    base: wp.float64  # approach = base + offset [mm]
+    offset: wp.float64
+    cap: wp.float64  # largest pressure [MPa]
+    tie_width: wp.float64  # [mm]
+    tie_pressure: wp.float64  # of cells tied with the approach [MPa]
 
 
 @wp.func
@@ -18,16 +29,11 @@ def in_contact(gap: wp.float64, approach: wp.float64):
 
 
 @wp.func
-def pressure_of(
-    overlap: wp.float64,
-    stiffness: wp.float64,
-    cap: wp.float64,
-    tie_width: wp.float64,
-    tie_pressure: wp.float64,
-):
+def pressure_of(law: Law, gap: wp.float64, stiffness: wp.float64):
     """Capped foundation; cells tied with the approach (overlap within ± tie_width) share one pressure."""
-    p = wp.min(wp.max((overlap - tie_width) * stiffness, ZERO), cap)
-    return wp.where(wp.abs(overlap) <= tie_width, tie_pressure, p)
+    overlap = (law.base - gap) + law.offset
+    p = wp.min(wp.max((overlap - law.tie_width) * stiffness, ZERO), law.cap)
+    return wp.where(wp.abs(overlap) <= law.tie_width, law.tie_pressure, p)
 
 
 @wp.kernel
@@ -36,9 +42,7 @@ def carried(
     slots_per_row: wp.int32,
     tiles_in: wp.array2d(dtype=wp.int32),
     count_in: wp.array(dtype=wp.int32),
-    base: wp.float64,
-    offset: wp.float64,
-    cap: wp.float64,
+    law: Law,
     stiffness_in: wp.array2d(dtype=Cells),
     gap_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
@@ -56,17 +60,17 @@ def carried(
     nearest = Cells(ABSENT)
     for n in range(slot % slots_per_row, count_in[row], slots_per_row):
         t = tiles_in[row, n]
-        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_in.shape[1])):
+        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
             s = stiffness_in[stiffness_row, k]
             g = gap_in[row, k]
             p = Cells(ZERO)
             between = Cells(ZERO)
             near = Cells(ZERO)
             for j in range(LANES):
-                q = ((base - g[j]) + offset) * s[j]
-                p[j] = wp.min(wp.max(q, ZERO), cap)
-                between[j] = wp.where(q > ZERO and q < cap, s[j], ZERO)
-                near[j] = wp.min(wp.abs(q), wp.abs(q - cap))
+                q = ((law.base - g[j]) + law.offset) * s[j]
+                p[j] = wp.min(wp.max(q, ZERO), law.cap)
+                between[j] = wp.where(q > ZERO and q < law.cap, s[j], ZERO)
+                near[j] = wp.min(wp.abs(q), wp.abs(q - law.cap))
             pressure += p
             slope += between
             nearest = wp.min(nearest, near)
@@ -76,7 +80,7 @@ def carried(
 
 
 @wp.kernel
-def bearing(
+def count_below(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     tiles_in: wp.array2d(dtype=wp.int32),
@@ -91,7 +95,7 @@ def bearing(
     count = Cells(ZERO)
     for n in range(slot % slots_per_row, count_in[row], slots_per_row):
         t = tiles_in[row, n]
-        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_in.shape[1])):
+        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
             g = gap_in[row, k]
             indicator = Cells(ZERO)
             for j in range(LANES):
@@ -106,11 +110,7 @@ def pressures(
     slots_per_row: wp.int32,
     tiles_in: wp.array2d(dtype=wp.int32),
     count_in: wp.array(dtype=wp.int32),
-    base: wp.float64,
-    offset: wp.float64,
-    cap: wp.float64,
-    tie_width: wp.float64,
-    tie_pressure: wp.float64,
+    law: Law,
     stiffness_in: wp.array2d(dtype=Cells),
     gap_in: wp.array2d(dtype=Cells),
     pressure_out: wp.array2d(dtype=Cells),
@@ -121,10 +121,10 @@ def pressures(
     stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
     for n in range(slot % slots_per_row, count_in[row], slots_per_row):
         t = tiles_in[row, n]
-        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_in.shape[1])):
+        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
             s = stiffness_in[stiffness_row, k]
             g = gap_in[row, k]
             p = Cells(ZERO)
             for j in range(LANES):
-                p[j] = pressure_of((base - g[j]) + offset, s[j], cap, tie_width, tie_pressure)
+                p[j] = pressure_of(law, g[j], s[j])
             pressure_out[row, k] = p

@@ -8,8 +8,10 @@ numbers. What a search knows lies in `search`, in the order of `SEARCH`; the rul
 
 import warp as wp
 
-from warpwear.kernels.cells import ABSENT, NOWHERE, ONE, ZERO
-from warpwear.kernels.gpu_wear_loop import wear
+from warpwear.kernels.cells import ABSENT, NO_INDEX, ONE, ZERO, WearSum
+from warpwear.kernels.contact import Law
+from warpwear.kernels.gpu_wear_loop import Known, wear
+from warpwear.kernels.wear_loops import Increment
 
 wp.set_module_options({"enable_backward": False})
 
@@ -35,21 +37,29 @@ ROUNDS = wp.constant(wp.float64(3.0))
 EVALUATIONS = wp.constant(wp.float64(400.0))
 FIRST_REACH = wp.constant(wp.float64(1.0e-18))
 INFINITE = wp.constant(wp.float64(1.0e300))
+#: Columns of a row of the history before those of the table of partial results, in which pressure is first.
+HEADER = wp.constant(wp.int32(4))
 #: Cells that a thread loads at once.
 FOUR = 4
 HALF = wp.constant(wp.float64(0.5))
 
 
+@wp.func
+def stiffness_of(known: Known, wear: wp.float64):
+    """1/c of a step that wears both bodies by K ΔL = wear [mm³/N]."""
+    return ONE / (known.compliance + known.implicit * wear)
+
+
 @wp.kernel
 def begin(
-    removal_in: wp.array2d(dtype=wp.float64),
+    wear_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_out: wp.array(dtype=wp.float64),
     searching_out: wp.array(dtype=wp.int32),
 ):
     """A worn contact recedes by K p ΔL: where the last mean pressure puts it the search begins."""
     step = step_in[0]
-    guess = (removal_in[step, 0] + removal_in[step, 1]) * search_out[MEAN]
+    guess = (wear_in[step, 0] + wear_in[step, 1]) * search_out[MEAN]
     search_out[BASE] = search_out[APPROACH]
     search_out[OFFSET] = guess
     search_out[LOW] = -INFINITE
@@ -61,51 +71,34 @@ def begin(
     searching_out[0] = 1
 
 
-@wp.func
-def factor_at(i: wp.int32, column: wp.int32, rows: wp.int32, factor: wp.array(dtype=wp.float64)):
-    """Factor of the disc's sliding distance at a cell, from one row of them or from all (`rows` of them)."""
-    return factor[wp.where(rows > 1, i, column)]
-
-
 @wp.kernel
 def carried(
-    columns: wp.int32,
-    rows: wp.int32,
-    compliance: wp.float64,
-    implicit: wp.float64,
-    cap: wp.float64,
-    blocks: wp.int32,
-    removal_in: wp.array2d(dtype=wp.float64),
+    known: Known,
+    wear_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_in: wp.array(dtype=wp.float64),
-    factor_in: wp.array(dtype=wp.float64),
     gap_in: wp.array(dtype=wp.float64),
     partial_out: wp.array2d(dtype=wp.float64),
 ):
     """Sum of the pressures at the trial approach, and of the stiffnesses of cells neither open nor capped."""
     block = wp.tid() // wp.block_dim()
-    removal_sphere = removal_in[step_in[0], 0]
-    removal_disc = removal_in[step_in[0], 1]
+    columns = known.columns
     base = search_in[BASE]
     offset = search_in[OFFSET]
-    s = ONE / (compliance + implicit * (removal_sphere + removal_disc))  # where no factor differs from 1
+    s = stiffness_of(known, wear_in[step_in[0], 0] + wear_in[step_in[0], 1])
     width = wp.block_dim()
     pressure = ZERO
     slope = ZERO
-    for row in range(block, gap_in.shape[0] // columns, blocks):
+    for row in range(block, gap_in.shape[0] // columns, known.blocks):
         for first in range(wp.tid() % width, columns, FOUR * width):
             gaps = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
             for j in range(FOUR):  # loaded together: one at a time does not keep the memory busy
                 if first + j * width < columns:
                     gaps[j] = gap_in[row * columns + first + j * width]
             for j in range(FOUR):
-                if rows > 0:
-                    column = wp.min(first + j * width, columns - 1)
-                    f = factor_at(row * columns + column, column, rows, factor_in)
-                    s = ONE / (compliance + implicit * (removal_sphere + f * removal_disc))
                 q = ((base - gaps[j]) + offset) * s
-                pressure += wp.min(wp.max(q, ZERO), cap)
-                slope += wp.where(q > ZERO and q < cap, s, ZERO)
+                pressure += wp.min(wp.max(q, ZERO), known.cap)
+                slope += wp.where(q > ZERO and q < known.cap, s, ZERO)
     wp.tile_store(partial_out[0], wp.tile_sum(wp.tile(pressure)), offset=block)
     wp.tile_store(partial_out[1], wp.tile_sum(wp.tile(slope)), offset=block)
 
@@ -173,50 +166,26 @@ def decide(
 
 
 @wp.kernel
-def remove(
-    columns: wp.int32,
-    rows: wp.int32,
-    compliance: wp.float64,
-    implicit: wp.float64,
-    cap: wp.float64,
-    blocks: wp.int32,
-    share_changes: wp.int32,
-    removal_in: wp.array2d(dtype=wp.float64),
+def wear_step(
+    known: Known,
+    wear_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_in: wp.array(dtype=wp.float64),
-    factor_in: wp.array(dtype=wp.float64),
     unworn_in: wp.array(dtype=wp.float64),
     gap_out: wp.array(dtype=wp.float64),
-    share_out: wp.array(dtype=wp.float64),
     partial_out: wp.array2d(dtype=wp.float64),
 ):
-    """One increment of wear, as `removal.remove`: sums in the order of `types.SUMS`, then `types.MAXIMA`.
-
-    share_out: of the sphere in what is worn; used only where the two bodies do not wear in one proportion.
-    """
+    """One increment of wear, as `wear.wear_step`: the rows of `WearSum`, then those of `WearMost`."""
     step = step_in[0]
-    wear(
-        wp.tid() // wp.block_dim(),
-        wp.tid() % wp.block_dim(),
-        wp.block_dim(),
-        columns,
-        rows,
-        compliance,
-        implicit,
-        cap,
-        blocks,
-        share_changes,
-        removal_in[step, 0],
-        removal_in[step, 1],
-        search_in[BASE],
-        search_in[OFFSET],
-        search_in[MEAN],
-        factor_in,
-        unworn_in,
-        gap_out,
-        share_out,
-        partial_out,
-    )
+    here = Law()
+    here.base = search_in[BASE]
+    here.offset = search_in[OFFSET]
+    here.cap = known.cap
+    now = Increment()
+    now.wear = wear_in[step, 0] + wear_in[step, 1]
+    now.stiffness = stiffness_of(known, now.wear)
+    now.reference = search_in[MEAN]
+    wear(wp.tid(), wp.block_dim(), known, here, now, unworn_in, gap_out, partial_out)
 
 
 @wp.kernel
@@ -231,7 +200,7 @@ def record(
     quantity = tid // wp.block_dim()
     lane = tid % wp.block_dim()
     total = ZERO
-    most = NOWHERE
+    most = NO_INDEX
     for i in range(lane, partial_in.shape[1], wp.block_dim()):
         total += partial_in[quantity, i]
         most = wp.max(most, partial_in[quantity, i])
@@ -239,7 +208,7 @@ def record(
     most_tile = wp.tile_max(wp.tile(most))
     found = wp.where(quantity < sums, wp.tile_extract(sum_tile, 0), wp.tile_extract(most_tile, 0))
     if lane == 0:
-        rows_out[step_in[0], 4 + quantity] = found
+        rows_out[step_in[0], HEADER + quantity] = found
 
 
 @wp.kernel
@@ -256,5 +225,5 @@ def finish(
     rows_out[step, 2] = search_out[FORCE] - load
     rows_out[step, 3] = search_out[EVALUATION]
     search_out[APPROACH] = search_out[BASE] + search_out[OFFSET]
-    search_out[MEAN] = rows_out[step, 4] / wp.max(rows_out[step, 7], ONE)
+    search_out[MEAN] = rows_out[step, HEADER] / wp.max(rows_out[step, HEADER + WearSum.CONTACT], ONE)
     step_out[0] = step + 1

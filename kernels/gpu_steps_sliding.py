@@ -6,14 +6,28 @@ step. The search for the balance is that of `device_steps`, from the last approa
 be off by as much as it has lately wandered.
 """
 
+from enum import IntEnum
+
 import warp as wp
 
-from warpwear.kernels.cells import ABSENT, LANES, NOWHERE, ONE, ZERO, Cells, lowest_of, sum_of
-from warpwear.kernels.cells import WIDTH as VECTORS
+from warpwear.kernels.cells import (
+    ABSENT,
+    LANES,
+    NO_INDEX,
+    ONE,
+    TILE_VECTORS,
+    ZERO,
+    Cells,
+    TrackMost,
+    TrackSum,
+    lowest_of,
+    sum_of,
+)
 from warpwear.kernels.gpu_steps import (
     APPROACH,
     BASE,
     EVALUATION,
+    HEADER,
     HIGH,
     INFINITE,
     LOW,
@@ -23,8 +37,10 @@ from warpwear.kernels.gpu_steps import (
     ROUND,
     SEARCH,
     WIDTH,
+    stiffness_of,
 )
-from warpwear.kernels.sliding import beneath
+from warpwear.kernels.gpu_wear_loop import Known
+from warpwear.kernels.sliding import Bodies, OfRows, OfTiles, beneath
 
 wp.set_module_options({"enable_backward": False})
 
@@ -35,20 +51,32 @@ PREVIOUS, WANDER = (wp.constant(wp.int32(len(SEARCH) + i)) for i in range(len(MO
 TIMES = wp.constant(wp.float64(2.0))
 FADES = wp.constant(wp.float64(0.9))
 LEAST = wp.constant(wp.float64(1.0e-6))
-#: Rows of the table of partial results by block of `remove`, and by row of `rows`.
-OF_STEP = (
-    "pressure",
-    "deviation_squared",
-    "contact",
-    "capped",
-    "highest",
-    "deepest_sphere",
-    "deepest_disc",
-    "first_column",
-    "last_column",
-)
-OF_ROWS = ("touched", "worn_sphere", "worn_disc", "pressed_disc", "first_row", "last_row")
-#: How `record` reduces a quantity.
+#: Rows of the table of partial results by block: those of `TrackSum`, then those of `TrackMost` from here on.
+MOST = wp.constant(wp.int32(len(TrackSum)))
+
+
+class RowSum(IntEnum):
+    """Rows of the table of what rows of the sphere, and those beneath, have grown by, or lie at."""
+
+    TOUCHED = 0
+    WEAR_SPHERE = 1
+    WEAR_DISC = 2
+    PRESSED_DISC = 3
+    FIRST_ROW = 4
+    LAST_ROW = 5
+
+
+@wp.struct
+class Now:
+    """What a step finds on the device."""
+
+    wear: wp.array2d(dtype=wp.float64)  # K ΔL of sphere and disc in every step of the block [mm³/N]
+    shift: wp.array(dtype=wp.int32)  # the disc's row under the sphere's first
+    step: wp.array(dtype=wp.int32)  # one number
+    search: wp.array(dtype=wp.float64)  # in the order of `SEARCH` and `MORE`
+
+
+#: How `record` reduces a quantity, as `models.track.on_gpu` has it.
 ADDS, LARGEST, GROWS = (wp.constant(wp.int32(i)) for i in range(3))
 
 
@@ -72,37 +100,26 @@ def begin(search_out: wp.array(dtype=wp.float64), searching_out: wp.array(dtype=
 
 @wp.kernel
 def carried(
-    tiles: wp.int32,
-    compliance: wp.float64,
-    implicit: wp.float64,
-    cap: wp.float64,
-    blocks: wp.int32,
-    removal_in: wp.array2d(dtype=wp.float64),
-    shift_in: wp.array(dtype=wp.int32),
-    step_in: wp.array(dtype=wp.int32),
-    search_in: wp.array(dtype=wp.float64),
-    lowest_in: wp.array2d(dtype=wp.float64),
-    highest_in: wp.array2d(dtype=wp.float64),
-    sphere_in: wp.array2d(dtype=Cells),
-    disc_in: wp.array2d(dtype=Cells),
-    partial_out: wp.array2d(dtype=wp.float64),
+    known: Known, now: Now, bodies: Bodies, of_tiles: OfTiles, partial_out: wp.array2d(dtype=wp.float64)
 ):
     """Sum of the pressures at the trial approach, and of the stiffnesses of cells neither open nor capped."""
     block = wp.tid() // wp.block_dim()
-    step = step_in[0]
-    shift = shift_in[step]
-    base = search_in[BASE]
-    offset = search_in[OFFSET]
-    s = ONE / (compliance + implicit * (removal_in[step, 0] + removal_in[step, 1]))
+    tiles = known.tiles
+    cap = known.cap
+    step = now.step[0]
+    shift = now.shift[step]
+    base = now.search[BASE]
+    offset = now.search[OFFSET]
+    s = stiffness_of(known, now.wear[step, 0] + now.wear[step, 1])
     pressure = ZERO
     slope = ZERO
-    for i in range(wp.tid(), sphere_in.shape[0] * tiles, blocks * wp.block_dim()):
+    for i in range(wp.tid(), bodies.sphere.shape[0] * tiles, known.blocks * wp.block_dim()):
         row = i // tiles
         t = i % tiles
-        under = beneath(row, shift, disc_in.shape[0])
-        if (base - (lowest_in[row, t] - highest_in[under, t])) + offset > ZERO:
-            for k in range(t * VECTORS, wp.min((t + 1) * VECTORS, sphere_in.shape[1])):
-                gap = sphere_in[row, k] - disc_in[under, k]
+        under = beneath(row, shift, bodies.disc.shape[0])
+        if (base - (of_tiles.lowest[row, t] - of_tiles.highest[under, t])) + offset > ZERO:
+            for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, bodies.sphere.shape[1])):
+                gap = bodies.sphere[row, k] - bodies.disc[under, k]
                 for j in range(LANES):
                     q = ((base - gap[j]) + offset) * s
                     pressure += wp.min(wp.max(q, ZERO), cap)
@@ -112,46 +129,23 @@ def carried(
 
 
 @wp.kernel
-def remove(
-    tiles: wp.int32,
-    compliance: wp.float64,
-    implicit: wp.float64,
-    cap: wp.float64,
-    blocks: wp.int32,
-    keeps: wp.int32,
-    removal_in: wp.array2d(dtype=wp.float64),
-    shift_in: wp.array(dtype=wp.int32),
-    step_in: wp.array(dtype=wp.int32),
-    search_in: wp.array(dtype=wp.float64),
-    lowest_out: wp.array2d(dtype=wp.float64),
-    highest_out: wp.array2d(dtype=wp.float64),
-    sphere_out: wp.array2d(dtype=Cells),
-    disc_out: wp.array2d(dtype=Cells),
-    wear_sphere_out: wp.array2d(dtype=Cells),
-    wear_disc_out: wp.array2d(dtype=Cells),
-    plastic_disc_out: wp.array2d(dtype=Cells),
-    reached_out: wp.array2d(dtype=Cells),
-    touched_out: wp.array2d(dtype=wp.float64),
-    worn_sphere_out: wp.array2d(dtype=wp.float64),
-    worn_disc_out: wp.array2d(dtype=wp.float64),
-    pressed_disc_out: wp.array2d(dtype=wp.float64),
-    partial_out: wp.array2d(dtype=wp.float64),
+def wear_step(
+    known: Known, now: Now, bodies: Bodies, of_tiles: OfTiles, partial_out: wp.array2d(dtype=wp.float64)
 ):
-    """One increment of wear of the tiles in reach, as `sliding.remove`: partial results by `OF_STEP`.
-
-    keeps: 1 for a disc that keeps its dents. reached_out: as there. Bounds and sums of those tiles are made
-    anew.
-    """
+    """One increment of wear of both bodies, and what their tiles keep, as `sliding.wear_step`."""
     block = wp.tid() // wp.block_dim()
-    step = step_in[0]
-    shift = shift_in[step]
-    removal_sphere = removal_in[step, 0]
-    removal_disc = removal_in[step, 1]
-    base = search_in[BASE]
-    offset = search_in[OFFSET]
-    mean = search_in[MEAN]
-    c = compliance + implicit * (removal_sphere + removal_disc)
+    tiles = known.tiles
+    cap = known.cap
+    step = now.step[0]
+    shift = now.shift[step]
+    base = now.search[BASE]
+    offset = now.search[OFFSET]
+    wear_sphere = now.wear[step, 0]
+    wear_disc = now.wear[step, 1]
+    mean = now.search[MEAN]
+    c = known.compliance + known.implicit * (wear_sphere + wear_disc)
     stiffness = ONE / c
+    keeps_reached = bodies.reached.shape[0] == bodies.sphere.shape[0]
     pressure = ZERO
     deviation = ZERO
     contact = ZERO
@@ -159,42 +153,42 @@ def remove(
     highest = ZERO
     deepest_sphere = ZERO
     deepest_disc = ZERO
-    first_column = NOWHERE
-    last_column = NOWHERE
-    for i in range(wp.tid(), sphere_out.shape[0] * tiles, blocks * wp.block_dim()):
+    first_column = NO_INDEX
+    last_column = NO_INDEX
+    for i in range(wp.tid(), bodies.sphere.shape[0] * tiles, known.blocks * wp.block_dim()):
         row = i // tiles
         t = i % tiles
-        under = beneath(row, shift, disc_out.shape[0])
-        if (base - (lowest_out[row, t] - highest_out[under, t])) + offset > ZERO:
+        under = beneath(row, shift, bodies.disc.shape[0])
+        if (base - (of_tiles.lowest[row, t] - of_tiles.highest[under, t])) + offset > ZERO:
             low = Cells(ABSENT)
             high = Cells(-ABSENT)
             worn_sphere = Cells(ZERO)
             worn_disc = Cells(ZERO)
             pressed = Cells(ZERO)
             touched = ZERO
-            for k in range(t * VECTORS, wp.min((t + 1) * VECTORS, sphere_out.shape[1])):
-                s = sphere_out[row, k]
-                d = disc_out[under, k]
-                a = wear_sphere_out[row, k]
-                b = wear_disc_out[under, k]
+            for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, bodies.sphere.shape[1])):
+                s = bodies.sphere[row, k]
+                d = bodies.disc[under, k]
+                a = bodies.wear_sphere[row, k]
+                b = bodies.wear_disc[under, k]
                 was = a
-                if reached_out.shape[0] == sphere_out.shape[0]:
-                    was = reached_out[row, k]
+                if keeps_reached:
+                    was = bodies.reached[row, k]
                 gap = s - d
-                if keeps == 1:
-                    x = plastic_disc_out[under, k]
+                if known.keeps_dents == 1:
+                    x = bodies.plastic_disc[under, k]
                     for j in range(LANES):
                         beyond = wp.max(((base - gap[j]) + offset) - c * cap, ZERO)
                         d[j] = d[j] - beyond
                         x[j] = x[j] + beyond
                     pressed += x
-                    plastic_disc_out[under, k] = x
+                    bodies.plastic_disc[under, k] = x
                 for j in range(LANES):
                     p = wp.min(wp.max(((base - gap[j]) + offset) * stiffness, ZERO), cap)
-                    s[j] = s[j] + removal_sphere * p
-                    a[j] = a[j] + removal_sphere * p
-                    d[j] = d[j] - removal_disc * p
-                    b[j] = b[j] + removal_disc * p
+                    s[j] = s[j] + wear_sphere * p
+                    a[j] = a[j] + wear_sphere * p
+                    d[j] = d[j] - wear_disc * p
+                    b[j] = b[j] + wear_disc * p
                     pressure += p
                     highest = wp.max(highest, p)
                     if p > ZERO:
@@ -206,51 +200,43 @@ def remove(
                         last_column = wp.max(last_column, column)
                     was[j] = wp.where(p + was[j] > ZERO, ONE, ZERO)
                     touched += was[j]
-                sphere_out[row, k] = s
-                disc_out[under, k] = d
-                wear_sphere_out[row, k] = a
-                wear_disc_out[under, k] = b
-                if reached_out.shape[0] == sphere_out.shape[0]:
-                    reached_out[row, k] = was
+                bodies.sphere[row, k] = s
+                bodies.disc[under, k] = d
+                bodies.wear_sphere[row, k] = a
+                bodies.wear_disc[under, k] = b
+                if keeps_reached:
+                    bodies.reached[row, k] = was
                 low = wp.min(low, s)
                 high = wp.max(high, d)
                 worn_sphere += a
                 worn_disc += b
                 deepest_sphere = wp.max(deepest_sphere, wp.max(a))
                 deepest_disc = wp.max(deepest_disc, wp.max(b))
-            lowest_out[row, t] = lowest_of(low)
-            highest_out[under, t] = wp.max(high)
-            touched_out[row, t] = touched
-            worn_sphere_out[row, t] = sum_of(worn_sphere)
-            worn_disc_out[under, t] = sum_of(worn_disc)
-            if keeps == 1:
-                pressed_disc_out[under, t] = sum_of(pressed)
-    wp.tile_store(partial_out[0], wp.tile_sum(wp.tile(pressure)), offset=block)
-    wp.tile_store(partial_out[1], wp.tile_sum(wp.tile(deviation)), offset=block)
-    wp.tile_store(partial_out[2], wp.tile_sum(wp.tile(contact)), offset=block)
-    wp.tile_store(partial_out[3], wp.tile_sum(wp.tile(capped)), offset=block)
-    wp.tile_store(partial_out[4], wp.tile_max(wp.tile(highest)), offset=block)
-    wp.tile_store(partial_out[5], wp.tile_max(wp.tile(deepest_sphere)), offset=block)
-    wp.tile_store(partial_out[6], wp.tile_max(wp.tile(deepest_disc)), offset=block)
-    wp.tile_store(partial_out[7], wp.tile_max(wp.tile(first_column)), offset=block)
-    wp.tile_store(partial_out[8], wp.tile_max(wp.tile(last_column)), offset=block)
+            of_tiles.lowest[row, t] = lowest_of(low)
+            of_tiles.highest[under, t] = wp.max(high)
+            of_tiles.touched[row, t] = touched
+            of_tiles.worn_sphere[row, t] = sum_of(worn_sphere)
+            of_tiles.worn_disc[under, t] = sum_of(worn_disc)
+            if known.keeps_dents == 1:
+                of_tiles.pressed_disc[under, t] = sum_of(pressed)
+    wp.tile_store(partial_out[TrackSum.PRESSURE], wp.tile_sum(wp.tile(pressure)), offset=block)
+    wp.tile_store(partial_out[TrackSum.DEVIATION_SQUARED], wp.tile_sum(wp.tile(deviation)), offset=block)
+    wp.tile_store(partial_out[TrackSum.CONTACT], wp.tile_sum(wp.tile(contact)), offset=block)
+    wp.tile_store(partial_out[TrackSum.CAPPED], wp.tile_sum(wp.tile(capped)), offset=block)
+    wp.tile_store(partial_out[MOST + TrackMost.PRESSURE], wp.tile_max(wp.tile(highest)), offset=block)
+    wp.tile_store(
+        partial_out[MOST + TrackMost.WEAR_SPHERE], wp.tile_max(wp.tile(deepest_sphere)), offset=block
+    )
+    wp.tile_store(partial_out[MOST + TrackMost.WEAR_DISC], wp.tile_max(wp.tile(deepest_disc)), offset=block)
+    wp.tile_store(
+        partial_out[MOST + TrackMost.FIRST_COLUMN], wp.tile_max(wp.tile(first_column)), offset=block
+    )
+    wp.tile_store(partial_out[MOST + TrackMost.LAST_COLUMN], wp.tile_max(wp.tile(last_column)), offset=block)
 
 
 @wp.kernel
 def rows(
-    tiles: wp.int32,
-    keeps: wp.int32,
-    shift_in: wp.array(dtype=wp.int32),
-    step_in: wp.array(dtype=wp.int32),
-    touched_in: wp.array2d(dtype=wp.float64),
-    worn_sphere_in: wp.array2d(dtype=wp.float64),
-    worn_disc_in: wp.array2d(dtype=wp.float64),
-    pressed_disc_in: wp.array2d(dtype=wp.float64),
-    touched_out: wp.array(dtype=wp.float64),
-    worn_sphere_out: wp.array(dtype=wp.float64),
-    worn_disc_out: wp.array(dtype=wp.float64),
-    pressed_disc_out: wp.array(dtype=wp.float64),
-    change_out: wp.array2d(dtype=wp.float64),
+    known: Known, now: Now, of_tiles: OfTiles, of_rows: OfRows, change_out: wp.array2d(dtype=wp.float64)
 ):
     """Sums of the sphere's rows and of those beneath them, and by how much each has grown. A block a row.
 
@@ -258,34 +244,34 @@ def rows(
     """
     row = wp.tid() // wp.block_dim()
     lane = wp.tid() % wp.block_dim()
-    under = beneath(row, shift_in[step_in[0]], worn_disc_in.shape[0])
+    under = beneath(row, now.shift[now.step[0]], of_tiles.worn_disc.shape[0])
     touched = ZERO
     worn_sphere = ZERO
     worn_disc = ZERO
     pressed = ZERO
-    for t in range(lane, tiles, wp.block_dim()):
-        touched += touched_in[row, t]
-        worn_sphere += worn_sphere_in[row, t]
-        worn_disc += worn_disc_in[under, t]
-        if keeps == 1:
-            pressed += pressed_disc_in[under, t]
+    for t in range(lane, known.tiles, wp.block_dim()):
+        touched += of_tiles.touched[row, t]
+        worn_sphere += of_tiles.worn_sphere[row, t]
+        worn_disc += of_tiles.worn_disc[under, t]
+        if known.keeps_dents == 1:
+            pressed += of_tiles.pressed_disc[under, t]
     all_touched = wp.tile_extract(wp.tile_sum(wp.tile(touched)), 0)
     all_worn_sphere = wp.tile_extract(wp.tile_sum(wp.tile(worn_sphere)), 0)
     all_worn_disc = wp.tile_extract(wp.tile_sum(wp.tile(worn_disc)), 0)
     all_pressed = wp.tile_extract(wp.tile_sum(wp.tile(pressed)), 0)
     if lane == 0:
-        change_out[0, row] = all_touched - touched_out[row]
-        change_out[1, row] = all_worn_sphere - worn_sphere_out[row]
-        change_out[2, row] = all_worn_disc - worn_disc_out[under]
-        change_out[3, row] = ZERO
-        change_out[4, row] = wp.where(all_touched > ZERO, -wp.float64(row), NOWHERE)
-        change_out[5, row] = wp.where(all_touched > ZERO, wp.float64(row), NOWHERE)
-        touched_out[row] = all_touched
-        worn_sphere_out[row] = all_worn_sphere
-        worn_disc_out[under] = all_worn_disc
-        if keeps == 1:
-            change_out[3, row] = all_pressed - pressed_disc_out[under]
-            pressed_disc_out[under] = all_pressed
+        change_out[RowSum.TOUCHED, row] = all_touched - of_rows.touched[row]
+        change_out[RowSum.WEAR_SPHERE, row] = all_worn_sphere - of_rows.worn_sphere[row]
+        change_out[RowSum.WEAR_DISC, row] = all_worn_disc - of_rows.worn_disc[under]
+        change_out[RowSum.PRESSED_DISC, row] = ZERO
+        change_out[RowSum.FIRST_ROW, row] = wp.where(all_touched > ZERO, -wp.float64(row), NO_INDEX)
+        change_out[RowSum.LAST_ROW, row] = wp.where(all_touched > ZERO, wp.float64(row), NO_INDEX)
+        of_rows.touched[row] = all_touched
+        of_rows.worn_sphere[row] = all_worn_sphere
+        of_rows.worn_disc[under] = all_worn_disc
+        if known.keeps_dents == 1:
+            change_out[RowSum.PRESSED_DISC, row] = all_pressed - of_rows.pressed_disc[under]
+            of_rows.pressed_disc[under] = all_pressed
 
 
 @wp.kernel
@@ -307,7 +293,7 @@ def record(
     line = how_in[quantity, 1]
     reduction = how_in[quantity, 2]
     total = ZERO
-    most = NOWHERE
+    most = NO_INDEX
     if how_in[quantity, 0] == 0:
         for i in range(lane, partial_in.shape[1], wp.block_dim()):
             total += partial_in[line, i]
@@ -329,4 +315,4 @@ def record(
             total_out[quantity, 0] = after
             total_out[quantity, 1] = lost
             found = after + lost
-        rows_out[step_in[0], 4 + quantity] = found
+        rows_out[step_in[0], HEADER + quantity] = found

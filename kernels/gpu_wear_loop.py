@@ -1,4 +1,4 @@
-"""The loop of `device_steps.remove` over the cells of a thread, in C++, and what its block makes of it.
+"""The loop of `gpu_steps.wear_step` over the cells of a thread, in C++, and what its block makes of it.
 
 In Python's notation the compiler gives each thread some 230 registers, so that too few threads run at a
 time to keep the memory busy (measure with bench/speed.py on a GPU after a change). On a CPU a block is one
@@ -7,25 +7,39 @@ thread.
 
 import warp as wp
 
+from warpwear.kernels.cells import WearMost, WearSum
+from warpwear.kernels.contact import Law
+from warpwear.kernels.wear_loops import Increment
+
 wp.set_module_options({"enable_backward": False})
+
+
+@wp.struct
+class Known:
+    """What every step on the device needs."""
+
+    columns: wp.int32  # of a row of the field, padding included
+    tiles: wp.int32  # of a row
+    blocks: wp.int32
+    keeps_dents: wp.int32
+    compliance: wp.float64  # 1/k [mm³/N]
+    implicit: wp.float64  # 1 where the wear of a step adds to its compliance
+    cap: wp.float64  # [MPa]
+
 
 _WEAR = """
     const int FOUR = 4, beyond = 2147483647;
-    const double absent = 1.0e30, nowhere = -1.0e9;
-    const bool alike = rows == 0 && share_changes == 0;
+    const double absent = 1.0e30, no_index = -1.0e9;
+    const int block = thread / width, lane = thread % width, columns = known.columns;
     const double* const unworn = unworn_in.data;
-    const double* const factor = factor_in.data;
     double* const gap = gap_out.data;
-    double* const shares = share_out.data;
-    double pressure = 0.0, factored = 0.0, deviation = 0.0, worn = 0.0, worn_sphere = 0.0;
-    double highest = 0.0, deepest = 0.0, deepest_sphere = 0.0, deepest_disc = 0.0;
+    double pressure = 0.0, deviation = 0.0, worn = 0.0, highest = 0.0, deepest = 0.0;
     int contact = 0, capped = 0, touched = 0;  // whole numbers cost a GPU less
     int first_row = beyond, last_row = -1, first_column = beyond, last_column = -1;
-    double f = 1.0, opening = removal_sphere + removal_disc;  // where no factor differs from 1
-    double s = 1.0 / (compliance + implicit * opening);
-    double share = opening > 0.0 ? removal_sphere / opening : 0.0;
+    const double base = law.base, offset = law.offset, cap = law.cap;
+    const double opening = step.wear, s = step.stiffness, mean = step.reference;
     const int lines = gap_out.shape[0] / columns;
-    for (int row = block; row < lines; row += blocks) {
+    for (int row = block; row < lines; row += known.blocks) {
         const long long start = (long long)row * columns;
         const int touched_before = touched;
         for (int first = lane; first < columns; first += FOUR * width) {
@@ -40,19 +54,12 @@ _WEAR = """
             #pragma unroll
             for (int j = 0; j < FOUR; ++j) {
                 const int column = first + j * width;
-                const long long i = start + column;
-                if (rows > 0 && column < columns) {
-                    f = factor[rows > 1 ? i : column];
-                    opening = removal_sphere + f * removal_disc;
-                    s = 1.0 / (compliance + implicit * opening);
-                    share = opening > 0.0 ? removal_sphere / opening : 0.0;
-                }
                 double p = ((base - g[j]) + offset) * s;
                 p = p > 0.0 ? p : 0.0;
                 p = p < cap ? p : cap;
-                const double before = g[j] - u[j], after = g[j] + opening * p, w = after - u[j];
+                const double after = g[j] + opening * p, w = after - u[j];
                 if (p > 0.0) {
-                    gap[i] = after;
+                    gap[start + column] = after;
                     pressure += p;
                     deviation += (p - mean) * (p - mean);
                     contact += 1;
@@ -64,22 +71,7 @@ _WEAR = """
                     first_column = first_column < column ? first_column : column;
                     last_column = last_column > column ? last_column : column;
                     worn += w;
-                    if (alike) {
-                        deepest = deepest > w ? deepest : w;
-                    } else {
-                        if (share_changes > 0) {
-                            share = shares[i];
-                            if (p > 0.0) {
-                                share = w > 0.0 ? (share * before + removal_sphere * p) / w : 0.0;
-                                shares[i] = share;
-                            }
-                        }
-                        const double a = share * w, b = w - a;
-                        factored += f * p;
-                        worn_sphere += a;
-                        deepest_sphere = deepest_sphere > a ? deepest_sphere : a;
-                        deepest_disc = deepest_disc > b ? deepest_disc : b;
-                    }
+                    deepest = deepest > w ? deepest : w;
                 }
             }
         }
@@ -87,12 +79,6 @@ _WEAR = """
             first_row = first_row < row ? first_row : row;
             last_row = row;
         }
-    }
-    if (alike) {
-        factored = pressure;
-        worn_sphere = share * worn;
-        deepest_sphere = share * deepest;
-        deepest_disc = deepest - deepest_sphere;
     }
 
 #if defined(__CUDA_ARCH__)
@@ -112,47 +98,42 @@ _WEAR = """
 #else
     const auto of_block = [&](double v, bool) { return v; };
 #endif
-    int line = 0;
-    const auto keep = [&](double v, bool adds) {
+    const auto keep = [&](int line, double v, bool adds) {
         v = of_block(v, adds);
         if (lane == 0) wp::index(partial_out, line, block) = v;
-        ++line;
     };
-    const double sums[] = {pressure, factored, deviation, double(contact), double(capped), double(touched),
-                           worn_sphere, worn - worn_sphere};
     const bool some = touched > 0;
-    const double maxima[] = {highest, deepest_sphere, deepest_disc,
-                             some ? -double(first_row) : nowhere, some ? double(last_row) : nowhere,
-                             some ? -double(first_column) : nowhere, some ? double(last_column) : nowhere};
-    #pragma unroll
-    for (const double sum : sums) keep(sum, true);
-    #pragma unroll
-    for (const double most : maxima) keep(most, false);
 """
+_SUMS = {
+    WearSum.PRESSURE: "pressure",
+    WearSum.DEVIATION_SQUARED: "deviation",
+    WearSum.CONTACT: "contact",
+    WearSum.CAPPED: "capped",
+    WearSum.TOUCHED: "touched",
+    WearSum.WORN: "worn",
+}
+_MOST = {
+    WearMost.PRESSURE: "highest",
+    WearMost.WORN: "deepest",
+    WearMost.FIRST_ROW: "some ? -double(first_row) : no_index",
+    WearMost.LAST_ROW: "some ? double(last_row) : no_index",
+    WearMost.FIRST_COLUMN: "some ? -double(first_column) : no_index",
+    WearMost.LAST_COLUMN: "some ? double(last_column) : no_index",
+}
+_KEEP = "".join(f"    keep({line.value}, {value}, true);\n" for line, value in _SUMS.items())
+_KEEP += "".join(f"    keep({len(WearSum) + line.value}, {value}, false);\n" for line, value in _MOST.items())
 
 
-@wp.func_native(_WEAR)
+@wp.func_native(_WEAR + _KEEP)
 def wear(
-    block: wp.int32,
-    lane: wp.int32,
+    thread: wp.int32,
     width: wp.int32,
-    columns: wp.int32,
-    rows: wp.int32,
-    compliance: wp.float64,
-    implicit: wp.float64,
-    cap: wp.float64,
-    blocks: wp.int32,
-    share_changes: wp.int32,
-    removal_sphere: wp.float64,
-    removal_disc: wp.float64,
-    base: wp.float64,
-    offset: wp.float64,
-    mean: wp.float64,
-    factor_in: wp.array(dtype=wp.float64),
+    known: Known,
+    law: Law,
+    step: Increment,
     unworn_in: wp.array(dtype=wp.float64),
     gap_out: wp.array(dtype=wp.float64),
-    share_out: wp.array(dtype=wp.float64),
     partial_out: wp.array2d(dtype=wp.float64),
 ):
-    """Wears the cells of a thread, thread `lane` of `width` in a block; arguments as of `remove`."""
+    """Wears the cells of a thread in a block of some width; arguments as of `wear_step`."""
     ...

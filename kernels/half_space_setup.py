@@ -1,6 +1,6 @@
-"""The passes of the half-space solver over all cells before a search, and those of its slope after it.
+"""The passes of the half-space solver before a search, and those that a search does without fields to change.
 
-Symbols as in `half_space`: p pressure, t = Gp + g its gradient, H the cap.
+Symbols as in `half_space`: p pressure, t = Gp + g its gradient.
 """
 
 import warp as wp
@@ -116,87 +116,6 @@ def gradient(
         for j in range(LANES):
             t[j] = wp.where(k * LANES + j < columns, g[j] + u[j], NONE)
         gradient_out[row, k] = t
-
-
-@wp.kernel
-def between(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    cap: wp.float64,
-    pressure_in: wp.array2d(dtype=Cells),
-    indicator_out: wp.array2d(dtype=Cells),
-):
-    """1 on the cells with 0 < p < H, 0 elsewhere."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
-        p = pressure_in[row, k]
-        f = Cells(ZERO)
-        for j in range(LANES):
-            f[j] = wp.where(p[j] > ZERO and p[j] < cap, ONE, ZERO)
-        indicator_out[row, k] = f
-
-
-@wp.kernel
-def conjugate(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    memory: wp.float64,
-    cap: wp.float64,
-    pressure_in: wp.array2d(dtype=Cells),
-    descent_in: wp.array2d(dtype=Cells),
-    direction_out: wp.array2d(dtype=Cells),
-):
-    """direction = descent + memory × direction on the cells with 0 < p < H, 0 elsewhere."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
-        p = pressure_in[row, k]
-        z = descent_in[row, k]
-        d = direction_out[row, k]
-        for j in range(LANES):
-            d[j] = wp.where(p[j] > ZERO and p[j] < cap, z[j] + memory * d[j], ZERO)
-        direction_out[row, k] = d
-
-
-@wp.kernel
-def relax(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    length: wp.float64,
-    cap: wp.float64,
-    pressure_in: wp.array2d(dtype=Cells),
-    direction_in: wp.array2d(dtype=Cells),
-    response_in: wp.array2d(dtype=Cells),
-    solution_out: wp.array2d(dtype=Cells),
-    residual_out: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-):
-    """solution += length × direction, residual −= length × response on the cells with 0 < p < H.
-
-    Sums: solution, residual squared.
-    """
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    total = Cells(ZERO)
-    squared = Cells(ZERO)
-    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
-        p = pressure_in[row, k]
-        d = direction_in[row, k]
-        y = response_in[row, k]
-        v = solution_out[row, k]
-        r = residual_out[row, k]
-        rr = Cells(ZERO)
-        for j in range(LANES):
-            v[j] += length * d[j]
-            r[j] = wp.where(p[j] > ZERO and p[j] < cap, r[j] - length * y[j], ZERO)
-            rr[j] = r[j] * r[j]
-        solution_out[row, k] = v
-        residual_out[row, k] = r
-        total += v
-        squared += rr
-    sums_out[0, slot] = sum_of(total)
-    sums_out[1, slot] = sum_of(squared)
 
 
 @wp.kernel

@@ -1,7 +1,7 @@
 """Patches of a contact, each at an approach of its own: what they carry, their pressures, their wear.
 
 All patches lie in one field of shape (patches, lines · vectors of a line): a row is a patch, its lines of
-cells (along axis 1 of the domain) one after another, each padded to whole vectors. A tile is `types.WIDTH`
+cells (along axis 1 of the domain) one after another, each padded to whole vectors. A tile is `TILE_VECTORS`
 vectors of one line, or what is left of it. A slot is a place in the list of patches visited (one of several
 that share a patch on a GPU); tiles whose lowest gap, before any wear, is above the patch's approach are
 skipped.
@@ -9,67 +9,81 @@ skipped.
 
 import warp as wp
 
-from warpwear.kernels.cells import ABSENT, LANES, NOWHERE, ONE, WIDTH, ZERO, Cells, lowest_of, sum_of
-from warpwear.kernels.contact import pressure_of
+from warpwear.kernels.cells import (
+    ABSENT,
+    LANES,
+    NO_INDEX,
+    ONE,
+    TILE_VECTORS,
+    ZERO,
+    Cells,
+    WearMost,
+    WearSum,
+    lowest_of,
+    sum_of,
+)
+from warpwear.kernels.contact import Law, pressure_of
 from warpwear.kernels.gap import sag
-from warpwear.kernels.wear_loops import wear_patches
+from warpwear.kernels.wear_loops import Approaches, Increment, Layout, Tables, wear_patches
 
 wp.set_module_options({"enable_backward": False})
+
+
+@wp.struct
+class Ball:
+    """Where the domain's first cell lies under the sphere, or a rigid flat."""
+
+    cell: wp.float64  # [mm]
+    x_first: wp.float64
+    y_first: wp.float64
+    curvature: wp.float64  # 1/R [1/mm]
 
 
 @wp.kernel
 def gap(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    vectors: wp.int32,
     columns: wp.int32,
-    cell: wp.float64,
-    x_first: wp.float64,
-    y_first: wp.float64,
-    curvature: wp.float64,
-    first_row_in: wp.array(dtype=wp.int32),
-    first_column_in: wp.array(dtype=wp.int32),
+    ball: Ball,
+    layout: Layout,
     roughness_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
-    lowest_out: wp.array2d(dtype=wp.float64),
 ):
-    """Gap of the unworn bodies from the mean planes, and its lowest in every tile.
+    """Gap of the unworn bodies from the mean planes, and its lowest in every tile, in `layout`.
 
-    vectors, columns: of a line. x_first, y_first: the domain's first cell. first_row, first_column: of the
-    domain's cells, where a patch begins.
+    columns: of a line.
     """
     slot = first_slot + wp.tid()
     patch = slot // slots_per_row
-    tiles = (vectors + WIDTH - 1) // WIDTH
-    for n in range(slot % slots_per_row, lowest_out.shape[1], slots_per_row):
+    vectors = layout.vectors
+    tiles = (vectors + TILE_VECTORS - 1) // TILE_VECTORS
+    for n in range(slot % slots_per_row, layout.lowest.shape[1], slots_per_row):
         line = n // tiles
-        first = (n - line * tiles) * WIDTH
-        x = x_first + wp.float64(first_row_in[patch] + line) * cell
+        first = (n - line * tiles) * TILE_VECTORS
+        x = ball.x_first + wp.float64(layout.first_row[patch] + line) * ball.cell
         low = Cells(ABSENT)
-        for v in range(first, wp.min(first + WIDTH, vectors)):
+        for v in range(first, wp.min(first + TILE_VECTORS, vectors)):
             z = roughness_in[patch, line * vectors + v]
             g = Cells(ABSENT)
             for j in range(LANES):
                 column = v * LANES + j
-                y = y_first + wp.float64(first_column_in[patch] + column) * cell
+                y = ball.y_first + wp.float64(layout.first_column[patch] + column) * ball.cell
                 if column < columns:
-                    g[j] = sag(x, y, curvature) - z[j]
+                    g[j] = sag(x, y, ball.curvature) - z[j]
             gap_out[patch, line * vectors + v] = g
             low = wp.min(low, g)
-        lowest_out[patch, n] = lowest_of(low)
+        layout.lowest[patch, n] = lowest_of(low)
 
 
 @wp.kernel
 def carried(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    vectors: wp.int32,
     patches_in: wp.array(dtype=wp.int32),
-    base_in: wp.array(dtype=wp.float64),
-    offset_in: wp.array(dtype=wp.float64),
-    cap: wp.float64,
-    stiffness: wp.float64,
-    lowest_in: wp.array2d(dtype=wp.float64),
+    layout: Layout,
+    at: Approaches,
+    law: Law,
+    step: Increment,
     gap_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
@@ -80,21 +94,24 @@ def carried(
     """
     slot = first_slot + wp.tid()
     patch = patches_in[slot // slots_per_row]
-    base = base_in[patch]
-    offset = offset_in[patch]
-    tiles = (vectors + WIDTH - 1) // WIDTH
+    base = at.base[patch]
+    offset = at.offset[patch]
+    cap = law.cap
+    stiffness = step.stiffness
+    vectors = layout.vectors
+    tiles = (vectors + TILE_VECTORS - 1) // TILE_VECTORS
     pressure = Cells(ZERO)
     between = Cells(ZERO)
     nearest = Cells(ABSENT)
     beside = ABSENT  # of the tiles that are skipped
-    for n in range(slot % slots_per_row, lowest_in.shape[1], slots_per_row):
-        overlap = (base - lowest_in[patch, n]) + offset
+    for n in range(slot % slots_per_row, layout.lowest.shape[1], slots_per_row):
+        overlap = (base - layout.lowest[patch, n]) + offset
         if overlap <= ZERO:
             beside = wp.min(beside, -overlap)
         else:
             line = n // tiles
-            first = (n - line * tiles) * WIDTH
-            last = line * vectors + wp.min(first + WIDTH, vectors)
+            first = (n - line * tiles) * TILE_VECTORS
+            last = line * vectors + wp.min(first + TILE_VECTORS, vectors)
             for k in range(line * vectors + first, last):
                 g = gap_in[patch, k]
                 p = Cells(ZERO)
@@ -118,122 +135,83 @@ def pressures(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     patches_in: wp.array(dtype=wp.int32),
-    base_in: wp.array(dtype=wp.float64),
-    offset_in: wp.array(dtype=wp.float64),
-    cap: wp.float64,
-    stiffness: wp.float64,
+    at: Approaches,
+    law: Law,
+    step: Increment,
     gap_in: wp.array2d(dtype=Cells),
     pressure_out: wp.array2d(dtype=Cells),
 ):
     """The pressure field of solved approaches, in the patches visited."""
     slot = first_slot + wp.tid()
     patch = patches_in[slot // slots_per_row]
+    law_here = law
+    law_here.base = at.base[patch]
+    law_here.offset = at.offset[patch]
     for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
         g = gap_in[patch, k]
         p = Cells(ZERO)
         for j in range(LANES):
-            p[j] = pressure_of((base_in[patch] - g[j]) + offset_in[patch], stiffness, cap, ZERO, ZERO)
+            p[j] = pressure_of(law_here, g[j], step.stiffness)
         pressure_out[patch, k] = p
 
 
 @wp.kernel
-def remove(
+def wear_step(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    vectors: wp.int32,
     patches_in: wp.array(dtype=wp.int32),
-    base_in: wp.array(dtype=wp.float64),
-    offset_in: wp.array(dtype=wp.float64),
-    reached_in: wp.array(dtype=wp.float64),
-    base_next_in: wp.array(dtype=wp.float64),
-    offset_next_in: wp.array(dtype=wp.float64),
-    cap: wp.float64,
-    stiffness: wp.float64,
-    stiffness_next: wp.float64,
-    removal: wp.float64,
-    pressure_reference: wp.float64,
-    first_row_known: wp.int32,
-    last_row_known: wp.int32,
-    first_column_known: wp.int32,
-    last_column_known: wp.int32,
-    first_row_in: wp.array(dtype=wp.int32),
-    first_column_in: wp.array(dtype=wp.int32),
-    lowest_in: wp.array2d(dtype=wp.float64),
+    layout: Layout,
+    at: Approaches,
+    law: Law,
+    step: Increment,
     initial_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-    maxima_out: wp.array2d(dtype=wp.float64),
-    ahead_out: wp.array2d(dtype=wp.float64),
+    tables: Tables,
 ):
-    """One increment of wear in place: the gap opens by K p ΔL of both bodies (`removal` = K ΔL).
+    """One increment of wear in place: the gap opens by K p ΔL of both bodies.
 
-    Sums and maxima of the step and of each patch, a column a slot, in the order of `types.PATCH_SUMS` and
-    `types.PATCH_MAXIMA`. Squares are those of the deviation from `pressure_reference`. reached: the largest
-    approach that a patch has had: a tile above it was never touched, every other one is visited, so that the
-    sums of what was touched and worn are those of the whole patch. *_known: rows and columns of the domain
-    between which cells are known to be touched; only beyond them it is looked for the first and the last
-    ones. first_row_in, first_column_in: of the domain's cells, where a patch begins. ahead_out: what
-    `carried` would find in the worn gap at the approaches of `*_next`.
+    Sums and maxima are those of the step and of each patch. A tile above the largest approach that its patch
+    has had was never touched; every other one is visited, so that the sums of what was touched and worn are
+    those of the whole patch. Rows and columns count in the domain.
     """
     slot = first_slot + wp.tid()
     patch = patches_in[slot // slots_per_row]
     lane = slot % slots_per_row
-    base = base_in[patch]
-    offset = offset_in[patch]
-    reached = reached_in[patch]
-    wear_patches(
-        slot,
-        slots_per_row,
-        patch,
-        lane,
-        vectors,
-        base,
-        offset,
-        reached,
-        base_next_in[patch],
-        offset_next_in[patch],
-        cap,
-        stiffness,
-        stiffness_next,
-        removal,
-        pressure_reference,
-        lowest_in,
-        initial_in,
-        gap_out,
-        sums_out,
-        maxima_out,
-        ahead_out,
-    )
-    first_row = NOWHERE + ZERO  # a variable of its own
-    last_row = NOWHERE + ZERO
-    first_column = NOWHERE + ZERO
-    last_column = NOWHERE + ZERO
-    if sums_out[4, slot] > ZERO:
-        tiles = (vectors + WIDTH - 1) // WIDTH
-        for n in range(lane, lowest_in.shape[1], slots_per_row):
-            low = lowest_in[patch, n]
+    wear_patches(slot, slots_per_row, patch, layout, at, law, step, initial_in, gap_out, tables)
+    here = law
+    here.base = at.base[patch]
+    here.offset = at.offset[patch]
+    first_row = NO_INDEX + ZERO  # a variable of its own
+    last_row = NO_INDEX + ZERO
+    first_column = NO_INDEX + ZERO
+    last_column = NO_INDEX + ZERO
+    if tables.sums[WearSum.TOUCHED, slot] > ZERO:
+        vectors = layout.vectors
+        tiles = (vectors + TILE_VECTORS - 1) // TILE_VECTORS
+        for n in range(lane, layout.lowest.shape[1], slots_per_row):
+            low = layout.lowest[patch, n]
             line = n // tiles
-            first = (n - line * tiles) * WIDTH
-            last = wp.min(first + WIDTH, vectors)
-            row = first_row_in[patch] + line
-            column = first_column_in[patch]
-            known = row >= first_row_known and row <= last_row_known
-            known = known and column + first * LANES >= first_column_known
-            known = known and column + last * LANES - 1 <= last_column_known
-            if not known and (low < reached or (base - low) + offset > ZERO):
+            first = (n - line * tiles) * TILE_VECTORS
+            last = wp.min(first + TILE_VECTORS, vectors)
+            row = layout.first_row[patch] + line
+            column = layout.first_column[patch]
+            known = row >= step.first_row and row <= step.last_row
+            known = known and column + first * LANES >= step.first_column
+            known = known and column + last * LANES - 1 <= step.last_column
+            if not known and (low < at.reached[patch] or (here.base - low) + here.offset > ZERO):
                 for v in range(first, last):
                     g = gap_out[patch, line * vectors + v]
                     u = initial_in[patch, line * vectors + v]
                     for j in range(LANES):
                         # Where nothing wears the gap is as it was, and what touched does so still.
-                        p = pressure_of((base - g[j]) + offset, stiffness, cap, ZERO, ZERO)
+                        p = pressure_of(here, g[j], step.stiffness)
                         if p + (g[j] - u[j]) > ZERO:
-                            at = wp.float64(column + v * LANES + j)
+                            place = wp.float64(column + v * LANES + j)
                             first_row = wp.max(first_row, -wp.float64(row))
                             last_row = wp.max(last_row, wp.float64(row))
-                            first_column = wp.max(first_column, -at)
-                            last_column = wp.max(last_column, at)
-    maxima_out[2, slot] = first_row
-    maxima_out[3, slot] = last_row
-    maxima_out[4, slot] = first_column
-    maxima_out[5, slot] = last_column
+                            first_column = wp.max(first_column, -place)
+                            last_column = wp.max(last_column, place)
+    tables.maxima[WearMost.FIRST_ROW, slot] = first_row
+    tables.maxima[WearMost.LAST_ROW, slot] = last_row
+    tables.maxima[WearMost.FIRST_COLUMN, slot] = first_column
+    tables.maxima[WearMost.LAST_COLUMN, slot] = last_column

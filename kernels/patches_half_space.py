@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from warpwear.kernels.cells import LANES, NOWHERE, ONE, ZERO, Cells, largest_of, sum_of
+from warpwear.kernels.cells import LANES, NO_INDEX, ONE, ZERO, Cells, largest_of, sum_of
 
 wp.set_module_options({"enable_backward": False})
 
@@ -38,10 +38,10 @@ def remove(
     worn = Cells(ZERO)
     highest = Cells(ZERO)
     deepest = Cells(ZERO)
-    first = Cells(NOWHERE)
-    last = Cells(NOWHERE)
-    first_row = NOWHERE + ZERO  # variables of their own
-    last_row = NOWHERE + ZERO
+    first = Cells(NO_INDEX)
+    last = Cells(NO_INDEX)
+    first_row = NO_INDEX + ZERO  # variables of their own
+    last_row = NO_INDEX + ZERO
     for k in range(slot % slots_per_row, gap_out.shape[1], slots_per_row):
         line = k // vectors
         row = wp.float64(first_row_in[patch] + line)
@@ -59,8 +59,8 @@ def remove(
             reached = p[j] > ZERO or w > ZERO
             column = wp.float64(first_column_in[patch] + (k - line * vectors) * LANES + j)
             reached_here[j] = wp.where(reached, ONE, ZERO)
-            first[j] = wp.max(first[j], wp.where(reached, -column, NOWHERE))
-            last[j] = wp.max(last[j], wp.where(reached, column, NOWHERE))
+            first[j] = wp.max(first[j], wp.where(reached, -column, NO_INDEX))
+            last[j] = wp.max(last[j], wp.where(reached, column, NO_INDEX))
             worn[j] += w
             highest[j] = wp.max(highest[j], p[j])
             deepest[j] = wp.max(deepest[j], w)

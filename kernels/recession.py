@@ -1,6 +1,6 @@
 """Running-in of a rough surface that the grid does not resolve: it recedes faster than its volume goes.
 
-The share of the area that bears at a depth z below the highest peak is φ(z) = 1/(1 + e^(−(z − m)/s)).
+The fraction of the area that bears at a depth z below the highest peak is φ(z) = 1/(1 + e^(−(z − m)/s)).
 A depth z has then lost the volume v(z) = ∫ φ dz of each unit of area, and back:
 z(v) = m + s ln(q + (1 + q)(e^(v/s) − 1)) with q = e^(−m/s).
 """
@@ -8,6 +8,7 @@ z(v) = m + s ln(q + (1 + q)(e^(v/s) − 1)) with q = e^(−m/s).
 import warp as wp
 
 from warpwear.kernels.cells import LANES, ONE, ZERO, Cells
+from warpwear.kernels.contact import Law
 
 wp.set_module_options({"enable_backward": False})
 
@@ -15,21 +16,29 @@ wp.set_module_options({"enable_backward": False})
 STRAIGHT = wp.constant(wp.float64(60.0))
 
 
+@wp.struct
+class Curve:
+    """A logistic bearing area curve φ(z)."""
+
+    middle: wp.float64  # m [mm]
+    scale: wp.float64  # s [mm]
+
+
 @wp.func
-def depth_beyond(volume: wp.float64, middle: wp.float64, scale: wp.float64):
+def depth_beyond(volume: wp.float64, curve: Curve):
     """z(v) − v: how much deeper the surface stands than its mean worn depth."""
-    q = wp.exp(-middle / scale)
-    worn = wp.min(volume / scale, STRAIGHT)
-    bent = middle + scale * wp.log(q + (ONE + q) * (wp.exp(worn) - ONE)) - volume
-    straight = middle + scale * wp.log(ONE + q)
-    return wp.where(volume > scale * STRAIGHT, straight, bent)
+    q = wp.exp(-curve.middle / curve.scale)
+    worn = wp.min(volume / curve.scale, STRAIGHT)
+    bent = curve.middle + curve.scale * wp.log(q + (ONE + q) * (wp.exp(worn) - ONE)) - volume
+    straight = curve.middle + curve.scale * wp.log(ONE + q)
+    return wp.where(volume > curve.scale * STRAIGHT, straight, bent)
 
 
 @wp.func
-def bearing(volume: wp.float64, middle: wp.float64, scale: wp.float64):
+def bearing_ratio(volume: wp.float64, curve: Curve):
     """φ(z(v))"""
-    z = volume + depth_beyond(volume, middle, scale)
-    return ONE / (ONE + wp.exp(-(z - middle) / scale))
+    z = volume + depth_beyond(volume, curve)
+    return ONE / (ONE + wp.exp(-(z - curve.middle) / curve.scale))
 
 
 @wp.kernel
@@ -37,9 +46,8 @@ def stiffness(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     compliance: wp.float64,
-    removal_disc: wp.float64,
-    middle: wp.float64,
-    scale: wp.float64,
+    wear_per_pressure_disc: wp.float64,
+    curve: Curve,
     distance_factor_in: wp.array2d(dtype=Cells),
     wear_disc_in: wp.array2d(dtype=Cells),
     stiffness_out: wp.array2d(dtype=Cells),
@@ -53,7 +61,7 @@ def stiffness(
         v = wear_disc_in[row, k]
         c = Cells()
         for j in range(LANES):
-            c[j] = ONE / (compliance + removal_disc * f[j] / bearing(v[j], middle, scale))
+            c[j] = ONE / (compliance + wear_per_pressure_disc * f[j] / bearing_ratio(v[j], curve))
         stiffness_out[row, k] = c
 
 
@@ -61,31 +69,26 @@ def stiffness(
 def recede(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    middle: wp.float64,
-    scale: wp.float64,
+    curve: Curve,
     wear_disc_in: wp.array2d(dtype=Cells),
-    gap_out: wp.array2d(dtype=Cells),
-    unworn_out: wp.array2d(dtype=Cells),
+    disc_out: wp.array2d(dtype=Cells),
     beyond_out: wp.array2d(dtype=Cells),
 ):
-    """Opens the gap, already opened by the mean worn depth, by what the surface stands deeper than that.
+    """Lowers the disc, already lowered by its mean worn depth, by what it stands deeper than that.
 
-    No volume goes with it, so that the gap of the bodies as they were opens as well.
+    No volume goes with it.
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
-    for k in range(slot % slots_per_row, gap_out.shape[1], slots_per_row):
+    for k in range(slot % slots_per_row, disc_out.shape[1], slots_per_row):
         v = wear_disc_in[row, k]
-        g = gap_out[row, k]
-        u = unworn_out[row, k]
+        d = disc_out[row, k]
         b = beyond_out[row, k]
         for j in range(LANES):
-            now = depth_beyond(v[j], middle, scale)
-            g[j] = g[j] + (now - b[j])
-            u[j] = u[j] + (now - b[j])
+            now = depth_beyond(v[j], curve)
+            d[j] = d[j] - (now - b[j])
             b[j] = now
-        gap_out[row, k] = g
-        unworn_out[row, k] = u
+        disc_out[row, k] = d
         beyond_out[row, k] = b
 
 
@@ -93,22 +96,21 @@ def recede(
 def borne(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
-    base: wp.float64,
-    offset: wp.float64,
-    middle: wp.float64,
-    scale: wp.float64,
-    gap_in: wp.array2d(dtype=Cells),
+    law: Law,
+    curve: Curve,
+    sphere_in: wp.array2d(dtype=Cells),
+    disc_in: wp.array2d(dtype=Cells),
     wear_disc_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
     """Sum of φ over the cells in contact: how many cells' area bears."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
-    share = ZERO
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        g = gap_in[row, k]
+    bears = ZERO
+    for k in range(slot % slots_per_row, sphere_in.shape[1], slots_per_row):
+        g = sphere_in[row, k] - disc_in[row, k]
         v = wear_disc_in[row, k]
         for j in range(LANES):
-            if (base - g[j]) + offset > ZERO:
-                share += bearing(v[j], middle, scale)
-    sums_out[0, slot] = share
+            if (law.base - g[j]) + law.offset > ZERO:
+                bears += bearing_ratio(v[j], curve)
+    sums_out[0, slot] = bears

@@ -8,13 +8,110 @@ the cells of a field; their difference bounds the gap of a pair of tiles from be
 
 import warp as wp
 
-from warpwear.kernels.cells import ABSENT, LANES, NOWHERE, ONE, WIDTH, ZERO, Cells, lowest_of, sum_of
-from warpwear.kernels.contact import pressure_of
+from warpwear.kernels.cells import (
+    ABSENT,
+    LANES,
+    NO_INDEX,
+    ONE,
+    TILE_VECTORS,
+    ZERO,
+    Cells,
+    TrackMost,
+    TrackSum,
+    lowest_of,
+    sum_of,
+)
+from warpwear.kernels.contact import Law, pressure_of
 
 wp.set_module_options({"enable_backward": False})
 
 #: No depth is larger: of a disc that springs back.
 INFINITE = wp.constant(wp.float64(1.0e300))
+
+
+@wp.struct
+class Slide:
+    """One step of a displaced pair of bodies."""
+
+    shift: wp.int32  # the disc's row under the sphere's first
+    wear_sphere: wp.float64  # K ΔL [mm³/N]
+    wear_disc: wp.float64
+    factored: wp.int32  # 1 where the sliding distance of the disc's cells has a factor each
+    reference: wp.float64  # squares are those of the deviation from it [MPa]
+    full_depth: wp.float64  # overlap c H of a cell at the hardness [mm]; INFINITE: the disc springs back
+    first_column: wp.int32  # between these cells are known to be touched
+    last_column: wp.int32
+
+
+@wp.struct
+class OfCells:
+    """What cells may have one each of, or one row for all."""
+
+    stiffness: wp.array2d(dtype=Cells)  # 1/c [N/mm³]
+    factor: wp.array2d(dtype=Cells)  # of the sliding distance of the disc's cells
+
+
+@wp.struct
+class Bodies:
+    """Fields of both bodies [mm], and the gap of the tiles listed."""
+
+    sphere: wp.array2d(dtype=Cells)  # height, as worn
+    disc: wp.array2d(dtype=Cells)
+    wear_sphere: wp.array2d(dtype=Cells)
+    wear_disc: wp.array2d(dtype=Cells)
+    plastic_disc: wp.array2d(dtype=Cells)  # displaced for good; not looked at of a disc that springs back
+    reached: wp.array2d(dtype=Cells)  # 1 where a sphere that does not wear was in contact; else one row
+    gap: wp.array2d(dtype=Cells)
+
+
+@wp.struct
+class OfTiles:
+    """What is kept of every tile of either body, rows × tiles."""
+
+    lowest: wp.array2d(dtype=wp.float64)  # height of the sphere [mm]
+    highest: wp.array2d(dtype=wp.float64)  # of the disc [mm]
+    touched: wp.array2d(dtype=wp.float64)  # cells of the sphere
+    worn_sphere: wp.array2d(dtype=wp.float64)  # sums [mm]
+    worn_disc: wp.array2d(dtype=wp.float64)
+    pressed_disc: wp.array2d(dtype=wp.float64)  # displaced for good; one row where the disc springs back
+
+
+@wp.struct
+class OfEightTiles:
+    """The sums of `OfTiles`, eight neighbouring tiles in a vector."""
+
+    touched: wp.array2d(dtype=Cells)
+    worn_sphere: wp.array2d(dtype=Cells)
+    worn_disc: wp.array2d(dtype=Cells)
+    pressed_disc: wp.array2d(dtype=Cells)
+
+
+@wp.struct
+class OfRows:
+    """The same sums over every row of the sphere and of the disc."""
+
+    touched: wp.array(dtype=wp.float64)
+    worn_sphere: wp.array(dtype=wp.float64)
+    worn_disc: wp.array(dtype=wp.float64)
+    pressed_disc: wp.array(dtype=wp.float64)
+
+
+@wp.struct
+class Bounds:
+    """What gaps of pairs of tiles are bounded by [mm]. It may be out of date: wear only opens gaps."""
+
+    lowest_of_eight: wp.array2d(dtype=wp.float64)  # of neighbouring tiles of the sphere
+    highest_of_row: wp.array(dtype=wp.float64)  # of the disc
+    lowest: wp.array2d(dtype=Cells)  # of the sphere's tiles, eight in a vector
+    highest: wp.array2d(dtype=Cells)  # of the disc's
+
+
+@wp.struct
+class StepTables:
+    """Tables of partial results of a step, one column a slot."""
+
+    sums: wp.array2d(dtype=wp.float64)  # rows of `TrackSum`
+    maxima: wp.array2d(dtype=wp.float64)  # rows of `TrackMost`
 
 
 @wp.func
@@ -38,7 +135,7 @@ def bounds(
     for t in range(slot % slots_per_row, lowest_out.shape[1], slots_per_row):
         low = Cells(ABSENT)
         high = Cells(-ABSENT)
-        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, height_in.shape[1])):
+        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, height_in.shape[1])):
             low = wp.min(low, height_in[row, k])
             high = wp.max(high, height_in[row, k])
         lowest_out[row, t] = lowest_of(low)
@@ -51,10 +148,7 @@ def select(
     slots_per_row: wp.int32,
     limit: wp.float64,
     shift: wp.int32,
-    lowest_of_eight_in: wp.array2d(dtype=wp.float64),
-    highest_of_row_in: wp.array(dtype=wp.float64),
-    lowest_in: wp.array2d(dtype=Cells),
-    highest_in: wp.array2d(dtype=Cells),
+    bounds: Bounds,
     sphere_in: wp.array2d(dtype=Cells),
     disc_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
@@ -64,26 +158,25 @@ def select(
     """Lists, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps.
 
     Where the bounds of a pair of tiles let it touch, its gap is made and decides: a list holds no tile too
-    many. Gaps of tiles that are not listed are left as they are. `lowest_of_eight_in`: of neighbouring tiles
-    of the sphere; with the highest of the disc's row it spares most bounds. Either may be out of date: wear
-    only lifts the one and lowers the other.
+    many. Gaps of tiles that are not listed are left as they are. The lowest of eight tiles of the sphere with
+    the highest of the disc's row spares most bounds.
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     if slot % slots_per_row > 0:  # a list is written in order, by one slot
         return
     under = beneath(row, shift, disc_in.shape[0])
-    highest = highest_of_row_in[under]
+    highest = bounds.highest_of_row[under]
     count = wp.int32(0)
-    for m in range(lowest_in.shape[1]):
-        if lowest_of_eight_in[row, m] - highest <= limit:
-            bound = lowest_in[row, m] - highest_in[under, m]
+    for m in range(bounds.lowest.shape[1]):
+        if bounds.lowest_of_eight[row, m] - highest <= limit:
+            bound = bounds.lowest[row, m] - bounds.highest[under, m]
             if lowest_of(bound) <= limit:
                 for j in range(LANES):
                     t = m * LANES + j
-                    if bound[j] <= limit and t * WIDTH < gap_out.shape[1]:
+                    if bound[j] <= limit and t * TILE_VECTORS < gap_out.shape[1]:
                         low = Cells(ABSENT)
-                        for k in range(t * WIDTH, wp.min((t + 1) * WIDTH, gap_out.shape[1])):
+                        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_out.shape[1])):
                             g = sphere_in[row, k] - disc_in[under, k]
                             gap_out[row, k] = g
                             low = wp.min(low, g)
@@ -94,151 +187,129 @@ def select(
 
 
 @wp.kernel
-def remove(
+def wear_step(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     tiles_in: wp.array2d(dtype=wp.int32),
     count_in: wp.array(dtype=wp.int32),
-    base: wp.float64,
-    offset: wp.float64,
-    cap: wp.float64,
-    tie_width: wp.float64,
-    tie_pressure: wp.float64,
-    removal_sphere: wp.float64,
-    removal_disc: wp.float64,
-    pressure_reference: wp.float64,
-    shift: wp.int32,
-    first_known: wp.int32,
-    last_known: wp.int32,
-    full_depth: wp.float64,
-    stiffness_in: wp.array2d(dtype=Cells),
-    gap_out: wp.array2d(dtype=Cells),
-    sphere_out: wp.array2d(dtype=Cells),
-    disc_out: wp.array2d(dtype=Cells),
-    wear_sphere_out: wp.array2d(dtype=Cells),
-    wear_disc_out: wp.array2d(dtype=Cells),
-    lowest_out: wp.array2d(dtype=wp.float64),
-    highest_out: wp.array2d(dtype=wp.float64),
-    touched_out: wp.array2d(dtype=wp.float64),
-    worn_sphere_out: wp.array2d(dtype=wp.float64),
-    worn_disc_out: wp.array2d(dtype=wp.float64),
-    plastic_disc_out: wp.array2d(dtype=Cells),
-    pressed_disc_out: wp.array2d(dtype=wp.float64),
-    reached_out: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-    maxima_out: wp.array2d(dtype=wp.float64),
+    law: Law,
+    step: Slide,
+    of_cells: OfCells,
+    bodies: Bodies,
+    of_tiles: OfTiles,
+    tables: StepTables,
 ):
-    """One increment of wear in place: each body loses K p ΔL (`removal_*` = K ΔL).
+    """One increment of wear in place: each body loses K p ΔL.
 
-    full_depth: overlap c H at which a cell is at the hardness [mm]. What goes beyond it is displaced from the
-    disc for good, into `plastic_disc_out` (its sums over tiles into `pressed_disc_out`), not worn. INFINITE:
-    the disc springs back, and those two are not looked at.
-
-    reached_out: 1 where the contact has been, of a sphere that does not wear; of one whose wear shows it one
-    row, which is not looked at.
-
-    Of the tiles listed, the bounds and what `totals` sums are made anew from their cells: cells of the
-    sphere ever touched, wear of the sphere, wear of the disc. Sums of the step in the order of `types.STEP`,
-    maxima in that of `types.STEP_MAXIMA`, where columns count that lie beyond the known ones.
-    The gap of the tiles listed gives way to their pressure.
+    What goes beyond the full depth is displaced from the disc for good, not worn. Of the tiles listed, the
+    bounds and what `totals` sums are made anew from their cells, and their gap gives way to their pressure.
+    Columns count that lie beyond the known ones.
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     lane = slot % slots_per_row
-    stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
-    under = beneath(row, shift, disc_out.shape[0])
-    vectors = gap_out.shape[1]
+    stiffness_row = wp.min(row, of_cells.stiffness.shape[0] - 1)
+    under = beneath(row, step.shift, bodies.disc.shape[0])
+    factor_row = wp.min(under, of_cells.factor.shape[0] - 1)
+    vectors = bodies.gap.shape[1]
+    keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0]
 
     if lane >= count_in[row]:  # nothing to do: most rows
-        for i in range(4):
-            sums_out[i, slot] = ZERO
-        for i in range(3):
-            maxima_out[i, slot] = ZERO
-        for i in range(3, 5):
-            maxima_out[i, slot] = NOWHERE
+        for i in range(wp.static(len(TrackSum))):
+            tables.sums[i, slot] = ZERO
+        for i in range(wp.static(len(TrackMost))):
+            tables.maxima[i, slot] = ZERO
+        tables.maxima[TrackMost.FIRST_COLUMN, slot] = NO_INDEX
+        tables.maxima[TrackMost.LAST_COLUMN, slot] = NO_INDEX
         return
 
     pressure = Cells(ZERO)
+    factored = Cells(ZERO)
     deviation = Cells(ZERO)
     contact = Cells(ZERO)
     capped = Cells(ZERO)
     highest_pressure = Cells(ZERO)
     deepest_sphere = Cells(ZERO)
     deepest_disc = Cells(ZERO)
-    first_column = NOWHERE
-    last_column = NOWHERE
+    first_column = NO_INDEX
+    last_column = NO_INDEX
 
     for n in range(lane, count_in[row], slots_per_row):
         t = tiles_in[row, n]
-        first = t * WIDTH
-        end = wp.min(first + WIDTH, vectors)
-        if full_depth < INFINITE:
+        first = t * TILE_VECTORS
+        end = wp.min(first + TILE_VECTORS, vectors)
+        if step.full_depth < INFINITE:
             pressed = Cells(ZERO)
             for k in range(first, end):
-                g = gap_out[row, k]
-                d = disc_out[under, k]
-                x = plastic_disc_out[under, k]
+                g = bodies.gap[row, k]
+                d = bodies.disc[under, k]
+                x = bodies.plastic_disc[under, k]
                 for j in range(LANES):
-                    beyond = wp.max(((base - g[j]) + offset) - full_depth, ZERO)
+                    beyond = wp.max(((law.base - g[j]) + law.offset) - step.full_depth, ZERO)
                     d[j] = d[j] - beyond
                     x[j] = x[j] + beyond
-                disc_out[under, k] = d
-                plastic_disc_out[under, k] = x
+                bodies.disc[under, k] = d
+                bodies.plastic_disc[under, k] = x
                 pressed += x
-            pressed_disc_out[under, t] = sum_of(pressed)
+            of_tiles.pressed_disc[under, t] = sum_of(pressed)
         for k in range(first, end):
-            stiffness = stiffness_in[stiffness_row, k]
-            g = gap_out[row, k]
-            s = sphere_out[row, k]
-            d = disc_out[under, k]
-            a = wear_sphere_out[row, k]
-            b = wear_disc_out[under, k]
+            stiffness = of_cells.stiffness[stiffness_row, k]
+            g = bodies.gap[row, k]
+            s = bodies.sphere[row, k]
+            d = bodies.disc[under, k]
+            a = bodies.wear_sphere[row, k]
+            b = bodies.wear_disc[under, k]
             p = Cells(ZERO)
+            f = Cells(ONE)
+            if step.factored == 1:
+                f = of_cells.factor[factor_row, k]
             for j in range(LANES):
-                q = pressure_of((base - g[j]) + offset, stiffness[j], cap, tie_width, tie_pressure)
-                da = removal_sphere * q
-                db = removal_disc * q
+                q = pressure_of(law, g[j], stiffness[j])
+                da = step.wear_sphere * q
+                db = step.wear_disc * f[j] * q
                 p[j] = q
                 s[j] = s[j] + da
                 a[j] = a[j] + da
                 d[j] = d[j] - db
                 b[j] = b[j] + db
-            gap_out[row, k] = p
-            sphere_out[row, k] = s
-            disc_out[under, k] = d
-            wear_sphere_out[row, k] = a
-            wear_disc_out[under, k] = b
+            bodies.gap[row, k] = p
+            bodies.sphere[row, k] = s
+            bodies.disc[under, k] = d
+            bodies.wear_sphere[row, k] = a
+            bodies.wear_disc[under, k] = b
+            if step.factored == 1:
+                factored += wp.cw_mul(p, f)
         low = Cells(ABSENT)
         high = Cells(-ABSENT)
         worn_sphere = Cells(ZERO)
         worn_disc = Cells(ZERO)
         for k in range(first, end):
-            low = wp.min(low, sphere_out[row, k])
-            high = wp.max(high, disc_out[under, k])
-            a = wear_sphere_out[row, k]
-            b = wear_disc_out[under, k]
+            low = wp.min(low, bodies.sphere[row, k])
+            high = wp.max(high, bodies.disc[under, k])
+            a = bodies.wear_sphere[row, k]
+            b = bodies.wear_disc[under, k]
             worn_sphere += a
             worn_disc += b
             deepest_sphere = wp.max(deepest_sphere, a)
             deepest_disc = wp.max(deepest_disc, b)
-        lowest_out[row, t] = lowest_of(low)
-        highest_out[under, t] = wp.max(high)
-        worn_sphere_out[row, t] = sum_of(worn_sphere)
-        worn_disc_out[under, t] = sum_of(worn_disc)
+        of_tiles.lowest[row, t] = lowest_of(low)
+        of_tiles.highest[under, t] = wp.max(high)
+        of_tiles.worn_sphere[row, t] = sum_of(worn_sphere)
+        of_tiles.worn_disc[under, t] = sum_of(worn_disc)
         touched = Cells(ZERO)
         for k in range(first, end):
-            p = gap_out[row, k]
-            a = wear_sphere_out[row, k]
-            if reached_out.shape[0] == gap_out.shape[0]:
-                a = reached_out[row, k]
+            p = bodies.gap[row, k]
+            a = bodies.wear_sphere[row, k]
+            if keeps_reached:
+                a = bodies.reached[row, k]
             from_reference = Cells(ZERO)
             is_contact = Cells(ZERO)
             is_capped = Cells(ZERO)
             is_touched = Cells(ZERO)
             for j in range(LANES):
-                from_reference[j] = wp.where(p[j] > ZERO, p[j] - pressure_reference, ZERO)
+                from_reference[j] = wp.where(p[j] > ZERO, p[j] - step.reference, ZERO)
                 is_contact[j] = wp.where(p[j] > ZERO, ONE, ZERO)
-                is_capped[j] = wp.where(p[j] >= cap, ONE, ZERO)
+                is_capped[j] = wp.where(p[j] >= law.cap, ONE, ZERO)
                 is_touched[j] = wp.where(p[j] + a[j] > ZERO, ONE, ZERO)
             highest_pressure = wp.max(highest_pressure, p)
             pressure += p
@@ -246,28 +317,30 @@ def remove(
             contact += is_contact
             capped += is_capped
             touched += is_touched
-            if reached_out.shape[0] == gap_out.shape[0]:
-                reached_out[row, k] = is_touched
-        touched_out[row, t] = sum_of(touched)
+            if keeps_reached:
+                bodies.reached[row, k] = is_touched
+        of_tiles.touched[row, t] = sum_of(touched)
         # Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
-        if first * LANES < first_known or end * LANES - 1 > last_known:
+        if first * LANES < step.first_column or end * LANES - 1 > step.last_column:
             for k in range(first, end):
-                p = gap_out[row, k]
-                a = wear_sphere_out[row, k]
+                p = bodies.gap[row, k]
+                a = bodies.wear_sphere[row, k]
                 for j in range(LANES):
                     if p[j] + a[j] > ZERO:
                         column = wp.float64(k * LANES + j)
                         first_column = wp.max(first_column, -column)
                         last_column = wp.max(last_column, column)
-    sums_out[0, slot] = sum_of(pressure)
-    sums_out[1, slot] = sum_of(deviation)
-    sums_out[2, slot] = sum_of(contact)
-    sums_out[3, slot] = sum_of(capped)
-    maxima_out[0, slot] = wp.max(highest_pressure)
-    maxima_out[1, slot] = wp.max(deepest_sphere)
-    maxima_out[2, slot] = wp.max(deepest_disc)
-    maxima_out[3, slot] = first_column
-    maxima_out[4, slot] = last_column
+    tables.sums[TrackSum.PRESSURE, slot] = sum_of(pressure)
+    tables.sums[TrackSum.DEVIATION_SQUARED, slot] = sum_of(deviation)
+    tables.sums[TrackSum.CONTACT, slot] = sum_of(contact)
+    tables.sums[TrackSum.CAPPED, slot] = sum_of(capped)
+    weighted = wp.where(step.factored == 1, sum_of(factored), sum_of(pressure))
+    tables.sums[TrackSum.PRESSURE_TIMES_FACTOR, slot] = weighted
+    tables.maxima[TrackMost.PRESSURE, slot] = wp.max(highest_pressure)
+    tables.maxima[TrackMost.WEAR_SPHERE, slot] = wp.max(deepest_sphere)
+    tables.maxima[TrackMost.WEAR_DISC, slot] = wp.max(deepest_disc)
+    tables.maxima[TrackMost.FIRST_COLUMN, slot] = first_column
+    tables.maxima[TrackMost.LAST_COLUMN, slot] = last_column
 
 
 @wp.kernel
@@ -277,37 +350,30 @@ def totals(
     tiles_in: wp.array2d(dtype=wp.int32),
     count_in: wp.array(dtype=wp.int32),
     shift: wp.int32,
-    touched_in: wp.array2d(dtype=Cells),
-    worn_sphere_in: wp.array2d(dtype=Cells),
-    worn_disc_in: wp.array2d(dtype=Cells),
-    pressed_disc_in: wp.array2d(dtype=Cells),
-    touched_out: wp.array(dtype=wp.float64),
-    worn_sphere_out: wp.array(dtype=wp.float64),
-    worn_disc_out: wp.array(dtype=wp.float64),
-    pressed_disc_out: wp.array(dtype=wp.float64),
+    of_tiles: OfEightTiles,
+    of_rows: OfRows,
 ):
     """Sums over the rows with listed tiles, of the sphere and of the disc beneath it.
 
-    Sums over the fields as they are: increments added up would drift. pressed_disc_in: of a disc that springs
-    back one row, which is not looked at.
+    Sums over the fields as they are: increments added up would drift.
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     if slot % slots_per_row > 0 or count_in[row] == 0:
         return
-    under = beneath(row, shift, worn_disc_in.shape[0])
+    under = beneath(row, shift, of_tiles.worn_disc.shape[0])
     touched = Cells(ZERO)
     worn_sphere = Cells(ZERO)
     worn_disc = Cells(ZERO)
-    if pressed_disc_in.shape[0] == worn_disc_in.shape[0]:
+    if of_tiles.pressed_disc.shape[0] == of_tiles.worn_disc.shape[0]:
         pressed = Cells(ZERO)
-        for m in range(touched_in.shape[1]):
-            pressed += pressed_disc_in[under, m]
-        pressed_disc_out[under] = sum_of(pressed)
-    for m in range(touched_in.shape[1]):
-        touched += touched_in[row, m]
-        worn_sphere += worn_sphere_in[row, m]
-        worn_disc += worn_disc_in[under, m]
-    touched_out[row] = sum_of(touched)
-    worn_sphere_out[row] = sum_of(worn_sphere)
-    worn_disc_out[under] = sum_of(worn_disc)
+        for m in range(of_tiles.touched.shape[1]):
+            pressed += of_tiles.pressed_disc[under, m]
+        of_rows.pressed_disc[under] = sum_of(pressed)
+    for m in range(of_tiles.touched.shape[1]):
+        touched += of_tiles.touched[row, m]
+        worn_sphere += of_tiles.worn_sphere[row, m]
+        worn_disc += of_tiles.worn_disc[under, m]
+    of_rows.touched[row] = sum_of(touched)
+    of_rows.worn_sphere[row] = sum_of(worn_sphere)
+    of_rows.worn_disc[under] = sum_of(worn_disc)

@@ -6,7 +6,7 @@ worn by its own pressure, one of the sphere by the mean of those that pass over 
 
 import warp as wp
 
-from warpwear.kernels.cells import LANES, NOWHERE, ONE, ZERO, Cells, largest_of, sum_of
+from warpwear.kernels.cells import LANES, NO_INDEX, ONE, ZERO, Cells, largest_of, sum_of
 from warpwear.kernels.sliding import beneath
 
 wp.set_module_options({"enable_backward": False})
@@ -127,8 +127,8 @@ def remove(
     highest = Cells(ZERO)
     deepest_sphere = Cells(ZERO)
     deepest_disc = Cells(ZERO)
-    first = Cells(NOWHERE)
-    last = Cells(NOWHERE)
+    first = Cells(NO_INDEX)
+    last = Cells(NO_INDEX)
     for k in range(slot % slots_per_row, sphere_out.shape[1], slots_per_row):
         p = pressure_in[row, k]
         m = passing_in[passing_row, k]
@@ -164,8 +164,8 @@ def remove(
             reached = m[j] + before[j] > ZERO
             column = wp.float64(k * LANES + j)
             is_touched[j] = wp.where(reached, ONE, ZERO)
-            first[j] = wp.max(first[j], wp.where(reached, -column, NOWHERE))
-            last[j] = wp.max(last[j], wp.where(reached, column, NOWHERE))
+            first[j] = wp.max(first[j], wp.where(reached, -column, NO_INDEX))
+            last[j] = wp.max(last[j], wp.where(reached, column, NO_INDEX))
             highest[j] = wp.max(highest[j], p[j])
             deepest_sphere[j] = wp.max(deepest_sphere[j], a[j])
             deepest_disc[j] = wp.max(deepest_disc[j], b[j])
@@ -192,8 +192,8 @@ def remove(
     maxima_out[0, slot] = largest_of(highest)
     maxima_out[1, slot] = largest_of(deepest_sphere)
     maxima_out[2, slot] = largest_of(deepest_disc)
-    maxima_out[3, slot] = wp.where(reached_here > ZERO, -wp.float64(row), NOWHERE)
-    maxima_out[4, slot] = wp.where(reached_here > ZERO, wp.float64(row), NOWHERE)
+    maxima_out[3, slot] = wp.where(reached_here > ZERO, -wp.float64(row), NO_INDEX)
+    maxima_out[4, slot] = wp.where(reached_here > ZERO, wp.float64(row), NO_INDEX)
     maxima_out[5, slot] = largest_of(first)
     maxima_out[6, slot] = largest_of(last)
 

@@ -1,15 +1,64 @@
-"""The loop of `removal.remove` over the cells of a slot, in C++.
+"""The loops of `wear.wear_step` and `patches.wear_step` over the cells of a slot, in C++.
 
-It keeps up to fifteen sums and maxima. Of vectors in Python's notation the compiler keeps five in SIMD
+They keep up to eleven sums and maxima. Of vectors in Python's notation the compiler keeps five in SIMD
 registers: the time is 1 ns a cell, not 4 (measure with bench/speed.py after a change). Each line is written
 once for all devices.
 """
 
 import warp as wp
 
-from warpwear.kernels.cells import Cells
+from warpwear.kernels.cells import Cells, WearMost, WearSum
+from warpwear.kernels.contact import Law
 
 wp.set_module_options({"enable_backward": False})
+
+
+@wp.struct
+class Increment:
+    """What a step wears off one gap, and where the next one will look first."""
+
+    wear: wp.float64  # K ΔL of both bodies [mm³/N]
+    stiffness: wp.float64  # 1/c of the step [N/mm³]
+    reference: wp.float64  # squares are those of the deviation from it: near the mean they keep digits [MPa]
+    base_next: wp.float64  # approach of the next step [mm], of patches one each in `Approaches`
+    offset_next: wp.float64
+    stiffness_next: wp.float64
+    #: Rows and columns between which cells are known to be touched: extents are looked for beyond them only.
+    first_row: wp.int32
+    last_row: wp.int32
+    first_column: wp.int32
+    last_column: wp.int32
+
+
+@wp.struct
+class Tables:
+    """Tables of partial results, one column a slot."""
+
+    sums: wp.array2d(dtype=wp.float64)  # rows of `WearSum`
+    maxima: wp.array2d(dtype=wp.float64)  # rows of `WearMost`
+    ahead: wp.array2d(dtype=wp.float64)  # what `carried` would find in the worn gap at the next approach
+
+
+@wp.struct
+class Layout:
+    """How patches lie in their field."""
+
+    vectors: wp.int32  # of a line of a patch
+    first_row: wp.array(dtype=wp.int32)  # of the domain's cells, where a patch begins
+    first_column: wp.array(dtype=wp.int32)
+    lowest: wp.array2d(dtype=wp.float64)  # gap in every tile of a patch before any wear [mm]
+
+
+@wp.struct
+class Approaches:
+    """Approaches of every patch, base + offset [mm]."""
+
+    base: wp.array(dtype=wp.float64)
+    offset: wp.array(dtype=wp.float64)
+    reached: wp.array(dtype=wp.float64)  # the largest so far
+    base_next: wp.array(dtype=wp.float64)
+    offset_next: wp.array(dtype=wp.float64)
+
 
 #: `Lanes` are the eight cells of a vector on a CPU, on a GPU one cell after another.
 LANES_IN_C = """
@@ -46,169 +95,32 @@ LANES_IN_C = """
     };
 """
 
-#: Every cell of a slot.
-_WEAR = """
-    Lanes pressure = 0.0, factored = 0.0, deviation = 0.0, highest = 0.0;
-    Lanes worn = 0.0, worn_sphere = 0.0, deepest = 0.0, deepest_sphere = 0.0, deepest_disc = 0.0;
-    Lanes pressure_next = 0.0, slope_next = 0.0, nearest_next = 1.0e30;
+#: What the loops share: their sums, a cell, and where the sums go.
+_BEGIN = """
+    const double cap = law.cap, tie_width = law.tie_width, tie_pressure = law.tie_pressure;
+    const double wear = step.wear, stiffness = step.stiffness, stiffness_next = step.stiffness_next;
+    const double reference = step.reference;
+    Lanes pressure = 0.0, deviation = 0.0, highest = 0.0, worn = 0.0, deepest = 0.0;
+    Lanes pressure_next = 0.0, nearest_next = 1.0e30;
     Counts contact = 0, capped = 0, touched = 0, between_next = 0;
-
-    // Rows lie in one piece each.
-    const Stored* const stiffness = (const Stored*)&wp::index(stiffness_in, stiffness_row, 0);
-    const Stored* const stiffness_next = (const Stored*)&wp::index(stiffness_next_in, next_row, 0);
-    const Stored* const factor = (const Stored*)&wp::index(distance_factor_in, factor_row, 0);
-    const Stored* const share = (const Stored*)&wp::index(share_in, share_row, 0);
-    const Stored* const unworn = (const Stored*)&wp::index(unworn_in, row, 0);
-    Stored* const gap = (Stored*)&wp::index(gap_out, row, 0);
-    const int* const tiles = &wp::index(tiles_in, row, 0);
-    const int of_tile = 32 / lanes, of_row = gap_out.shape[1] * 8 / lanes;
-    const int listed = wp::index(count_in, row);
-    for (int n = lane; n < listed; n += slots_per_row) {
-        const int first = tiles[n] * of_tile, last = wp::min(first + of_tile, of_row);
-        for (int i = first; i < last; ++i) {
+"""
+_CELL = """
 #if !defined(__CUDA_ARCH__)
             #pragma clang fp contract(fast)
 #endif
             fetch(gap + i + 16);  // a fifth of the time, where fields do not fit the cache
             fetch(unworn + i + 16);
             Lanes g = gap[i];
-            Lanes p = ((base - g) + (offset - tie_width)) * stiffness[i];
+            Lanes p = ((base - g) + (offset - tie_width)) * stiffness;
             p = p > zero ? p : zero;
             p = p < cap ? p : cap;
             if (tie_width > 0.0)
                 p = size_of((base - g) + offset) > tie_width ? p : tie_pressure;
-            g += (removal_sphere + removal_disc * factor[i]) * p;
+            g += wear * p;
             gap[i] = g;
             pressure += p;
             highest = highest > p ? highest : p;
-            Lanes d = p > zero ? p - pressure_reference : zero;
-            deviation += d * d;
-            contact += p > zero ? yes : no;
-            capped += p >= cap ? yes : no;
-
-            Lanes w = g - unworn[i];
-            touched += p > zero || w > zero ? yes : no;
-            worn += w;
-            if (alike) {
-                deepest = deepest > w ? deepest : w;
-            } else {
-                Lanes a = share[i] * w, b = w - a;
-                factored += factor[i] * p;
-                worn_sphere += a;
-                deepest_sphere = deepest_sphere > a ? deepest_sphere : a;
-                deepest_disc = deepest_disc > b ? deepest_disc : b;
-            }
-
-            Lanes r = ((base_next - g) + offset_next) * stiffness_next[i];
-            Lanes q = r > zero ? r : zero;
-            q = q < cap ? q : cap;
-            pressure_next += q;
-            if (alike)
-                between_next += r == q ? yes : no;
-            else
-                slope_next += r == q ? (Lanes)stiffness_next[i] : zero;
-            Lanes open = size_of(r), full = size_of(r - cap);
-            Lanes near = open < full ? open : full;
-            nearest_next = nearest_next < near ? nearest_next : near;
-        }
-    }
-
-    const auto first_of = [](const wp::vec_t<8, double>& v) { return v[0]; };
-    const double part = alike ? first_of(wp::index(share_in, share_row, 0)) : 0.0;
-    const double sphere = alike ? part * total(worn) : total(worn_sphere);
-    const double depth = most(deepest);
-    wp::index(sums_out, 0, slot) = total(pressure);
-    wp::index(sums_out, 1, slot) = alike ? total(pressure) : total(factored);
-    wp::index(sums_out, 2, slot) = total(deviation);
-    wp::index(sums_out, 3, slot) = count(contact);
-    wp::index(sums_out, 4, slot) = count(capped);
-    wp::index(sums_out, 5, slot) = count(touched);
-    wp::index(sums_out, 6, slot) = sphere;
-    wp::index(sums_out, 7, slot) = total(worn) - sphere;
-    wp::index(maxima_out, 0, slot) = most(highest);
-    wp::index(maxima_out, 1, slot) = alike ? part * depth : most(deepest_sphere);
-    wp::index(maxima_out, 2, slot) = alike ? depth - part * depth : most(deepest_disc);
-    wp::index(ahead_out, 0, slot) = total(pressure_next);
-    wp::index(ahead_out, 1, slot) =
-        alike ? first_of(wp::index(stiffness_next_in, next_row, 0)) * count(between_next) : total(slope_next);
-    wp::index(ahead_out, 2, slot) = -most(-nearest_next);
-"""
-
-
-@wp.func_native(LANES_IN_C + _WEAR)
-def wear(
-    slot: wp.int32,
-    slots_per_row: wp.int32,
-    row: wp.int32,
-    lane: wp.int32,
-    stiffness_row: wp.int32,
-    next_row: wp.int32,
-    factor_row: wp.int32,
-    share_row: wp.int32,
-    tiles_in: wp.array2d(dtype=wp.int32),
-    count_in: wp.array(dtype=wp.int32),
-    base: wp.float64,
-    offset: wp.float64,
-    cap: wp.float64,
-    tie_width: wp.float64,
-    tie_pressure: wp.float64,
-    removal_sphere: wp.float64,
-    removal_disc: wp.float64,
-    pressure_reference: wp.float64,
-    base_next: wp.float64,
-    offset_next: wp.float64,
-    alike: wp.int32,
-    stiffness_in: wp.array2d(dtype=Cells),
-    stiffness_next_in: wp.array2d(dtype=Cells),
-    distance_factor_in: wp.array2d(dtype=Cells),
-    share_in: wp.array2d(dtype=Cells),
-    unworn_in: wp.array2d(dtype=Cells),
-    gap_out: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-    maxima_out: wp.array2d(dtype=wp.float64),
-    ahead_out: wp.array2d(dtype=wp.float64),
-):
-    """Wears the tiles listed of a slot and sums up what it finds; arguments as of `remove`."""
-    ...
-
-
-#: Every cell of a slot of patches.
-_WEAR_PATCHES = """
-    Lanes pressure = 0.0, deviation = 0.0, highest = 0.0, worn = 0.0, deepest = 0.0;
-    Lanes pressure_next = 0.0, nearest_next = 1.0e30;
-    Counts contact = 0, capped = 0, touched = 0, between_next = 0;
-    double beside = 1.0e30;
-
-    // The lines of a patch lie in one piece.
-    const Stored* const unworn = (const Stored*)&wp::index(initial_in, patch, 0);
-    Stored* const gap = (Stored*)&wp::index(gap_out, patch, 0);
-    const double* const lowest = &wp::index(lowest_in, patch, 0);
-    const int of_tile = 32 / lanes, of_line = vectors * 8 / lanes;
-    const int tiles = (of_line + of_tile - 1) / of_tile, of_patch = lowest_in.shape[1];
-    for (int n = lane; n < of_patch; n += slots_per_row) {
-        const double low = lowest[n];
-        const double overlap_next = (base_next - low) + offset_next;
-        if (!(low < reached || (base - low) + offset > 0.0 || overlap_next > 0.0)) {
-            beside = wp::min(beside, -overlap_next);
-            continue;
-        }
-        const int line = n / tiles, first = (n - line * tiles) * of_tile;
-        const int start = line * of_line + first, end = line * of_line + wp::min(first + of_tile, of_line);
-        for (int i = start; i < end; ++i) {
-#if !defined(__CUDA_ARCH__)
-            #pragma clang fp contract(fast)
-#endif
-            fetch(gap + i + 16);
-            fetch(unworn + i + 16);
-            Lanes g = gap[i];
-            Lanes p = ((base - g) + offset) * stiffness;
-            p = p > zero ? p : zero;
-            p = p < cap ? p : cap;
-            g += removal * p;
-            gap[i] = g;
-            pressure += p;
-            highest = highest > p ? highest : p;
-            Lanes d = p > zero ? p - pressure_reference : zero;
+            Lanes d = p > zero ? p - reference : zero;
             deviation += d * d;
             contact += p > zero ? yes : no;
             capped += p >= cap ? yes : no;
@@ -226,45 +138,92 @@ _WEAR_PATCHES = """
             Lanes open = size_of(r), full = size_of(r - cap);
             Lanes near = open < full ? open : full;
             nearest_next = nearest_next < near ? nearest_next : near;
-        }
-    }
-    wp::index(sums_out, 0, slot) = total(pressure);
-    wp::index(sums_out, 1, slot) = total(deviation);
-    wp::index(sums_out, 2, slot) = count(contact);
-    wp::index(sums_out, 3, slot) = count(capped);
-    wp::index(sums_out, 4, slot) = count(touched);
-    wp::index(sums_out, 5, slot) = total(worn);
-    wp::index(maxima_out, 0, slot) = most(highest);
-    wp::index(maxima_out, 1, slot) = most(deepest);
-    wp::index(ahead_out, 0, slot) = total(pressure_next);
-    wp::index(ahead_out, 1, slot) = stiffness_next * count(between_next);
-    wp::index(ahead_out, 2, slot) = wp::min(-most(-nearest_next), beside * stiffness_next);
+"""
+_END = f"""
+    wp::index(tables.sums, {WearSum.PRESSURE.value}, slot) = total(pressure);
+    wp::index(tables.sums, {WearSum.DEVIATION_SQUARED.value}, slot) = total(deviation);
+    wp::index(tables.sums, {WearSum.CONTACT.value}, slot) = count(contact);
+    wp::index(tables.sums, {WearSum.CAPPED.value}, slot) = count(capped);
+    wp::index(tables.sums, {WearSum.TOUCHED.value}, slot) = count(touched);
+    wp::index(tables.sums, {WearSum.WORN.value}, slot) = total(worn);
+    wp::index(tables.maxima, {WearMost.PRESSURE.value}, slot) = most(highest);
+    wp::index(tables.maxima, {WearMost.WORN.value}, slot) = most(deepest);
+    wp::index(tables.ahead, 0, slot) = total(pressure_next);
+    wp::index(tables.ahead, 1, slot) = stiffness_next * count(between_next);
+    wp::index(tables.ahead, 2, slot) = wp::min(-most(-nearest_next), beside);
+"""
+
+#: Every cell of the tiles that a row lists.
+_WEAR = """
+    const int row = slot / slots_per_row, lane = slot % slots_per_row;
+    const double base = law.base, offset = law.offset;
+    const double base_next = step.base_next, offset_next = step.offset_next, beside = 1.0e30;
+    // Rows lie in one piece each.
+    const Stored* const unworn = (const Stored*)&wp::index(unworn_in, row, 0);
+    Stored* const gap = (Stored*)&wp::index(gap_out, row, 0);
+    const int* const tiles = &wp::index(tiles_in, row, 0);
+    const int of_tile = 32 / lanes, of_row = gap_out.shape[1] * 8 / lanes;
+    const int listed = wp::index(count_in, row);
+    for (int n = lane; n < listed; n += slots_per_row) {
+        const int first = tiles[n] * of_tile, last = wp::min(first + of_tile, of_row);
+        for (int i = first; i < last; ++i) {
 """
 
 
-@wp.func_native(LANES_IN_C + _WEAR_PATCHES)
+@wp.func_native(LANES_IN_C + _BEGIN + _WEAR + _CELL + "}}" + _END)
+def wear(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
+    law: Law,
+    step: Increment,
+    unworn_in: wp.array2d(dtype=Cells),
+    gap_out: wp.array2d(dtype=Cells),
+    tables: Tables,
+):
+    """Wears the tiles listed of a slot and sums up what it finds; arguments as of `wear.wear_step`."""
+    ...
+
+
+#: Every cell of the tiles of a patch that it has reached.
+_WEAR_PATCHES = """
+    const int lane = slot % slots_per_row;
+    const double base = wp::index(at.base, patch), offset = wp::index(at.offset, patch);
+    const double base_next = wp::index(at.base_next, patch), offset_next = wp::index(at.offset_next, patch);
+    const double reached = wp::index(at.reached, patch);
+    double beside = 1.0e30;
+    // The lines of a patch lie in one piece.
+    const Stored* const unworn = (const Stored*)&wp::index(initial_in, patch, 0);
+    Stored* const gap = (Stored*)&wp::index(gap_out, patch, 0);
+    const double* const lowest = &wp::index(layout.lowest, patch, 0);
+    const int of_tile = 32 / lanes, of_line = layout.vectors * 8 / lanes;
+    const int tiles = (of_line + of_tile - 1) / of_tile, of_patch = layout.lowest.shape[1];
+    for (int n = lane; n < of_patch; n += slots_per_row) {
+        const double low = lowest[n];
+        const double overlap_next = (base_next - low) + offset_next;
+        if (!(low < reached || (base - low) + offset > 0.0 || overlap_next > 0.0)) {
+            beside = wp::min(beside, -overlap_next * stiffness_next);
+            continue;
+        }
+        const int line = n / tiles, first = (n - line * tiles) * of_tile;
+        const int start = line * of_line + first, end = line * of_line + wp::min(first + of_tile, of_line);
+        for (int i = start; i < end; ++i) {
+"""
+
+
+@wp.func_native(LANES_IN_C + _BEGIN + _WEAR_PATCHES + _CELL + "}}" + _END)
 def wear_patches(
     slot: wp.int32,
     slots_per_row: wp.int32,
     patch: wp.int32,
-    lane: wp.int32,
-    vectors: wp.int32,
-    base: wp.float64,
-    offset: wp.float64,
-    reached: wp.float64,
-    base_next: wp.float64,
-    offset_next: wp.float64,
-    cap: wp.float64,
-    stiffness: wp.float64,
-    stiffness_next: wp.float64,
-    removal: wp.float64,
-    pressure_reference: wp.float64,
-    lowest_in: wp.array2d(dtype=wp.float64),
+    layout: Layout,
+    at: Approaches,
+    law: Law,
+    step: Increment,
     initial_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-    maxima_out: wp.array2d(dtype=wp.float64),
-    ahead_out: wp.array2d(dtype=wp.float64),
+    tables: Tables,
 ):
-    """Wears a slot's tiles and sums up what it finds; arguments as of `patches.remove`."""
+    """Wears a slot's tiles and sums up what it finds; arguments as of `patches.wear_step`."""
     ...

@@ -94,7 +94,7 @@ class Stepped:
     def __init__(self, study: Study, *, device: str = "cpu", threads: int | None = None) -> None:
         self.executor = Executor(study.patch_layout.grid, device=device, threads=threads)
         heights = surface_in(study).heights(study.cells.x, study.cells.y)
-        self.model = ElasticPatchesModel(study, study.patch_layout, heights, self.executor)
+        self.model = ElasticPatchesModel(study.contact_task, study.patch_layout, heights, self.executor)
 
     def gap(self) -> FloatArray:
         """Of every patch as the model has them, shape (patches, side, side)."""

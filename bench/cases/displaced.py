@@ -29,7 +29,7 @@ class Package:
     def __init__(self, study: Study, track: FloatArray, executor: Executor) -> None:
         self.steps = 0
         self.trace: Trace = []
-        self._contact = SlidingContact(study, track, executor, periodic=True)
+        self._contact = SlidingContact(study.contact_task, track, executor, periodic=True)
         self._increment = SHIFT * study.grid.cell
 
     def advance(self) -> None:

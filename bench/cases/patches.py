@@ -22,7 +22,7 @@ class Patched:
     """The package's two-scale step."""
 
     def __init__(self, study: Study, patches: Patches, executor: Executor) -> None:
-        self._model = TwoScaleModel(study, patches, heights_of(study), executor)
+        self._model = TwoScaleModel(study.contact_task, patches, heights_of(study), executor)
 
     def advance(self, increment: float) -> Solved:
         step = self._model.advance(increment, then=increment)

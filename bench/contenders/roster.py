@@ -59,7 +59,7 @@ class Package:
     """warpwear's own step."""
 
     def __init__(self, study: Study, heights: FloatArray, executor: Executor) -> None:
-        self._model = OneScaleModel(study, heights, executor)
+        self._model = OneScaleModel(study.contact_task, heights, executor)
 
     def advance(self, increment: float, then: float | None = None) -> Solved:
         """then: the increment after this one, which a run knows; by default the same."""

@@ -9,14 +9,14 @@ from numpy.testing import assert_allclose, assert_array_equal
 from reference import FloatArray
 
 from warpwear import Study
-from warpwear.contact.balance import RIGID, Balance, Balancer
+from warpwear.contact.balance import RIGID, Balance, Balancer, Foundation
 from warpwear.contact.bearing_area import BearingArea
 from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import Grid
 from warpwear.kernels import contact
 from warpwear.kernels.cells import LANES, PADDING
-from warpwear.models.rest.local import OneScaleModel
+from warpwear.runs.make import model_at_rest
 
 SHAPES = [(37, 53), (64, 64), (5, 131)]
 CELL = 0.01
@@ -73,13 +73,11 @@ class Solver:
         padded = np.full((gap.shape[0], executor.vectors * LANES), PADDING)
         padded[:, : gap.shape[1]] = gap
         self._gap = executor.field(padded)
-        self._highest = float(gap.max())
         self.shape = gap.shape
 
     def tiles(self, load: float, hardness: float) -> Tiles:
         """A list as short as it may be: the balance asks for more."""
-        share = self._executor.zeros(1)
-        self._tiles = Tiles(self._executor, self._gap, self._gap, share, least=load / (hardness * CELL**2))
+        self._tiles = Tiles(self._executor, self._gap, self._gap, least=load / (hardness * CELL**2))
         return self._tiles
 
     def foundation(self, compliance: float | FloatArray, load: float, hardness: float) -> Balance:
@@ -87,24 +85,27 @@ class Solver:
         values = np.broadcast_to(values, (values.shape[0], self.shape[1]))
         self._stiffness = self._executor.field(values.copy())
         tiles = self.tiles(load, hardness)
-        return self._balancer.foundation(self._gap, self._stiffness, tiles, load=load, hardness=hardness)
+        return self._balancer.solve(Foundation(self._gap, self._stiffness, tiles, load, hardness))
 
     def bearing(self, load: float, hardness: float, tolerance: float) -> Balance:
         self._stiffness = self._executor.field(np.full((1, self.shape[1]), RIGID))
+        tiles = self.tiles(load, hardness)
         return self._bearing_area.solve(
             self._gap,
-            self.tiles(load, hardness),
-            highest=self._highest,
+            tiles,
+            start=tiles.smallest,
+            scatter=0.0,
             load=load,
             hardness=hardness,
             tolerance=tolerance,
         )
 
     def pressures(self, balance: Balance) -> FloatArray:
-        out = self._executor.zeros()
+        out, law = self._executor.zeros(), contact.Law()
+        balance.fill(law)
         self._executor.launch(
             contact.pressures,
-            inputs=[*balance.law, self._stiffness, self._gap],
+            inputs=[law, self._stiffness, self._gap],
             outputs=[out],
             over=self._tiles,
         )
@@ -255,10 +256,10 @@ def test_worn_run_equals_reference(
         tolerance=this.load_tolerance,
     )
     with Executor(grid, device=device, threads=threads) as executor:
-        model = OneScaleModel(this, heights.copy(), executor)
+        model = model_at_rest(this.contact_task, heights.copy(), executor)
         steps = list(model.steps((d, True) for d in increments.tolist()))
-        fields = dict(zip(("wear_sphere", "wear_disc"), model.worn(), strict=True))
-        gap = executor.to_numpy(model.state.gap).copy()
+        last = model.snapshot(steps[-1], 0.0)
+        fields, gap = {"wear_sphere": last.wear_sphere, "wear_disc": last.wear_disc}, last.gap.copy()
     history = {name: np.array([step.row[name] for step in steps]) for name in expected.history}
     for name, values in expected.history.items():
         if name.startswith(("area", "patch")):
@@ -284,9 +285,11 @@ def test_threads_do_not_change_a_bit(kind: str, device: str, threads: int) -> No
     outcomes = []
     for count in (1, threads):
         with Executor(Grid(61, 75, CELL), device=device, threads=count) as executor:
-            model = OneScaleModel(this, rough((61, 75), 4), executor)
-            rows = [list(step.row.values()) for step in model.steps([(0.1, True)] * 30)]
-            fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]
+            model = model_at_rest(this.contact_task, rough((61, 75), 4), executor)
+            steps = list(model.steps([(0.1, True)] * 30))
+            rows = [list(step.row.values()) for step in steps]
+            last = model.snapshot(steps[-1], 0.0)
+            fields = [field.copy() for field in (last.gap, last.wear_sphere, last.wear_disc)]
             outcomes.append((rows, fields))
     assert_array_equal(outcomes[0][0], outcomes[1][0])
     for one, two in zip(outcomes[0][1], outcomes[1][1], strict=True):

@@ -44,8 +44,7 @@ def test_against_active_sets_on_the_dense_matrix(
 ) -> None:
     gap = rough(GRID)
     matrix = dense_free(GRID) if boundary == "free" else dense_periodic(GRID)
-    wear = compliance * np.eye(GRID.cells) + streak * dense_streak(GRID, boundary, window)
-    matrix = matrix + wear
+    matrix += compliance * np.eye(GRID.cells) + streak * dense_streak(GRID, boundary, window)
     # A uniform term makes the periodic matrix definite; it only adds to the approach.
     uniform = 1.0 / GRID.cells
     expected = bounded(matrix + uniform, gap, 0.5, hardness)
@@ -58,20 +57,14 @@ def test_against_active_sets_on_the_dense_matrix(
         loaded = solver.solve(executor.field(gap), mean_pressure=expected.mean(), **compliances)
         np.testing.assert_allclose(loaded.pressure, expected, atol=1e-8 * expected.max())
         assert loaded.mean_pressure == pytest.approx(expected.mean(), rel=1e-12)
-        if loaded.cells_between:
+        if ((loaded.pressure > 0.0) & (loaded.pressure < hardness)).any():
             assert loaded.approach == pytest.approx(approach, abs=1e-9)
-        separation = (matrix @ expected.ravel()).reshape(gap.shape) + gap - approach
-        if loaded.cells_between:
+            separation = (matrix @ expected.ravel()).reshape(gap.shape) + gap - approach
             np.testing.assert_allclose(loaded.separation, separation, atol=1e-8)
         solver.forget()
         moved = solver.solve(executor.field(gap), approach=approach, **compliances)
         np.testing.assert_allclose(moved.pressure, expected, atol=1e-8 * expected.max())
         assert moved.mean_pressure == pytest.approx(expected.mean(), rel=1e-8)
-        displacement = ((matrix - wear) @ expected.ravel()).reshape(gap.shape)
-        np.testing.assert_allclose(solver.displacement(), displacement, atol=1e-8)
-        between = ((expected > 1e-9) & (expected < hardness * (1 - 1e-9))).ravel()
-        slope = np.linalg.solve(matrix[np.ix_(between, between)], np.ones(between.sum())).sum()
-        assert solver.slope(moved) == pytest.approx(slope / GRID.cells, rel=1e-6)
 
 
 def test_threads_change_nothing(threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -180,10 +173,10 @@ def test_full_contact_is_rigid_in_the_mean() -> None:
     gap = rough(grid, rms=1e-3)
     with Executor(grid) as executor:
         solver = HalfSpace(executor, modulus=1.0)
-        contact = solver.solve(executor.field(gap), mean_pressure=0.5)
-        assert contact.area_fraction == 1.0
-        assert contact.approach == pytest.approx(gap.mean(), abs=1e-9)
-        assert solver.slope(contact) == math.inf
+        for mean_pressure in (0.5, 0.6):
+            contact = solver.solve(executor.field(gap), mean_pressure=mean_pressure)
+            assert contact.area_fraction == 1.0
+            assert contact.approach == pytest.approx(gap.mean(), abs=1e-9)
 
 
 @pytest.mark.parametrize(

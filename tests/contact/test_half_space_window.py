@@ -87,7 +87,7 @@ def test_a_contact_that_moves_is_followed(device: str) -> None:
 def test_a_window_gives_way_to_a_smaller_one() -> None:
     with Executor(GRID) as executor:
         solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free")
-        solver.go_on_from(np.zeros(GRID.shape), [0, 93, 0, 13])
+        solver._look_at(Window(0, 93, 0, 13))
         gap = executor.field(ball())
         solver.solve(gap, load=LOAD)
         window = solver.window

@@ -12,14 +12,16 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.rest.local import OneScaleModel
+from warpwear.runs.make import model_at_rest
 
 
 def run(law: str, heights: FloatArray, increments: list[float], threads: int) -> tuple[list, list]:
     study = Study.load("v3-fine").replace({"stepping.increment": "1 mm", "stepping.force": True} | LAWS[law])
     with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
-        model = OneScaleModel(study, heights.copy(), executor)
+        model = model_at_rest(study.contact_task, heights.copy(), executor)
         steps = list(model.steps((increment, True) for increment in increments))
-        fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]
+        last = model.snapshot(steps[-1], 0.0)
+        fields = [field.copy() for field in (last.gap, last.wear_sphere, last.wear_disc)]
     return steps, fields
 
 
@@ -56,7 +58,7 @@ def test_an_early_contact_visits_few_tiles() -> None:
 
     grid = study.cells
     with Executor(grid) as executor:
-        model = OneScaleModel(study, surface_in(study).heights(grid.x, grid.y), executor)
+        model = OneScaleModel(study.contact_task, surface_in(study).heights(grid.x, grid.y), executor)
         for _ in range(5):
             model.advance(3e-3)
         assert 0.0 < model.tiles.listed < 0.1 * grid.nx * executor.tiles_per_row

@@ -13,13 +13,9 @@ from warpwear.study.surface import surface_in
 KINDS = {
     "implicit": {},
     "elastic, capped": {"contact.stiffness": "1.9e6 N/mm^3"},
-    "no cap, factor across": {"contact.hardness": "inf MPa", "wear.distance_factor": "across"},
-    "explicit, factor radial": {
-        "stepping.scheme": "explicit",
-        "contact.stiffness": "2e5 N/mm^3",
-        "wear.distance_factor": "radial",
-    },
-    "running in": {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1e-2 mm^3/N/m"},
+    "no cap": {"contact.hardness": "inf MPa"},
+    "explicit": {"stepping.scheme": "explicit", "contact.stiffness": "2e5 N/mm^3"},
+    "exponential": {"wear.law": "exponential", "wear.decay": "0.5 1/mm"},
     "smooth": {"study.model": "macro", "contact.bulk_stiffness": "pressure", "contact.hardness": "inf MPa"},
 }
 
@@ -33,8 +29,8 @@ def test_blocks_are_steps(kind: str, device: str) -> None:
     outcomes: list[tuple[list[Step], list[np.ndarray]]] = []
     for in_blocks in (False, True):
         with Executor(grid, device=device) as executor:
-            model = OneScaleModel(study, surface_in(study).heights(grid.x, grid.y), executor)
-            model.in_blocks = in_blocks
+            model = OneScaleModel(study.contact_task, surface_in(study).heights(grid.x, grid.y), executor)
+            model.blocks_allowed = in_blocks
             steps = list(model.steps(plan))
             fields = [executor.to_numpy(model.state.gap).copy(), *model.worn()]
         outcomes.append((steps, fields))

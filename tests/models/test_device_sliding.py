@@ -32,10 +32,10 @@ def test_blocks_are_steps(track: str, law: str, device: str) -> None:
     outcomes = []
     for in_blocks in (False, True):
         with Executor(study.cells, device=device) as executor:
-            model = SweptModel(study, path, rough(path.rows), executor)
+            model = SweptModel(study.contact_task, path, rough(path.rows), executor)
             model.contact.blocks_allowed = in_blocks
             steps = list(model.steps(plan))
-            fields = {k: executor.to_numpy(v).copy() for k, v in vars(model.contact.state).items()}
+            fields = {k: executor.to_numpy(v).copy() for k, v in model.contact.state.fields.items()}
             lowest = [model.contact.tiles.lowest.to_numpy(), model.contact.tiles.highest.to_numpy()]
         outcomes.append((steps, fields, [bounds.copy() for bounds in lowest]))
     (one_by_one, fields, bounds), (blocks, fields_of_blocks, bounds_of_blocks) = outcomes

@@ -21,6 +21,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import InputError
 from warpwear.contact.half_space import BoundedPressure, HalfSpace
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.models.patches.local import TwoScaleModel
@@ -140,7 +141,7 @@ def test_the_loads_are_those_of_the_local_law(kind: str) -> None:
     heights = surface_in(study).heights(study.cells.x, study.cells.y)
     with Executor(study.patch_layout.grid) as executor:
         local = study.replace({"contact.law": "local"})
-        other = TwoScaleModel(local, study.patch_layout, heights, executor)
+        other = TwoScaleModel(local.contact_task, study.patch_layout, heights, executor)
         for increment in (0.003, 0.3, 3.0, 0.1):
             row, expected = model.advance(increment).row, other.advance(increment).row
             shares = [m.book.table("load_share")[-1] for m in (model, other)]
@@ -154,7 +155,7 @@ def test_a_patch_may_let_go_of_its_load(monkeypatch: pytest.MonkeyPatch) -> None
     study = quick(patches__coupling="load")
     begun, stepped = Stepped(study), Stepped(study)
     begun.model.advance(3.0)
-    stepped.model.restore(*begun.model.saved_state())
+    saved.restore(stepped.model, *saved.save(begun.model))
     model, smooth = stepped.model, stepped.model._smooth
     assert smooth is not None
     press = type(smooth).press

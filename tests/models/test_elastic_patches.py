@@ -15,6 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import warpwear
 from warpwear import InputError, Study
 from warpwear.contact.half_space import HalfSpace
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.models.patches import influence as patch_influence
@@ -55,15 +56,12 @@ def test_against_a_dense_block_diagonal_matrix(
     assert apart[pressure < hardness].min() >= -1e-9
     if bulk or compliance or boundary == "free":  # so that the matrix is definite
         expected = bounded(matrix, GAPS.reshape(pressure.shape), contact.approach, hardness)
-        if contact.cells_between:
+        if ((pressure > 0.0) & (pressure < hardness)).any():
             assert_allclose(pressure, expected, atol=1e-8 * expected.max())
         solved.solver.forget()
-        moved, found = solved.at(approach=contact.approach + 1e-6, compliance=compliance)
+        _, found = solved.at(approach=contact.approach + 1e-6, compliance=compliance)
         expected = bounded(matrix, GAPS.reshape(pressure.shape), contact.approach + 1e-6, hardness)
         assert_allclose(found, expected, atol=1e-8 * expected.max())
-        between = ((expected > 1e-9) & (expected < hardness * (1 - 1e-9))).ravel()
-        slope = np.linalg.solve(matrix[np.ix_(between, between)], np.ones(between.sum())).sum()
-        assert solved.solver.slope(moved) == pytest.approx(slope / between.size, rel=1e-6)
 
 
 @pytest.mark.parametrize("compliance", [0.0, 0.05])
@@ -75,7 +73,7 @@ def test_every_patch_is_a_contact_of_its_own(boundary: str, bulk: float, complia
     contact, pressure = solved.at(mean_pressure=mean, compliance=compliance)
     means = pressure.mean(axis=1)
     assert 1 < np.count_nonzero(means) < PATCHES.count
-    joined = 0.0
+    block, joined = BOUNDARIES[boundary] + compliance * np.eye(ONE.cells), 0.0
     with Executor(ONE) as executor:
         for gap, p_k in zip(GAPS, means, strict=True):
             if p_k == 0.0:
@@ -90,9 +88,10 @@ def test_every_patch_is_a_contact_of_its_own(boundary: str, bulk: float, complia
             approach = contact.approach - bulk * p_k
             moved = alone.solve(executor.field(gap), approach=approach, compliance=compliance)
             assert moved.mean_pressure == pytest.approx(p_k, rel=1e-7)
-            slope = alone.slope(moved)
+            between = ((moved.pressure > 0.0) & (moved.pressure < hardness)).ravel()
+            inverse = np.linalg.inv(block[np.ix_(between, between)])
+            slope = inverse.sum() / ONE.cells
             joined += slope / (1.0 + bulk * slope) / PATCHES.count
-    assert solved.solver.slope(contact) == pytest.approx(joined, rel=1e-6)
     step = 1e-4 * mean
     ends = [solved.at(mean_pressure=mean + s, compliance=compliance)[0].approach for s in (-step, step)]
     assert 2.0 * step / (ends[1] - ends[0]) == pytest.approx(joined, rel=1e-4)
@@ -178,7 +177,7 @@ def test_stiff_bodies_are_on_the_capped_foundation(behind: dict[str, str]) -> No
     local = study.replace({"contact.law": "local"})
     heights = surface_in(study).heights(study.cells.x, study.cells.y)
     with Executor(study.patch_layout.grid) as executor:
-        other = TwoScaleModel(local, study.patch_layout, heights, executor)
+        other = TwoScaleModel(local.contact_task, study.patch_layout, heights, executor)
         for increment in (0.03, 0.3, 3.0, 3.0):
             row, expected = one.model.advance(increment).row, other.advance(increment).row
             assert row["approach"] == pytest.approx(expected["approach"], abs=1e-8)
@@ -270,9 +269,9 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
         stepped, found = Stepped(study), []
         for number, increment in enumerate(increments):
             if number == restart:
-                arrays, numbers = stepped.model.saved_state()
+                arrays, numbers = saved.save(stepped.model)
                 stepped = Stepped(study)
-                stepped.model.restore(arrays, json.loads(json.dumps(numbers)))
+                saved.restore(stepped.model, arrays, json.loads(json.dumps(numbers)))
             found.append(stepped.model.advance(increment).row)
         return found, stepped.gap(), stepped.model.book.table("load_share")
 

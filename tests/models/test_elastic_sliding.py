@@ -14,6 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import Study
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.errors import InvariantError
 from warpwear.grid import FloatArray, Grid
@@ -51,13 +52,13 @@ def heights(rows: int = ROWS) -> FloatArray:
 
 
 def contact_of(study: Study, disc: FloatArray, executor: Executor, **options: Any) -> ElasticSliding:
-    contact = ElasticSliding(study, disc.copy(), executor, **options)
+    contact = ElasticSliding(study.contact_task, disc.copy(), executor, **options)
     contact._half_space._tolerance = TIGHT
     return contact
 
 
 def fields_of(contact: Any, executor: Executor) -> dict[str, FloatArray]:
-    return {name: executor.to_numpy(field).copy() for name, field in vars(contact.state).items()}
+    return {name: executor.to_numpy(v).copy() for name, v in contact.state.fields.items()}
 
 
 @dataclass
@@ -153,7 +154,7 @@ def test_stiff_bodies_wear_as_by_the_local_law(changes: dict[str, Any]) -> None:
     with Executor(GRID) as executor:
         elastic = contact_of(study, disc, executor, periodic=True)
         local_law = study.replace({"contact.law": "local"})
-        local = SlidingContact(local_law, disc.copy(), executor, periodic=True)
+        local = SlidingContact(local_law.contact_task, disc.copy(), executor, periodic=True)
         for move in moves:
             found, expected = elastic.step(*move, with_pressure=True), local.step(*move, with_pressure=True)
             assert found.pressure is not None
@@ -248,13 +249,13 @@ def test_a_track_goes_on_from_any_step(track: str, wears: bool, threads: int) ->
 
     def outcome(threads: int, restart: int | None) -> tuple[Any, ...]:
         with Executor(study.cells, threads=threads) as executor:
-            model = SweptModel(study, path, rough(path.rows), executor)
+            model = SweptModel(study.contact_task, path, rough(path.rows), executor)
             steps = list(model.steps(plan[:restart]))
             if restart is not None:
-                arrays, numbers = model.saved_state()
+                arrays, numbers = saved.save(model)
                 arrays = {name: values.copy() for name, values in arrays.items()}
-                model = SweptModel(study, path, rough(path.rows), executor)
-                model.restore(arrays, json.loads(json.dumps(numbers)))
+                model = SweptModel(study.contact_task, path, rough(path.rows), executor)
+                saved.restore(model, arrays, json.loads(json.dumps(numbers)))
                 steps += model.steps(plan[restart:])
             gap = model.snapshot(steps[-1], 0.9).gap
             return [step.row for step in steps], gap, *fields_of(model.contact, executor).values()

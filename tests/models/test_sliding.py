@@ -98,7 +98,7 @@ def displacements(rng: np.random.Generator, *, periodic: bool) -> list[tuple[int
 
 
 def fields_of(contact: SlidingContact, executor: Executor) -> dict[str, FloatArray]:
-    return {name: executor.to_numpy(field).copy() for name, field in vars(contact.state).items()}
+    return {name: executor.to_numpy(v).copy() for name, v in contact.state.fields.items()}
 
 
 @pytest.mark.parametrize("periodic", [True, False], ids=["periodic", "track"])
@@ -134,7 +134,7 @@ def compare(
     grid = Grid(*SHAPE, CELL)
     plain = Plain(study, reference.sphere_gap(grid.x, grid.y, study.sphere.radius), disc.copy())
     with Executor(grid, threads=threads) as executor:
-        contact = SlidingContact(study, disc, executor, periodic=periodic)
+        contact = SlidingContact(study.contact_task, disc, executor, periodic=periodic)
         for shift, increment in displacements(rng, periodic=periodic):
             found, expected = contact.step(shift, increment), plain.step(shift, increment)
             pressure = expected.pressure
@@ -162,7 +162,7 @@ def compare(
 
 def run(law: str, disc: FloatArray, moves: list[tuple[int, float]], threads: int) -> tuple[list[Step], Any]:
     with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
-        contact = SlidingContact(study_of(law), disc, executor, periodic=True)
+        contact = SlidingContact(study_of(law).contact_task, disc, executor, periodic=True)
         return [contact.step(*move) for move in moves], fields_of(contact, executor)
 
 
@@ -194,7 +194,7 @@ def test_bounds_follow_the_wear(threads: int) -> None:
     rng = np.random.default_rng(9)
     disc = rough(rng)
     with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
-        contact = SlidingContact(study_of("implicit"), disc, executor, periodic=True)
+        contact = SlidingContact(study_of("implicit").contact_task, disc, executor, periodic=True)
         for move in displacements(rng, periodic=True):
             contact.step(*move)
         tiles, state = contact.tiles, contact.state
@@ -209,7 +209,9 @@ def test_a_step_visits_few_tiles() -> None:
 
     grid = study.cells
     with Executor(grid) as executor:
-        contact = SlidingContact(study, surface_in(study).heights(grid.x, grid.y), executor, periodic=True)
+        contact = SlidingContact(
+            study.contact_task, surface_in(study).heights(grid.x, grid.y), executor, periodic=True
+        )
         for i in range(8):
             contact.step(8 * i, 8e-3)
             assert 0 < contact.tiles.listed < 0.1 * grid.nx * executor.tiles_per_row
@@ -217,10 +219,10 @@ def test_a_step_visits_few_tiles() -> None:
 
 def test_a_track_has_ends() -> None:
     with Executor(Grid(*SHAPE, CELL)) as executor:
-        contact = SlidingContact(study_of("implicit"), np.zeros((ROWS, SHAPE[1])), executor)
+        contact = SlidingContact(study_of("implicit").contact_task, np.zeros((ROWS, SHAPE[1])), executor)
         contact.step(ROWS - SHAPE[0], 1e-2)
         for shift in (-1, ROWS - SHAPE[0] + 1):
             with pytest.raises(ValueError, match=f"a shift of {shift} rows leaves the disc of {ROWS} rows"):
                 contact.step(shift, 1e-2)
         with pytest.raises(ValueError, match="does not fit"):
-            SlidingContact(study_of("implicit"), np.zeros(SHAPE)[1:], executor)
+            SlidingContact(study_of("implicit").contact_task, np.zeros(SHAPE)[1:], executor)

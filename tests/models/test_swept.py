@@ -2,7 +2,9 @@
 
 import itertools
 import json
+import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.contact.balance import Balance, Balancer
+from warpwear.contact.balance import Balance, Balancer, Foundation
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder import Step
@@ -81,15 +84,15 @@ def steps_of(study: Study, disc: FloatArray, device: str, *, restart: int | None
     with Executor(study.cells, device=device) as executor:
 
         def fresh() -> SweptModel:
-            return SweptModel(study, track, disc.copy(), executor)
+            return SweptModel(study.contact_task, track, disc.copy(), executor)
 
         model = fresh()
         steps: list[Step] = list(model.steps(plan[:restart]))
         if restart is not None:
-            arrays, numbers = model.saved_state()
+            arrays, numbers = saved.save(model)
             arrays = {name: values.copy() for name, values in arrays.items()}
             model = fresh()
-            model.restore(arrays, json.loads(json.dumps(numbers)))
+            saved.restore(model, arrays, json.loads(json.dumps(numbers)))
             steps += model.steps(plan[restart:])
         last = next(iter(model.steps([(study.sliding.total, True)])))
         snapshot = model.snapshot(last, 0.0)
@@ -118,9 +121,11 @@ def test_a_track_is_that_of_every_cell(track: str, loses: str, threads: int) -> 
     plain = plain_run(study, track, rough(rows))
     model_plan = [(increment, False) for increment, _, _ in plan_of(study)]
     with Executor(study.cells) as executor:
-        model = SweptModel(study, study.track, rough(rows), executor)
+        model = SweptModel(study.contact_task, study.track, rough(rows), executor)
         steps = list(model.steps(model_plan))
-        state = {k: executor.to_numpy(v).copy() for k, v in vars(model.contact.state).items()}
+        state = {
+            k: executor.to_numpy(getattr(model.contact.state, k)).copy() for k in model.contact.state.FIELDS
+        }
     assert [step.row["area_contact"] for step in steps] == pytest.approx(plain["area"], rel=1e-12)
     for name in ("wear_sphere", "wear_disc", *(["plastic_disc"] if loses != "forgets" else [])):
         assert_allclose(state[name], plain[name], rtol=1e-10, atol=1e-15, err_msg=name)
@@ -136,12 +141,12 @@ def test_a_sphere_that_does_not_wear_was_touched_all_the_same(threads: int) -> N
     track = study.track
     touched = np.zeros((WINDOW, WINDOW), dtype=bool)
     with Executor(study.cells, threads=threads) as executor:
-        model = SweptModel(study, track, rough(track.rows), executor)
+        model = SweptModel(study.contact_task, track, rough(track.rows), executor)
         for number, increments in enumerate((plan[:9], plan[9:])):
             if number:
-                arrays, numbers = model.saved_state()
-                model = SweptModel(study, track, rough(track.rows), executor)
-                model.restore(arrays, json.loads(json.dumps(numbers)))
+                arrays, numbers = saved.save(model)
+                model = SweptModel(study.contact_task, track, rough(track.rows), executor)
+                saved.restore(model, arrays, json.loads(json.dumps(numbers)))
             for step in model.steps(increments):
                 assert step.pressure is not None
                 now = step.pressure > 0.0
@@ -409,12 +414,12 @@ def test_a_step_ends_where_newton_s_is_surely_the_solution(
     """An evaluation is saved, nothing else changes; of a width that is no multiple of a vector's lanes."""
     study = small(track)
     sure = warpwear.run(study, device="cpu").history
-    foundation = Balancer.foundation
+    solve = Balancer.solve
 
-    def unsure(*args: Any, stiffest: float, **options: Any) -> Balance:
-        return foundation(*args, **options)
+    def unsure(self: Balancer, task: Foundation, **options: Any) -> Balance:
+        return solve(self, replace(task, stiffest=math.inf), **options)
 
-    monkeypatch.setattr(Balancer, "foundation", unsure)
+    monkeypatch.setattr(Balancer, "solve", unsure)
     looked_at = warpwear.run(study, device="cpu").history
     assert sure["evaluations"].mean() < looked_at["evaluations"].mean() - 0.5
     assert np.abs(sure["load_residual"]).max() <= 1e-12 * study.contact.load

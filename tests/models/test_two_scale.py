@@ -15,7 +15,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 import warpwear
 from warpwear import ConvergenceError, InputError, Result, Study
 from warpwear.contact import balance
-from warpwear.contact.balance import Found, newton_in_bracket
+from warpwear.contact.balance import SearchResult, newton_in_bracket
+from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.patches import shares as load_shares
@@ -70,7 +71,7 @@ class Stepped:
     def __init__(self, study: Study, *, device: str = "cpu", threads: int | None = None) -> None:
         self.study, self.patches = study, study.patch_layout
         self.executor = Executor(self.patches.grid, device=device, threads=threads)
-        self.model = TwoScaleModel(study, self.patches, _heights_on(study.cells), self.executor)
+        self.model = TwoScaleModel(study.contact_task, self.patches, _heights_on(study.cells), self.executor)
 
     def gap(self) -> FloatArray:
         """Of every patch, shape (patches, side, side)."""
@@ -387,10 +388,10 @@ def test_a_smooth_contact_prescribes_the_loads() -> None:
 def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where every patch and the smooth contact stop on the same side, as far off as they may."""
     stepped = Stepped(of_kind("load"))
-    smooth = SmoothContact(stepped.study, stepped.patches)
+    smooth = SmoothContact(stepped.study.contact_task, stepped.patches)
     load, area = stepped.study.contact.load, stepped.patches.area
 
-    def just_converged(carried: Any, load: float, *others: Any) -> Found:
+    def just_converged(carried: Any, load: float, *others: Any) -> SearchResult:
         found = newton_in_bracket(carried, load, *others)
         offset = found.offset + 0.9e-12 * load / carried(found.offset).slope
         return found._replace(offset=offset, force=carried(offset).force)
@@ -449,11 +450,11 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
         stepped, found = Stepped(study), []
         for number, increment in enumerate(increments):
             if number == restart:
-                arrays, numbers = stepped.model.saved_state()
+                arrays, numbers = saved.save(stepped.model)
                 kept = {name: np.array(values) for name, values in arrays.items()}
-                assert ("ahead_slope" in kept) == (kind != "load")
+                assert ("contact.ahead.answer.slope" in kept) == (kind != "load")
                 stepped = Stepped(study)
-                stepped.model.restore(kept, json.loads(json.dumps(numbers)))
+                saved.restore(stepped.model, kept, json.loads(json.dumps(numbers)))
             then = increments[number + 1] if number + 1 < len(increments) else None
             found.append(stepped.model.advance(increment, then=then).row)
         return found, stepped.gap(), stepped.model.book.table("load_share")

@@ -14,6 +14,7 @@ from fuzzing import check_sentence
 import warpwear
 from warpwear import ConvergenceError, InputError, Result, Study
 from warpwear.cli import main as cli
+from warpwear.engine import state as saved
 from warpwear.errors import InvariantError
 from warpwear.models.patches.shares import _Search
 from warpwear.models.rest.local import OneScaleModel
@@ -79,32 +80,31 @@ def test_rows_that_break_none() -> None:
 
 def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 10) -> None:
     """After so many steps change a value of a field in the contact, by the way that checkpoints take."""
-    monkeypatch.setattr("warpwear.models.rest.local.LONGEST_BLOCK", 1)  # on a GPU
-    advance, block, calls = OneScaleModel.advance, OneScaleModel._block, []
+    monkeypatch.setattr(OneScaleModel, "longest_block", 1)  # on a GPU
+    advance, block, calls = OneScaleModel.advance, OneScaleModel.block, []
 
     def spoil(self: OneScaleModel) -> None:
         calls.append(1)
         if len(calls) == step:
-            arrays, numbers = self.saved_state()
-            if name not in arrays:
+            arrays, numbers = saved.save(self)
+            if f"state.{name}" not in arrays:
                 pytest.skip(f"the model's steps do not change {name}")
             arrays = {key: np.array(values) for key, values in arrays.items()}
-            row, column = np.unravel_index(arrays["gap"].argmin(), arrays["gap"].shape)
-            where = min(row, arrays[name].shape[0] - 1), column
-            arrays[name][where] = how(arrays[name][where])
-            self.restore(arrays, numbers)
+            gap, field = (arrays[f"state.{key}"].reshape(self._executor.grid.nx, -1) for key in ("gap", name))
+            where = np.unravel_index(gap.argmin(), gap.shape)
+            field[where] = how(field[where])
+            saved.restore(self, arrays, numbers)
 
     def advance_broken(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
         spoil(self)
         return advance(self, *args, **kwargs)
 
     def block_broken(self: OneScaleModel, increments: list[float]) -> Any:
-        if increments:
-            spoil(self)
+        spoil(self)
         yield from block(self, increments)
 
     monkeypatch.setattr(OneScaleModel, "advance", advance_broken)
-    monkeypatch.setattr(OneScaleModel, "_block", block_broken)
+    monkeypatch.setattr(OneScaleModel, "block", block_broken)
 
 
 def not_a_number(value: float) -> float:

@@ -310,7 +310,7 @@ def test_the_edge_is_watched_on_every_side(side: tuple[int, int]) -> None:
             peaks[place] = 1.0  # far above the sphere's sag
             peaks[12, 12] = max(peaks[12, 12], 0.9999)
             one_cell = study.replace({"contact.load": "0.3 N"})
-            step = OneScaleModel(one_cell, peaks, executor).advance(0.003)
+            step = OneScaleModel(one_cell.contact_task, peaks, executor).advance(0.003)
             assert step.touches_edge is expected
 
 

@@ -63,7 +63,7 @@ def test_symmetry_survives_wear(device: str) -> None:
     grid = study.cells
     needed = F / H / grid.cell_area
     with Executor(grid, device=device) as executor:
-        model = OneScaleModel(study, np.zeros(grid.shape), executor)
+        model = OneScaleModel(study.contact_task, np.zeros(grid.shape), executor)
         for _ in range(1000):
             step = model.advance(0.3, with_pressure=True)
             pressure = step.pressure
@@ -108,7 +108,7 @@ def rigid_flat(heights: FloatArray, fraction: float, device: str) -> Step:
         sliding__distance="0 mm",
     )
     with Executor(grid, device=device) as executor:
-        return OneScaleModel(study, heights, executor).advance(0.0, with_pressure=True)
+        return OneScaleModel(study.contact_task, heights, executor).advance(0.0, with_pressure=True)
 
 
 @pytest.mark.parametrize("level", [2.0, 1.0, 0.0, -1.0])

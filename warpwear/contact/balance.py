@@ -11,11 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.tiles import TileList
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact
+from warpwear.kernels.contact import Law
 
 #: Residual of the balance of a contact with compliance, relative to the load.
 TOLERANCE = 1.0e-12
@@ -36,7 +37,7 @@ MAX_ROUNDS = 3
 FIRST_REACH = 1.0e-18
 #: Where many are solved at once, every so many evaluations a bracket is halved instead of following a slope.
 BISECT_EVERY = 3
-#: Share of the way to the next change of state that Newton's step may take and be sure of it.
+#: Part of the way to the next change of state that Newton's step may take and be sure of it.
 SURELY = 0.999
 #: Load of the offset's length over the load, up to which the offset has digits enough for `TOLERANCE`.
 DIGITS = 1.0e3
@@ -51,10 +52,10 @@ class Carried(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Ahead:
+class Lookahead:
     """What was evaluated before its step begins, in the pass that ended the last one."""
 
-    made_for: tuple[float, float, float]  # what the stiffness of the step is made for
+    stiffness: float  # 1/c that it is made for [N/mm³]
     offset: float  # from the approach of the last step [mm]
     carried: Carried
 
@@ -76,10 +77,27 @@ class Balance:
         """Rigid approach from the mean planes [mm]."""
         return self.base + self.offset
 
-    @property
-    def law(self) -> tuple[float, float, float, float, float]:
-        """Arguments of the kernels that evaluate the pressure."""
-        return self.base, self.offset, self.cap, self.tie_width, self.tie_pressure
+    def fill(self, law: Arguments) -> None:
+        """Give kernels what they evaluate the pressure by."""
+        law.base, law.offset, law.cap = self.base, self.offset, self.cap
+        law.tie_width, law.tie_pressure = self.tie_width, self.tie_pressure
+
+
+@dataclass(frozen=True)
+class Foundation:
+    """A capped foundation on a gap, and the load that it carries."""
+
+    gap: Field  # [mm]
+    stiffness: Field  # 1/c [N/mm³], one row for all or one a row of cells
+    tiles: TileList  # of the gap; more of them are listed as they are needed
+    load: float  # [N]
+    hardness: float  # [MPa]
+    stiffest: float = math.inf  # no cell's stiffness is larger [N/mm³]
+
+
+def stiffness_of(compliance: float) -> float:
+    """1/c [N/mm³] of a compliance [mm³/N], `RIGID` at most."""
+    return min(1.0 / compliance, RIGID) if compliance else RIGID
 
 
 def residual_of(carried: float, load: float, *, approach: float) -> float:
@@ -100,51 +118,44 @@ class Balancer:
 
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
+        self._law = arguments(Law)
         self._sums = executor.partials(3)
         #: Where a pass that wears leaves what `evaluated` reads, as `contact.carried` does.
         self.ahead = executor.partials(3)
         self._cell_area = executor.grid.cell_area
 
-    def foundation(
+    def solve(
         self,
-        gap_field: Field,
-        stiffness: Field,
-        tiles: TileList,
+        task: Foundation,
         *,
-        load: float,
-        hardness: float,
         start: float | None = None,
         step: float = 0.0,
         scatter: float = 0.0,
-        stiffest: float = math.inf,
         known: Carried | None = None,
     ) -> Balance:
         """Balance of a contact with compliance, to `TOLERANCE`.
 
-        stiffness: 1/c [N/mm³], one row for all or one a row of cells; stiffest: no cell's is larger. tiles:
-        of the gap; more of them are listed as they are needed. start: approach near the solution [mm], from
-        the step before; step: how far beyond it the solution is expected [mm]; scatter: how far from there it
-        may be, where that is known; known: what start + step carries. Without a start the search begins at
-        the lowest cell.
+        start: approach near the solution [mm], from the step before; step: how far beyond it the solution is
+        expected [mm]; scatter: how far from there it may be, where that is known; known: what start + step
+        carries. Without a start the search begins at the lowest cell.
 
         Raises ConvergenceError, never returns an unbalanced contact.
         """
-        low, ahead = -math.inf, max(STEPS_AHEAD * abs(step), scatter)
+        load, tiles = task.load, task.tiles
+        low, margin = -math.inf, max(STEPS_AHEAD * abs(step), scatter)
         far = start is None or scatter > 0.0  # a list too short may lead far beyond the solution
         if start is None:
             start, low = tiles.smallest, 0.0
-            values = stiffness.numpy()
+            values = task.stiffness.numpy()
             softest = float(values[values > 0.0].min())
-            step = 0.5 * min(hardness, load / self._cell_area) / softest
+            step = 0.5 * min(task.hardness, load / self._cell_area) / softest
             tiles.begin()
         else:
-            tiles.reach(start + step, ahead=ahead)
+            tiles.reach(start + step, ahead=margin)
         base = start
         evaluations = 0
         while True:
-            found, base = self._search(
-                gap_field, stiffness, tiles, base, step, low, scatter, load, hardness, stiffest, known
-            )
+            found, base = self._search(task, base, step, low, scatter, known)
             known = None
             evaluations += found.evaluations
             approach = base + found.offset
@@ -158,51 +169,40 @@ class Balancer:
                     f"(allowed {TOLERANCE * load:.1g} N) near an approach of {approach:.9g} mm."
                 )
             if approach <= tiles.limit:
-                return Balance(base, found.offset, hardness, found.force - load, evaluations=evaluations)
+                residual = found.force - load
+                return Balance(base, found.offset, task.hardness, residual, evaluations=evaluations)
             # Tiles that touch are missing: with them the approach is smaller, at first by far, but not below
             # what this list served, give or take rounding.
             low = 1.5 * (tiles.limit - approach)
             depth = max(DEEPER * (tiles.limit - start), LEAST_DEPTH)
-            tiles.reach(min(approach, start + depth) if far else approach, ahead=ahead)
+            tiles.reach(min(approach, start + depth) if far else approach, ahead=margin)
             base, step = approach, 0.0
 
     def _search(
-        self,
-        gap_field: Field,
-        stiffness: Field,
-        tiles: TileList,
-        base: float,
-        step: float,
-        low: float,
-        scatter: float,
-        load: float,
-        hardness: float,
-        stiffest: float,
-        known: Carried | None,
-    ) -> "tuple[Found, float]":
+        self, task: Foundation, base: float, step: float, low: float, scatter: float, known: Carried | None
+    ) -> "tuple[SearchResult, float]":
         """How far the balance came on the tiles listed, and the base that its offset counts from."""
         for _ in range(MAX_ROUNDS):
 
             def carried(offset: float, base: float = base) -> Carried:
-                return self._carried(gap_field, stiffness, tiles, base, offset, hardness)
+                return self._carried(task, base, offset)
 
-            found = newton_in_bracket(carried, load, step, low, math.inf, scatter, stiffest, known)
+            found = newton_in_bracket(carried, task.load, step, low, math.inf, scatter, task.stiffest, known)
             known = None
-            if found.converged(load) or not abs(found.offset) < HOPELESS:
+            if found.converged(task.load) or not abs(found.offset) < HOPELESS:
                 break
             # Down to neighbouring numbers: from a base at the solution the offset has digits again.
             base, step, low, scatter = base + found.offset, 0.0, -math.inf, 0.0
         return found, base
 
-    def _carried(
-        self, gap_field: Field, stiffness: Field, tiles: TileList, base: float, offset: float, cap: float
-    ) -> Carried:
+    def _carried(self, task: Foundation, base: float, offset: float) -> Carried:
         """Force and its slope at an approach."""
+        self._law.base, self._law.offset, self._law.cap = base, offset, task.hardness
         self._executor.launch(
             contact.carried,
-            inputs=[base, offset, cap, stiffness, gap_field],
+            inputs=[self._law, task.stiffness, task.gap],
             outputs=[self._sums],
-            over=tiles,
+            over=task.tiles,
             often=True,
         )
         return self.evaluated(self._sums)
@@ -214,7 +214,7 @@ class Balancer:
         return Carried(float(force), float(slope), float(table[2].min()))
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """Where a search ended."""
 
     offset: float  # [mm]
@@ -234,7 +234,7 @@ def newton_in_bracket(
     scatter: float,
     stiffest: float = math.inf,
     known: Carried | None = None,
-) -> Found:
+) -> SearchResult:
     """Looks for the offset with |force − load| ≤ TOLERANCE load until the bracket is down to one number.
 
     Newton's step is taken while it stays inside the bracket and the bracket halves at least every second
@@ -247,11 +247,11 @@ def newton_in_bracket(
     offset = guess
     reach = max(abs(guess), scatter) or FIRST_REACH
     width_before = math.inf
-    found = Found(offset, math.nan, 0)
+    found = SearchResult(offset, math.nan, 0)
     for trial in range(1, MAX_EVALUATIONS):
         force, slope, straight = known if known is not None and trial == 1 else carried(offset)
         evaluation = trial - (known is not None)
-        found = Found(offset, force, evaluation)
+        found = SearchResult(offset, force, evaluation)
         if found.converged(load):
             break
         residual = force - load
@@ -263,7 +263,7 @@ def newton_in_bracket(
             high = offset
         newton = offset - residual / slope if slope > 0.0 else math.nan
         if abs(newton - offset) * stiffest < SURELY * straight and slope * abs(newton) < DIGITS * load:
-            return Found(newton, load, evaluation)
+            return SearchResult(newton, load, evaluation)
         if math.isinf(low) or math.isinf(high):
             limit = offset + math.copysign(reach, -residual)
             inside = newton if abs(newton - offset) <= reach else limit

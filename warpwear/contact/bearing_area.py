@@ -1,20 +1,22 @@
 """Load balance of a contact without compliance: area × hardness = load.
 
-The area rises with the approach in steps, cell by cell, so the approach is looked for by bisection.
+The area rises with the approach in steps, cell by cell, so the approach is looked for in a bracket.
 """
 
 import math
 
 import numpy as np
 
-from warpwear.contact.balance import DEEPER, HOPELESS, MAX_EVALUATIONS, STEPS_AHEAD, Balance
+from warpwear.contact.balance import DEEPER, HOPELESS, MAX_EVALUATIONS, Balance
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.tiles import TileList
 from warpwear.errors import ConvergenceError
-from warpwear.kernels import contact, gap
+from warpwear.kernels import contact
 
 #: Gaps that differ by less are tied [mm]: a picometre-thousandth, below anything a surface has.
 TIE = 1.0e-12
+#: First step of a search from an approach that may be exact [mm].
+LEAST_REACH = 1.0e-6
 
 
 class BearingArea:
@@ -25,56 +27,7 @@ class BearingArea:
         self._sums = executor.partials(3)
         self._cell_area = executor.grid.cell_area
 
-    def bounds(self, gap_field: Field, tiles: TileList) -> tuple[float, float]:
-        """Smallest and largest gap of the tiles listed [mm]."""
-        self._executor.launch(gap.bounds, inputs=[gap_field], outputs=[self._sums], over=tiles, often=True)
-        extremes = self._sums.numpy()
-        return float(extremes[0].min()), float(extremes[1].max())
-
     def solve(
-        self,
-        gap_field: Field,
-        tiles: TileList,
-        *,
-        highest: float,
-        load: float,
-        hardness: float,
-        tolerance: float,
-        step: float = 0.0,
-    ) -> Balance:
-        """Balance of the bearing area, area × hardness = load, by bisection (thesis eqs 4.8–4.11).
-
-        The first approach that meets the tolerance [N] is taken and the pressure is load/area. Where cells
-        tie, so that no approach meets it, the tied cells share what is missing. highest: gap before wear
-        [mm]. step: by which a step opens the gap of a cell in contact [mm].
-        """
-        per_cell = hardness * self._cell_area
-        tiles.begin()
-        # What is listed may be worn beyond the limit of the list, where lower tiles that are not may lie.
-        low = min(self.bounds(gap_field, tiles)[0], tiles.limit)
-        high = highest + 2.0 * TIE  # so that the highest cell counts
-        if self._count(gap_field, tiles, high) * per_cell < load:  # all cells are worn beyond it
-            tiles.reach(math.inf)
-            high = self.bounds(gap_field, tiles)[1] + 2.0 * TIE
-        for evaluation in range(1, MAX_EVALUATIONS):
-            approach = 0.5 * (low + high)
-            count = self._count(gap_field, tiles, approach)
-            if approach > tiles.limit and count * per_cell - load < tolerance:  # others may touch as well
-                tiles.reach(approach, ahead=STEPS_AHEAD * step)
-                count = self._count(gap_field, tiles, approach)
-            residual = count * per_cell - load
-            if abs(residual) < tolerance and count > 0:
-                cap = load / (count * self._cell_area)
-                return Balance(approach, 0.0, cap, residual, evaluations=evaluation)
-            if high - low <= TIE:
-                return self._tied(gap_field, tiles, approach, load, hardness, evaluation)
-            if residual > 0.0:
-                high = approach
-            else:
-                low = approach
-        raise ConvergenceError(f"the bisection of the bearing area stopped with {high - low:.3g} mm to go.")
-
-    def solve_near(
         self,
         gap_field: Field,
         tiles: TileList,
@@ -85,15 +38,20 @@ class BearingArea:
         hardness: float,
         tolerance: float,
     ) -> Balance:
-        """Balance of the bearing area from an approach near the solution [mm], which may be off by `scatter`.
+        """Balance of the bearing area, area × hardness = load (thesis eqs 4.8–4.11).
 
-        A bracket is looked for in growing steps, then interpolated and halved in turns.
+        start: an approach near the solution [mm], which may be off by `scatter`. A bracket is looked for in
+        growing steps, then interpolated and halved in turns. The first approach that meets the tolerance [N]
+        is taken and the pressure is load/area. Where cells tie, so that no approach meets it, the tied cells
+        share what is missing.
+
+        Raises ConvergenceError where the load has no balance.
         """
         needed = load / (hardness * self._cell_area)
         allowed = tolerance / (hardness * self._cell_area)
         low, below = -math.inf, 0.0
         high, above = math.inf, math.inf
-        approach, reach = start, scatter
+        approach, reach = start, max(scatter, LEAST_REACH)
         for evaluation in range(1, MAX_EVALUATIONS):
             tiles.reach(approach, ahead=scatter)
             count = self._count(gap_field, tiles, approach)
@@ -117,8 +75,8 @@ class BearingArea:
                 continue
             if high - low <= TIE:
                 return self._tied(gap_field, tiles, approach, load, hardness, evaluation)
-            share = (needed - below) / (above - below) if evaluation % 3 else 0.5
-            approach = low + share * (high - low)
+            part = (needed - below) / (above - below) if evaluation % 3 else 0.5
+            approach = low + part * (high - low)
             if not low < approach < high:
                 approach = 0.5 * (low + high)
         raise ConvergenceError(f"the bearing area has no balance near an approach of {start:.9g} mm.")
@@ -131,8 +89,8 @@ class BearingArea:
         below = self._count(gap_field, tiles, approach - TIE)
         tied = self._count(gap_field, tiles, above) - below
         needed = load / (hardness * self._cell_area)
-        share = (needed - below) / tied if tied else math.nan
-        if not 0.0 <= share <= 1.0:
+        part = (needed - below) / tied if tied else math.nan
+        if not 0.0 <= part <= 1.0:
             raise ConvergenceError(
                 f"the bearing area has no balance near an approach of {approach:.9g} mm: {below:.0f} cells "
                 f"lie below it, {tied:.0f} are tied with it, and the load asks for {needed:.3f}."
@@ -142,15 +100,15 @@ class BearingArea:
             approach,
             0.0,
             hardness,
-            (below + share * tied) * hardness * self._cell_area - load,
+            (below + part * tied) * hardness * self._cell_area - load,
             tie_width=TIE,
-            tie_pressure=share * hardness,
+            tie_pressure=part * hardness,
             evaluations=done + 2,
         )
 
     def _count(self, gap_field: Field, tiles: TileList, approach: float) -> float:
         """Cells in contact at an approach, of the tiles listed."""
         self._executor.launch(
-            contact.bearing, inputs=[approach, gap_field], outputs=[self._sums], over=tiles, often=True
+            contact.count_below, inputs=[approach, gap_field], outputs=[self._sums], over=tiles, often=True
         )
         return float(self._sums.numpy()[0].sum())

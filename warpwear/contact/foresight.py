@@ -1,6 +1,7 @@
 """Where the approach of the next step will be, from those of the last ones."""
 
 from collections import deque
+from typing import ClassVar
 
 #: Steps remembered: a line through their rates is continued, as a parabola amplifies the noise of the area.
 REMEMBERED = 2
@@ -12,20 +13,12 @@ class Foresight:
     That rate is the mean pressure where wear alone moves the contact, so it changes as slowly as the area.
     """
 
+    STATE: ClassVar = {"_slid": float, "_approach": float, "_rates": deque}
+
     def __init__(self) -> None:
         self._slid = 0.0  # Σ K ΔL of both bodies [mm³/N]
         self._approach: float | None = None
         self._rates: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)  # where [mm³/N], rate [MPa]
-
-    def saved_state(self) -> list[object]:
-        """What `restore` takes back, as JSON keeps it."""
-        return [self._slid, self._approach, [list(rate) for rate in self._rates]]
-
-    def restore(self, state: list[object]) -> None:
-        """Go on from another one's state."""
-        self._slid, self._approach, rates = state  # type: ignore[assignment]
-        self._rates.clear()
-        self._rates.extend((where, rate) for where, rate in rates)  # type: ignore[attr-defined]
 
     def note(self, approach: float, removal: float) -> None:
         """A step ended at an approach [mm], its pressures removed so much each [mm³/N]."""

@@ -5,6 +5,7 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,8 +22,6 @@ TOLERANCE = 1.0e-6
 MAX_ITERATIONS = 1000
 #: Of displacements: smaller differences are those of the last digits.
 ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
-#: Of dp̄/ds, by the displacement left over.
-SLOPE_TOLERANCE = 1.0e-8
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,6 @@ class HalfSpaceContact:
     violation: float  # largest violation of complementarity, over the rms height
     load_residual: float  # mean pressure over the one asked for, − 1, furthest from 0; 0 at an approach
     cells_in_contact: int  # with p > 0
-    cells_between: int  # with 0 < p < H
     iterations: int
     transforms: int  # pairs of Fourier transforms
     pressure_field: Field
@@ -70,6 +68,8 @@ class BoundedPressure:
     where p = 0, t − λ where p = H; t gap after deformation, λ approach), over the rms height of the gap. The
     load is met to 1e-12.
     """
+
+    STATE: ClassVar = {"pressure_field": Field, "_started": bool}
 
     def __init__(
         self,
@@ -167,7 +167,6 @@ class BoundedPressure:
                     violation=_worst(violation, scale),
                     load_residual=off,
                     cells_in_contact=round(float(state.touching.sum())),
-                    cells_between=round(float(state.between.sum())),
                     iterations=iteration,
                     transforms=self._influence.transforms - done,
                     pressure_field=self._iterate.pressure,
@@ -185,26 +184,6 @@ class BoundedPressure:
             f"by {violation.max():.3g} mm, {_worst(violation, scale):.3g} of the rms height "
             f"(allowed {self._tolerance:g})."
         )
-
-    def slope(self, contact: HalfSpaceContact) -> float:
-        """Slope dp̄/ds of the last solved contact, mean pressure over approach [MPa/mm].
-
-        Cells at their bounds stay there. Infinite where every cell of a periodic surface follows. Raises
-        ConvergenceError.
-        """
-        cells = self._influence.cells
-        if contact.cells_between == 0:
-            return 0.0
-        if contact.cells_between == cells and self._influence.rigid_mean:
-            return math.inf
-        total = self._iterate.tangent(tolerance=SLOPE_TOLERANCE, max_iterations=self._max_iterations)
-        return total / cells
-
-    def displacement(self) -> FloatArray:
-        """Elastic displacement of both surfaces in the last solve [mm], shape (nx, ny), without wear."""
-        field = self._executor.zeros()
-        self._influence.respond_elastically(self._iterate.pressure, field)
-        return self._executor.to_numpy(field)
 
     def _asked(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
         """Sums of the pressures of the parts that have loads of their own [MPa]; None at an approach."""

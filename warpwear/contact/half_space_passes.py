@@ -12,7 +12,6 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import half_space as passes
 from warpwear.kernels import half_space_setup
-from warpwear.kernels import half_space_setup as half_space_sums
 
 #: Stands for no cap: kernels compare with it.
 NO_CAP = 1.0e300
@@ -33,18 +32,11 @@ class Operator(Protocol):
     def transforms(self) -> int:
         """Pairs of Fourier transforms done so far."""
 
-    @property
-    def rigid_mean(self) -> bool:
-        """Whether a uniform pressure displaces nothing."""
-
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
         """What adds to the elastic response [mm/MPa]: to a cell's own pressure, and to means along x."""
 
     def respond(self, pressure: Field, displacement: Field) -> None:
         """Displacement [mm] under a pressure [MPa], compliances included."""
-
-    def respond_elastically(self, pressure: Field, displacement: Field) -> None:
-        """The same without compliances [mm]."""
 
     def invert(self, displacement: Field, pressure: Field) -> None:
         """About the pressure [MPa] of a displacement [mm]. May be in place."""
@@ -96,7 +88,7 @@ class Iterate:
         self._cap = min(hardness, NO_CAP)
         self.parts, self.cells = 1, influence.cells
         self._arguments = self._for_parts()
-        for module in (passes, half_space_setup, half_space_sums):
+        for module in (passes, half_space_setup):
             wp.load_module(module, device=executor.device)
         self.pressure = executor.zeros()
         self.gradient = executor.zeros()
@@ -244,36 +236,8 @@ class Iterate:
         curvature = self._product(self._step, self._response)
         return float(slope.sum()), curvature, float(used.max())
 
-    def tangent(self, *, tolerance: float, max_iterations: int) -> float:
-        """Sum of dp/dλ [MPa/mm] of the cells between the bounds, by preconditioned conjugate gradients.
-
-        tolerance: of the displacement, over the dλ that they all follow. Raises ConvergenceError. The step of
-        the iterate is lost.
-        """
-        residual, descent = self._executor.zeros(), self._executor.zeros()
-        direction, solution = self._step, self._trial
-        solution.zero_()
-        self._pass(half_space_setup.between, [self._cap, self.pressure], [residual])
-        allowed = tolerance**2 * self._product(residual, residual)
-        memory, reduced = 0.0, 1.0
-        for _ in range(max_iterations):
-            self._influence.invert(residual, descent)
-            before, reduced = reduced, self._product(residual, descent)
-            memory = reduced / before if memory else 0.0
-            self._pass(half_space_setup.conjugate, [memory, self._cap, self.pressure, descent], [direction])
-            self._influence.respond(direction, self._response)
-            curvature = self._product(direction, self._response)
-            if not curvature > 0.0:
-                break
-            inputs = [reduced / curvature, self._cap, self.pressure, direction, self._response]
-            total, left = self._pass(half_space_setup.relax, inputs, [solution, residual], sums=2)
-            if left.sum() <= allowed:
-                return float(total.sum())
-            memory = 1.0
-        raise ConvergenceError("the slope of the half-space contact did not converge.")
-
     def _product(self, first: Field, second: Field) -> float:
-        (total,) = self._pass(half_space_sums.product, [first, second], [], sums=1)
+        (total,) = self._pass(half_space_setup.product, [first, second], [], sums=1)
         return float(total.sum())
 
     def _pass(
@@ -293,7 +257,7 @@ class Iterate:
             width = self._folded.shape[1]
             spans = (1, width, slots) if self.parts == 1 else (of_row, 1, of_row)
             self._executor.launch(
-                half_space_sums.fold,
+                half_space_setup.fold,
                 inputs=[width, sums, slots, *spans, self._sums, self._maxima],
                 outputs=[self._folded],
                 chunks=[(0, both * width)],

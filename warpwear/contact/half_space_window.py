@@ -8,13 +8,14 @@ is therefore that of the whole grid, and its cost follows the contact.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 import warp as wp
 
 from warpwear.contact.half_space import TOLERANCE, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.state import Columns
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import half_space_setup
 from warpwear.kernels.cells import LANES, Cells
@@ -91,6 +92,8 @@ class WindowedHalfSpace:
     hardness: H [MPa]. tolerance: as of `half_space.BoundedPressure`.
     """
 
+    STATE: ClassVar = {"_started": bool, "_window": Window, "_pressure": Columns}
+
     def __init__(
         self,
         executor: Executor,
@@ -118,15 +121,21 @@ class WindowedHalfSpace:
 
     @property
     def window(self) -> list[int] | None:
-        """Where it looks first, for `go_on_from`."""
+        """First row and the one after the last, then vectors likewise, of where it looks first."""
         return None if self._window is None else [*vars(self._window).values()]
 
-    def go_on_from(self, pressure: FloatArray | None, window: Sequence[int]) -> None:
-        """Start the next solve on a window, from a pressure between 0 and H [MPa], shape (nx, ny), if any."""
-        if pressure is not None:
-            self._executor.fill(self._pressure, pressure)
-        self._started = pressure is not None
-        self._look_at(Window(*window))
+    @property
+    def columns(self) -> tuple[int, int]:
+        """First column that may have a pressure to start from, and the one after the last."""
+        if self._window is None or not self._started:
+            return 0, 0
+        return self._window.first * LANES, self._window.end * LANES
+
+    def restored(self) -> None:
+        """Look first where another one did at that time."""
+        window, self._window = self._window, None
+        if window is not None:
+            self._look_at(window)
 
     def forget(self) -> None:
         """Start the next solve from nothing."""

@@ -232,11 +232,6 @@ class Influence:
         """Pairs of transforms done so far, of the response and of its inverse."""
         return self._far.transforms + (self._near.transforms if self._near is not self._far else 0)
 
-    @property
-    def rigid_mean(self) -> bool:
-        """Whether a uniform pressure displaces nothing."""
-        return self._boundary == "periodic" and self._compliance is not None and not any(self._compliance[:2])
-
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
         """What adds to the elastic response [mm/MPa]: own × p of the cell, and streak × S S p.
 
@@ -269,10 +264,6 @@ class Influence:
     def respond(self, pressure: Field, displacement: Field) -> None:
         """Displacement [mm] under a pressure [MPa], compliances included."""
         self._far.filter(pressure, self._response, displacement)
-
-    def respond_elastically(self, pressure: Field, displacement: Field) -> None:
-        """Displacement of the half-space alone [mm]."""
-        self._far.filter(pressure, self._elastic, displacement)
 
     def invert(self, displacement: Field, pressure: Field) -> None:
         """About the pressure [MPa] of a displacement [mm]: |q| E*/2 without compliances. May be in place."""

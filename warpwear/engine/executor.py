@@ -15,12 +15,8 @@ import warp as wp
 
 from warpwear.engine.device import check_memory, check_threads, find_device
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, gap, sliding, tiles
-from warpwear.kernels import gpu_steps as device_steps
-from warpwear.kernels import gpu_steps_sliding as device_sliding
-from warpwear.kernels import recession as running_in
-from warpwear.kernels import wear as removal
-from warpwear.kernels.cells import LANES, WIDTH, Cells
+from warpwear.kernels import contact, gap, gpu_steps, gpu_steps_sliding, sliding, tiles, wear
+from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000
@@ -31,6 +27,15 @@ SLOTS_CUDA = 65536
 FIELDS_NEEDED = 6.0
 
 Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
+Arguments = Any  # an instance of a wp.struct
+
+
+def arguments(kind: Any, **members: Any) -> Arguments:
+    """An instance of a wp.struct with its members. What is changed in it later, recorded launches see."""
+    made = kind()
+    for name, value in members.items():
+        setattr(made, name, value)
+    return made
 
 
 class ListOfTiles(Protocol):
@@ -71,20 +76,18 @@ class Executor:
         self.threads = check_threads(threads)
         check_memory(grid, self.device, fields_needed)
         self.vectors = -(-grid.ny // LANES)
-        self.tiles_per_row = -(-self.vectors // int(WIDTH))
+        self.tiles_per_row = -(-self.vectors // int(TILE_VECTORS))
         on_cpu = self.device.is_cpu
         self.slots_per_row = 1 if on_cpu else min(max(SLOTS_CUDA // grid.nx, 1), self.tiles_per_row)
         self.slots = grid.nx * self.slots_per_row
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if on_cpu else 0
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
-        self._launches: dict[tuple[str, int], tuple[Any, list[Any]]] = {}
-        self._whole = self.share(np.full(grid.nx, self.vectors * LANES))
+        self._launches: dict[tuple[Any, int], tuple[Any, list[Any]]] = {}
+        self._whole = self.split_rows(np.full(grid.nx, self.vectors * LANES))
         # Compiled before any thread needs them.
-        for module in (gap, contact, removal, running_in, sliding, tiles):
+        of_gpu = () if on_cpu else (gpu_steps, gpu_steps_sliding)
+        for module in (gap, contact, wear, sliding, tiles, *of_gpu):
             wp.load_module(module, device=self.device)
-        if not on_cpu:
-            for module in (device_steps, device_sliding):
-                wp.load_module(module, device=self.device)
 
     def __enter__(self) -> Self:
         return self
@@ -93,7 +96,7 @@ class Executor:
         if self._pool is not None:
             self._pool.shutdown()
 
-    def share(self, cells: Any) -> list[tuple[int, int]]:
+    def split_rows(self, cells: Any) -> list[tuple[int, int]]:
         """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""
         rows = len(cells)
         if not self.device.is_cpu:
@@ -140,10 +143,10 @@ class Executor:
 
     def _kept_launch(self, kernel: Any, chunk: int, size: int, arguments: list[Any]) -> Any:
         """The recorded launch of a kernel over a chunk, with what has changed since the last time."""
-        kept = self._launches.get((kernel.key, chunk))
+        kept = self._launches.get((kernel, chunk))  # kernels of two modules may have one name
         if kept is None:
             command = wp.launch(kernel, dim=size, inputs=arguments, device=self.device, record_cmd=True)
-            self._launches[kernel.key, chunk] = command, [size, *arguments]
+            self._launches[kernel, chunk] = command, [size, *arguments]
             return command
         command, last = kept
         if size != last[0]:

@@ -2,15 +2,14 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 import warp as wp
 
 from warpwear.engine.executor import Executor, Field
 from warpwear.kernels import tiles
-from warpwear.kernels.cells import Kept
+from warpwear.kernels.cells import TileSums
 
 #: Of more tiles than so many, every fourth row tells how deep a list must reach to hold enough.
 SAMPLED, SAMPLE = 20_000, 4
@@ -36,7 +35,7 @@ class TileList(ABC):
         self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
         self.limit = math.inf
         self.listed = nx * columns
-        self.chunks = executor.share(np.full(nx, executor.grid.ny))
+        self.chunks = executor.split_rows(np.full(nx, executor.grid.ny))
 
     @property
     @abstractmethod
@@ -56,7 +55,7 @@ class TileList(ABC):
         self.limit = limit
         count = self.count.numpy()
         self.listed = int(count.sum())
-        self.chunks = self._executor.share(count * self._cells_of_tile)
+        self.chunks = self._executor.split_rows(count * self._cells_of_tile)
 
 
 class Tiles(TileList):
@@ -66,13 +65,25 @@ class Tiles(TileList):
     tile is always listed: a pass over the memory costs less there than to decide about it.
     """
 
-    def __init__(self, executor: Executor, gap: Field, unworn: Field, share: Field, *, least: float) -> None:
+    #: The list too, as sums depend on it in rounding.
+    STATE: ClassVar = {
+        "_lowest": Field,
+        "_kept": Field,
+        "rest": Field,
+        "list": Field,
+        "count": Field,
+        "limit": float,
+        "_asked": float,
+        "_fresh": bool,
+    }
+
+    def __init__(self, executor: Executor, gap: Field, unworn: Field, *, least: float) -> None:
         super().__init__(executor, least=least)
-        self._fields = [gap, unworn, share]
+        self._fields = [gap, unworn]
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._lowest = wp.zeros((nx, columns), dtype=wp.float64, device=device)
-        self._kept = wp.zeros((nx, columns), dtype=Kept, device=device)
-        self.rest = wp.zeros(nx, dtype=Kept, device=device)
+        self._kept = wp.zeros((nx, columns), dtype=TileSums, device=device)
+        self.rest = wp.zeros(nx, dtype=TileSums, device=device)
         self._asked = math.inf
         executor.launch(tiles.lowest, inputs=[gap], outputs=[self._lowest])
         self._smallest = float(self._lowest.numpy().min())
@@ -84,26 +95,9 @@ class Tiles(TileList):
         """Lowest gap before anything was worn [mm]; none is lower later."""
         return self._smallest
 
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that `restore` takes back; the list too, as sums depend on it in rounding."""
-        arrays = {name: array.numpy() for name, array in self._arrays().items()}
-        return arrays, {"limit": self.limit, "asked": self._asked, "fresh": self._fresh}
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+    def restored(self) -> None:
         """Go on with the list of another time, on the fields of that time."""
-        for name, array in self._arrays().items():
-            array.assign(arrays[name])
-        self._asked, self._fresh = numbers["asked"], numbers["fresh"]
-        self._adopt(numbers["limit"])
-
-    def _arrays(self) -> dict[str, Any]:
-        return {
-            "tiles_lowest": self._lowest,
-            "tiles_kept": self._kept,
-            "tiles_rest": self.rest,
-            "tiles_list": self.list,
-            "tiles_count": self.count,
-        }
+        self._adopt(self.limit)
 
     def begin(self) -> None:
         """From every tile, which is what is listed at first, to the lowest."""

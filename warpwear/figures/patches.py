@@ -153,7 +153,7 @@ def smooth_shares(result: ResultFile, rows: Sequence[int]) -> FloatArray | None:
     study = result.study
     if isinstance(study.contact.bulk_stiffness, str) and study.hertz is None:
         return None
-    smooth = SmoothContact(study, study.patch_layout)
+    smooth = SmoothContact(study.contact_task, study.patch_layout)
     found: dict[int, FloatArray] = {}
     slid = 0.0
     for row, increment in enumerate(result.history["increment"][: max(rows) + 1]):

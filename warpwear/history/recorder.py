@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from warpwear.contact.balance import Balance
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import MAXIMA
-from warpwear.study.study import Study
+from warpwear.laws.task import ContactTask
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,13 @@ class Step:
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
 
 
+def divided(found: Mapping[str, float], fractions: tuple[float, float]) -> dict[str, float]:
+    """Sums or maxima of "worn", by both bodies, as those of sphere and disc: a small one is no difference."""
+    rest = {name: value for name, value in found.items() if name != "worn"}
+    sphere, disc = fractions
+    return rest | {"wear_sphere": sphere * found["worn"], "wear_disc": disc * found["worn"]}
+
+
 class Ledger:
     """The books of one contact: its last row, and the largest of what only ever grows.
 
@@ -29,8 +37,10 @@ class Ledger:
     area that a cell stands for over its own. margin: cells along the edge that must not be touched.
     """
 
-    def __init__(self, study: Study, grid: Grid, *, weight: float = 1.0, margin: int = 1) -> None:
-        self._study, self._grid, self._weight, self._margin = study, grid, weight, margin
+    STATE: ClassVar = {"most": dict, "row": dict}
+
+    def __init__(self, task: ContactTask, grid: Grid, *, weight: float = 1.0, margin: int = 1) -> None:
+        self._task, self._grid, self._weight, self._margin = task, grid, weight, margin
         self._x, self._y = grid.x, grid.y
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = dict.fromkeys(
@@ -46,10 +56,10 @@ class Ledger:
         )
 
     @property
-    def columns(self) -> slice:
-        """Columns between the first and the last that were ever touched; none before the first step."""
+    def columns(self) -> tuple[int, int]:
+        """First column that was ever touched, and the one after the last; 0, 0 before the first step."""
         first, last = (self.most[name] for name in ("first_column", "last_column"))
-        return slice(int(-first), int(last) + 1) if math.isfinite(first) else slice(0, 0)
+        return (int(-first), int(last) + 1) if math.isfinite(first) else (0, 0)
 
     def enter(
         self,
@@ -70,7 +80,7 @@ class Ledger:
 
         Raises ConvergenceError where nothing is in contact.
         """
-        grid, area, load = self._grid, self._weight * self._grid.cell_area, self._study.contact.load
+        grid, area, load = self._grid, self._weight * self._grid.cell_area, self._task.load
         count = total["contact"]
         if not count > 0.0 or not math.isfinite(total["pressure"]):
             raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
@@ -107,7 +117,7 @@ class Ledger:
             "cells_in_contact": count,
             "archard_volume_sphere": before["archard_volume_sphere"] + removal[0] * load,
             "archard_volume_disc": before["archard_volume_disc"]
-            + removal[1] * total["pressure_times_factor"] * area,
+            + removal[1] * total.get("pressure_times_factor", total["pressure"]) * area,
             "evaluations": float(balance.evaluations),
         }
         margin = self._margin
@@ -115,19 +125,19 @@ class Ledger:
         at_edge |= last_row >= grid.nx - margin or last_column >= grid.ny - margin
         # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
         reach = max(-self._x[first_row], self._x[last_row], -self._y[first_column], self._y[last_column])
-        beyond_sphere = bool((reach + 1.5 * grid.cell) * self._study.sphere.curvature >= 1.0)
+        beyond_sphere = bool((reach + 1.5 * grid.cell) * self._task.curvature >= 1.0)
         return Step(balance, self.row, at_edge, beyond_sphere, pressure)
 
 
 class TrackLedger(Ledger):
-    """Of a disc that slides: its volumes count 1/share times, as those of the stroke that it stands for.
+    """Books of a disc that slides, whose volumes count 1/track_fraction times, for the stroke it stands for.
 
     Its rows have one column more, `plastic_volume_disc`, from the total "pressed_disc".
     """
 
-    def __init__(self, study: Study, grid: Grid, *, share: float) -> None:
-        super().__init__(study, grid)
-        self._share = share
+    def __init__(self, task: ContactTask, grid: Grid, *, track_fraction: float) -> None:
+        super().__init__(task, grid)
+        self._track_fraction = track_fraction
 
     def enter(
         self,
@@ -142,7 +152,7 @@ class TrackLedger(Ledger):
         bearing: float | None = None,
     ) -> Step:
         """As of any contact."""
-        of_stroke = {name: total[name] / self._share for name in ("wear_disc", "pressed_disc")}
+        of_stroke = {name: total[name] / self._track_fraction for name in ("wear_disc", "pressed_disc")}
         total = {**total, **of_stroke}
         step = super().enter(
             balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing

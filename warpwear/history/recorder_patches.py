@@ -1,19 +1,18 @@
 """The books of a contact of patches: its history, what each patch did, and whose wear it was."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
 from warpwear.contact.balance import Balance, residual_of
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import PATCH_TABLES
-from warpwear.history.recorder import Ledger, Step
+from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.patches import Patches
-from warpwear.study.study import Study
+from warpwear.laws.task import ContactTask
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,22 +23,55 @@ class Worn:
     most: dict[str, float]  # over all patches, by those of `MAXIMA`; "worn" is by both bodies
 
 
+def bytes_of_book(steps: int, patches: int) -> int:
+    """What the tables take of memory at most: as they grow and, for a checkpoint, as they are written."""
+    return 2 * len(PATCH_TABLES) * 8 * steps * patches
+
+
+class PatchBook:
+    """Grows by a row of each table a step."""
+
+    STATE: ClassVar = {"tables": dict}
+
+    def __init__(self, patches: Patches) -> None:
+        self.patches = patches
+        self._rows: dict[str, list[FloatArray]] = {table.name: [] for table in PATCH_TABLES}
+
+    def enter(self, **row: FloatArray) -> None:
+        """Values of one step by the names of `PATCH_TABLES`, shape (patches,) each."""
+        for name, values in row.items():
+            self._rows[name].append(values)
+
+    def table(self, name: str) -> FloatArray:
+        """Shape (steps, patches)."""
+        return np.array(self._rows[name]).reshape(-1, self.patches.count)
+
+    @property
+    def tables(self) -> dict[str, FloatArray]:
+        """Every table, by name; may be set."""
+        return {name: self.table(name) for name in self._rows}
+
+    @tables.setter
+    def tables(self, tables: dict[str, FloatArray]) -> None:
+        self._rows = {name: list(table) for name, table in tables.items()}
+
+
 class PatchLedger:
     """Of one study, whose sphere and disc wear in one proportion.
 
     patches: in the order of the macro cells, in which the book has them.
     """
 
-    def __init__(self, study: Study, patches: Patches) -> None:
-        self._study, self._patches = study, patches
-        self._wear = study.wear_laws
+    STATE: ClassVar = {"_ledger": Ledger, "book": PatchBook}
+
+    def __init__(self, task: ContactTask, patches: Patches) -> None:
+        self._task, self._patches = task, patches
         # In the outermost macro cells, what a patch touches may stand for the domain's edge.
         margin = 1 if patches.cover_everything else patches.pitch
-        self._ledger = Ledger(study, patches.domain, weight=patches.weight, margin=margin)
+        self._ledger = Ledger(task, patches.domain, weight=patches.weight, margin=margin)
         self.book = PatchBook(patches)
-        steady = [law.steady for law in self._wear]
-        #: Of what both bodies lose, the parts of sphere and disc: a small one is no difference of large ones.
-        self._parts = [k / sum(steady) for k in steady] if sum(steady) else [0.5, 0.5]
+        #: Fractions of sphere and disc in what both lose.
+        self._fractions = task.wear_fractions
 
     @property
     def row(self) -> dict[str, float]:
@@ -53,17 +85,15 @@ class PatchLedger:
 
     def removals(self, later: float, increment: float) -> tuple[float, float]:
         """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
-        start = self.row["distance"] + later
-        sphere, disc = (law.removal(start, increment) for law in self._wear)
-        return sphere, disc
+        return self._task.removals(self.row["distance"] + later, increment)
 
     @property
     def foundation(self) -> float:
         """K_N of the next step [N/mm³], which may follow the scar; inf where it plays no part."""
-        if not self._study.uses_bulk_stiffness:
+        if not self._task.uses_foundation:
             return math.inf
         nominal = self.row.get("area_nominal", 0.0)
-        return self._study.bulk_stiffness(radius=math.sqrt(nominal / math.pi) or None)
+        return self._task.foundation_at(math.sqrt(nominal / math.pi) or None)
 
     def enter(
         self,
@@ -81,18 +111,16 @@ class PatchLedger:
         reference: pressure from which the squares count [MPa]. pressure: on the domain [MPa], where it was
         asked for. Raises ConvergenceError where the pressures do not add up to the load.
         """
-        sums, most = worn.sums, dict(worn.most)
-        total = {name: float(values.sum()) for name, values in sums.items()}
-        total["pressure_times_factor"] = total["pressure"]
-        deepest = most.pop("worn")
-        for body, part in zip(("sphere", "disc"), self._parts, strict=True):
-            total[f"wear_{body}"] = part * total["worn"]
-            most[f"wear_{body}"] = part * deepest
+        total, most = (
+            divided(found, self._fractions)
+            for found in ({name: float(values.sum()) for name, values in worn.sums.items()}, worn.most)
+        )
+        sums = worn.sums
         of_cell = self._patches.domain.cell_area * self._patches.weight
         carried = total["pressure"] * of_cell
-        residual = residual_of(carried, self._study.contact.load, approach=sum(approach))
+        residual = residual_of(carried, self._task.load, approach=sum(approach))
         self.book.enter(load_share=sums["pressure"] * of_cell, area_patch=sums["contact"] * of_cell)
-        balance = Balance(*approach, self._study.hardness, residual, evaluations=evaluations)
+        balance = Balance(*approach, self._task.hardness, residual, evaluations=evaluations)
         return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
 
     def snapshot(
@@ -108,45 +136,7 @@ class PatchLedger:
         return Snapshot(
             distance,
             pressure=step.pressure,
-            wear_sphere=self._parts[0] * worn,
-            wear_disc=self._parts[1] * worn,
+            wear_sphere=self._fractions[0] * worn,
+            wear_disc=self._fractions[1] * worn,
             gap=patches.on_domain(gap, beside=math.nan),
         )
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that `restore` takes back."""
-        return self.book.saved_state(), {"most": self.most, "row": self.row}
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
-        self.book.restore(arrays)
-
-
-def bytes_of_book(steps: int, patches: int) -> int:
-    """What the tables take of memory at most: as they grow and, for a checkpoint, as they are written."""
-    return 2 * len(PATCH_TABLES) * 8 * steps * patches
-
-
-class PatchBook:
-    """Grows by a row of each table a step."""
-
-    def __init__(self, patches: Patches) -> None:
-        self.patches = patches
-        self._rows: dict[str, list[FloatArray]] = {table.name: [] for table in PATCH_TABLES}
-
-    def enter(self, **row: FloatArray) -> None:
-        """Values of one step by the names of `PATCH_TABLES`, shape (patches,) each."""
-        for name, values in row.items():
-            self._rows[name].append(values)
-
-    def table(self, name: str) -> FloatArray:
-        """Shape (steps, patches)."""
-        return np.array(self._rows[name]).reshape(-1, self.patches.count)
-
-    def saved_state(self) -> dict[str, Any]:
-        """Arrays that `restore` takes back."""
-        return {table.name: self.table(table.name) for table in PATCH_TABLES}
-
-    def restore(self, arrays: Mapping[str, Any]) -> None:
-        for table in PATCH_TABLES:
-            self._rows[table.name] = list(arrays[table.name])

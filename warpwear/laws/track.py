@@ -7,15 +7,18 @@ turns reverses at the end of each pass and covers the same cells the other way.
 A representative track is a periodic disc shorter than the stroke: one lap is one pass. While it slides by a
 cell, the sphere slides by `cell / share` of the test. So is the track of a rotating disc, one lap a
 revolution, whose length is rounded to whole steps: the rounding goes into the share too.
+
+A disc at rest is a track of no cells, on which the sphere stays where it is.
 """
 
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, Grid
 
 #: Of a length that should be whole [cells].
 WHOLE = 1.0e-6
@@ -25,7 +28,7 @@ WHOLE = 1.0e-6
 class Track:
     """Geometry of one study's track.
 
-    cells: rows of the disc slid over in a pass. window: rows under the sphere's domain.
+    cells: rows of the disc slid over in a pass; 0 at rest. window: rows under the sphere's domain.
     """
 
     cells: int
@@ -35,6 +38,16 @@ class Track:
     stroke: float  # slid in a pass of the test [mm]
     periodic: bool
     reverses: bool
+
+    @classmethod
+    def at_rest(cls, grid: Grid) -> Self:
+        """The track of a disc that lies still under the sphere's domain, a grid."""
+        return cls(0, 0, grid.cell, window=grid.nx, stroke=0.0, periodic=False, reverses=False)
+
+    @property
+    def moves(self) -> bool:
+        """Whether the disc moves under the sphere."""
+        return self.cells > 0
 
     @property
     def rows(self) -> int:
@@ -77,6 +90,8 @@ class Track:
 
     def _covered(self, step: int) -> tuple[int, int]:
         """First cell of the pass that a step covers, and how many."""
+        if not self.moves:
+            return 0, 0
         number, segment = divmod(step, self.steps_of_pass)
         if self.reverses and number % 2:
             segment = self.steps_of_pass - 1 - segment

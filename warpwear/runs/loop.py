@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from warpwear.engine import state
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError, InvariantError
 from warpwear.grid import FloatArray
@@ -104,7 +105,7 @@ class StepLoop:
         found.refuse_changes(self.study, device=self._device)
         found.refuse_surface(self._surface_sum)
         then = found.read()
-        self._model.restore(then.arrays, then.numbers)
+        state.restore(self._model, then.arrays, then.numbers)
         assert self._writer is not None
         self._writer.take_snapshots_from(found.file)
         self._rows = Rows(then.rows)
@@ -192,7 +193,7 @@ class StepLoop:
                         callback(step)
                     except BaseException as error:  # stops the run as an interrupt does
                         self.interrupted = error
-                if self._model.ahead:  # of a block that is made, so the state is not this step's
+                if self._model.steps_in_flight:  # of a block that is made, so the state is not this step's
                     if stop is not None:
                         raise stop
                     continue
@@ -207,7 +208,7 @@ class StepLoop:
                     break
 
     def _checkpoint(self, checkpoints: Checkpoints) -> None:
-        arrays, numbers = self._model.saved_state()
+        arrays, numbers = state.save(self._model)
         self._check(self._invariants.of_fields(arrays, self._rows[-1]))
         now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._reported, self._elapsed)
         assert self._writer is not None

@@ -1,8 +1,7 @@
 """What a run steps through, made from its study: the model, its executor, the plan of the steps."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass
-from typing import Any, Protocol
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -10,15 +9,15 @@ from warpwear.engine.device import free_memory
 from warpwear.engine.executor import FIELDS_NEEDED, Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchBook, bytes_of_book
-from warpwear.history.snapshot import Snapshot
+from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.patches import Patches
+from warpwear.laws.task import ContactTask
 from warpwear.laws.track import WHOLE, Track, increments
+from warpwear.models.model import Model
 from warpwear.models.patches.half_space import ElasticPatchesModel
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.models.patches.width import refuse_unsuitable
-from warpwear.models.rest.half_space import HalfSpaceModel
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.model import DISC_FIELDS, SweptModel
 from warpwear.runs.checkpoint import checksum
@@ -29,29 +28,10 @@ from warpwear.surfaces.roughness import roughness
 
 #: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0}, 12.0
-#: More where the disc slides: sphere, its wear, gap and a mean along x, of which one at rest has two gaps.
+#: More where the disc slides: a mean along x, and what it takes to follow the disc.
 SLIDING_FIELDS = 3.0
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
-
-
-class Model(Protocol):
-    """Contact and wear of one study on one executor."""
-
-    #: Steps that the state is ahead of the last one given.
-    ahead: int
-
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each (increment [mm], whether a snapshot of it will be asked for)."""
-
-    def snapshot(self, step: Step, distance: float) -> Snapshot:
-        """The fields after the last step given, at its distance [mm]."""
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +57,9 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
         fields += (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
         _check_memory(study, rows, fields, device)
         return Executor(study.cells, device=device, threads=threads)
-    # A radial factor is a field of its own, and so are the sphere's share and the stiffnesses of two steps.
-    fields += 5.0 * (study.wear.distance_factor == "radial")
+    # Laws of cell by cell are those of a track, and a radial factor is a field of its own, as its stiffness.
+    task = study.contact_task
+    fields += (SLIDING_FIELDS + 2.0) * (not task.is_uniform or study.wear.law == "bearing-curve")
     if study.study.model == "two-scale":
         patches = study.patch_layout
         _check_memory_of_book(study, patches, device)
@@ -94,7 +75,7 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> PreparedMode
         heights = _heights_of(study, surface, track)
         record = surface.record() | {"on_the_grid": _roughness_on(grid, heights[:MOST_ROWS])}
         found = checksum(heights)
-        swept = SweptModel(study, track, heights, executor)
+        swept = SweptModel(study.contact_task, track, heights, executor)
         return PreparedModel(swept, found, record, heights)
     heights = surface.heights(grid.x, grid.y)
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
@@ -102,16 +83,28 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> PreparedMode
         patches = study.patch_layout
         refuse_unsuitable(study, patches, heights)
         make = ElasticPatchesModel if study.contact.law == "half-space" else TwoScaleModel
-        of_patches = make(study, patches, heights, executor)
+        of_patches = make(study.contact_task, patches, heights, executor)
         return PreparedModel(of_patches, checksum(heights), record, book=of_patches.book)
-    if study.contact.law == "half-space":
-        return PreparedModel(HalfSpaceModel(study, heights, executor), checksum(heights), record)
-    curve = None
-    if study.wear.law == "bearing-curve":
-        curve = bearing_curve_of(study)
+    curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
+    if curve is not None:
         record["bearing_curve"] = asdict(curve)
-    model = OneScaleModel(study, heights, executor, bearing_curve=curve)
+    model = model_at_rest(study.contact_task, heights, executor, bearing_curve=curve)
     return PreparedModel(model, checksum(heights), record)
+
+
+def model_at_rest(
+    task: ContactTask, heights: FloatArray, executor: Executor, *, bearing_curve: Logistic | None = None
+) -> Model:
+    """The model of one grid that lies still. Laws of cell by cell are those of a track that does not move.
+
+    heights: of the disc over its mean plane [mm], shape (nx, ny). bearing_curve: of a roughness that the grid
+    does not resolve.
+    """
+    if task.is_uniform and not task.half_space and bearing_curve is None:
+        return OneScaleModel(task, heights, executor)
+    # The asperities spring back: a dent that stays would be pressed anew in each step.
+    task = replace(task, keeps_dents=False)
+    return SweptModel(task, Track.at_rest(executor.grid), heights, executor, bearing_curve=bearing_curve)
 
 
 def plan_of(study: Study) -> list[tuple[float, float, bool]]:

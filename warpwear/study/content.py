@@ -10,6 +10,7 @@ from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.foundation import CappedFoundation
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.patches import Patches
+from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
 from warpwear.study.bodies import Disc, Sphere
 from warpwear.study.contact import ArchardCoefficient, Contact, Friction, Junctions, Wear
@@ -182,6 +183,30 @@ class Content(Section):
             follows = self.contact.bulk_update == "updated"
             stiffness = self.hertz.foundation(stiffness, radius=radius if follows else None)
         return stiffness
+
+    @property
+    def contact_task(self) -> ContactTask:
+        """What models, their history and their steps need of this study."""
+        return ContactTask(
+            load=self.contact.load,
+            hardness=self.hardness,
+            curvature=self.sphere.curvature,
+            wear=self.wear_laws,
+            compliance=self.law().compliance,
+            implicit=self.stepping.scheme == "implicit",
+            rigid=self.uses_bearing_area,
+            load_tolerance=self.load_tolerance,
+            distance_factor=self.wear.distance_factor,
+            keeps_dents=self.sliding.plastic == "keep" and math.isfinite(self.hardness),
+            foundation=self.contact.bulk_stiffness,
+            foundation_updated=self.uses_bulk_stiffness and self.contact.bulk_update == "updated",
+            uses_foundation=self.uses_bulk_stiffness,
+            hertz=self.hertz,
+            prescribed_loads=self.patches.coupling == "load",
+            half_space=self.contact.law == "half-space",
+            modulus=self.effective_modulus,
+            boundary=self.boundary,
+        )
 
     @property
     def uses_bulk_stiffness(self) -> bool:

@@ -3,16 +3,17 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.grid import FloatArray
 from warpwear.history.recorder_patches import Worn
 from warpwear.kernels import patches as kernels
-from warpwear.kernels.cells import PATCH_MAXIMA, PATCH_SUMS, WIDTH
+from warpwear.kernels.cells import PATCH_MAXIMA, PATCH_SUMS, TILE_VECTORS
 from warpwear.laws.patches import Patches
 from warpwear.models.patches.shares import Answer
 
@@ -32,41 +33,39 @@ class Ahead:
     answer: Answer
 
 
-def places(patches: Patches, executor: Executor) -> tuple[Field, Field]:
-    """First row and first column of every patch, as kernels read them."""
+def layout_of(patches: Patches, executor: Executor) -> Arguments:
+    """Where the patches lie, as kernels read it, with the lowest gap of their tiles still to be found."""
     device = executor.device
-    first_row: Field = wp.array(patches.first_row, dtype=wp.int32, device=device)
-    first_column: Field = wp.array(patches.first_column, dtype=wp.int32, device=device)
-    return first_row, first_column
+    tiles = patches.side * -(-patches.vectors // int(TILE_VECTORS))
+    return arguments(
+        kernels.Layout,
+        vectors=patches.vectors,
+        first_row=wp.array(patches.first_row, dtype=wp.int32, device=device),
+        first_column=wp.array(patches.first_column, dtype=wp.int32, device=device),
+        lowest=wp.zeros((patches.count, tiles), dtype=wp.float64, device=device),
+    )
 
 
 def unworn(
     patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float
-) -> tuple[Field, Field]:
-    """Gap of the fine cells before any wear [mm], and its lowest in the tiles of each patch.
+) -> tuple[Field, Arguments]:
+    """Gap of the fine cells before any wear [mm], and where the patches lie, with the lowest of their tiles.
 
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
     wp.load_module(kernels, device=executor.device)
-    domain = patches.domain
-    tiles = patches.side * -(-patches.vectors // int(WIDTH))
-    gap = executor.zeros()
-    lowest = wp.zeros((patches.count, tiles), dtype=wp.float64, device=executor.device)
-    executor.launch(
-        kernels.gap,
-        inputs=[
-            patches.vectors,
-            patches.side,
-            domain.cell,
-            float(domain.x[0]),
-            float(domain.y[0]),
-            curvature,
-            *places(patches, executor),
-            executor.field(patches.stored(heights)),
-        ],
-        outputs=[gap, lowest],
+    domain, layout = patches.domain, layout_of(patches, executor)
+    ball = arguments(
+        kernels.Ball,
+        cell=domain.cell,
+        x_first=float(domain.x[0]),
+        y_first=float(domain.y[0]),
+        curvature=curvature,
     )
-    return gap, lowest
+    gap = executor.zeros()
+    roughness = executor.field(patches.stored(heights))
+    executor.launch(kernels.gap, inputs=[patches.side, ball, layout, roughness], outputs=[gap])
+    return gap, layout
 
 
 class PatchContact:
@@ -75,16 +74,17 @@ class PatchContact:
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
 
+    STATE: ClassVar = {"gap": Field, "reached": FloatArray, "ahead": Ahead}
+
     def __init__(
         self, patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float, hardness: float
     ) -> None:
         self.patches, self._executor, self._hardness = patches, executor, hardness
         count, device = patches.count, executor.device
-        self._first_row, self._first_column = places(patches, executor)
-        self.initial, self._lowest_of_tiles = unworn(patches, heights, executor, curvature=curvature)
+        self.initial, self._layout = unworn(patches, heights, executor, curvature=curvature)
         self.gap: Field = wp.clone(self.initial)
         #: Lowest gap of each patch before any wear [mm]: below that approach it carries nothing.
-        self.lowest: FloatArray = self._lowest_of_tiles.numpy().min(axis=1)
+        self.lowest: FloatArray = self._layout.lowest.numpy().min(axis=1)
         #: Largest approach that each patch has had [mm].
         self.reached = np.full(count, -np.inf)
         self._cells = float(patches.side**2)
@@ -93,12 +93,16 @@ class PatchContact:
         self._chunks: list[tuple[int, int]] = []
         self._listed = np.empty(0, dtype=np.intp)
         self._list = wp.zeros(count, dtype=wp.int32, device=device)
-        self._base, self._offset, self._reached, self._base_next, self._offset_next = (
-            wp.zeros(count, dtype=wp.float64, device=device) for _ in range(5)
+        names = ("base", "offset", "reached", "base_next", "offset_next")
+        zeros = {name: wp.zeros(count, dtype=wp.float64, device=device) for name in names}
+        self._at = arguments(kernels.Approaches, **zeros)
+        self._law, self._increment = arguments(kernels.Law, cap=hardness), arguments(kernels.Increment)
+        self._tables = arguments(
+            kernels.Tables,
+            sums=executor.partials(len(PATCH_SUMS)),
+            maxima=executor.partials(len(PATCH_MAXIMA)),
+            ahead=executor.partials(3),
         )
-        self._of_ahead = executor.partials(3)
-        self._sums = executor.partials(len(PATCH_SUMS))
-        self._maxima = executor.partials(len(PATCH_MAXIMA))
         #: 1/c of the cells [N/mm³].
         self.stiffness = np.inf
         #: Of the step to come, where its approaches were foreseen.
@@ -122,21 +126,12 @@ class PatchContact:
             self._send(base, offset)
             self._executor.launch(
                 kernels.carried,
-                inputs=[
-                    self.patches.vectors,
-                    self._list,
-                    self._base,
-                    self._offset,
-                    self._hardness,
-                    self.stiffness,
-                    self._lowest_of_tiles,
-                    self.gap,
-                ],
-                outputs=[self._sums],
+                inputs=[self._list, self._layout, self._at, self._law, self._increment, self.gap],
+                outputs=[self._tables.sums],
                 chunks=self._chunks,
                 often=True,
             )
-        return self._answer(self._sums, base, offset, self.stiffness)
+        return self._answer(self._tables.sums, base, offset, self.stiffness)
 
     def _answer(self, sums: Field, base: FloatArray, offset: FloatArray, stiffness: float) -> Answer:
         """What a table says of the patches visited; the others carry nothing."""
@@ -155,13 +150,13 @@ class PatchContact:
         self._send(base, offset)
         self._executor.launch(
             kernels.pressures,
-            inputs=[self._list, self._base, self._offset, self._hardness, self.stiffness, self.gap],
+            inputs=[self._list, self._at, self._law, self._increment, self.gap],
             outputs=[field],
             chunks=self._chunks,
         )
         return self._executor.to_numpy(field)
 
-    def remove(
+    def wear(
         self,
         base: FloatArray,
         offset: FloatArray,
@@ -180,42 +175,27 @@ class PatchContact:
         touching = ((base - self.lowest) + offset > 0.0) | ((base_next - self.lowest) + offset_next > 0.0)
         self._visit(touching | (self.lowest < self.reached))
         self._send(base, offset)
-        self._put(self._base_next, base_next)
-        self._put(self._offset_next, offset_next)
-        self._put(self._reached, self.reached)
+        self._put(self._at.base_next, base_next)
+        self._put(self._at.offset_next, offset_next)
+        self._put(self._at.reached, self.reached)
+        now = self._increment
+        now.wear, now.reference, now.stiffness_next = removal, reference, stiffness_next
+        now.first_row, now.last_row, now.first_column, now.last_column = self._between(known)
         self._executor.launch(
-            kernels.remove,
-            inputs=[
-                self.patches.vectors,
-                self._list,
-                self._base,
-                self._offset,
-                self._reached,
-                self._base_next,
-                self._offset_next,
-                self._hardness,
-                self.stiffness,
-                stiffness_next,
-                removal,
-                reference,
-                *self._between(known),
-                self._first_row,
-                self._first_column,
-                self._lowest_of_tiles,
-                self.initial,
-            ],
-            outputs=[self.gap, self._sums, self._maxima, self._of_ahead],
+            kernels.wear_step,
+            inputs=[self._list, self._layout, self._at, self._law, now, self.initial],
+            outputs=[self.gap, self._tables],
             chunks=self._chunks,
             often=True,
         )
         self.reached = np.maximum(self.reached, base + offset)
         sums = np.zeros((len(PATCH_SUMS), self.patches.count))
-        sums[:, self._listed] = self._of_patches(self._sums).sum(axis=2)
+        sums[:, self._listed] = self._of_patches(self._tables.sums).sum(axis=2)
         self._work = sums[PATCH_SUMS.index("touched")] + LEAST_WORK * self._cells
-        most = self._of_patches(self._maxima).max(axis=(1, 2)).tolist()
+        most = self._of_patches(self._tables.maxima).max(axis=(1, 2)).tolist()
         self.ahead = None
         if foreseen is not None:
-            answer = self._answer(self._of_ahead, base_next, offset_next, stiffness_next)
+            answer = self._answer(self._tables.ahead, base_next, offset_next, stiffness_next)
             self.ahead = Ahead(stiffness_next, base_next, offset_next, answer)
         return Worn(dict(zip(PATCH_SUMS, sums, strict=True)), dict(zip(PATCH_MAXIMA, most, strict=True)))
 
@@ -235,11 +215,12 @@ class PatchContact:
             numbers = np.zeros(which.size, dtype=np.int32)
             numbers[: self._listed.size] = self._listed
             self._put(self._list, numbers)
-        self._chunks = self._executor.share(self._work[self._listed])
+        self._chunks = self._executor.split_rows(self._work[self._listed])
 
     def _send(self, base: FloatArray, offset: FloatArray) -> None:
-        self._put(self._base, base)
-        self._put(self._offset, offset)
+        self._put(self._at.base, base)
+        self._put(self._at.offset, offset)
+        self._increment.stiffness = self.stiffness
 
     def _put(self, array: Field, values: NDArray[np.float64] | NDArray[np.int32]) -> None:
         if self._executor.device.is_cpu:

@@ -1,7 +1,6 @@
 """Where the approaches of the next step of patches will be: the bodies' as of one, and the springs behind."""
 
-from collections.abc import Mapping
-from typing import Any
+from typing import ClassVar
 
 from warpwear.contact.foresight import Foresight
 from warpwear.grid import FloatArray
@@ -11,20 +10,12 @@ from warpwear.models.patches.shares import Shares
 class PatchForesight:
     """Continues the rate of the common approach, and of every spring's deflection the last one."""
 
+    STATE: ClassVar = {"_common": Foresight, "_giving": FloatArray}
+
     def __init__(self) -> None:
         self._common = Foresight()
         #: How fast each spring gave way, over what a unit of pressure removes [MPa].
         self._giving: FloatArray | None = None
-
-    def saved_state(self) -> tuple[dict[str, FloatArray], list[object]]:
-        """Arrays and what JSON keeps: what `restore` takes back."""
-        arrays = {} if self._giving is None else {"giving": self._giving}
-        return arrays, self._common.saved_state()
-
-    def restore(self, arrays: Mapping[str, Any], state: list[object]) -> None:
-        """Go on from another one's state."""
-        self._common.restore(state)
-        self._giving = arrays.get("giving")
 
     def note(self, shares: Shares, last: Shares | None, removal: float, *, sprung: bool) -> None:
         """A step ended, after the last one, with such shares; its pressures removed so much each [mm³/N]."""

@@ -9,16 +9,15 @@ all cells, whose one multiplier is δ: see `patch_influence` for its operator an
 Where a smooth contact prescribes each p_k, on springs K_N of its own, each u_k is a multiplier of its own.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 import warp as wp
 
 from warpwear.contact.half_space import BoundedPressure, HalfSpaceContact
 from warpwear.contact.half_space_passes import NO_CAP
-from warpwear.engine.executor import Executor
+from warpwear.engine.executor import Executor, Field
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
@@ -26,16 +25,17 @@ from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import patches_half_space as patches_by_pressure
 from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.laws.patches import Patches
-from warpwear.models.patches.cells import places, unworn
+from warpwear.laws.task import ContactTask
+from warpwear.models.model import Model
+from warpwear.models.patches.cells import unworn
 from warpwear.models.patches.influence import PatchInfluence
 from warpwear.models.patches.smooth import SmoothContact
-from warpwear.study.study import Study
 
 #: Before a step the approach is thought to grow by so much of what the last mean pressure would wear off.
 AHEAD = 2.0
 
 
-class ElasticPatchesModel:
+class ElasticPatchesModel(Model):
     """Contact and wear of a two-scale study with contact.law = "half-space".
 
     A step finds the pressure with which it ends (implicit Archard), from the last one's pressure. Only
@@ -46,14 +46,23 @@ class ElasticPatchesModel:
     plane [mm], shape of the domain.
     """
 
-    def __init__(self, study: Study, patches: Patches, heights: FloatArray, executor: Executor) -> None:
-        self.study, self._executor = study, executor
-        self._ledger = PatchLedger(study, patches)
+    STATE: ClassVar = {
+        "_ledger": PatchLedger,
+        "_smooth": SmoothContact,
+        "gap": Field,
+        "_solver": BoundedPressure,
+        "_reached": float,
+        "visited": int,
+    }
+
+    def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
+        self.task, self._executor = task, executor
+        self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
-        curvature = study.sphere.curvature
-        _, lowest = unworn(patches, heights, executor, curvature=curvature)
-        of_patches = lowest.numpy().min(axis=1)
-        self._smooth = SmoothContact(study, patches) if study.patches.coupling == "load" else None
+        curvature = task.curvature
+        _, layout = unworn(patches, heights, executor, curvature=curvature)
+        of_patches = layout.lowest.numpy().min(axis=1)
+        self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
         reached = of_patches if self._smooth is None else self._smooth.initial
         self._order = np.argsort(reached, kind="stable")
         #: As they are stored here.
@@ -63,32 +72,23 @@ class ElasticPatchesModel:
             first_column=patches.first_column[self._order],
         )
         self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
-        self.initial, _ = unworn(self.patches, heights, executor, curvature=curvature)
+        self.initial, layout = unworn(self.patches, heights, executor, curvature=curvature)
         self.gap = wp.clone(self.initial)
         there = (executor.to_numpy(self.initial) < PADDING).sum(axis=1)
         #: Cells where there is a surface, in so many first patches.
         self._cells = np.cumsum(there)
-        self._places = places(self.patches, executor)
-        assert study.effective_modulus is not None  # checked with the study
-        self._influence = PatchInfluence(
-            executor, self.patches, modulus=study.effective_modulus, boundary=study.boundary
-        )
-        self._solver = BoundedPressure(executor, self._influence, hardness=study.hardness)
+        self._places = layout.first_row, layout.first_column
+        assert task.modulus is not None  # checked with the study
+        self._influence = PatchInfluence(executor, self.patches, modulus=task.modulus, boundary=task.boundary)
+        self._solver = BoundedPressure(executor, self._influence, hardness=task.hardness)
         #: Patches visited in the last solve; the others have not been touched.
         self.visited = 0
         #: Largest approach so far [mm].
         self._reached = float(of_patches.min())
         wp.load_module(patches_by_pressure, device=executor.device)
         self._sums, self._maxima = executor.partials(len(PATCH_SUMS)), executor.partials(len(PATCH_MAXIMA))
-        #: No step is made before the one that is asked for.
-        self.ahead = 0
 
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
-        for increment, with_pressure in plan:
-            yield self.advance(increment, with_pressure=with_pressure)
-
-    def advance(self, increment: float, *, with_pressure: bool = False) -> Step:
+    def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact at the end of an increment [mm], and wear both bodies.
 
         Raises ConvergenceError when the contact cannot be solved.
@@ -114,26 +114,6 @@ class ElasticPatchesModel:
         gap, initial = (self._executor.to_numpy(field) for field in (self.gap, self.initial))
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, initial=initial)
 
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-        arrays, numbers = self._ledger.saved_state()
-        arrays |= {"gap": self._executor.to_numpy(self.gap), "pressure": self._solver.pressure}
-        numbers["reached"] = self._reached
-        if self._smooth is not None:
-            of_patches, approach = self._smooth.saved_state()
-            arrays, numbers = arrays | of_patches, numbers | approach | {"visited": self.visited}
-        return arrays, numbers
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
-        self._executor.fill(self.gap, arrays["gap"])
-        self._solver.go_on_from(arrays["pressure"])
-        self._reached = numbers["reached"]
-        if self._smooth is not None:
-            self._smooth.restore(arrays, numbers)
-            self.visited = numbers["visited"]
-        self._ledger.restore(arrays, numbers)
-
     def _press(self, smooth: SmoothContact, removal: float) -> HalfSpaceContact:
         """The contact at the end of a step that removes so much [mm³/N], by loads that are prescribed."""
         loads = smooth.press(foundation=self._ledger.foundation, removal=removal)[self._order]
@@ -147,10 +127,10 @@ class ElasticPatchesModel:
 
         It is solved once no patch that was left out lies below its approach: those carry nothing then.
         """
-        load = self.study.contact.load / (self.patches.count * self.patches.area)
+        load = self.task.load / (self.patches.count * self.patches.area)
         needed = self._below(self._reached + AHEAD * removal * self._ledger.row["pressure_mean"])
         # As many as carry the load at the hardness.
-        carriers = load / self.study.hardness * self._influence.cells
+        carriers = load / self.task.hardness * self._influence.cells
         needed = max(needed, int(np.searchsorted(self._cells, carriers, side="right")) + 1)
         while True:
             self.visited = min(needed, self.patches.count)
@@ -171,7 +151,7 @@ class ElasticPatchesModel:
             patches_by_pressure.remove,
             inputs=[
                 self.patches.vectors,
-                min(self.study.hardness, NO_CAP),
+                min(self.task.hardness, NO_CAP),
                 removal,
                 reference,
                 *self._places,

@@ -124,15 +124,10 @@ class PatchInfluence:
         """Pairs of transforms done so far, of the response and of its inverse."""
         return self._far.transforms + (self._near.transforms if self._near is not self._far else 0)
 
-    @property
-    def rigid_mean(self) -> bool:
-        """Whether a uniform pressure displaces nothing."""
-        return self._boundary == "periodic" and self._own == self._bulk == 0.0
-
     def visit(self, patches: int) -> None:
         """Leave out all but so many first patches: their pressures stay as they are, which must be 0."""
         self._near.patches = self._far.patches = patches
-        self.chunks: list[tuple[int, int]] | None = self._executor.share(
+        self.chunks: list[tuple[int, int]] | None = self._executor.split_rows(
             np.full(patches, self._executor.grid.ny)
         )
 
@@ -152,7 +147,6 @@ class PatchInfluence:
             self._make_tables()
 
     def _make_tables(self) -> None:
-        self._elastic = self._far.table(self._with(self._spectrum, self._bulk))
         self._response = self._far.table(self._with(self._spectrum, self._bulk) + self._own)
         # Of a mean that displaces nothing, or that Fourier modes do not tell of, that of the longest waves.
         mean = self._bulk or (0.0 if self._own else float(self._periodic.max()))
@@ -170,10 +164,6 @@ class PatchInfluence:
     def respond(self, pressure: Field, displacement: Field) -> None:
         """Displacement [mm] under a pressure [MPa], with compliance and bulk."""
         self._far.filter(pressure, self._response, displacement)
-
-    def respond_elastically(self, pressure: Field, displacement: Field) -> None:
-        """Displacement of patches and bulk alone [mm]."""
-        self._far.filter(pressure, self._elastic, displacement)
 
     def invert(self, displacement: Field, pressure: Field) -> None:
         """About the pressure [MPa] of a displacement [mm]. May be in place."""

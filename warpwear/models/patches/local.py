@@ -1,9 +1,7 @@
 """Two scales: patches of fine cells that share the load of a macro contact."""
 
-import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,15 +12,16 @@ from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.patches import Patches
-from warpwear.models.patches.cells import Ahead, PatchContact
+from warpwear.laws.task import ContactTask
+from warpwear.models.model import Model
+from warpwear.models.patches.cells import PatchContact
 from warpwear.models.patches.foresight import PatchForesight
-from warpwear.models.patches.shares import Answer, Shares, Task, press, share
+from warpwear.models.patches.shares import Shares, Task, press, share
 from warpwear.models.patches.smooth import SmoothContact
-from warpwear.study.study import Study
 
 
-class TwoScaleModel:
-    """Contact and wear of one study. Patches share the load by one approach, or as a smooth contact says.
+class TwoScaleModel(Model):
+    """Contact and wear of one task. Patches share the load by one approach, or as a smooth contact says.
 
     Approaches and gaps count from the mean planes, so that the worn mean height of a patch, which closes the
     loop back to the macro contact, is part of its gap.
@@ -30,26 +29,24 @@ class TwoScaleModel:
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
 
-    def __init__(self, study: Study, patches: Patches, heights: FloatArray, executor: Executor) -> None:
-        self.study, self.patches = study, patches
+    STATE: ClassVar = {
+        "contact": PatchContact,
+        "_ledger": PatchLedger,
+        "_smooth": SmoothContact,
+        "_last": Shares,
+        "_foresight": PatchForesight,
+    }
+
+    def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
+        self.task, self.patches = task, patches
         self._executor = executor
-        curvature, hardness = study.sphere.curvature, study.hardness
+        curvature, hardness = task.curvature, task.hardness
         self.contact = PatchContact(patches, heights, executor, curvature=curvature, hardness=hardness)
-        self._ledger = PatchLedger(study, patches)
+        self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
-        self._smooth = SmoothContact(study, patches) if study.patches.coupling == "load" else None
+        self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
         self._last: Shares | None = None
         self._foresight = PatchForesight()
-        self.ahead = 0
-
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
-        end: list[None] = [None]
-        for this, following in itertools.pairwise(itertools.chain(plan, end)):
-            assert this is not None
-            increment, with_pressure = this
-            then = following[0] if following else None
-            yield self.advance(increment, with_pressure=with_pressure, then=then)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Share the load, then slide by the increment [mm] and wear both bodies.
@@ -58,19 +55,19 @@ class TwoScaleModel:
 
         Raises ConvergenceError when the load cannot be shared.
         """
-        study, row = self.study, self._ledger.row
+        task, row = self.task, self._ledger.row
         removals = self._ledger.removals(0.0, increment)
         removal = sum(removals)
         self.contact.stiffness = self._stiffness(removal)
         evaluations = self.contact.evaluations
         shares = self._share(removal)
         evaluations = self.contact.evaluations - evaluations
-        self._foresight.note(shares, self._last, removal, sprung=study.uses_bulk_stiffness)
+        self._foresight.note(shares, self._last, removal, sprung=task.uses_foundation)
         self._last = shares
         pressure = None
         if with_pressure:
             pressure = self.patches.on_domain(self.contact.pressures(shares.base, shares.offset))
-        reference = row["pressure_mean"] or (study.hardness if math.isfinite(study.hardness) else 0.0)
+        reference = row["pressure_mean"] or (task.hardness if math.isfinite(task.hardness) else 0.0)
         foreseen = None
         if then is not None and self._smooth is None:
             removal_next = sum(self._ledger.removals(increment, then))
@@ -78,7 +75,7 @@ class TwoScaleModel:
             if step is not None:
                 offset = np.full_like(shares.base, step) if steps is None else steps
                 foreseen = self._stiffness(removal_next), shares.bases, offset
-        worn = self.contact.remove(
+        worn = self.contact.wear(
             shares.base,
             shares.offset,
             removal=removal,
@@ -94,49 +91,13 @@ class TwoScaleModel:
         gap, initial = (self._executor.to_numpy(f) for f in (self.contact.gap, self.contact.initial))
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, initial=initial)
 
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-        arrays, numbers = self._ledger.saved_state()
-        arrays |= {"gap": self._executor.to_numpy(self.contact.gap), "reached": self.contact.reached}
-        numbers |= {"last": None, "ahead_stiffness": None}
-        foreseen, numbers["foresight"] = self._foresight.saved_state()
-        arrays |= foreseen
-        if (ahead := self.contact.ahead) is not None:
-            numbers["ahead_stiffness"] = ahead.stiffness
-            arrays |= {"ahead_base": ahead.base, "ahead_offset": ahead.offset}
-            arrays |= {f"ahead_{name}": values for name, values in ahead.answer._asdict().items()}
-        if self._last is not None:
-            state = vars(self._last)
-            arrays |= {f"shares_{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
-            numbers["last"] = {k: v for k, v in state.items() if not isinstance(v, np.ndarray)}
-        if self._smooth is not None:
-            worn, approach = self._smooth.saved_state()
-            arrays, numbers = arrays | worn, numbers | approach
-        return arrays, numbers
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
-        self._executor.fill(self.contact.gap, arrays["gap"])
-        self.contact.reached = arrays["reached"]
-        self._ledger.restore(arrays, numbers)
-        self._foresight.restore(arrays, numbers["foresight"])
-        if numbers["ahead_stiffness"] is not None:
-            answer = Answer(*(arrays[f"ahead_{name}"] for name in Answer._fields))
-            foreseen = numbers["ahead_stiffness"], arrays["ahead_base"], arrays["ahead_offset"]
-            self.contact.ahead = Ahead(*foreseen, answer)
-        if numbers["last"] is not None:
-            of_patches = {k: arrays[f"shares_{k}"] for k in ("base", "offset", "pressure")}
-            self._last = Shares(**of_patches, **numbers["last"])
-        if self._smooth is not None:
-            self._smooth.restore(arrays, numbers)
-
     def _share(self, removal: float) -> Shares:
-        study, row = self.study, self._ledger.row
+        task, row = self.task, self._ledger.row
         foundation = self._ledger.foundation
         step, steps = self._foresight.expected(removal)
         if step is None:
             step = removal * row["pressure_mean"]
-        load = study.contact.load
+        load = task.load
         if self._smooth is not None:
             target = self._smooth.press(foundation=foundation, removal=removal)
             return press(
@@ -150,25 +111,25 @@ class TwoScaleModel:
                 area=self.patches.area,
                 load=load,
             )
-        task = Task(
+        sharing = Task(
             load=load,
             area=self.patches.area,
             flexibility=1.0 / foundation,
-            hardness=study.hardness,
+            hardness=task.hardness,
             lowest=self.contact.lowest,
         )
         if self._last is None:
-            return share(self.contact.response, task, None, step=self._first)
-        return share(self.contact.response, task, self._last, step=step, steps=steps)
+            return share(self.contact.response, sharing, None, step=self._first)
+        return share(self.contact.response, sharing, self._last, step=step, steps=steps)
 
     def _stiffness(self, removal: float) -> float:
         """1/c of a step that removes so much of both bodies [N/mm³]."""
-        implicit = self.study.stepping.scheme == "implicit"
-        compliance = self.study.law().compliance + (removal if implicit else 0.0)
+        implicit = self.task.implicit
+        compliance = self.task.compliance + (removal if implicit else 0.0)
         return 1.0 / compliance if compliance else RIGID
 
     @property
     def _first(self) -> float:
         """First step of a search from the lowest cell [mm]."""
-        pressure = min(self.study.hardness, self.study.contact.load / self.patches.domain.cell_area)
+        pressure = min(self.task.hardness, self.task.load / self.patches.domain.cell_area)
         return 0.5 * pressure / self.contact.stiffness

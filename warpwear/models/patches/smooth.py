@@ -1,8 +1,7 @@
 """The smooth macro contact that prescribes the load of each patch (coupling = "load")."""
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from warpwear.contact.balance import Carried, newton_in_bracket
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.patches import Patches
-from warpwear.study.study import Study
+from warpwear.laws.task import ContactTask
 from warpwear.surfaces.sphere import sag
 
 
@@ -23,10 +22,12 @@ class SmoothContact:
     Raises InputError for a load that the others do not carry.
     """
 
-    def __init__(self, study: Study, patches: Patches) -> None:
-        self._load, self._hardness = study.contact.load, study.hardness
+    STATE: ClassVar = {"worn": FloatArray, "approach": float}
+
+    def __init__(self, task: ContactTask, patches: Patches) -> None:
+        self._load, self._hardness = task.load, task.hardness
         self.area = patches.area  # of a macro cell [mm²]
-        curvature = study.sphere.curvature
+        curvature = task.curvature
         heights = sag(patches.domain.x, patches.domain.y, radius=1.0 / curvature if curvature else np.inf)
         stored = patches.stored(heights).reshape(patches.count, patches.side, -1)[:, :, : patches.side]
         self.initial: FloatArray = stored.mean(axis=(1, 2))  # gap before any wear [mm]
@@ -69,13 +70,6 @@ class SmoothContact:
         self.approach = base + found.offset
         self.worn = self.worn + removal * p
         return p
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that `restore` takes back."""
-        return {"smooth_worn": self.worn}, {"smooth_approach": self.approach}
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        self.worn, self.approach = arrays["smooth_worn"], numbers["smooth_approach"]
 
     def _adding_up(self, p: FloatArray) -> FloatArray:
         """Without what the search left of the load: that of the patches comes on top of it."""

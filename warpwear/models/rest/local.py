@@ -1,114 +1,87 @@
-"""One grid: a sphere wearing with a disc, smooth on a foundation (macro) or with every asperity (micro)."""
+"""One grid: a sphere wearing with a disc, smooth on a foundation (macro) or with every asperity (micro).
 
-import itertools
+Every cell has the same stiffness, and both bodies wear in one proportion. Other laws, of cell by cell, are
+those of a track on which the disc does not move.
+"""
+
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, replace
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import ClassVar
 
-from warpwear.contact.balance import STEPS_AHEAD, Ahead, Balance, Balancer, Carried, residual_of
+import numpy as np
+
+from warpwear.contact.balance import (
+    STEPS_AHEAD,
+    Balance,
+    Balancer,
+    Foundation,
+    Lookahead,
+    residual_of,
+    stiffness_of,
+)
 from warpwear.contact.bearing_area import BearingArea
 from warpwear.contact.foresight import Foresight
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Ledger, Step
+from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
-from warpwear.kernels import contact
-from warpwear.kernels import wear as removal_kernels
-from warpwear.kernels.cells import MAXIMA, SUMS
-from warpwear.laws.archard import distance_factor, removals_of
-from warpwear.models.rest.bodies import State
+from warpwear.kernels import contact, wear
+from warpwear.kernels.cells import LANES, WearMost, WearSum, names_of
+from warpwear.kernels.contact import Law
+from warpwear.kernels.wear_loops import Increment, Tables
+from warpwear.laws.archard import removals_of
+from warpwear.laws.task import ContactTask
+from warpwear.models.model import Model
+from warpwear.models.rest.bodies import RestingBodies
 from warpwear.models.rest.on_gpu import DeviceLoop
-from warpwear.models.rest.recession import Logistic, Recession
-from warpwear.models.rest.stiffness import Stiffness, Stiffnesses
-from warpwear.study.study import Study
 
-#: Steps made on a device before their history is read.
-LONGEST_BLOCK = 500
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
+SUMS, MAXIMA = names_of(WearSum), names_of(WearMost)
 
 
-class OneScaleModel:
-    """Contact and wear of one study on one executor.
+class OneScaleModel(Model):
+    """Contact and wear of one task, with the same law for every cell, on one executor.
 
     heights: of the disc over its mean plane [mm], shape (nx, ny). The caller may let go of the array.
-    bearing_curve: of a roughness that the grid does not resolve, by which the disc runs in.
     """
 
-    def __init__(
-        self, study: Study, heights: FloatArray, executor: Executor, *, bearing_curve: Logistic | None = None
-    ) -> None:
-        self.study = study
+    #: Steps made on a device before their history is read.
+    longest_block = 500
+    STATE: ClassVar = {
+        "state": RestingBodies,
+        "tiles": Tiles,
+        "_last": Balance,
+        "_foresight": Foresight,
+        "_lookahead": Lookahead,
+        "_ledger": Ledger,
+    }
+
+    def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
+        assert task.is_uniform  # others are those of a track
+        self.task = task
         self._executor = executor
-        self._wear = study.wear_laws
-        self._rigid = study.uses_bearing_area
         #: 1/k of the foundation [mm³/N], None where it follows the contact.
-        updated = study.study.model == "macro" and study.contact.bulk_update == "updated"
-        self._compliance = None if updated else study.law().compliance
+        self._compliance = None if task.foundation_updated else task.compliance
         self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
-        self._sums = executor.partials(len(SUMS))
-        self._maxima = executor.partials(len(MAXIMA))
-        curvature = study.sphere.curvature
-        self._factor = distance_factor(executor.grid, study.wear.distance_factor, curvature=curvature)
-        self._factor_field = executor.field(self._factor)
-        implicit = study.stepping.scheme == "implicit"
-        self._stiffness = Stiffnesses(executor, self._factor, implicit=implicit)
-        self._recession = (
-            None if bearing_curve is None else Recession(bearing_curve, executor, self._factor_field)
-        )
+        self._stiffnesses: dict[float, Field] = {}
         self._last: Balance | None = None
         self._foresight = Foresight()
-        self._ahead: Ahead | None = None
-        self._ledger = Ledger(study, executor.grid)
-        sphere, disc = self._wear
-        #: Whether the share of the sphere changes from step to step.
-        self._share_changes = not sphere.in_proportion_to(disc)
-        #: 1 where every cell has the same 1/c and share.
-        self._alike = int(
-            study.wear.distance_factor == "none" and not self._share_changes and self._recession is None
-        )
-        self.state = State.of(executor, heights, self._wear, curvature=curvature, factor=self._factor)
-        grid = executor.grid
-        fully = study.contact.load / (study.hardness * grid.cell_area)
-        self.tiles = Tiles(executor, self.state.gap, self.state.unworn, self.state.share, least=SPARE * fully)
-        self._highest = self._bearing_area.bounds(self.state.gap, self.tiles)[1]
+        self._lookahead: Lookahead | None = None
+        self._ledger = Ledger(task, executor.grid)
+        self.state = RestingBodies.of(task, executor, heights)
+        fully = task.load / (task.hardness * executor.grid.cell_area)
+        self.tiles = Tiles(executor, self.state.gap, self.state.unworn, least=SPARE * fully)
         #: Whether 1/c of a step is known before it.
-        self._foreseen = not self._rigid and self._recession is None and self._compliance is not None
+        self._foreseen = not task.rigid and self._compliance is not None
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
-        self.in_blocks = executor.device.is_cuda and self._foreseen
+        self.blocks_allowed = executor.device.is_cuda and self._foreseen
         self._loop: DeviceLoop | None = None
-        #: Steps that the state is ahead of the last one given, in a block.
-        self.ahead = 0
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs.
-
-        On a CPU fields are views of their memory. Not to be asked while steps are ahead.
-        """
-        arrays = {name: self._executor.to_numpy(field) for name, field in self._changing().items()}
-        of_tiles, numbers = self.tiles.saved_state()
-        last = None if self._last is None else asdict(self._last)
-        return arrays | of_tiles, {
-            "tiles": numbers,
-            "last": last,
-            "foresight": self._foresight.saved_state(),
-            "ahead": None if self._ahead is None else asdict(self._ahead),
-            "most": self._ledger.most,
-            "row": self._ledger.row,
-        }
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
-        for name, field in self._changing().items():
-            self._executor.fill(field, arrays[name])
-        self.tiles.restore(arrays, numbers["tiles"])
-        self._last = None if numbers["last"] is None else Balance(**numbers["last"])
-        self._foresight.restore(numbers["foresight"])
-        ahead = numbers["ahead"]
-        self._ahead = ahead and Ahead(tuple(ahead["made_for"]), ahead["offset"], Carried(*ahead["carried"]))
-        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
+        self._law, self._increment = arguments(Law), arguments(Increment)
+        sums, maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
+        self._tables = arguments(Tables, sums=sums, maxima=maxima, ahead=self._balancer.ahead)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -117,70 +90,28 @@ class OneScaleModel:
         gap = self._executor.to_numpy(self.state.gap)
         return Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
 
-    def _changing(self) -> dict[str, Field]:
-        """The fields that steps change."""
-        fields = {"gap": self.state.gap}
-        if self._share_changes:
-            fields["share"] = self.state.share
-        if self._recession is not None:
-            fields |= {"unworn": self.state.unworn, "beyond": self._recession.beyond}
-        return fields
-
     def worn(self) -> tuple[FloatArray, FloatArray]:
         """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""
         return self.state.worn(self._executor)
 
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for.
+    @property
+    def in_blocks(self) -> bool:
+        """Whether the device makes the next steps by itself."""
+        return self.blocks_allowed and self._last is not None
 
-        On a GPU steps whose pressure nobody asks for are made in blocks, before the first of them is seen.
-        """
-        block: list[float] = []
-        end: list[None] = [None]
-        for this, following in itertools.pairwise(itertools.chain(plan, end)):
-            assert this is not None
-            (increment, with_pressure), then = this, following and following[0]
-            if self.in_blocks and self._last is not None and not with_pressure:
-                block.append(increment)
-                if len(block) < LONGEST_BLOCK:
-                    continue
-            yield from self._block(block)
-            block = []
-            if not self.in_blocks or with_pressure or self._last is None:
-                yield self.advance(
-                    increment, with_pressure=with_pressure, then=None if self.in_blocks else then
-                )
-        yield from self._block(block)
-
-    def _block(self, increments: list[float]) -> Iterator[Step]:
-        """Steps made on the device in one go."""
-        if not increments:
-            return
+    def block(self, increments: Sequence[float]) -> Iterator[Step]:
+        """Steps made on the device in one go, before the first of them is seen."""
         assert self._last is not None
-        assert self._compliance is not None
         if self._loop is None:
-            self._loop = DeviceLoop(
-                self._executor,
-                self.state.gap,
-                self.state.unworn,
-                self.state.share,
-                self._factor_field,
-                load=self.study.contact.load,
-                hardness=self.study.hardness,
-                compliance=self._compliance,
-                implicit=self.study.stepping.scheme == "implicit",
-                share_changes=self._share_changes,
-            )
-        removals = removals_of(self._wear, self._ledger.row["distance"], increments)
+            self._loop = DeviceLoop(self._executor, self.task, self.state.gap, self.state.unworn)
+        removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
         mean = self._ledger.row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
-        self.ahead = len(made)
         for increment, removed, step in zip(increments, removals, made, strict=True):
-            self.ahead -= 1
-            self._last, self._ahead = step.balance, None
+            self._last, self._lookahead = step.balance, None
             self._foresight.note(step.balance.approach, sum(removed))
             reference = self._ledger.row["pressure_mean"]
-            total, most = self.state.divide(step.totals), self.state.divide(step.most)
+            total, most = (divided(found, self.state.fractions) for found in (step.totals, step.most))
             yield self._ledger.enter(step.balance, increment, removed, reference, total, most)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
@@ -190,135 +121,100 @@ class OneScaleModel:
 
         Raises ConvergenceError when the load cannot be balanced.
         """
-        removal = self._removal(0.0, increment)
+        task, now, row = self.task, self._increment, self._ledger.row
+        removal = task.removals(row["distance"], increment)
+        now.wear = sum(removal)
         stiffness = self._stiffness_of(*removal)
         balance = self._balance(stiffness, sum(removal))
         self._foresight.note(balance.approach, sum(removal))
-        law = [*balance.law]
-        pressure = None
-        if with_pressure:
-            field = self._executor.zeros()
-            self._executor.launch(
-                contact.pressures,
-                inputs=[*law, stiffness.field, self.state.gap],
-                outputs=[field],
-                over=self.tiles,
-            )
-            pressure = self._executor.to_numpy(field)
-        bearing = None
-        if self._recession is not None:
-            bearing = self._recession.cells_bearing(balance, self.state.gap, self._wear_of_disc())
+        balance.fill(self._law)
+        pressure = self._pressures(stiffness) if with_pressure else None
         # The scatter is summed about a value near the mean: of a bearing area the mean itself.
-        near_mean = balance.cap if self._rigid else self._ledger.row["pressure_mean"] or balance.cap
+        near_mean = balance.cap if task.rigid else row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
         step_next, stiffness_next = 0.0, stiffness
-        if then is not None and self._foreseen:
-            removal_next = self._removal(increment, then)
+        if then is not None and self._foreseen and not self.blocks_allowed:
+            removal_next = task.removals(row["distance"] + increment, then)
             stiffness_next = self._stiffness_of(*removal_next)
             step_next = self._foresight.expected(sum(removal_next)) or 0.0
             furthest = balance.approach + max(step_next, 0.0)
             self.tiles.reach(furthest, ahead=STEPS_AHEAD * abs(step_next))
-        most = self._ledger.most
-        known = (self._executor.grid.ny, -1)  # first and last column that were touched
-        if math.isfinite(most["first_column"]):
-            known = int(-most["first_column"]), int(most["last_column"])
-        listed = [self._factor_field, self.state.share, self.state.unworn, self.tiles.rest]
-        if self._share_changes:
-            self._executor.launch(
-                removal_kernels.divide,
-                inputs=[
-                    *law,
-                    *removal,
-                    stiffness.field,
-                    self._factor_field,
-                    self.state.unworn,
-                    self.state.gap,
-                ],
-                outputs=[self.state.share],
-                over=self.tiles,
-                often=True,
-            )
+        first, end = self._ledger.columns
+        now.first_column, now.last_column = (first, end - 1) if end else (self._executor.grid.ny, -1)
+        now.stiffness, now.reference = stiffness, reference
+        now.base_next, now.offset_next, now.stiffness_next = balance.approach, step_next, stiffness_next
         self._executor.launch(
-            removal_kernels.remove,
-            inputs=[
-                *law,
-                *removal,
-                reference,
-                balance.approach,
-                step_next,
-                self._alike,
-                *known,
-                stiffness.field,
-                stiffness_next.field,
-                *listed,
-            ],
-            outputs=[self.state.gap, self._sums, self._maxima, self._balancer.ahead],
+            wear.wear_step,
+            inputs=[self._law, now, self.state.unworn, self.tiles.rest],
+            outputs=[self.state.gap, self._tables],
             over=self.tiles,
             often=True,
         )
-        self._ahead = None
+        self._lookahead = None
         if step_next:
             carried = self._balancer.evaluated(self._balancer.ahead)
-            self._ahead = Ahead(stiffness_next.made_for, step_next, carried)
-        if self._recession is not None:
-            self._recession.recede(self._wear_of_disc(), self.state.gap, self.state.unworn)
-        total = self.state.divide(dict(zip(SUMS, self._sums.numpy().sum(axis=1).tolist(), strict=True)))
-        most = self.state.divide(dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True)))
-        if not self._rigid:
+            self._lookahead = Lookahead(stiffness_next, step_next, carried)
+        total = dict(zip(SUMS, self._tables.sums.numpy().sum(axis=1).tolist(), strict=True))
+        most = dict(zip(MAXIMA, self._tables.maxima.numpy().max(axis=1).tolist(), strict=True))
+        total, most = (divided(found, self.state.fractions) for found in (total, most))
+        if not task.rigid:
             force = total["pressure"] * self._executor.grid.cell_area
-            residual = residual_of(force, self.study.contact.load, approach=balance.approach)
+            residual = residual_of(force, task.load, approach=balance.approach)
             balance = replace(balance, load_residual=residual)
         self._last = balance
-        return self._ledger.enter(
-            balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
+        return self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
+
+    def _pressures(self, stiffness: float) -> FloatArray:
+        """The pressure of every cell [MPa], shape (nx, ny)."""
+        field = self._executor.zeros()
+        self._executor.launch(
+            contact.pressures,
+            inputs=[self._law, self._row_of(stiffness), self.state.gap],
+            outputs=[field],
+            over=self.tiles,
         )
+        return self._executor.to_numpy(field)
 
-    def _removal(self, later: float, increment: float) -> tuple[float, float]:
-        """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
-        start = self._ledger.row["distance"] + later
-        sphere, disc = (law.removal(start, increment) for law in self._wear)
-        return sphere, disc
-
-    def _balance(self, stiffness: Stiffness, removal: float) -> Balance:
-        load = self.study.contact.load
-        if self._rigid:
+    def _balance(self, stiffness: float, removal: float) -> Balance:
+        task, last = self.task, self._last
+        if task.rigid:
+            step = removal * task.hardness
             return self._bearing_area.solve(
                 self.state.gap,
                 self.tiles,
-                highest=self._highest,
-                load=load,
-                hardness=self.study.hardness,
-                tolerance=self.study.load_tolerance,
-                step=removal * self.study.hardness,
+                start=self.tiles.smallest if last is None else last.approach + step,
+                scatter=step,
+                load=task.load,
+                hardness=task.hardness,
+                tolerance=task.load_tolerance,
             )
         # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
         step, known = removal * self._ledger.row["pressure_mean"], None
-        if self._ahead is not None and self._ahead.made_for == stiffness.made_for:
-            step, known = self._ahead.offset, self._ahead.carried
-        return self._balancer.foundation(
-            self.state.gap,
-            stiffness.field,
-            self.tiles,
-            load=load,
-            hardness=self.study.hardness,
-            start=self._last.approach if self._last else None,
+        if self._lookahead is not None and self._lookahead.stiffness == stiffness:
+            step, known = self._lookahead.offset, self._lookahead.carried
+        row = self._row_of(stiffness)
+        return self._balancer.solve(
+            Foundation(self.state.gap, row, self.tiles, task.load, task.hardness, stiffness),
+            start=last.approach if last else None,
             step=step,
-            stiffest=stiffness.stiffest,
             known=known,
         )
 
-    def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> Stiffness:
-        """Of a step that removes so much [mm³/N]; one row where all are alike."""
+    def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> float:
+        """1/c of a step that removes so much [mm³/N] [N/mm³]."""
         compliance = self._compliance
         if compliance is None:
             area = self._ledger.row["area_contact"]
-            compliance = self.study.law(radius=math.sqrt(area / math.pi) if area else None).compliance
-        if self._recession is not None:
-            compliance += removal_sphere
-            field = self._recession.stiffness(compliance, removal_disc, self._wear_of_disc())
-            return Stiffness((compliance, removal_sphere, removal_disc), field, math.inf)
-        return self._stiffness.of(compliance, removal_sphere, removal_disc)
+            compliance = 1.0 / self.task.foundation_at(math.sqrt(area / math.pi) if area else None)
+        if self.task.implicit:
+            compliance = (compliance + removal_sphere) + removal_disc
+        return stiffness_of(compliance)
 
-    def _wear_of_disc(self) -> Field:
-        """A field of its own [mm]: for laws that are evaluated cell by cell on few cells."""
-        return self._executor.field(self.worn()[1])
+    def _row_of(self, stiffness: float) -> Field:
+        """One row for all cells; those of the last two steps are kept."""
+        if stiffness not in self._stiffnesses:
+            while len(self._stiffnesses) > 1:
+                del self._stiffnesses[next(iter(self._stiffnesses))]
+            row = np.full((1, self._executor.vectors * LANES), stiffness)
+            self._stiffnesses[stiffness] = self._executor.field(row)
+        return self._stiffnesses[stiffness]

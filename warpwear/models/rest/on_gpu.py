@@ -1,6 +1,6 @@
 """Many steps on a GPU in a row: one captured graph a step, nothing read back until the last.
 
-The same contact law, balance and wear as `one_scale`, with the search for the balance on the device, so that
+The same contact law, balance and wear as `local`, with the search for the balance on the device, so that
 the host only says "once more". History rows wait on the device and are read in one piece.
 """
 
@@ -11,15 +11,18 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import TOLERANCE, Balance
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
-from warpwear.kernels import gpu_steps as device_steps
-from warpwear.kernels.cells import LANES, MAXIMA, SUMS
+from warpwear.kernels import gpu_steps
+from warpwear.kernels.cells import LANES, WearMost, WearSum, names_of
+from warpwear.kernels.gpu_wear_loop import Known
+from warpwear.laws.task import ContactTask
 
 BLOCK = 256  # threads
 BLOCKS = 1056  # eight for each of the 132 multiprocessors of a large GPU
-AHEAD = 4  # columns of a row before the sums
+HEADER = int(gpu_steps.HEADER)  # columns of a row before the others
+COLUMNS = (*WearSum, *WearMost)
 
 
 @dataclass(frozen=True)
@@ -34,41 +37,20 @@ class DeviceStep:
 class DeviceLoop:
     """Steps of one contact on a foundation.
 
-    gap, unworn, share: fields as of `worn_state.State`; gap and share change in place, the share only where
-    the wear of the two is not in one proportion (`share_changes`). factor: of the disc's sliding distance, a
-    field of one row or of all. compliance: 1/k [mm³/N]; implicit: whether the wear of a step adds to it.
+    task: with the same law for every cell. gap, unworn: fields of `RestingBodies`; the gap changes in place.
     """
 
-    def __init__(
-        self,
-        executor: Executor,
-        gap: Field,
-        unworn: Field,
-        share: Field,
-        factor: Field,
-        *,
-        load: float,
-        hardness: float,
-        compliance: float,
-        implicit: bool,
-        share_changes: bool,
-    ) -> None:
+    def __init__(self, executor: Executor, task: ContactTask, gap: Field, unworn: Field) -> None:
         self._executor = executor
         self._device = executor.device
-        self._load, self._cap = load, hardness
-        columns = executor.vectors * LANES
-        self._gap, self._unworn, self._share = (self._numbers(field) for field in (gap, unworn, share))
-        self._share_changes = int(share_changes)
-        self._factor = self._numbers(factor)
+        self._load, self._cap = task.load, task.hardness
+        self._gap, self._unworn = self._numbers(gap), self._numbers(unworn)
         on_cpu = self._device.is_cpu  # there a block is one thread: for tests
         self._block = 1 if on_cpu else BLOCK
         self._blocks = 3 if on_cpu else BLOCKS
-        rows = 0 if bool((executor.to_numpy(factor) == 1.0).all()) else factor.shape[0]
-        self._cells = [columns, rows, compliance, float(implicit), min(hardness, 1e300), self._blocks]
-        self._partial = wp.zeros(
-            (len(SUMS) + len(MAXIMA), self._blocks), dtype=wp.float64, device=self._device
-        )
-        self._search = wp.zeros(len(device_steps.SEARCH), dtype=wp.float64, device=self._device)
+        self._known = known_of(executor, task, self._blocks)
+        self._partial = wp.zeros((len(COLUMNS), self._blocks), dtype=wp.float64, device=self._device)
+        self._search = wp.zeros(len(gpu_steps.SEARCH), dtype=wp.float64, device=self._device)
         self._searching = wp.zeros(1, dtype=wp.int32, device=self._device)
         self._step = wp.zeros(1, dtype=wp.int32, device=self._device)
 
@@ -81,10 +63,10 @@ class DeviceLoop:
         """
         steps = len(removals)
         self._removals: Field = wp.array(np.asarray(removals), dtype=wp.float64, device=self._device)
-        self._rows = wp.zeros((steps, AHEAD + len(SUMS) + len(MAXIMA)), dtype=wp.float64, device=self._device)
-        search = np.zeros(len(device_steps.SEARCH))
-        search[device_steps.SEARCH.index("approach")] = approach
-        search[device_steps.SEARCH.index("mean")] = mean_pressure
+        self._rows = wp.zeros((steps, HEADER + len(COLUMNS)), dtype=wp.float64, device=self._device)
+        search = np.zeros(len(gpu_steps.SEARCH))
+        search[gpu_steps.SEARCH.index("approach")] = approach
+        search[gpu_steps.SEARCH.index("mean")] = mean_pressure
         self._search.assign(search)
         self._step.zero_()
         if self._device.is_cuda:
@@ -99,7 +81,7 @@ class DeviceLoop:
 
     def _one_step(self) -> None:
         self._launch(
-            device_steps.begin,
+            gpu_steps.begin,
             1,
             [self._removals, self._step],
             [self._search, self._searching],
@@ -110,27 +92,25 @@ class DeviceLoop:
         else:
             while self._searching.numpy()[0]:
                 self._try()
-        steps = [self._removals, self._step, self._search, self._factor]
         self._launch(
-            device_steps.remove,
+            gpu_steps.wear_step,
             self._block * self._blocks,
-            [*self._cells, self._share_changes, *steps, self._unworn],
-            [self._gap, self._share, self._partial],
+            [self._known, self._removals, self._step, self._search, self._unworn],
+            [self._gap, self._partial],
         )
-        quantities = len(SUMS) + len(MAXIMA)
         self._launch(
-            device_steps.record,
-            quantities * self._block,
-            [len(SUMS), self._partial],
+            gpu_steps.record,
+            len(COLUMNS) * self._block,
+            [len(WearSum), self._partial],
             [self._step, self._rows],
         )
-        self._launch(device_steps.finish, 1, [self._load], [self._search, self._step, self._rows], block=1)
+        self._launch(gpu_steps.finish, 1, [self._load], [self._search, self._step, self._rows], block=1)
 
     def _try(self) -> None:
-        known = [*self._cells, self._removals, self._step, self._search, self._factor, self._gap]
-        self._launch(device_steps.carried, self._block * self._blocks, known, [self._partial])
+        known = [self._known, self._removals, self._step, self._search, self._gap]
+        self._launch(gpu_steps.carried, self._block * self._blocks, known, [self._partial])
         balance = [self._load, TOLERANCE, self._executor.grid.cell_area, self._partial]
-        self._launch(device_steps.decide, self._block, balance, [self._search, self._searching])
+        self._launch(gpu_steps.decide, self._block, balance, [self._search, self._searching])
 
     def _launch(
         self,
@@ -157,16 +137,34 @@ class DeviceLoop:
         )
 
     def _read(self, row: FloatArray) -> DeviceStep:
-        base, offset, residual, evaluations = row[:AHEAD].tolist()
-        if not abs(residual) <= TOLERANCE * self._load:
-            raise ConvergenceError(
-                f"the load balance did not converge: {residual:.3g} N of {self._load:.6g} N are left "
-                f"(allowed {TOLERANCE * self._load:.1g} N) near an approach of {base + offset:.9g} mm."
-            )
-        sums = row[AHEAD : AHEAD + len(SUMS)].tolist()
-        maxima = row[AHEAD + len(SUMS) :].tolist()
+        values = row[HEADER:].tolist()
         return DeviceStep(
-            Balance(base, offset, self._cap, residual, evaluations=int(evaluations)),
-            dict(zip(SUMS, sums, strict=True)),
-            dict(zip(MAXIMA, maxima, strict=True)),
+            balance_of(row.tolist(), self._load, self._cap),
+            dict(zip(names_of(WearSum), values, strict=False)),
+            dict(zip(names_of(WearMost), values[len(WearSum) :], strict=True)),
         )
+
+
+def known_of(executor: Executor, task: ContactTask, blocks: int) -> Arguments:
+    """What every step on the device needs of a task."""
+    return arguments(
+        Known,
+        columns=executor.vectors * LANES,
+        tiles=executor.tiles_per_row,
+        blocks=blocks,
+        keeps_dents=int(task.keeps_dents),
+        compliance=task.compliance,
+        implicit=float(task.implicit),
+        cap=min(task.hardness, 1e300),
+    )
+
+
+def balance_of(row: Sequence[float], load: float, cap: float) -> Balance:
+    """The balance that the header of a row tells of. Raises ConvergenceError for an unbalanced one."""
+    base, offset, residual, evaluations = row[:HEADER]
+    if not abs(residual) <= TOLERANCE * load:
+        raise ConvergenceError(
+            f"the load balance did not converge: {residual:.3g} N of {load:.6g} N are left "
+            f"(allowed {TOLERANCE * load:.1g} N) near an approach of {base + offset:.9g} mm."
+        )
+    return Balance(base, offset, cap, residual, evaluations=int(evaluations))

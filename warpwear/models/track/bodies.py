@@ -1,21 +1,20 @@
 """The bodies of a contact that slides: a sphere and a disc displaced under it, each with what it has lost."""
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.state import Columns
 from warpwear.grid import FloatArray
 from warpwear.kernels import gap
 from warpwear.kernels.cells import LANES, PADDING
-from warpwear.study.study import Study
+from warpwear.laws.task import ContactTask
 
 
 @dataclass
-class State:
+class SlidingBodies:
     """Fields [mm] on the executor's device: of nx × ny cells, and of the disc's rows × ny cells."""
 
     sphere: Field  # height over the unworn apex, as worn
@@ -24,26 +23,36 @@ class State:
     wear_disc: Field
     plastic_disc: Field  # displaced for good where a cell was at the hardness; one row where none is kept
     reached: Field  # 1 where the sphere was in contact; one row where its wear shows that
+    #: First column that was ever touched, and the one after the last: beyond them all is as it was made.
+    columns: tuple[int, int] = (0, 0)
+
+    FIELDS: ClassVar = ("sphere", "disc", "wear_sphere", "wear_disc", "plastic_disc", "reached")
+    STATE: ClassVar = {"columns": tuple, **dict.fromkeys(FIELDS, Columns)}
+
+    @property
+    def fields(self) -> dict[str, Field]:
+        """All fields by name, in the order in which kernels take them."""
+        return {name: getattr(self, name) for name in self.FIELDS}
 
     @classmethod
     def of(
-        cls, study: Study, executor: Executor, disc: FloatArray, *, sphere: FloatArray | None = None
+        cls, task: ContactTask, executor: Executor, disc: FloatArray, *, sphere: FloatArray | None = None
     ) -> Self:
-        """Unworn, of the study's sphere or one of other heights [mm], shape (nx, ny).
+        """Unworn, of the task's sphere or one of other heights [mm], shape (nx, ny).
 
-        disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). Raises ValueError for one that is
-        shorter than the grid or of another width.
+        disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). keeps: whether its dents stay. Raises
+        ValueError for a disc that is shorter than the grid or of another width.
         """
         grid, rows = executor.grid, disc.shape[0]
         if rows < grid.nx or disc.shape[1] != grid.ny:
             raise ValueError(f"a disc of {disc.shape} cells does not fit under a grid of {grid.shape}")
-        wears = study.wear_laws[0].fastest > 0.0
+        wears = task.wear[0].fastest > 0.0
         return cls(
-            _sphere(study, executor) if sphere is None else _padded(executor, sphere, PADDING),
+            _sphere(task, executor) if sphere is None else _padded(executor, sphere, PADDING),
             _padded(executor, disc, -PADDING),
             executor.zeros(),
             executor.zeros(rows),
-            executor.zeros(rows if keeps_dents(study) else 1),
+            executor.zeros(rows if task.keeps_dents else 1),
             executor.zeros(1 if wears else grid.nx),
         )
 
@@ -59,27 +68,11 @@ class State:
             raise ValueError(f"a shift of {shift} rows leaves the disc of {rows} rows")
         return shift
 
-    def columns(self, executor: Executor, band: slice) -> dict[str, FloatArray]:
-        """A band of columns of every field, by name."""
-        return {name: executor.to_numpy(field)[:, band] for name, field in vars(self).items()}
 
-    def restore(self, executor: Executor, band: slice, arrays: Mapping[str, FloatArray]) -> None:
-        """Give the fields such columns back; the others stay."""
-        for name, field in vars(self).items():
-            values = executor.to_numpy(field)
-            values[:, band] = arrays[name]
-            executor.fill(field, values)
-
-
-def keeps_dents(study: Study) -> bool:
-    """Whether a disc cell at the hardness stays as deep as it was pressed."""
-    return study.sliding.plastic == "keep" and math.isfinite(study.hardness)
-
-
-def _sphere(study: Study, executor: Executor) -> Field:
-    """Heights of the study's sphere, by the kernel that makes the gap of a smooth disc."""
+def _sphere(task: ContactTask, executor: Executor) -> Field:
+    """Heights of the task's sphere, by the kernel that makes the gap of a smooth disc."""
     grid, heights = executor.grid, executor.zeros()
-    place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), study.sphere.curvature]
+    place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
     executor.launch(gap.gap, inputs=[*place, executor.zeros()], outputs=[heights, heights])
     return heights
 

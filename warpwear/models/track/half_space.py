@@ -1,7 +1,6 @@
-"""One grid in motion on the elastic–plastic half-space: a disc displaced under a wearing sphere."""
+"""One grid on the elastic–plastic half-space: a sphere, and a disc that moves or lies still under it."""
 
-from collections.abc import Mapping
-from typing import Any
+from typing import ClassVar
 
 import warp as wp
 
@@ -13,15 +12,15 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step, TrackLedger
 from warpwear.kernels import sliding_half_space as passes
 from warpwear.kernels.cells import MAXIMA, SUMS
-from warpwear.models.track.bodies import State, keeps_dents
-from warpwear.study.study import Study
+from warpwear.laws.task import ContactTask
+from warpwear.models.track.bodies import SlidingBodies
 
 #: Rows of the table of partial sums.
 OF_STEP = (*SUMS, "pressed_disc")
 
 
 class ElasticSliding:
-    """Contact and wear of one study with contact.law = "half-space" while its disc moves under the sphere.
+    """Contact and wear of one study with contact.law = "half-space" on one executor.
 
     A step finds the pressure p with which it ends (implicit Archard). During it the asperities, and p with
     them, move on by w cells. A disc cell is worn by its own p, a sphere cell by S p, the mean over w cells
@@ -29,53 +28,62 @@ class ElasticSliding:
     made with S of the sphere's wear, and p adds (G + K_disc ΔL + K_sphere ΔL S²) p to it. With the wear at
     the middle of the way instead, waves of the sphere between w/2 and w, of which S is negative, would grow.
     Under a flat w is the whole line: its contact goes on beyond the domain, while under a sphere a mean over
-    the line would smear the contact's outline, which does not move with the disc.
+    the line would smear the contact's outline, which does not move with the disc. Where the disc lies
+    still w is one cell, so that both bodies are worn by p, and a step starts from the last one's pressure.
 
-    disc, periodic, share: as of `sliding.SlidingContact`. Raises ValueError for the same discs.
+    disc, periodic, share: as of `local.SlidingContact`. Raises ValueError for the same discs. moves: whether
+    the disc does.
     """
 
+    STATE: ClassVar = {
+        "state": SlidingBodies,
+        "_of_rows": dict,
+        "_half_space": WindowedHalfSpace,
+        "_ledger": TrackLedger,
+    }
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
 
     def __init__(
         self,
-        study: Study,
+        task: ContactTask,
         disc: FloatArray,
         executor: Executor,
         *,
         periodic: bool = False,
         share: float = 1.0,
+        moves: bool = True,
     ) -> None:
-        self.state = State.of(study, executor, disc)
-        self.study = study
+        self.state = SlidingBodies.of(task, executor, disc)
+        self.task = task
         self.periodic = periodic
         self._executor = executor
-        self._share = share
-        assert study.effective_modulus is not None  # checked with the study
+        self._share, self._moves = share, moves
+        assert task.modulus is not None  # checked with the study
         wp.load_module(passes, device=executor.device)
-        self.keeps_dents = keeps_dents(study)
+        self.keeps_dents = task.keeps_dents
         self._half_space = WindowedHalfSpace(
-            executor, modulus=study.effective_modulus, boundary=study.boundary, hardness=study.hardness
+            executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
         )
         #: The gap, a mean along x by rows, and that of whole lines.
-        self._gap, self._means, self._lines = executor.zeros(), executor.zeros(), executor.zeros(1)
+        self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if moves else 1)
         self._sums, self._maxima = executor.partials(len(OF_STEP)), executor.partials(len(MAXIMA))
         rows = disc.shape[0]
         self._of_rows = {
             name: wp.zeros(rows, dtype=wp.float64, device=executor.device)
             for name in ("wear_disc", "pressed_disc")
         }
-        self._ledger = TrackLedger(study, executor.grid, share=share)
+        self._ledger = TrackLedger(task, executor.grid, track_fraction=share)
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
 
         Raises ConvergenceError when the contact cannot be solved, ValueError as `SlidingContact.step`.
         """
-        executor, state, study = self._executor, self.state, self.study
+        executor, state, task = self._executor, self.state, self.task
         shift = state.row_of(shift, periodic=self.periodic)
         distance = self._ledger.row["distance"]
-        of_sphere, of_disc = (law.removal(distance, increment) for law in study.wear_laws)
+        of_sphere, of_disc = task.removals(distance, increment)
         removal_disc = self._share * of_disc
         window = self.cells_passing(increment)
         met = self._mean_along(state.wear_sphere, window)
@@ -84,19 +92,21 @@ class ElasticSliding:
             inputs=[shift, met, state.wear_sphere, state.sphere, state.disc],
             outputs=[self._gap],
         )
-        # The last pressure is no better a start: neither where it was, nor carried along with the disc.
-        self._half_space.forget()
+        own = of_sphere if window == 1 else 0.0  # a mean over one cell is none
         contact = self._half_space.solve(
             self._gap,
-            load=study.contact.load,
-            compliance=removal_disc,
-            streak_compliance=of_sphere,
+            load=task.load,
+            compliance=removal_disc + own,
+            streak_compliance=of_sphere - own,
             streak_window=window,
         )
+        if self._moves:
+            # This pressure is no better a start: neither where it is, nor carried along with the disc.
+            self._half_space.forget()
         pressure = contact.pressure.copy() if with_pressure else None
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
-        cap = min(study.hardness, NO_CAP)
+        cap = min(task.hardness, NO_CAP)
         executor.launch(
             passes.remove,
             inputs=[
@@ -110,7 +120,7 @@ class ElasticSliding:
                 self._mean_along(contact.pressure_field, window),
                 contact.gradient_field,
             ],
-            outputs=[*vars(state).values(), self._sums, self._maxima],
+            outputs=[*state.fields.values(), self._sums, self._maxima],
         )
         executor.launch(
             passes.totals,
@@ -121,43 +131,30 @@ class ElasticSliding:
         total |= {name: float(rows.numpy().sum()) for name, rows in self._of_rows.items()}
         most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
         carried = total["pressure"] * executor.grid.cell_area
-        residual = residual_of(carried, study.contact.load, approach=contact.approach)
+        residual = residual_of(carried, task.load, approach=contact.approach)
         balance = Balance(contact.approach, 0.0, cap, residual, evaluations=contact.transforms)
-        return self._ledger.enter(
+        step = self._ledger.enter(
             balance, increment, (of_sphere, of_disc), reference, total, most, pressure=pressure
         )
+        state.columns = self._ledger.columns
+        return step
 
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
         grid = self._executor.grid
-        if self.study.sphere.curvature == 0.0:
+        if not self._moves:
+            return 1
+        if self.task.curvature == 0.0:
             return grid.nx
         return min(max(round(self._share * increment / grid.cell), 1), grid.nx)
 
     def _mean_along(self, field: Field, window: int) -> Field:
         """S of a field, by rows, or one row for all; it lasts until the next."""
+        if window == 1:
+            return field
         if window < self._executor.grid.nx:
             self._executor.launch(passes.mean_passing, inputs=[window, field], outputs=[self._means])
             return self._means
-        every = [(0, self._executor.vectors)]
-        self._executor.launch(passes.mean_of_lines, inputs=[field], outputs=[self._lines], chunks=every)
-        return self._lines
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs.
-
-        Of fields only the columns that were ever touched: beyond them they are as they were made.
-        """
-        band = self._ledger.columns
-        arrays: dict[str, Any] = {**self.state.columns(self._executor, band)}
-        arrays |= {f"{name}_in_rows": rows.numpy() for name, rows in self._of_rows.items()}
-        numbers = {"columns": [band.start, band.stop], "window": self._half_space.window}
-        return arrays, numbers | {"most": self._ledger.most, "row": self._ledger.row}
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another contact of the same study, disc and device saved."""
-        self.state.restore(self._executor, slice(*numbers["columns"]), arrays)
-        for name, rows in self._of_rows.items():
-            rows.assign(arrays[f"{name}_in_rows"])
-        self._half_space.go_on_from(None, numbers["window"])
-        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
+        lines, every = self._means[:1], [(0, self._executor.vectors)]
+        self._executor.launch(passes.mean_of_lines, inputs=[field], outputs=[lines], chunks=every)
+        return lines

@@ -2,31 +2,36 @@
 
 import math
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import ClassVar
 
 import numpy as np
 import warp as wp
 
-from warpwear.contact.balance import RIGID, Balance, Balancer
+from warpwear.contact.balance import RIGID, Balance, Balancer, Foundation, stiffness_of
 from warpwear.contact.bearing_area import BearingArea
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step, TrackLedger
 from warpwear.kernels import contact, sliding
-from warpwear.kernels.cells import LANES, STEP, STEP_MAXIMA
-from warpwear.laws.archard import removals_of
-from warpwear.models.track.bodies import State, keeps_dents
+from warpwear.kernels.cells import LANES, TrackMost, TrackSum, names_of
+from warpwear.kernels.contact import Law
+from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTiles, Slide, StepTables
+from warpwear.laws.archard import distance_factor, removals_of
+from warpwear.laws.bearing_curve import Logistic
+from warpwear.laws.task import ContactTask
+from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.on_gpu import DeviceSliding
+from warpwear.models.track.recession import Recession
 from warpwear.models.track.tiles import PerTile, SlidingTiles
-from warpwear.study.study import Study
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 1.25
 #: Changes of the approach from which the next is expected, and how many times the largest it may be.
 CHANGES, TIMES = 8, 2.0
-#: Kept of every tile and of every row.
+#: Sums over tiles and rows, and their names where they differ in the history.
 KEPT = ("touched", "worn_sphere", "worn_disc", "pressed_disc")
+RENAMED = {"worn_sphere": "wear_sphere", "worn_disc": "wear_disc"}
 #: Of a step before which nothing was touched.
 NO_ROWS = {"first_row": -math.inf, "last_row": -math.inf}
 #: What the approach may change by when nothing is known of it, and at least [mm].
@@ -34,58 +39,93 @@ FIRST_SCATTER, LEAST_SCATTER = 1.0e-4, 1.0e-6
 
 
 class SlidingContact:
-    """Contact and wear of one study while its disc moves under the sphere.
+    """Contact and wear of one task while its disc moves under the sphere, or lies still.
 
-    A step visits what can touch at that displacement, and finds what visiting every cell would find. Every
-    cell of either body slides by the increment of the step while it is in contact: a distance factor of the
-    study is a matter of a disc that lies still, and is not applied.
+    A step visits what can touch at that displacement, and finds what visiting every cell would find.
 
     disc: heights over the mean plane [mm], shape (rows ≥ nx, ny); row i of the sphere lies on row i + shift.
     periodic: after the disc's last row comes its first. sphere: heights over the unworn apex [mm], shape
-    (nx, ny), instead of those of the study's sphere. share: what this disc slides of the increment of the
-    test: its volumes count 1/share times, as those of the whole stroke that it stands for.
+    (nx, ny), instead of those of the task's sphere. track_fraction: what this disc slides of the increment of
+    the test: its volumes count 1/track_fraction times, as those of the whole stroke that it stands for.
+    moves: whether the disc does. Where it lies still, a distance factor of the task is applied; else every
+    cell slides by the increment while it is in contact. bearing_curve: of a roughness that the grid does not
+    resolve, by which a disc that lies still runs in.
 
     Raises ValueError for a disc that is shorter than the grid or of another width.
     """
 
+    STATE: ClassVar = {
+        "state": SlidingBodies,
+        "tiles": SlidingTiles,
+        "_kept": dict,
+        "_totals": dict,
+        "_approach": float,
+        "_changes": deque,
+        "_recession": Recession,
+        "_ledger": TrackLedger,
+    }
+
     def __init__(
         self,
-        study: Study,
+        task: ContactTask,
         disc: FloatArray,
         executor: Executor,
         *,
         periodic: bool = False,
         sphere: FloatArray | None = None,
-        share: float = 1.0,
+        track_fraction: float = 1.0,
+        moves: bool = True,
+        bearing_curve: Logistic | None = None,
     ) -> None:
         grid = executor.grid
-        self.state = State.of(study, executor, disc, sphere=sphere)
-        self.study = study
+        self.state = SlidingBodies.of(task, executor, disc, sphere=sphere)
+        self.task = task
         self.periodic = periodic
         self._executor = executor
         self._rows = disc.shape[0]
-        self._share = share
-        self._wear, self._elastic = study.wear_laws, study.law().compliance
-        self._implicit = study.stepping.scheme == "implicit"
-        self.keeps_dents = keeps_dents(study)
+        self._track_fraction = track_fraction
+        self.keeps_dents = task.keeps_dents
         self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
-        fully = study.contact.load / (study.hardness * grid.cell_area)
+        fully = task.load / (task.hardness * grid.cell_area)
         self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
         columns, device = executor.tiles_per_row, executor.device
         # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc,
         # what is displaced of the disc.
         rows = (grid.nx, grid.nx, self._rows, self.state.plastic_disc.shape[0])
-        self._kept = [PerTile(n, columns, device) for n in rows]
-        self._totals = [wp.zeros(n, dtype=wp.float64, device=device) for n in rows]
-        self._sums = executor.partials(len(STEP))
-        self._maxima = executor.partials(len(STEP_MAXIMA))
-        self._stiffness: tuple[float, Field] | None = None  # with the compliance that it was made for
+        self._kept = {name: PerTile(n, columns, device) for name, n in zip(KEPT, rows, strict=True)}
+        self._totals = {
+            name: wp.zeros(n, dtype=wp.float64, device=device) for name, n in zip(KEPT, rows, strict=True)
+        }
+        self._stiffness: tuple[tuple[float, ...], Field] | None = None  # with what it was made for
         self._approach: float | None = None
         self._changes: deque[float] = deque(maxlen=CHANGES)
-        self._ledger = TrackLedger(study, executor.grid, share=share)
+        self._ledger = TrackLedger(task, executor.grid, track_fraction=track_fraction)
         self._loop: DeviceSliding | None = None
-        #: Whether the device can make steps by itself: those of a contact with compliance.
-        self.blocks_allowed = executor.device.is_cuda and not study.uses_bearing_area
+        kind = "none" if moves else task.distance_factor
+        self._factor = distance_factor(grid, kind, curvature=task.curvature)
+        #: Whether the device can make steps by itself: those of a contact with compliance, one for all cells.
+        alike = kind == "none" and bearing_curve is None
+        self.blocks_allowed = executor.device.is_cuda and not task.rigid and alike
+        self._gather(kind != "none")
+        self._recession = None
+        if bearing_curve is not None:
+            self._recession = Recession(bearing_curve, executor, self._bodies, self._of_cells.factor)
+
+    def _gather(self, factored: bool) -> None:
+        """Make the arguments of the kernels, which change in place."""
+        executor, tiles = self._executor, self.tiles
+        factors = np.broadcast_to(self._factor, (self._factor.shape[0], executor.grid.ny))
+        sums, maxima = executor.partials(len(TrackSum)), executor.partials(len(TrackMost))
+        numbers = {name: kept.numbers for name, kept in self._kept.items()}
+        bounds = {"lowest": tiles.lowest.numbers, "highest": tiles.highest.numbers}
+        self._law = arguments(Law)
+        self._slide = arguments(Slide, factored=int(factored))
+        self._of_cells = arguments(OfCells, factor=executor.field(factors))
+        self._tables = arguments(StepTables, sums=sums, maxima=maxima)
+        self._bodies = arguments(Bodies, **self.state.fields, gap=tiles.gap)
+        self._of_tiles = arguments(OfTiles, **bounds, **numbers)
+        self._of_eight = arguments(OfEightTiles, **{name: kept.vectors for name, kept in self._kept.items()})
+        self._of_rows = arguments(OfRows, **self._totals)
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -95,61 +135,48 @@ class SlidingContact:
         Raises ConvergenceError when the load cannot be balanced, ValueError when a disc that is not periodic
         would leave a part of the sphere without one.
         """
+        task, now, row = self.task, self._slide, self._ledger.row
         shift = self.state.row_of(shift, periodic=self.periodic)
         self.tiles.displace(shift)
-        distance = self._ledger.row["distance"]
-        of_sphere, of_disc = (law.removal(distance, increment) for law in self._wear)
-        removal_sphere, removal_disc = of_sphere, self._share * of_disc
-        compliance = self._compliance(removal_sphere + removal_disc)
+        removal = task.removals(row["distance"], increment)
+        now.shift, now.wear_sphere, now.wear_disc = shift, removal[0], self._track_fraction * removal[1]
+        compliance = task.compliance + (removal[0] + self._track_fraction * removal[1]) * task.implicit
         stiffness = self._stiffness_of(compliance)
+        self._of_cells.stiffness = stiffness
         balance = self._balance(stiffness, compliance)
-        near_mean = balance.cap if compliance == 0.0 else self._ledger.row["pressure_mean"] or balance.cap
-        reference = near_mean if math.isfinite(near_mean) else 0.0
-        pressure = self._pressures(balance, stiffness) if with_pressure else None
-        state, tiles = self.state, self.tiles
-        columns = self._ledger.columns
-        known = (columns.start, columns.stop - 1) if columns.stop else (self._executor.grid.ny, -1)
+        balance.fill(self._law)
+        near_mean = balance.cap if compliance == 0.0 else row["pressure_mean"] or balance.cap
+        now.reference = reference = near_mean if math.isfinite(near_mean) else 0.0
+        pressure = self._pressures(stiffness) if with_pressure else None
+        bearing = None if self._recession is None else self._recession.cells_bearing(self._law)
+        first, end = self._ledger.columns
+        now.first_column, now.last_column = (first, end - 1) if end else (self._executor.grid.ny, -1)
+        now.full_depth = compliance * task.hardness if self.keeps_dents else math.inf
         self._executor.launch(
-            sliding.remove,
-            inputs=[
-                *balance.law,
-                removal_sphere,
-                removal_disc,
-                reference,
-                shift,
-                *known,
-                compliance * self.study.hardness if self.keeps_dents else math.inf,
-                stiffness,
-            ],
-            outputs=[
-                tiles.gap,
-                state.sphere,
-                state.disc,
-                state.wear_sphere,
-                state.wear_disc,
-                tiles.lowest.numbers,
-                tiles.highest.numbers,
-                *(kept.numbers for kept in self._kept[:3]),
-                state.plastic_disc,
-                self._kept[3].numbers,
-                state.reached,
-                self._sums,
-                self._maxima,
-            ],
-            over=tiles,
+            sliding.wear_step,
+            inputs=[self._law, now, self._of_cells],
+            outputs=[self._bodies, self._of_tiles, self._tables],
+            over=self.tiles,
             often=True,
         )
         self._executor.launch(
             sliding.totals,
-            inputs=[shift, *(kept.vectors for kept in self._kept)],
-            outputs=self._totals,
-            over=tiles,
+            inputs=[shift, self._of_eight],
+            outputs=[self._of_rows],
+            over=self.tiles,
             often=True,
         )
+        if self._recession is not None:
+            self._recession.recede()
         if self._approach is not None:
             self._changes.append(abs(balance.approach - self._approach))
         self._approach = balance.approach
-        return self._entered(balance, increment, (of_sphere, of_disc), reference, pressure)
+        total, most = self._found()
+        step = self._ledger.enter(
+            balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
+        )
+        self.state.columns = self._ledger.columns
+        return step
 
     @property
     def in_blocks(self) -> bool:
@@ -159,23 +186,12 @@ class SlidingContact:
     def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[Step]:
         """Steps as `step` makes them, on the device in one go before the first of them is seen."""
         if self._loop is None:
-            self._loop = DeviceSliding(
-                self._executor,
-                [*vars(self.state).values()],
-                [self.tiles.lowest.numbers, self.tiles.highest.numbers],
-                [kept.numbers for kept in self._kept],
-                self._totals,
-                load=self.study.contact.load,
-                hardness=self.study.hardness,
-                compliance=self._elastic,
-                implicit=self._implicit,
-                keeps=self.keeps_dents,
-            )
+            self._loop = DeviceSliding(self._executor, self.task, self._bodies, self._of_tiles, self._of_rows)
         assert self._approach is not None
-        removals = removals_of(self._wear, self._ledger.row["distance"], increments)
+        removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
         made = self._loop.run(
             [shift % self._rows for shift in shifts],
-            [(sphere, self._share * disc) for sphere, disc in removals],
+            [(sphere, self._track_fraction * disc) for sphere, disc in removals],
             approach=self._approach,
             wander=max(self._changes, default=FIRST_SCATTER),
             mean_pressure=self._ledger.row["pressure_mean"],
@@ -184,107 +200,75 @@ class SlidingContact:
             self._changes.append(abs(step.balance.approach - self._approach))
             self._approach = step.balance.approach
             reference = self._ledger.row["pressure_mean"]
-            yield self._ledger.enter(step.balance, increment, removal, reference, step.totals, step.most)
+            entered = self._ledger.enter(step.balance, increment, removal, reference, step.totals, step.most)
+            self.state.columns = self._ledger.columns
+            yield entered
 
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs.
-
-        Of fields only the columns that were ever touched: beyond them they are as they were made.
-        """
-        band = self._ledger.columns
-        arrays: dict[str, Any] = {**self.state.columns(self._executor, band)}
-        arrays |= {name: array.numpy() for name, array in self._of_tiles().items()}
-        return arrays, {
-            "columns": [band.start, band.stop],
-            "approach": self._approach,
-            "changes": [*self._changes],
-            "most": self._ledger.most,
-            "row": self._ledger.row,
-        }
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another contact of the same study, disc and device saved."""
-        self.state.restore(self._executor, slice(*numbers["columns"]), arrays)
-        for name, array in self._of_tiles().items():
-            array.assign(arrays[name])
-        self._approach = numbers["approach"]
-        self._changes.extend(numbers["changes"])
-        self._ledger.most, self._ledger.row = dict(numbers["most"]), dict(numbers["row"])
-
-    def _of_tiles(self) -> dict[str, Field]:
-        """What is kept of tiles and rows, by name."""
-        kept = {"sphere_lowest": self.tiles.lowest.numbers, "disc_highest": self.tiles.highest.numbers}
-        kept |= {f"{name}_in_tiles": kept.numbers for name, kept in zip(KEPT, self._kept, strict=True)}
-        return kept | {f"{name}_in_rows": totals for name, totals in zip(KEPT, self._totals, strict=True)}
-
-    def _pressures(self, balance: Balance, stiffness: Field) -> FloatArray:
+    def _pressures(self, stiffness: Field) -> FloatArray:
         """The pressure field of a solved contact [MPa]."""
         field = self._executor.zeros()
         self._executor.launch(
             contact.pressures,
-            inputs=[*balance.law, stiffness, self.tiles.gap],
+            inputs=[self._law, stiffness, self.tiles.gap],
             outputs=[field],
             over=self.tiles,
         )
         return self._executor.to_numpy(field)
 
-    def _compliance(self, removal: float) -> float:
-        """c of a step that removes so much [mm³/N]."""
-        return self._elastic + (removal if self._implicit else 0.0)
-
     def _stiffness_of(self, compliance: float) -> Field:
-        if self._stiffness is None or self._stiffness[0] != compliance:
-            stiffness = min(1.0 / compliance, RIGID) if compliance else RIGID
+        """1/c of the cells in the step at hand [N/mm³], one row where they are alike.
+
+        compliance: of a cell that slides as far as the middle [mm³/N].
+        """
+        task, now = self.task, self._slide
+        if self._recession is not None and task.implicit:
+            return self._recession.stiffness(task.compliance + now.wear_sphere, now.wear_disc)
+        made_for = (compliance, now.wear_disc * now.factored)
+        if self._stiffness is None or self._stiffness[0] != made_for:
+            values = np.full((1, 1), compliance)
+            if now.factored and task.implicit:
+                values = self._factor * now.wear_disc + (task.compliance + now.wear_sphere)
+            with np.errstate(divide="ignore", over="ignore"):
+                values = np.minimum(1.0 / values, RIGID)
             # A stiffness of 0 beyond the last column would look like cells at the point of touching.
-            row = np.full((1, self._executor.vectors * LANES), stiffness)
-            self._stiffness = compliance, self._executor.field(row)
+            padding = self._executor.vectors * LANES - values.shape[1]
+            self._stiffness = (
+                made_for,
+                self._executor.field(np.pad(values, ((0, 0), (0, padding)), mode="edge")),
+            )
         return self._stiffness[1]
 
     def _balance(self, stiffness: Field, compliance: float) -> Balance:
         scatter = max(TIMES * max(self._changes, default=0.5 * FIRST_SCATTER), LEAST_SCATTER)
-        load, hardness = self.study.contact.load, self.study.hardness
+        load, hardness = self.task.load, self.task.hardness
         if compliance > 0.0:
-            return self._balancer.foundation(
-                self.tiles.gap,
-                stiffness,
-                self.tiles,
-                load=load,
-                hardness=hardness,
+            alike = not self._slide.factored and self._recession is None
+            stiffest = stiffness_of(compliance) if alike else math.inf
+            return self._balancer.solve(
+                Foundation(self.tiles.gap, stiffness, self.tiles, load, hardness, stiffest),
                 start=self._approach,
                 scatter=0.0 if self._approach is None else scatter,
-                stiffest=min(1.0 / compliance, RIGID),
             )
         if not math.isfinite(hardness):
             raise ValueError("a contact without compliance needs a hardness")
         # Without an approach the search starts at the lowest cell, which is not far from the level sought.
-        return self._bearing_area.solve_near(
+        return self._bearing_area.solve(
             self.tiles.gap,
             self.tiles,
             start=self.tiles.smallest if self._approach is None else self._approach,
             scatter=scatter,
             load=load,
             hardness=hardness,
-            tolerance=self.study.load_tolerance,
+            tolerance=self.task.load_tolerance,
         )
 
-    def _entered(
-        self,
-        balance: Balance,
-        increment: float,
-        removal: tuple[float, float],
-        reference: float,
-        pressure: FloatArray | None,
-    ) -> Step:
-        total = dict(zip(STEP, self._sums.numpy().sum(axis=1).tolist(), strict=True))
-        most = dict(zip(STEP_MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
-        touched, worn_sphere, worn_disc, pressed = (totals.numpy() for totals in self._totals)
-        total |= {
-            "pressure_times_factor": total["pressure"],
-            "touched": float(touched.sum()),
-            "wear_sphere": float(worn_sphere.sum()),
-            "wear_disc": float(worn_disc.sum()),
-            "pressed_disc": float(pressed.sum()),
-        }
-        rows = np.flatnonzero(touched)
+    def _found(self) -> tuple[dict[str, float], dict[str, float]]:
+        """What the kernels found in a step: sums and maxima by name."""
+        sums, maxima = self._tables.sums.numpy().sum(axis=1), self._tables.maxima.numpy().max(axis=1)
+        total = dict(zip(names_of(TrackSum), sums.tolist(), strict=True))
+        most = dict(zip(names_of(TrackMost), maxima.tolist(), strict=True))
+        of_rows = {name: totals.numpy() for name, totals in self._totals.items()}
+        total |= {RENAMED.get(name, name): float(values.sum()) for name, values in of_rows.items()}
+        rows = np.flatnonzero(of_rows["touched"])
         most |= {"first_row": -float(rows[0]), "last_row": float(rows[-1])} if rows.size else NO_ROWS
-        return self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
+        return total, most

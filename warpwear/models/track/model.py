@@ -1,69 +1,80 @@
 """A sphere that slides over a track: one contact, displaced step by step along the way of `track.Track`."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import ClassVar
 
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.bearing_curve import Logistic
+from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
+from warpwear.models.model import Model
 from warpwear.models.track.half_space import ElasticSliding
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.on_gpu import LONGEST_BLOCK
-from warpwear.study.study import Study
 
 #: Fields of the disc's size at the peak of a run: heights as read and as worn, wear, room to work.
 DISC_FIELDS = 4.0
 
 
-class SweptModel:
-    """Contact and wear of one swept study on one executor.
+class SweptModel(Model):
+    """Contact and wear on one executor, of a disc that moves under the sphere or lies still.
 
     heights: of the track over its mean plane [mm], shape (track.rows, ny). The caller may let go of it.
+    bearing_curve: of a roughness that the grid does not resolve, by which a disc that lies still runs in.
     """
 
-    def __init__(self, study: Study, track: Track, heights: FloatArray, executor: Executor) -> None:
+    longest_block = LONGEST_BLOCK
+    STATE: ClassVar = {"contact": SlidingContact, "_done": int}
+
+    def __init__(
+        self,
+        task: ContactTask,
+        track: Track,
+        heights: FloatArray,
+        executor: Executor,
+        *,
+        bearing_curve: Logistic | None = None,
+    ) -> None:
         self._track, self._executor = track, executor
-        law = ElasticSliding if study.contact.law == "half-space" else SlidingContact
-        self.contact = law(study, heights, executor, periodic=track.periodic, share=track.share)
+        periodic, fraction, moves = track.periodic, track.share, track.moves
+        self.contact: ElasticSliding | SlidingContact
+        if task.half_space:
+            self.contact = ElasticSliding(
+                task, heights, executor, periodic=periodic, share=fraction, moves=moves
+            )
+        else:
+            self.contact = SlidingContact(
+                task,
+                heights,
+                executor,
+                periodic=periodic,
+                track_fraction=fraction,
+                moves=moves,
+                bearing_curve=bearing_curve,
+            )
         self._keeps = self.contact.keeps_dents
         self._done = 0
-        #: Steps that the state is ahead of the last one given, in a block.
-        self.ahead = 0
 
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for.
+    @property
+    def in_blocks(self) -> bool:
+        """Whether the device makes the next steps by itself."""
+        return self.contact.in_blocks
 
-        On a GPU steps whose pressure nobody asks for are made in blocks, before the first of them is seen.
-        """
-        block: list[float] = []
-        for increment, with_pressure in plan:
-            if self.contact.in_blocks and not with_pressure:
-                block.append(increment)
-                if len(block) < LONGEST_BLOCK:
-                    continue
-            yield from self._block(block)
-            block = []
-            if with_pressure or not self.contact.in_blocks:
-                row = self._track.row(self._done)
-                yield self._given(self.contact.step(row, increment, with_pressure=with_pressure))
-        yield from self._block(block)
+    def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
+        """Solve the contact, slide on by the increment [mm] and wear both bodies."""
+        row = self._track.row(self._done)
+        return self._placed(self.contact.step(row, increment, with_pressure=with_pressure))
 
-    def _block(self, increments: list[float]) -> Iterator[Step]:
-        """Steps made on the device in one go."""
-        if not increments:
-            return
+    def block(self, increments: Sequence[float]) -> Iterator[Step]:
+        """Steps made on the device in one go, before the first of them is seen."""
         assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
-        first = self._done
-        rows = [self._track.row(first + i) for i in range(len(increments))]
-        steps = self.contact.steps(rows, increments)
-        self.ahead = len(increments)
-        for step in steps:
-            self.ahead -= 1
-            yield self._given(step)
+        rows = [self._track.row(self._done + i) for i in range(len(increments))]
+        return map(self._placed, self.contact.steps(rows, increments))
 
-    def _given(self, step: Step) -> Step:
+    def _placed(self, step: Step) -> Step:
         step.row["position"] = self._track.place(self._done)
         self._done += 1
         return step
@@ -81,15 +92,5 @@ class SweptModel:
             wear_disc=to_numpy(state.wear_disc),
             gap=to_numpy(state.sphere) - self._track.beneath(disc, row),
             plastic_disc=to_numpy(state.plastic_disc) if self._keeps else None,
-            row=row,
+            row=row if self._track.moves else None,
         )
-
-    def saved_state(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers that the steps so far have changed: all that `restore` needs."""
-        arrays, numbers = self.contact.saved_state()
-        return arrays, numbers | {"steps": self._done}
-
-    def restore(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
-        """Go on from the state that another model of the same study, surface and device saved."""
-        self.contact.restore(arrays, numbers)
-        self._done = numbers["steps"]

@@ -1,12 +1,12 @@
 """The list of tiles that a sphere can touch on a disc displaced under it."""
 
 import math
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.tiles import TileList
 from warpwear.grid import FloatArray
 from warpwear.kernels import sliding
@@ -22,6 +22,8 @@ BOUNDS_IN_CELLS = 1.0
 
 class PerTile:
     """One number a tile of a body, rows × tiles, seen also as eight neighbouring tiles in a vector."""
+
+    STATE: ClassVar = {"numbers": Field}
 
     def __init__(self, rows: int, tiles: int, device: Any) -> None:
         groups = -(-tiles // LANES)
@@ -49,6 +51,8 @@ class SlidingTiles(TileList):
     infinitely high on the sphere and low on the disc.
     """
 
+    STATE: ClassVar = {"lowest": PerTile, "highest": PerTile}
+
     def __init__(self, executor: Executor, sphere: Field, disc: Field, *, least: float) -> None:
         super().__init__(executor, least=least)
         self._heights = [sphere, disc]
@@ -65,13 +69,17 @@ class SlidingTiles(TileList):
                 outputs=[kept.numbers, other.numbers] if low else [other.numbers, kept.numbers],
                 chunks=[(0, field.shape[0] * executor.slots_per_row)],
             )
-        rows = sphere.shape[0], -1, LANES
         # The sphere's lowest of eight tiles and the disc's highest of a row, before any wear.
-        self._coarse: list[Field] = [
-            wp.array(self.lowest.to_numpy().reshape(rows).min(axis=2), dtype=wp.float64, device=device),
-            wp.array(self.highest.to_numpy().max(axis=1), dtype=wp.float64, device=device),
-        ]
-        self._share_scan()
+        lowest = self.lowest.to_numpy().reshape(sphere.shape[0], -1, LANES).min(axis=2)
+        highest = self.highest.to_numpy().max(axis=1)
+        self._bound = arguments(
+            sliding.Bounds,
+            lowest_of_eight=wp.array(lowest, dtype=wp.float64, device=device),
+            highest_of_row=wp.array(highest, dtype=wp.float64, device=device),
+            lowest=self.lowest.vectors,
+            highest=self.highest.vectors,
+        )
+        self._split_scan()
 
     @property
     def smallest(self) -> float:
@@ -104,26 +112,19 @@ class SlidingTiles(TileList):
             limit = limit + depth if depth < DEEPEST else math.inf
             depth *= DEEPER
             self._list(limit)
-        self._share_scan()
+        self._split_scan()
 
     def _list(self, limit: float) -> None:
         self._executor.launch(
             sliding.select,
-            inputs=[
-                limit,
-                self.shift,
-                *self._coarse,
-                self.lowest.vectors,
-                self.highest.vectors,
-                *self._heights,
-            ],
+            inputs=[limit, self.shift, self._bound, *self._heights],
             outputs=[self.gap, self.list, self.count],
             chunks=self._scan,
             often=True,
         )
         self._adopt(limit)
 
-    def _share_scan(self) -> None:
+    def _split_scan(self) -> None:
         """Ranges of rows for the next scan: every bound is looked at, and gaps are made as last time."""
         tiles = self._executor.tiles_per_row * BOUNDS_IN_CELLS + self.count.numpy() * self._cells_of_tile
-        self._scan = self._executor.share(tiles)
+        self._scan = self._executor.split_rows(tiles)

@@ -1,0 +1,134 @@
+"""What steps change of a model: declared once by each of its parts, saved and restored bit for bit.
+
+A part is an object with a `STATE`, which names the attributes that steps change, with their types:
+
+    STATE = {"gap": Field, "tiles": Tiles, "_last": Balance, "_done": int}
+
+Arrays on a device are restored in place; parts of a part by their own `STATE`; dataclasses and named tuples
+of numbers, arrays and None are made anew. A part that must do more, once it is restored, does it in
+`restored()`.
+"""
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import warp as wp
+
+
+class Columns:
+    """Declares a field of which only the columns first … last − 1 of its part's `columns` are saved."""
+
+
+class Part(Protocol):
+    """Something that steps change."""
+
+    @property
+    def STATE(self) -> Mapping[str, Any]:
+        """Names and types of the attributes that steps change."""
+
+
+def save(part: Part) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """Arrays by dotted name, and numbers as JSON keeps them: all that `restore` needs.
+
+    Arrays of a CPU are views, which the next step changes.
+    """
+    arrays: dict[str, np.ndarray] = {}
+    return arrays, _saved(part, "", arrays)
+
+
+def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
+    """Give a part the state that another one of the same make saved.
+
+    arrays, numbers: what `save` returned, the numbers perhaps by way of JSON.
+    """
+    _restore(part, "", arrays, numbers)
+
+
+def _saved(part: Any, path: str, arrays: dict[str, np.ndarray]) -> dict[str, Any]:
+    numbers: dict[str, Any] = {}
+    for name, kind in part.STATE.items():
+        value, place = getattr(part, name), path + name.lstrip("_")
+        if kind is Columns:
+            arrays[place] = _columns(part, value.numpy())
+        else:
+            numbers[name] = _put(value, place, arrays)
+    return numbers
+
+
+def _put(value: Any, path: str, arrays: dict[str, np.ndarray]) -> Any:
+    """Enter the arrays of a value; return its numbers, None for what is an array."""
+    if hasattr(value, "STATE"):
+        return _saved(value, f"{path}.", arrays)
+    if isinstance(value, wp.array):
+        arrays[path] = value.numpy()
+        return None
+    if isinstance(value, np.ndarray):
+        arrays[path] = value
+        return None
+    if is_dataclass(value):
+        value = {field.name: getattr(value, field.name) for field in fields(value)}
+    elif hasattr(value, "_asdict"):
+        value = value._asdict()
+    if isinstance(value, Mapping):
+        return {name: _put(item, f"{path}.{name}", arrays) for name, item in value.items()}
+    if isinstance(value, list | tuple | deque):
+        return [_put(item, f"{path}.{number}", arrays) for number, item in enumerate(value)]
+    return value
+
+
+def _restore(part: Any, path: str, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
+    for name, kind in part.STATE.items():
+        before, place = getattr(part, name), path + name.lstrip("_")
+        if kind is Columns:
+            host = before.numpy()
+            _columns(part, host)[:] = arrays[place]
+            before.assign(host)
+            continue
+        after = _take(kind, before, numbers[name], place, arrays)
+        if after is not before:
+            setattr(part, name, after)
+    if hasattr(part, "restored"):
+        part.restored()
+
+
+def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np.ndarray]) -> Any:
+    """A value of some kind; the one before, where that was changed in place."""
+    if hasattr(before, "STATE"):
+        _restore(before, f"{path}.", arrays, saved)
+        return before
+    if isinstance(before, wp.array):
+        before.assign(arrays[path])
+        return before
+    if path in arrays:
+        return arrays[path]
+    if saved is None:
+        return None
+    members = _members(kind)
+    if members:
+        return kind(**{n: _take(of, None, saved[n], f"{path}.{n}", arrays) for n, of in members.items()})
+    if isinstance(saved, Mapping):
+        items = before if isinstance(before, Mapping) else {}
+        return {n: _take(None, items.get(n), item, f"{path}.{n}", arrays) for n, item in saved.items()}
+    if isinstance(saved, list):
+        parts = before if isinstance(before, list) else [None] * len(saved)
+        taken = [_take(None, parts[i], item, f"{path}.{i}", arrays) for i, item in enumerate(saved)]
+        if isinstance(before, deque):
+            return deque(taken, before.maxlen)
+        return taken if isinstance(before, list) else tuple(taken)
+    return saved
+
+
+def _members(kind: Any) -> dict[str, Any]:
+    """Types of the members of a dataclass or named tuple, by name."""
+    if is_dataclass(kind):
+        return {field.name: field.type for field in fields(kind)}
+    return dict(getattr(kind, "__annotations__", {})) if hasattr(kind, "_fields") else {}
+
+
+def _columns(part: Any, host: np.ndarray) -> np.ndarray:
+    """The columns of a field that its part names."""
+    first, last = part.columns
+    return host.reshape(host.shape[0], -1)[:, first:last]

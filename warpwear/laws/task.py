@@ -1,0 +1,64 @@
+"""What a contact has to do: the handful of numbers of a study that its model, history and steps need."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from warpwear.laws.archard import WearLaw
+from warpwear.laws.elastic import Hertz
+
+
+@dataclass(frozen=True)
+class ContactTask:
+    """Carry a load between a sphere and a disc that wear each other. See `warpwear.study` for the keys."""
+
+    load: float  # F [N]
+    hardness: float  # largest pressure of a cell H [MPa]; inf without one
+    curvature: float  # of the sphere, 1/R [1/mm]
+    wear: tuple[WearLaw, WearLaw]  # of sphere and disc
+    compliance: float  # 1/k of the cells of the unworn contact, without wear [mm³/N]
+    implicit: bool = True  # whether the wear of a step adds to its compliance
+    rigid: bool = False  # whether there is no compliance at all: a bearing area
+    load_tolerance: float = 0.0  # that a bearing area may leave unbalanced [N]
+    distance_factor: Literal["none", "across", "radial"] = (
+        "none"  # of the disc's cells, see `archard.distance_factor`
+    )
+    keeps_dents: bool = False  # whether a disc cell at the hardness stays as deep as it was pressed
+    foundation: float | str = math.inf  # K_N of the macro contact [N/mm³], or what it follows from
+    foundation_updated: bool = False  # whether it follows the contact as it grows
+    uses_foundation: bool = False  # whether K_N plays a part
+    hertz: Hertz | None = None  # of the unworn bodies, where K_N follows from it
+    prescribed_loads: bool = False  # whether a smooth contact prescribes the load of each patch
+    half_space: bool = False  # whether the surfaces deform as half-spaces
+    modulus: float | None = None  # E* of both bodies [MPa], where it is known
+    boundary: str = "free"  # of the half-space: "free" or "periodic"
+
+    def foundation_at(self, radius: float | None) -> float:
+        """K_N of the macro contact [N/mm³]. radius: of the contact [mm], which K_N may follow."""
+        if not isinstance(self.foundation, str):
+            return self.foundation
+        assert self.hertz is not None  # checked with the study
+        return self.hertz.foundation(self.foundation, radius=radius if self.foundation_updated else None)
+
+    def removals(self, start: float, increment: float) -> tuple[float, float]:
+        """K ΔL of sphere and disc [mm³/N] over an increment that begins at a distance [mm]."""
+        sphere, disc = (law.removal(start, increment) for law in self.wear)
+        return sphere, disc
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
+        return self.distance_factor == "none" and self.in_proportion
+
+    @property
+    def wear_fractions(self) -> tuple[float, float]:
+        """Fractions of sphere and disc in what is worn, of bodies that wear in one proportion."""
+        sphere, disc = (law.fastest for law in self.wear)
+        both = sphere + disc
+        return (sphere / both, disc / both) if both else (0.5, 0.5)
+
+    @property
+    def in_proportion(self) -> bool:
+        """Whether both bodies wear in one proportion at every distance."""
+        sphere, disc = self.wear
+        return sphere.in_proportion_to(disc)

@@ -1,0 +1,67 @@
+"""What a run asks of a model: steps along a plan, snapshots of them, and a state to go on from."""
+
+import itertools
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, ClassVar
+
+from warpwear.history.recorder import Step
+from warpwear.history.snapshot import Snapshot
+
+
+class Model(ABC):
+    """Contact and wear of one task on one executor."""
+
+    #: Names and types of what its steps change, see `warpwear.engine.state`.
+    STATE: ClassVar[Mapping[str, Any]]
+    #: Steps that the state is ahead of the last one given: of a block that was made in one go.
+    steps_in_flight = 0
+    #: Steps of a block at most.
+    longest_block = 1
+
+    @property
+    def in_blocks(self) -> bool:
+        """Whether the device makes the next steps by itself, as long as nobody asks for their pressures."""
+        return False
+
+    @abstractmethod
+    def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
+        """Solve the contact, slide by the increment [mm] and wear both bodies.
+
+        with_pressure: whether the step is given with its pressure. then: the next increment [mm], where it is
+        known: a model may look ahead. Raises ConvergenceError when the contact cannot be solved.
+        """
+
+    @abstractmethod
+    def snapshot(self, step: Step, distance: float) -> Snapshot:
+        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
+
+    def block(self, increments: Sequence[float]) -> Iterator[Step]:
+        """Steps made on the device in one go, before the first of them is seen."""
+        raise NotImplementedError
+
+    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
+        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
+        block: list[float] = []
+        end: list[None] = [None]
+        for this, following in itertools.pairwise(itertools.chain(plan, end)):
+            assert this is not None
+            increment, with_pressure = this
+            if self.in_blocks and not with_pressure:
+                block.append(increment)
+                if len(block) < self.longest_block:
+                    continue
+            yield from self._given(block)
+            block = []
+            if with_pressure or not self.in_blocks:
+                then = following[0] if following else None
+                yield self.advance(increment, with_pressure=with_pressure, then=then)
+        yield from self._given(block)
+
+    def _given(self, increments: Sequence[float]) -> Iterator[Step]:
+        """The steps of a block, one by one."""
+        if not increments:
+            return
+        made = self.block(increments)
+        for self.steps_in_flight in reversed(range(len(increments))):
+            yield next(made)
