@@ -59,7 +59,13 @@ def test_hertz(device: str, threads: int) -> None:
     a = (0.75 * load * radius / modulus) ** (1.0 / 3.0)
     cell = a / 40.0
     found = solve_contact(
-        np.full((121, 110), 7.0), cell=cell, load=load, modulus=modulus, sphere_radius=radius, device=device
+        np.full((121, 110), 7.0),
+        cell=cell,
+        load=load,
+        modulus=modulus,
+        sphere_radius=radius,
+        device=device,
+        threads=threads,
     )
     assert math.sqrt(found.area / math.pi) == pytest.approx(a, rel=0.01)
     assert found.pressure.max() == pytest.approx(1.5 * load / (math.pi * a**2), rel=0.01)
@@ -158,7 +164,12 @@ def test_springs_against_a_bisection(
 def test_the_bearing_area_is_that_of_the_sorted_heights(share: float, device: str, threads: int) -> None:
     hardness = 3.0
     found = solve_contact(
-        HEIGHTS, cell=GRID.cell, load=share * hardness * AREA, hardness=hardness, device=device
+        HEIGHTS,
+        cell=GRID.cell,
+        load=share * hardness * AREA,
+        hardness=hardness,
+        device=device,
+        threads=threads,
     )
     needed = share * GRID.cells
     order = np.argsort(-HEIGHTS, axis=None)
