@@ -14,18 +14,19 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 import numpy.typing as npt
 
-from warpwear.contact.balance import RIGID, Balancer
+from warpwear.contact.balance import RIGID, Balancer, Foundation
 from warpwear.contact.bearing_area import TIE, BearingArea
 from warpwear.contact.half_space import TOLERANCE, HalfSpace
 from warpwear.contact.half_space_window import WindowedHalfSpace
 from warpwear.contact.influence import Influence
 from warpwear.engine.device import free_memory
-from warpwear.engine.executor import Executor
+from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.tiles import Tiles
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import contact as kernels
 from warpwear.kernels.cells import LANES, PADDING
+from warpwear.kernels.contact import Law
 from warpwear.surfaces.sphere import sag
 
 #: Fields alive at the peak of a solve: measured were 11 (springs) to 18 (free boundary), without a GPU's.
@@ -273,27 +274,33 @@ def _solve_cells(task: _Task, executor: Executor) -> _Found:
     gap, ones = _field(task.gap, executor), np.ones((1, executor.vectors * LANES))
     stiffness = executor.field(ones * (1.0 if task.response else RIGID))
     load = (task.mean or 0.0) * task.gap.size
-    tiles = Tiles(executor, gap, gap, executor.field(ones), least=SPARE * load / task.cap)
+    tiles = Tiles(executor, gap, gap, least=SPARE * load / task.cap)
+    law, evaluations = arguments(Law), 1
+    law.base, law.cap, law.tie_pressure = task.approach or 0.0, task.cap, task.cap
     # Where nothing yields a cell at the very approach is touched.
-    width = 0.0 if task.response else TIE
-    base, offset, tied, evaluations = task.approach or 0.0, 0.0, task.cap, 1
+    law.tie_width = 0.0 if task.response else TIE
     if task.approach is None:
         if task.response:
-            found = Balancer(executor).foundation(gap, stiffness, tiles, load=load, hardness=task.cap)
+            found = Balancer(executor).solve(Foundation(gap, stiffness, tiles, load, task.cap))
         else:
-            bearing = BearingArea(executor)
-            highest = bearing.bounds(gap, tiles)[1]
             # No number of cells but the very one: else their pressure would exceed the hardness.
-            found = bearing.solve(
-                gap, tiles, highest=highest, load=load, hardness=task.cap, tolerance=ROUNDING * load
+            found = BearingArea(executor).solve(
+                gap,
+                tiles,
+                start=tiles.smallest,
+                scatter=0.0,
+                load=load,
+                hardness=task.cap,
+                tolerance=ROUNDING * load,
             )
-        base, offset, _, width, tied = found.law
-        evaluations = found.evaluations
-    law = [base, offset, task.cap, width, tied if width else 0.0]
+        found.fill(law)
+        law.cap, evaluations = task.cap, found.evaluations
+    if not law.tie_width:
+        law.tie_pressure = 0.0
     field = executor.zeros()
-    executor.launch(kernels.pressures, inputs=[*law, stiffness, gap], outputs=[field], over=tiles)
+    executor.launch(kernels.pressures, inputs=[law, stiffness, gap], outputs=[field], over=tiles)
     pressure = executor.to_numpy(field).copy()
-    approach = base + offset
+    approach = law.base + law.offset
     if task.approach is None and not task.response:  # the lowest of those that touch these cells
         approach = float(task.gap[pressure > 0.0].max())
     return _Found(pressure, pressure * task.response, approach, evaluations)
