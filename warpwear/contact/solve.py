@@ -275,8 +275,8 @@ def _solve_cells(task: _Task, executor: Executor) -> _Found:
     stiffness = executor.field(ones * (1.0 if task.response else RIGID))
     load = (task.mean or 0.0) * task.gap.size
     tiles = Tiles(executor, gap, gap, least=SPARE * load / task.cap)
-    law, evaluations = arguments(Law), 1
-    law.base, law.cap, law.tie_pressure = task.approach or 0.0, task.cap, task.cap
+    law, evaluations = arguments(Law, offset=0.0), 1
+    law.base, law.cap, law.tie_pressure = float(task.approach or 0.0), task.cap, task.cap
     # Where nothing yields a cell at the very approach is touched.
     law.tie_width = 0.0 if task.response else TIE
     if task.approach is None:
