@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, rough
 from numpy.testing import assert_allclose, assert_array_equal
-from test_half_space import MODULUS, bounded, dense_free, dense_periodic, rough
 
 import warpwear
 from warpwear import solve_contact

@@ -1,0 +1,178 @@
+"""The house keeps its rules: what lies where, what imports where, how long a signature may be."""
+
+import ast
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+from warpwear.version import __version__
+
+ROOT = Path(__file__).parent.parent
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+#: Folders of what is installed, and of what is not.
+PRODUCT, BESIDE = ("warpwear", "kernels", "surfaces"), ("bench", "tests")
+FILES = {
+    path.relative_to(ROOT).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
+    for top in (*PRODUCT, *BESIDE)
+    for path in sorted((ROOT / top).rglob("*.py"))
+}
+INSTALLED = {name: tree for name, tree in FILES.items() if name.startswith(PRODUCT)}
+#: Most files in a folder, `__init__.py` aside, and most parameters of a function.
+MOST_FILES, MOST_PARAMETERS = 15, 10
+#: Functions that may have more parameters, and why; the list may only become shorter.
+LONG = {
+    "warpwear/contact/solve.py: solve_contact": "each is a number of the contact, named by who calls it",
+}
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def functions_in(tree: ast.AST, prefix: str = "") -> Iterator[tuple[str, Function]]:
+    """Every function of a file with its dotted name, those of classes and within functions included."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, Function):
+            yield prefix + node.name, node
+        inner = f"{prefix}{node.name}." if isinstance(node, Function | ast.ClassDef) else prefix
+        yield from functions_in(node, inner)
+
+
+def is_command(function: Function) -> bool:
+    """Whether click calls it: its parameters are the options of a command."""
+    decorators = [ast.unparse(decorator) for decorator in function.decorator_list]
+    return any(re.search(r"\bcommand\(", text) for text in decorators)
+
+
+def test_every_package_is_installed() -> None:
+    setuptools = PYPROJECT["tool"]["setuptools"]
+    folders = {Path(name).parent.as_posix().replace("/", ".") for name in INSTALLED}
+    folders = {name if name.startswith("warpwear") else f"warpwear.{name}" for name in folders}
+    assert folders | set(setuptools["package-data"]) == set(setuptools["packages"])
+
+
+def test_no_folder_is_full() -> None:
+    folders = {path.parent for name in FILES for path in [ROOT / name]}
+    counts = {
+        folder.relative_to(ROOT).as_posix(): sum(
+            path.is_file() and path.name != "__init__.py" for path in folder.iterdir()
+        )
+        for folder in folders
+    }
+    full = {name: count for name, count in counts.items() if count > MOST_FILES}
+    assert not full, f"more than {MOST_FILES} files: {full}"
+
+
+def test_signatures_are_short() -> None:
+    long = {}
+    for name, tree in INSTALLED.items():
+        for dotted, function in functions_in(tree):
+            given = function.args
+            count = len(given.posonlyargs + given.args + given.kwonlyargs)
+            count -= bool(given.args) and given.args[0].arg in ("self", "cls")
+            if count > MOST_PARAMETERS and not is_command(function):
+                long[f"{name}: {dotted}"] = count
+    found = [f"{function} has {count}" for function, count in long.items() if function not in LONG]
+    assert not found, f"more than {MOST_PARAMETERS} parameters:\n" + "\n".join(found)
+    assert set(LONG) <= set(long), "a function that has become short leaves the list LONG"
+
+
+def test_kernels_are_launched_by_the_executor() -> None:
+    """And by the steppers of a GPU."""
+    found = [
+        name
+        for name, tree in INSTALLED.items()
+        if not name.endswith(("engine/executor.py", "/on_gpu.py"))
+        and any(
+            isinstance(node, ast.Attribute) and node.attr == "launch" and ast.unparse(node.value) == "wp"
+            for node in ast.walk(tree)
+        )
+    ]
+    assert not found, f"launch kernels themselves: {found}"
+
+
+def test_wings_import_nothing_by_themselves() -> None:
+    """All but `warpwear/__init__.py`, which gives the public names."""
+    inits = [name for name in INSTALLED if name.endswith("__init__.py") and name != "warpwear/__init__.py"]
+    assert inits
+    for name in inits:
+        assert ast.get_docstring(FILES[name]), f"{name} says nothing"
+        imports = [node for node in ast.walk(FILES[name]) if isinstance(node, ast.Import | ast.ImportFrom)]
+        assert not imports, f"{name} imports something"
+
+
+def test_nothing_of_ours_is_imported_inside_functions() -> None:
+    """Slow packages of others are late by `lazy.module`; ours only in the tables of names."""
+    found = [
+        f"{name}: line {node.lineno}"
+        for name, tree in INSTALLED.items()
+        for _, function in functions_in(tree)
+        for node in ast.walk(function)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    ]
+    assert not found, "imports inside functions:\n" + "\n".join(found)
+
+
+def test_nobody_imports_the_face_of_the_package() -> None:
+    """`import warpwear` would import downwards and upwards at once; modules import each other."""
+    allowed = {"lazy"}  # `from warpwear import lazy`
+    found = [
+        f"{name}: line {node.lineno}"
+        for name, tree in INSTALLED.items()
+        for node in ast.walk(tree)
+        if (isinstance(node, ast.Import) and any(alias.name == "warpwear" for alias in node.names))
+        or (
+            isinstance(node, ast.ImportFrom)
+            and node.module == "warpwear"
+            and not {alias.name for alias in node.names} <= allowed
+        )
+    ]
+    assert not found, "imports of the package itself:\n" + "\n".join(found)
+
+
+def test_docstrings_can_be_read_alone() -> None:
+    nodes = (ast.Module, ast.ClassDef, *Function.__args__)
+    found = [
+        f"{name}: {docstring.partition(chr(10))[0]}"
+        for name, tree in FILES.items()
+        if not name.startswith("tests/")
+        for node in ast.walk(tree)
+        if isinstance(node, nodes)
+        and (docstring := ast.get_docstring(node) or "").startswith(("Of ", "The same", "That ", "As "))
+    ]
+    assert not found, "docstrings that need another one:\n" + "\n".join(found)
+
+
+def test_test_files_do_not_import_each_other() -> None:
+    found = [
+        f"{name}: line {node.lineno}"
+        for name, tree in FILES.items()
+        if name.startswith("tests/")
+        for node in ast.walk(tree)
+        if (isinstance(node, ast.ImportFrom) and (node.module or "").startswith("test_"))
+        or (isinstance(node, ast.Import) and any(alias.name.startswith("test_") for alias in node.names))
+    ]
+    assert not found, "cases that tests share belong into tests/cases_*.py:\n" + "\n".join(found)
+    assert PYPROJECT["tool"]["pytest"]["ini_options"]["pythonpath"] == ["tests"]
+
+
+def test_the_page_for_contributors_lists_the_wings_from_the_ground_up() -> None:
+    told = [
+        re.findall(r"`(\w+)`", line.partition(":")[0])
+        for line in CONTRIBUTING.splitlines()
+        if line[:3] == "- `"
+    ]
+    (layers,) = (c["layers"] for c in PYPROJECT["tool"]["importlinter"]["contracts"] if "layers" in c)
+    assert told == [layer.split(" | ") for layer in reversed(layers)]
+
+
+def test_the_page_for_contributors_is_true() -> None:
+    """Every path that it names is there."""
+    named = re.findall(r"`((?:[\w.*-]+/)+[\w.*-]*|[\w-]+\.(?:md|toml))`", CONTRIBUTING)
+    assert len(named) > 20
+    sections = {"contact.py", "motion.py", "settings.py"}  # of warpwear/study/, as the table says
+    gone = [name for name in {*named} if not (any(ROOT.glob(name)) or name in sections)]
+    assert not gone, f"CONTRIBUTING.md names what is not there: {sorted(gone)}"
+
+
+def test_the_version_is_told_once() -> None:
+    assert PYPROJECT["project"]["version"] == __version__
