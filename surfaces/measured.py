@@ -249,7 +249,7 @@ def _sampling(pixel: float, cell: float, cut_off: float | None) -> list[str]:
 
 
 def _pixels(points: FloatArray, count: int, pixel: float) -> slice | None:
-    """The pixels that points along an axis [mm] are the centres of; None where they are not."""
+    """Return which pixels have their middles at the points along an axis [mm], None where not all do."""
     places = points / pixel + 0.5 * (count - 1)
     first = round(float(places[0]))
     if not 0 <= first <= count - points.size:

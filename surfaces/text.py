@@ -79,16 +79,15 @@ class Table:
         return [row.replace(",", ".") for row in self.rows]
 
     def _row(self, row: str, line: int, wanted: Sequence[int]) -> list[float]:
-        fields = split(row, self.separator)
-        found = []
-        for field in (fields[i] for i in wanted):
-            if NUMBER.fullmatch(field):
-                found.append(float(field))
-            elif MISSING.fullmatch(field):
-                found.append(np.nan)
-            else:
-                raise ValueError(f"line {line} holds '{field[:30]}', which is no number")
-        return found
+        parts = split(row, self.separator)
+        fields = [parts[i] for i in wanted]
+        if row.isascii() and "_" not in row:  # else float would take what is no number in a table
+            with suppress(ValueError):
+                return [float(field) for field in fields]
+        wrong = next((field for field in fields if not _is_value(field)), None)
+        if wrong is not None:
+            raise ValueError(f"line {line} holds '{wrong[:30]}', which is no number")
+        return [np.nan if MISSING.fullmatch(field) else float(field) for field in fields]
 
 
 def read_table(path: Path, *, words: bool = False) -> Table:
