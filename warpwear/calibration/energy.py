@@ -11,6 +11,7 @@ import numpy as np
 from warpwear.calibration import options
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.measured.options import optional, quantity
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
 
@@ -112,7 +113,7 @@ def calibrate_energy(
     speed is given. Raises InputError.
     """
     texts = speed or tuple(f"{s.value:g} {s.unit}" for s in usual_speeds)
-    speeds = [options.quantity("--speed", text, "mm/s") for text in texts]
+    speeds = [quantity("--speed", text, "mm/s") for text in texts]
     if result is not None:
         for name, value in (("--load", load), ("--distance", distance), ("--cof", cof), ("--area", area)):
             if value is not None:
@@ -124,7 +125,7 @@ def calibrate_energy(
         if cof is None:
             raise InputError("--cof is missing: the coefficient of friction, such as 0.6, or --result")
         mu = options.number("--cof", cof, options.COF)
-        size = options.optional("--area", area, "mm^2")
+        size = optional("--area", area, "mm^2")
         found = dissipation(
             energy=1e-3 * mu * force * slid,
             distance=slid,
