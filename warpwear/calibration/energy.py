@@ -135,10 +135,11 @@ def calibrate_energy(
             speeds=speeds,
         )
         source = f"a constant coefficient of {mu:g}"
-    energy, at_speeds = Row("", "energy_J", found.energy, digits=5), [_at_speed(row) for row in found.speeds]
-    rows = _rows(found, source)
+    energy = Row("", "energy_J", found.energy, digits=5)
+    rows = [Row("source", "source", source), energy, *_rows(found)]
+    at_speeds = [_at_speed(row) for row in found.speeds]
     if as_json:
-        return to_json(record([rows[0], energy, *rows[1:], Row("", "speeds", at_speeds)]))
+        return to_json(record([*rows, Row("", "speeds", at_speeds)]))
     title = f"dissipated energy ∫ μ F dL = {energy.text}"
     return "\n".join([title, *lines(rows), *table(at_speeds)])
 
@@ -169,12 +170,11 @@ def _of_run(folder: Path, speeds: list[float]) -> tuple[Dissipation, str]:
     return found, f"the run {folder}, {'whole' if finished else 'interrupted'}"
 
 
-def _rows(found: Dissipation, source: str) -> list[Row]:
-    """Declare what holds at every speed. source: where the coefficient is from."""
+def _rows(found: Dissipation) -> list[Row]:
+    """Declare what holds at every speed."""
     cof = [Row("mean over the distance", "cof_mean", found.cof), Row("end", "cof_end", found.cof_end)]
     rate = "the energy is the same at every speed; only time, power and PV change with it"
     return [
-        Row("source", "source", source),
         Row("distance", "distance_mm", found.distance, digits=6),
         Row("load", "load_N", found.load, digits=6),
         Row("coefficient", "", cof),
