@@ -11,6 +11,7 @@ import numpy as np
 from warpwear.calibration import options
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.measured.options import optional, quantity
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
 
@@ -112,7 +113,7 @@ def calibrate_energy(
     speed is given. Raises InputError.
     """
     texts = speed or tuple(f"{s.value:g} {s.unit}" for s in usual_speeds)
-    speeds = [options.quantity("--speed", text, "mm/s") for text in texts]
+    speeds = [quantity("--speed", text, "mm/s") for text in texts]
     if result is not None:
         for name, value in (("--load", load), ("--distance", distance), ("--cof", cof), ("--area", area)):
             if value is not None:
@@ -124,7 +125,7 @@ def calibrate_energy(
         if cof is None:
             raise InputError("--cof is missing: the coefficient of friction, such as 0.6, or --result")
         mu = options.number("--cof", cof, options.COF)
-        size = options.optional("--area", area, "mm^2")
+        size = optional("--area", area, "mm^2")
         found = dissipation(
             energy=1e-3 * mu * force * slid,
             distance=slid,
@@ -134,10 +135,11 @@ def calibrate_energy(
             speeds=speeds,
         )
         source = f"a constant coefficient of {mu:g}"
-    energy, at_speeds = Row("", "energy_J", found.energy, digits=5), [_at_speed(row) for row in found.speeds]
-    rows = _rows(found, source)
+    energy = Row("", "energy_J", found.energy, digits=5)
+    rows = [Row("source", "source", source), energy, *_rows(found)]
+    at_speeds = [_at_speed(row) for row in found.speeds]
     if as_json:
-        return to_json(record([rows[0], energy, *rows[1:], Row("", "speeds", at_speeds)]))
+        return to_json(record([*rows, Row("", "speeds", at_speeds)]))
     title = f"dissipated energy ∫ μ F dL = {energy.text}"
     return "\n".join([title, *lines(rows), *table(at_speeds)])
 
@@ -168,12 +170,11 @@ def _of_run(folder: Path, speeds: list[float]) -> tuple[Dissipation, str]:
     return found, f"the run {folder}, {'whole' if finished else 'interrupted'}"
 
 
-def _rows(found: Dissipation, source: str) -> list[Row]:
-    """Declare what holds at every speed. source: where the coefficient is from."""
+def _rows(found: Dissipation) -> list[Row]:
+    """Declare what holds at every speed."""
     cof = [Row("mean over the distance", "cof_mean", found.cof), Row("end", "cof_end", found.cof_end)]
     rate = "the energy is the same at every speed; only time, power and PV change with it"
     return [
-        Row("source", "source", source),
         Row("distance", "distance_mm", found.distance, digits=6),
         Row("load", "load_N", found.load, digits=6),
         Row("coefficient", "", cof),

@@ -12,8 +12,11 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
 #: Condition index from which two unknowns are poorly told apart (Belsley, Kuh and Welsch, Regression
-#: Diagnostics, 1980, section 3.2), and from which they are not told apart at all.
-POOR, HOPELESS = 30.0, 1000.0
+#: Diagnostics, 1980, section 3.2).
+POOR = 30.0
+#: Condition index from which they are not told apart at all.
+HOPELESS = 1000.0
+#: Fewest points of a fit.
 FEWEST = 3
 #: Residuals of coefficients below this are rounding, which goes together too.
 ROUNDING = 1e-9
@@ -46,7 +49,7 @@ class FrictionFit:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """Why not to trust the fit, in sentences; none where nothing speaks against it."""
+        """Sentences that say why not to trust the fit; none where nothing speaks against it."""
         found = []
         if self.condition > POOR:
             found.append(
@@ -89,7 +92,7 @@ def fit_friction(
     run_area: FloatArray,
     load: float,
 ) -> FrictionFit:
-    """Least squares of a measured coefficient over a run's area, interpolated linearly at its distances.
+    """Fit a measured coefficient over a run's area by least squares, the area interpolated at its distances.
 
     distance [mm], cof: measured, (n,); run_distance [mm], rising, run_area [mm²]: a run's history, (m,);
     load [N]. Points before the run's first step or beyond its end are left out. Errors are those of least
@@ -103,7 +106,10 @@ def fit_friction(
             "coefficient a distance is needed"
         )
     if not (np.isfinite(distance).all() and np.isfinite(cof).all()):
-        raise InputError("the measured curve holds values that are no finite numbers")
+        bad = int((~(np.isfinite(distance) & np.isfinite(cof))).sum())
+        raise InputError(
+            f"the measured curve holds {bad} points that are no finite numbers: allowed are none"
+        )
     if not 0.0 < load < math.inf:
         raise InputError(f"load is {load:g} N: allowed is any positive number")
     used = (distance >= run_distance[0]) & (distance <= run_distance[-1])
@@ -150,6 +156,7 @@ def fit_friction(
 
 
 def _shear_alone(area_over_load: FloatArray, measured: FloatArray) -> ShearFit:
+    """Fit τ0 alone. area_over_load: A/F [mm²/N], measured: coefficient, both (n,)."""
     square = float(area_over_load @ area_over_load)
     slope = float(area_over_load @ measured) / square
     residual = measured - slope * area_over_load
@@ -163,11 +170,14 @@ def _shear_alone(area_over_load: FloatArray, measured: FloatArray) -> ShearFit:
 
 
 def _within(value: float, error: float) -> str:
+    """Say whether a value is within its error of 0."""
     return " (within two standard errors of 0)" if abs(value) < 2.0 * error else ""
 
 
 def _condition(spread: float) -> float:
-    """Condition index of the columns 1 and A/F, each scaled to length 1; spread: std over mean of the area.
+    """Find the condition index of the columns 1 and A/F, each scaled to length 1.
+
+    spread: standard deviation over mean of the area.
 
     Their product is cos = 1/√(1 + spread²), the singular values are √(1 ± cos).
     """
@@ -177,7 +187,7 @@ def _condition(spread: float) -> float:
 
 
 def _effective_points(residual: FloatArray) -> float:
-    """How many independent points scatter as much: n/(1 + 2 Σ ρ_k), ρ up to its first zero."""
+    """Find how many independent points scatter as much: n/(1 + 2 Σ ρ_k), ρ up to its first zero."""
     count = residual.size
     power = float(residual @ residual)
     if power == 0.0:
@@ -190,10 +200,12 @@ def _effective_points(residual: FloatArray) -> float:
 
 
 def _rms(residual: FloatArray) -> float:
+    """Find the root mean square of residuals, (n,)."""
     return math.sqrt(float(residual @ residual) / residual.size)
 
 
 def _r_squared(residual: FloatArray, measured: FloatArray) -> float | None:
+    """Find R² of residuals about a measured coefficient, both (n,); None of a constant one."""
     about_mean = measured - measured.mean()
     total = float(about_mean @ about_mean)
     return 1.0 - float(residual @ residual) / total if total else None

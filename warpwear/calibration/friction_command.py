@@ -8,6 +8,7 @@ from warpwear.calibration import options
 from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
 from warpwear.errors import InputError
 from warpwear.measured.course import read_experiment
+from warpwear.measured.options import optional, quantity
 from warpwear.result import Result
 from warpwear.results import friction
 from warpwear.results.report import Row, lines, record, table, to_json
@@ -52,8 +53,8 @@ def calibrate_friction(
                 raise InputError(f"{name} and --experiment exclude each other: the fit finds it")
         reading = {
             "columns": columns,
-            "stroke": options.optional("--stroke", stroke, "mm"),
-            "speed": options.optional("--speed", speed, "mm/s"),
+            "stroke": optional("--stroke", stroke, "mm"),
+            "speed": optional("--speed", speed, "mm/s"),
         }
         rows, text = _of_curve(experiment, result, _name(area or "contact"), reading)
     else:
@@ -76,6 +77,7 @@ def calibrate_friction(
 
 
 def _name(area: str) -> str:
+    """Check the name of a run's area. Raises InputError."""
     if area not in AREAS:
         raise InputError(f"--area is {area!r}: allowed with --result is one of {', '.join(AREAS)}")
     return area
@@ -83,7 +85,7 @@ def _name(area: str) -> str:
 
 def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[list[Row], list[str]]:
     """Declare τ0 from an area and a load given as text. Raises InputError."""
-    size, force = options.quantity("--area", area, "mm^2"), options.quantity("--load", load, "N")
+    size, force = quantity("--area", area, "mm^2"), quantity("--load", load, "N")
     tau = (cof - ploughing) * force / size
     if not 0.0 < tau < math.inf:
         made = f"--area {area} and --load {load} make a shear strength of {tau:g} MPa"

@@ -1,25 +1,13 @@
-"""Options of `warpwear calibrate` as text: to numbers in mm, N, MPa and s, with sentences for bad ones."""
+"""Options that several commands of `warpwear calibrate` have: to numbers, with sentences for bad ones."""
 
 from warpwear.errors import InputError
-from warpwear.study.units import NOT_NEGATIVE, POSITIVE, Range, parse
+from warpwear.measured.options import optional, quantity
+from warpwear.study.units import NOT_NEGATIVE, Range
 
 #: A coefficient of friction.
 COF = Range(most=3.0)
 #: The part of it that does not shear.
 PLOUGHING = Range(or_equal=True, most=3.0)
-
-
-def quantity(option: str, value: str, unit: str, *, allowed: Range = POSITIVE) -> float:
-    """Turn an option's text into a number in a unit. Raises InputError."""
-    try:
-        return allowed.check(parse(value, unit), unit)
-    except ValueError as error:
-        raise InputError(f"{option} = {value!r}: {error}") from None
-
-
-def optional(option: str, value: str | None, unit: str, *, allowed: Range = POSITIVE) -> float | None:
-    """Turn an option's text into a number in a unit; None, where it was left out, stays None."""
-    return None if value is None else quantity(option, value, unit, allowed=allowed)
 
 
 def number(option: str, value: float, allowed: Range) -> float:

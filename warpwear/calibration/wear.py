@@ -13,7 +13,7 @@ from warpwear.surfaces.worn.ball import cap_of_diagonals
 
 #: Angle [rad] of a circular segment below which its area is summed as a series: φ − sin φ cancels.
 SMALL_ANGLE = 0.02
-#: Of any number given, in mm, N or MPa, and of its inverse in K [mm²/N]: beyond it powers overflow.
+#: Largest number that may be given, in mm, N or MPa, and largest K [mm²/N] or 1/K: beyond it powers overflow.
 LARGEST = 1e30
 
 
@@ -89,7 +89,7 @@ class WearCalibration:
 def wear_coefficient(
     volumes: Sequence[WornVolume], *, load: float, distance: float, hardness: float | None = None
 ) -> WearCalibration:
-    """K = V/(F L) (thesis eq 2.5) of tests of one load [N] and one sliding distance [mm].
+    """Find K = V/(F L) (thesis eq 2.5) of tests of one load [N] and one sliding distance [mm].
 
     InputError for a load, a distance, a hardness or a volume that is not positive, and for no volume.
     """
@@ -98,7 +98,7 @@ def wear_coefficient(
     if hardness is not None:
         _positive("hardness", hardness, "MPa")
     if not volumes:
-        raise InputError("a wear coefficient needs a worn volume")
+        raise InputError("volumes is empty: a wear coefficient needs one or more")
     for worn in volumes:
         _positive("worn volume", worn.volume, "mm³")
     found = WearCalibration(volumes=tuple(volumes), load=load, distance=distance, hardness=hardness)
@@ -112,7 +112,7 @@ def wear_coefficient(
 
 
 def volume_given(volume: float, *, error: float | None = None) -> WornVolume:
-    """A volume [mm³] that was measured elsewhere, with its standard uncertainty [mm³] where it is known."""
+    """Take a volume [mm³] as it was measured elsewhere, with its standard uncertainty [mm³] or None."""
     _positive("volume", volume, "mm³")
     return WornVolume(
         volume=volume, error=_error(error), error_from=_given(error), measured=f"volume {volume:.6g} mm³"
@@ -122,7 +122,7 @@ def volume_given(volume: float, *, error: float | None = None) -> WornVolume:
 def cap(
     first: float, second: float | None = None, *, radius: float, error: float | None = None
 ) -> WornVolume:
-    """A flat scar on a ball of a radius from one or two diameters across it; all lengths in mm.
+    """Find the volume of a flat scar on a ball from one or two diameters across it; all lengths in mm.
 
     The rim's radius a is half the mean diameter, h = R − √(R² − a²) (thesis eq 3.1) and V = π h² (3R − h)/3,
     which is (π h/6)(3 d²/4 + h²) of ASTM G99 (spherical pin end, disc unworn) and of G133. Approximately
@@ -155,7 +155,7 @@ def cap(
 def circular_track(
     width: float, *, radius: float, track_radius: float, error: float | None = None
 ) -> WornVolume:
-    """A circular track that an unworn ball has cut into a disc, from its width; all lengths in mm.
+    """Find the volume of a circular track that an unworn ball cut into a disc; all lengths in mm.
 
     ASTM G99: V = 2π R_t [r² asin(d/2r) − (d/4) √(4r² − d²)], approximately π R_t d³/(6r). error: standard
     uncertainty of the width, by dA/dd = d²/(2 √(4r² − d²)). InputError for a track wider than the ball, or
@@ -186,7 +186,7 @@ def circular_track(
 
 
 def groove(section: float, *, length: float, error: float | None = None) -> WornVolume:
-    """A straight groove: cross-section [mm²] × length [mm] (ASTM G133's flat: mean section × stroke).
+    """Find the volume of a straight groove: section [mm²] × length [mm] (ASTM G133: mean section × stroke).
 
     error: standard uncertainty of the section [mm²]. The ends, where the ball turns, are not in it.
     """
@@ -201,7 +201,7 @@ def groove(section: float, *, length: float, error: float | None = None) -> Worn
 
 
 def segment(width: float, *, radius: float) -> float:
-    """Area [mm²] of the circular segment that a chord of a width cuts off a circle of a radius [mm]."""
+    """Find the area [mm²] of the segment that a chord of a width [mm] cuts off a circle of a radius [mm]."""
     angle = 2.0 * math.asin(width / (2.0 * radius))
     if angle < SMALL_ANGLE:
         excess = angle**3 / 6.0 * (1.0 - angle**2 / 20.0 * (1.0 - angle**2 / 42.0))
@@ -211,7 +211,7 @@ def segment(width: float, *, radius: float) -> float:
 
 
 def diameter_of_cap(volume: float, *, radius: float) -> float:
-    """Diameter [mm] of the flat scar whose cap has a volume [mm³]: the inverse of `cap`, by bisection.
+    """Find the diameter [mm] of the flat scar whose cap has a volume [mm³]: the inverse of `cap`.
 
     InputError for more than half the ball: its scar would shrink again.
     """
@@ -229,15 +229,18 @@ def diameter_of_cap(volume: float, *, radius: float) -> float:
 
 
 def _positive(name: str, value: float, unit: str) -> None:
+    """Raise InputError for a value that is not positive, or too large."""
     if not 0.0 < value <= LARGEST:
         raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number up to {LARGEST:g}")
 
 
 def _error(error: float | None) -> float | None:
+    """Check a standard uncertainty. Raises InputError."""
     if error is not None and not 0.0 <= error <= LARGEST:
         raise InputError(f"uncertainty is {error:g}: allowed is any number from 0 to {LARGEST:g}")
     return error
 
 
 def _given(error: float | None) -> str:
+    """Say where a standard uncertainty is from."""
     return "unknown" if error is None else "as given"

@@ -17,6 +17,7 @@ from warpwear.calibration.wear import (
     wear_coefficient,
 )
 from warpwear.errors import InputError
+from warpwear.measured.options import optional, quantity
 from warpwear.measured.surface_command import read_surface, track_in
 from warpwear.results.report import Row, lines, record, scientific, to_json
 from warpwear.surfaces.worn.ball import find_worn_ball
@@ -116,7 +117,7 @@ def calibrate_wear(options: WearOptions) -> str:
         [_volume(source, value, lengths, options) for value in options[source]],
         load=load,
         distance=distance,
-        hardness=given.optional("--hardness", options.hardness, "MPa"),
+        hardness=optional("--hardness", options.hardness, "MPa"),
     )
     relation = SOURCES[source].relation if options.standard is None else STANDARDS[options.standard][1]
     rows = wear_rows(found, relation=relation, worn=SOURCES[source].worn)
@@ -148,7 +149,8 @@ def _check(source: str, options: WearOptions) -> None:
             raise InputError(f"{source} needs {name}, a length such as '3 mm'")
     for name in LENGTHS:
         if options[name] is not None and name not in kind.needs + kind.may_have:
-            raise InputError(f"{name} is not for {source}")
+            allowed = ", ".join(kind.needs + kind.may_have) or "no length"
+            raise InputError(f"{name} is not for {source}: allowed with it is {allowed}")
     prepared = [name.replace("_", "-") for name, value in options.preparation.items() if value is not None]
     if source not in TOPOGRAPHIES and prepared:
         raise InputError(f"--{prepared[0]} is not for {source}: it prepares a measured file")
@@ -167,9 +169,9 @@ def _lengths(source: str, options: WearOptions) -> dict[str, float | None]:
         if options.stroke is None:
             raise InputError(f"{source} needs --length, that of the whole track, such as '30 mm'")
         texts["--length"] = options.stroke
-    lengths = {name: given.optional(name, text, "mm") for name, text in texts.items()}
+    lengths = {name: optional(name, text, "mm") for name, text in texts.items()}
     if options.standard == "g133-flat" and options.stroke is not None:
-        stroke, length = given.quantity("--stroke", options.stroke, "mm"), lengths["--length"] or 0.0
+        stroke, length = quantity("--stroke", options.stroke, "mm"), lengths["--length"] or 0.0
         if not math.isclose(length, stroke, rel_tol=1e-9):
             raise InputError(
                 f"--length is {length:g} mm and --stroke {stroke:g} mm: --standard g133-flat takes the mean "
@@ -184,21 +186,21 @@ def _volume(source: str, value: Any, lengths: dict[str, float | None], options: 
     match source:
         case "--volume":
             error = given.uncertainty(options.uncertainty, "mm^3")
-            return volume_given(given.quantity(source, value, "mm^3"), error=error)
+            return volume_given(quantity(source, value, "mm^3"), error=error)
         case "--section":
             error = given.uncertainty(options.uncertainty, "mm^2")
-            return groove(given.quantity(source, value, "mm^2"), length=length, error=error)
+            return groove(quantity(source, value, "mm^2"), length=length, error=error)
         case "--track":
             return _of_track(value, options.preparation, length=length, width=lengths["--track-width"])
         case "--ball":
             return _of_ball(value, options.preparation, radius=lengths["--radius"])
     error = given.uncertainty(options.uncertainty, "mm")
     if source == "--width":
-        width = given.quantity(source, value, "mm")
+        width = quantity(source, value, "mm")
         return circular_track(
             width, radius=radius, track_radius=lengths["--track-radius"] or 0.0, error=error
         )
-    across = [given.quantity(source, v, "mm") for v in ((value,) if source == "--scar" else value)]
+    across = [quantity(source, v, "mm") for v in ((value,) if source == "--scar" else value)]
     if max(across) > 2.0 * radius:
         raise InputError(
             f"{source} has {max(across):g} mm: allowed is up to the ball's diameter, {2 * radius:g} mm"
@@ -325,4 +327,5 @@ def _k(label: str, value: float, error: float | None, *, note: str = "") -> Row:
 
 
 def _times(factor: float, value: float | None) -> float | None:
+    """Multiply a value that may be unknown."""
     return None if value is None else factor * value

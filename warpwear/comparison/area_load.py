@@ -14,21 +14,23 @@ from warpwear.laws.elastic import Hertz, SpectralMoments, greenwood_williamson_a
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
 
-#: Beyond the smallest and the largest load, as a factor.
+#: How far the axes reach beyond the smallest and the largest load, as a factor.
 MARGIN = 1.5
+#: Points of a line of theory.
 LINES = 60
-#: More than two: the mean squares of a band-limited surface are then exact.
+#: Points in a surface's shortest wave; with more than two the mean squares of its slopes are exact.
 POINTS_PER_CUT_OFF = 2.5
+#: Colour and marker of each series.
 STYLES = ((fs.CONTACT, "o"), (fs.DISC, "s"), (fs.SPHERE, "^"), (fs.MEAN_PRESSURE, "D"))
 
 
 def has_loads(comparison: Comparison) -> bool:
-    """Whether runs differ in load."""
+    """Tell whether runs differ in load."""
     return len({run.study.contact.load for run in comparison.runs}) > 1
 
 
 def area_load(comparison: Comparison) -> Figure:
-    """Area in contact after the first step over the load, one series for each law and hardness.
+    """Draw the area in contact after the first step over the load, a series for each law and hardness.
 
     Lines of theories are drawn where all runs have the same bodies: load over hardness; Hertz, of smooth
     bodies; Persson, and under a flat Greenwood and Williamson, of a surface whose spectrum is known.
@@ -67,12 +69,13 @@ def area_load(comparison: Comparison) -> Figure:
 
 
 def _law(study: Study) -> str:
+    """Name the law and the hardness of a study."""
     cap = f"H = {study.hardness:g} MPa" if np.isfinite(study.hardness) else "no hardness"
     return f"computed: {study.contact.law}, {cap}"
 
 
 def _theories(comparison: Comparison, load: FloatArray) -> dict[str, FloatArray]:
-    """Label -> area [mm²] at the loads [N]; none where the bodies differ."""
+    """Find areas by theories: label -> area [mm²] at the loads [N]; none where the bodies differ."""
     studies = [run.study for run in comparison.runs]
     first = studies[0]
     found: dict[str, FloatArray] = {}
@@ -101,7 +104,7 @@ def _theories(comparison: Comparison, load: FloatArray) -> dict[str, FloatArray]
 
 
 def _moments(study: Study) -> SpectralMoments | None:
-    """Of a period of the disc, all its waves resolved; None for a surface that is not known to have one."""
+    """Find the moments of a period of the disc, all its waves resolved; None of a disc without a period."""
     disc = study.disc.synthetic
     if disc is None or disc.kind != "self-affine":
         return None

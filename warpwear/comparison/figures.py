@@ -18,8 +18,9 @@ from warpwear.measured.course import Experiment, mean_of_last_tenth
 COLOURS = (fs.SPHERE, fs.DISC, fs.CONTACT, fs.MEAN_PRESSURE, fs.SUM, fs.TOUCHED)
 LINES = ("-", "--", "-.", ":", (0, (6, 1)), (0, (3, 1, 1, 1)))
 #: Measured courses are grey: they are what the runs are held against.
-GREYS, MARKERS = ("#000000", "#888888", "#555555"), ("o", "s", "^")
-#: A measured course of more points is averaged in so many parts, its scatter a band.
+GREYS = ("#000000", "#888888", "#555555")
+MARKERS = ("o", "s", "^")
+#: Parts that a measured course of many more points is averaged in, its scatter a band.
 POINTS = 120
 #: Markers along a measured course, about.
 MARKED = 30
@@ -28,9 +29,9 @@ LEGEND_ROW = 0.15
 
 
 def cof(comparison: Comparison) -> Figure:
-    """Coefficient of friction over the distance slid, as it is and over its mean in the last tenth of it.
+    """Draw the coefficient of friction over the distance slid, and over its mean in the last tenth of it.
 
-    Of a swept run the means of its passes, if it made more than one.
+    A swept run has the means of its passes, if it made more than one.
     """
 
     def draw(axes: Any) -> None:
@@ -59,7 +60,7 @@ def cof(comparison: Comparison) -> Figure:
 
 
 def area(comparison: Comparison) -> Figure:
-    """Area in contact over the distance slid, both logarithmic."""
+    """Draw the area in contact over the distance slid, both logarithmic."""
 
     def draw(axes: Axes) -> None:
         for run, line in _runs(comparison):
@@ -74,7 +75,7 @@ def area(comparison: Comparison) -> Figure:
 
 
 def pressure(comparison: Comparison) -> Figure:
-    """Mean pressure of the cells in contact over the distance slid."""
+    """Draw the mean pressure of the cells in contact over the distance slid."""
 
     def draw(axes: Axes) -> None:
         for run, line in _runs(comparison):
@@ -87,7 +88,7 @@ def pressure(comparison: Comparison) -> Figure:
 
 
 def volumes(comparison: Comparison) -> Figure:
-    """Worn volume of sphere and disc over the distance slid."""
+    """Draw the worn volume of sphere and disc over the distance slid."""
 
     def draw(axes: Any) -> None:
         for run, line in _runs(comparison):
@@ -104,7 +105,7 @@ def volumes(comparison: Comparison) -> Figure:
 
 
 def profiles(comparison: Comparison) -> Figure:
-    """Wear depth of sphere and disc across sliding at each run's end, mean of the scar's middle eighth."""
+    """Draw the wear of sphere and disc across sliding at each run's end, mean of the scar's middle eighth."""
 
     def draw(axes: Any) -> None:
         reach = 0.0
@@ -138,7 +139,7 @@ FIGURES: dict[str, Callable[[Comparison], Figure]] = {
 
 
 def drawn(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
-    """Each figure that has something to show."""
+    """Draw each figure that has something to show, with its name."""
     known = bool(comparison.experiments) or any(run.cof is not None for run in comparison.runs)
     shown = {"cof": known, "profiles": any(run.wear for run in comparison.runs)}
     shown["area_load"] = has_loads(comparison)
@@ -148,7 +149,7 @@ def drawn(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
 
 
 def _runs(comparison: Comparison) -> Iterator[tuple[RunData, dict[str, Any]]]:
-    """Each run with its line, the same in every figure."""
+    """Give each run with its line, which is the same in every figure."""
     for index, run in enumerate(comparison.runs):
         # Colours repeat after six runs, together with their lines only after thirty-six.
         style = LINES[(index + index // len(COLOURS)) % len(LINES)]
@@ -157,6 +158,7 @@ def _runs(comparison: Comparison) -> Iterator[tuple[RunData, dict[str, Any]]]:
 
 
 def _experiments(comparison: Comparison) -> Iterator[tuple[Experiment, dict[str, Any]]]:
+    """Give each experiment with its line, which is the same in every figure."""
     for index, experiment in enumerate(comparison.experiments):
         colour, marker = GREYS[index % len(GREYS)], MARKERS[index % len(MARKERS)]
         line = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.6, "label": experiment.name}
@@ -164,7 +166,7 @@ def _experiments(comparison: Comparison) -> Iterator[tuple[Experiment, dict[str,
 
 
 def _measured(panel: Axes, experiment: Experiment, end: float, line: dict[str, Any]) -> None:
-    """The points; of very many the means of parts of the distance, and one standard deviation as a band."""
+    """Draw measured points; very many as means of parts of the distance in a band of their scatter."""
     distance, values = experiment.distance, experiment.cof / end
     if distance.size > 2 * POINTS:
         edges = np.linspace(0.0, distance[-1], POINTS + 1)
@@ -188,9 +190,9 @@ def _longest(comparison: Comparison) -> FloatArray:
 
 
 def _figure(draw: Callable[[Any], None], names: Sequence[str], *, panels: int = 1) -> Figure:
-    """A figure with the legend over it; a legend of many rows makes it higher, not its panels lower."""
+    """Make a figure with the legend over it, which makes the figure higher, not its panels lower."""
     width = fs.PAGE if panels > 1 else fs.COLUMN
-    # As many names beside each other as the width holds, a character some 0.055 inch and a line 0.45.
+    # The width holds this many names beside each other, a character some 0.055 inch and a line 0.45.
     beside = max(1, min(len(names), int(width / (0.055 * max(map(len, names)) + 0.45))))
 
     def draw_all(axes: Any) -> None:

@@ -12,17 +12,19 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.course import Experiment, check_coverage, read_experiment
+from warpwear.measured.options import optional
 from warpwear.result import Result
 from warpwear.results.summary import course, shape_of_growth
 from warpwear.results.track import whole_steps
 from warpwear.study.study import Study
-from warpwear.study.units import POSITIVE, parse
 
 BODIES = ("sphere", "disc")
 #: Length along sliding over which profiles are averaged, as a part of the scar's.
 STRIP = 0.125
-#: Fewest points for the shape of a course; parts that a measured one is averaged in.
-FEWEST, PARTS = 20, 200
+#: Fewest points for the shape of a course.
+FEWEST = 20
+#: Parts that a measured course of many more points is averaged in.
+PARTS = 200
 #: A course that starts later than this part of its distance has no early slope.
 LATEST_START = 1.0 / 60.0
 
@@ -48,7 +50,7 @@ class RunData:
 
     @property
     def shape(self) -> dict[str, float]:
-        """m and λ of the coefficient of friction, see `warpwear.results.summary.shape_of_growth`."""
+        """Exponent m and levelling index λ of the coefficient of friction, see `summary.shape_of_growth`."""
         return {} if self.cof is None else _shape(*self.course)
 
 
@@ -61,9 +63,9 @@ class Comparison:
     notes: tuple[str, ...]
 
     def rms(self, run: RunData, experiment: Experiment) -> float | None:
-        """Root mean square difference of the coefficients of friction over the distance that both have.
+        """Find how the coefficients of friction differ: root mean square over the distance that both have.
 
-        Of a swept run that of the means of its passes: within a pass it goes up and down with the place.
+        A swept run has the means of its passes: within a pass it goes up and down with the place.
         """
         if run.cof is None:
             return None
@@ -91,8 +93,8 @@ def gather(
     read = [
         read_experiment(
             path,
-            speed=_given("--speed", speed, "mm/s") or _common([r.study.sliding.speed for r in runs]),
-            stroke=_given("--stroke", stroke, "mm") or _common([r.study.sliding.stroke for r in runs]),
+            speed=optional("--speed", speed, "mm/s") or _common([r.study.sliding.speed for r in runs]),
+            stroke=optional("--stroke", stroke, "mm") or _common([r.study.sliding.stroke for r in runs]),
             load=_common([r.study.contact.load for r in runs]),
             columns=columns,
         )
@@ -119,7 +121,7 @@ def gather(
 
 
 def check_number(folders: Sequence[str | Path], experiments: Sequence[str | Path]) -> None:
-    """InputError for less than two together."""
+    """Raise InputError for less than two together."""
     if len(folders) + len(experiments) < 2:
         given = str([*folders, *experiments][0]) if folders or experiments else "nothing"
         raise InputError(f"compare needs two runs or more, or a run and an --experiment; given: {given}")
@@ -128,9 +130,9 @@ def check_number(folders: Sequence[str | Path], experiments: Sequence[str | Path
 def rms_difference(
     distance: FloatArray, values: FloatArray, other_distance: FloatArray, other_values: FloatArray
 ) -> float | None:
-    """Root mean square over the shared distances of the difference of two courses, lines between points.
+    """Find how two courses differ: root mean square over the distances that both have, lines between points.
 
-    None if they share none.
+    None if they share no distance.
     """
     start = max(float(distance[0]), float(other_distance[0]))
     end = min(float(distance[-1]), float(other_distance[-1]))
@@ -145,7 +147,7 @@ def rms_difference(
 
 
 def shape_of(experiment: Experiment) -> dict[str, float]:
-    """m and λ of a measured course, see `summary.shape_of_growth`; without what it is too short for.
+    """Find m and λ of a measured course, see `summary.shape_of_growth`; without what it is too short for.
 
     A course of many points is averaged in 200 equal parts of its distance first: both are slopes, which noise
     would decide.
@@ -159,6 +161,7 @@ def shape_of(experiment: Experiment) -> dict[str, float]:
 
 
 def _shape(distance: FloatArray, cof: FloatArray) -> dict[str, float]:
+    """Find m and λ of a course, (n,), as far as it has points for them."""
     late = distance >= 0.5 * distance[-1]
     if distance.size < FEWEST or late.sum() < 3 or np.any(cof[late] <= 0.0):
         return {}
@@ -169,6 +172,7 @@ def _shape(distance: FloatArray, cof: FloatArray) -> dict[str, float]:
 
 
 def _read_run(folder: Path) -> RunData:
+    """Read what is compared of a run. Raises InputError."""
     with Result.open(folder) as result:
         whole = whole_steps(result)
         history = {name: values[whole] for name, values in result.history.items()}
@@ -186,7 +190,7 @@ def _read_run(folder: Path) -> RunData:
 
 
 def _names(runs: list[RunData], experiments: list[Path]) -> list[str]:
-    """The study's name of each run, its folder's where two are alike, else the path; files by their stem."""
+    """Name runs by their study, their folder where two are alike, else the path; files by their stem."""
     folders = [run.folder.resolve() for run in runs]
     labels = [run.name for run in runs]
     for better in ([folder.name for folder in folders], [str(run.folder) for run in runs]):
@@ -205,21 +209,12 @@ def _names(runs: list[RunData], experiments: list[Path]) -> list[str]:
 
 
 def _common(values: Sequence[float | None]) -> float | None:
-    """The value that all of them have."""
+    """Find the value that all of them have; None where they differ."""
     return values[0] if len(set(values)) == 1 else None
 
 
-def _given(option: str, value: str | None, unit: str) -> float | None:
-    if value is None:
-        return None
-    try:
-        return POSITIVE.check(parse(value, unit), unit)
-    except ValueError as error:
-        raise InputError(f"{option} = '{value}' {error}") from error
-
-
 def _of_patches(value_of: Callable[[Study], float | str]) -> Callable[[Study], float | str | None]:
-    """None for a study without patches."""
+    """Make what finds a value of a study, or None where it has no patches."""
     return lambda study: value_of(study) if study.study.model == "two-scale" else None
 
 
@@ -246,7 +241,7 @@ CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
 
 
 def _lengths(experiment: Experiment, runs: list[RunData]) -> list[str]:
-    """Whether it is far shorter or longer than every run, as in a wrong unit."""
+    """Say whether it is far shorter or longer than every run, as in a wrong unit."""
     whole, totals = float(experiment.distance[-1]), [float(run.summary["distance_mm"]) for run in runs]
     if not totals or any(0.5 * total <= whole <= 2.0 * total for total in totals):
         return []
@@ -258,7 +253,7 @@ def _lengths(experiment: Experiment, runs: list[RunData]) -> list[str]:
 
 
 def _gaps(experiment: Experiment, runs: list[RunData]) -> list[str]:
-    """What is to be said of its gaps, over the distance that it shares with any run."""
+    """Say what is to be said of its gaps, over the distance that it shares with any run."""
     known = [run.history["distance"] for run in runs if run.cof is not None]
     start = max(min((float(d[0]) for d in known), default=0.0), float(experiment.distance[0]))
     end = min(max((float(d[-1]) for d in known), default=0.0), float(experiment.distance[-1]))
@@ -266,7 +261,7 @@ def _gaps(experiment: Experiment, runs: list[RunData]) -> list[str]:
 
 
 def _differences(runs: list[RunData]) -> list[str]:
-    """Conditions in which the runs differ: they are then unlike tests."""
+    """List conditions in which the runs differ: they are then unlike tests."""
     found = []
     for what, (unit, value_of) in CONDITIONS.items():
         values = {run.name: value for run in runs if (value := value_of(run.study)) is not None}

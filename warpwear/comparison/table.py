@@ -81,7 +81,7 @@ SHOWN_UNITS = {"um": "µm", "mm^2": "mm²", "mm^3": "mm³", "1": ""}
 
 
 def columns(comparison: Comparison) -> dict[str, dict[str, Value]]:
-    """Name of a run or an experiment -> its values by the names of `QUANTITIES` and 'rms_cof NAME'."""
+    """Find all values: name of a run or an experiment -> by the names of `QUANTITIES` and 'rms_cof NAME'."""
     found: dict[str, dict[str, Value]] = {}
     for run in comparison.runs:
         values: dict[str, Value] = {quantity.name: quantity.of_run(run) for quantity in QUANTITIES}
@@ -94,7 +94,7 @@ def columns(comparison: Comparison) -> dict[str, dict[str, Value]]:
 
 
 def to_text(comparison: Comparison) -> str:
-    """The table and the notes for a terminal: a line a quantity, a column a run or an experiment."""
+    """Write table and notes for a terminal: a line a quantity, a column a run or an experiment."""
     table = columns(comparison)
     labels = {quantity.name: _label(quantity) for quantity in QUANTITIES}
     labels |= {f"rms_cof {e.name}": f"CoF − {e.name} (rms)" for e in comparison.experiments}
@@ -138,9 +138,11 @@ def write_json(comparison: Comparison, path: Path) -> None:
 
 
 def _label(quantity: Quantity) -> str:
+    """Name a quantity with its unit for people."""
     unit = SHOWN_UNITS.get(quantity.units, quantity.units)
     return f"{quantity.label}, {unit}" if unit else quantity.label
 
 
 def _shown(value: Value) -> str:
+    """Write a value for people, round-off as 0."""
     return "0" if isinstance(value, float) and abs(value) <= ROUND_OFF else shown(value)

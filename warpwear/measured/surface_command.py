@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 from pydantic import ValidationError
 
 from warpwear.errors import InputError
+from warpwear.measured.options import optional, quantity
 from warpwear.measured.surface_figure import ball_figure, save, surface_figure, track_figure
 from warpwear.measured.surface_report import ball_rows, cap_rows, examine, file_lines, track_rows
 from warpwear.results.report import Row, lines, record, to_json
 from warpwear.study.bodies import Disc
 from warpwear.study.surface import surface_of
 from warpwear.study.text import sentence
-from warpwear.study.units import POSITIVE, parse
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.preparation import degree_of
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
@@ -85,15 +85,20 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
 
 
 def _roughness(surface: Measured, options: SurfaceOptions) -> Outcome:
-    cut_off, short = _length("--lambda-c", options.lambda_c), _length("--lambda-s", options.lambda_s)
+    """Examine a surface as it is."""
+    cut_off, short = (
+        quantity("--lambda-c", options.lambda_c, "mm"),
+        quantity("--lambda-s", options.lambda_s, "mm"),
+    )
     report = examine(surface, cut_off=cut_off, short=short)
     text = [*file_lines(record(report.rows)), *lines(report.rows)]
     return Outcome(report.rows, text, lambda: surface_figure(report))
 
 
 def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
-    width = _optional("--track-width", options.track_width)
-    length = _optional("--track-length", options.track_length)
+    """Measure the worn track in a surface. Raises InputError."""
+    width = optional("--track-width", options.track_width, "mm")
+    length = optional("--track-length", options.track_length, "mm")
     track, degree = track_in(surface, level=options.preparation.get("level"), width=width)
     file = surface.record()
     rows = [Row("", "surface", file), Row("", "track", track_rows(track, length=length))]
@@ -113,7 +118,8 @@ def track_in(surface: Measured, *, level: str | None, width: float | None) -> tu
 
 
 def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
-    radius = _optional("--radius", options.radius)
+    """Measure the worn patch of a ball. Raises InputError."""
+    radius = optional("--radius", options.radius, "mm")
     ball = find_worn_ball(surface.levelled, pixel=surface.pixel, radius=radius)
     flat = cap_of_diagonals(ball.along, ball.across, radius=ball.sphere.radius)
     file = surface.record()
@@ -126,10 +132,11 @@ def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
 
 
 def _by_diagonals(diagonals: tuple[str, str], radius: str | None, *, as_json: bool) -> str:
+    """Say what two diagonals of a ball's worn patch mean. Raises InputError."""
     if radius is None:
         raise InputError("--diagonals needs --radius, a length such as '3 mm'")
-    first, second = (_length("--diagonals", diagonal) for diagonal in diagonals)
-    rows = cap_rows(cap_of_diagonals(first, second, radius=_length("--radius", radius)))
+    first, second = (quantity("--diagonals", diagonal, "mm") for diagonal in diagonals)
+    rows = cap_rows(cap_of_diagonals(first, second, radius=quantity("--radius", radius, "mm")))
     if as_json:
         return to_json(record(rows))
     return f"worn ball by two diagonals: {Row('', '', rows).text} (a flat patch)"
@@ -160,19 +167,8 @@ def read_surface(file: Path, preparation: Mapping[str, str | None]) -> Measured:
 
 
 def _level(text: str) -> str | int:
+    """Turn --level into what [disc] takes: a name or a degree."""
     return int(text) if text.strip().isdecimal() else text
-
-
-def _length(option: str, value: str) -> float:
-    """Turn an option's text into a length [mm]. Raises InputError."""
-    try:
-        return POSITIVE.check(parse(value, "mm"), "mm")
-    except ValueError as error:
-        raise InputError(f"{option} = {value!r}: {error}") from error
-
-
-def _optional(option: str, value: str | None) -> float | None:
-    return None if value is None else _length(option, value)
 
 
 def _check_together(file: Path | None, options: SurfaceOptions) -> None:
@@ -194,6 +190,7 @@ def _check_together(file: Path | None, options: SurfaceOptions) -> None:
 
 
 def _check_figure(path: Path, *, overwrite: bool) -> None:
+    """Raise InputError for a figure that cannot be written."""
     if path.suffix.lower() not in FORMATS:
         raise InputError(f"--figure is {path}: allowed endings are {', '.join(FORMATS)}")
     if not path.parent.is_dir():

@@ -17,9 +17,12 @@ from warpwear.surfaces.worn.track import Track
 
 FloatArray = npt.NDArray[np.float64]
 
-PIXELS = 700  # of a map: more than its width on paper holds
-LONG = 4.0  # times as long as wide: drawn out of proportion
-ROW = 2.4  # height of a panel [inch]
+#: Largest number of pixels along a side of a map: more than its width on paper holds.
+PIXELS = 700
+#: A field that is longer than this many widths is drawn out of proportion.
+LONG = 4.0
+#: Height of a panel [inch].
+ROW = 2.4
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -29,7 +32,7 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def surface_figure(report: SurfaceReport) -> Figure:
-    """Map, bearing area curve, power spectrum, rms slope against cut-off."""
+    """Draw a measured surface: map, bearing area curve, power spectrum, rms slope against cut-off."""
 
     def draw(panels: Any) -> None:
         heights, size = report.surface.levelled, report.surface.size
@@ -60,7 +63,7 @@ def surface_figure(report: SurfaceReport) -> Figure:
 
 
 def track_figure(track: Track) -> Figure:
-    """Map over the reference, mean profile across, section lost along the track."""
+    """Draw a worn track: map over the reference, mean profile across, section lost along the track."""
 
     def draw(panels: Any) -> None:
         nx, ny = track.levelled.shape
@@ -95,7 +98,7 @@ def track_figure(track: Track) -> Figure:
 
 
 def ball_figure(ball: WornBall, *, size: tuple[float, float]) -> Figure:
-    """Depth below the unworn sphere as a map and as profiles through the patch. size: of the field [mm]."""
+    """Draw the depth below the unworn sphere: a map, profiles through the patch. size: of the field [mm]."""
 
     def draw(panels: Any) -> None:
         deepest = 1e3 * ball.depth
@@ -116,7 +119,7 @@ def ball_figure(ball: WornBall, *, size: tuple[float, float]) -> Figure:
 
 
 def _legend(axes: Axes) -> None:
-    """Above the panel, where it hides no line."""
+    """Put the legend above the panel, where it hides no line."""
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, borderaxespad=0.2)
 
 

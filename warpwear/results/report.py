@@ -52,7 +52,7 @@ class Row:
 
     @property
     def units(self) -> str:
-        """The unit as people write it; empty for a number without one."""
+        """Unit as people write it; empty for a number without one."""
         if self.unit is not None:
             return self.unit
         parts = self.key.split("_")
@@ -61,7 +61,7 @@ class Row:
 
     @property
     def number(self) -> str:
-        """The value with its error, without its unit: '0.0071 ± 0.0004'."""
+        """Value with its error, without its unit: '0.0071 ± 0.0004'."""
         error = None if self.error is None else self.error[1]
         if self.scientific:
             return scientific(self.value, error, digits=self.digits)
@@ -70,7 +70,7 @@ class Row:
 
     @property
     def text(self) -> str:
-        """All that stands behind the label."""
+        """Everything that stands behind the label."""
         told = f"{self.number} {self.units}".rstrip()
         if _are_rows(self.value):
             told = ", ".join(f"{row.label} {row.text}" for row in _visible(self.value))
@@ -78,7 +78,7 @@ class Row:
 
 
 def record(rows: Iterable[Row]) -> dict[str, Any]:
-    """Key -> value of a report, ready for JSON but for NaN; see `to_json`."""
+    """Turn a report into key -> value, ready for JSON but for NaN; see `to_json`."""
     found: dict[str, Any] = {}
     for row in rows:
         if row.key:
@@ -91,7 +91,7 @@ def record(rows: Iterable[Row]) -> dict[str, Any]:
 
 
 def lines(rows: Iterable[Row]) -> list[str]:
-    """The lines of a report for people: label and value; each text of a list has a line of its own."""
+    """Write a report for people: lines of label and value; each text of a list has a line of its own."""
     found: list[str] = []
     for row in rows:
         if not row.label:
@@ -105,14 +105,14 @@ def lines(rows: Iterable[Row]) -> list[str]:
 
 
 def table(groups: Sequence[Sequence[Row]]) -> list[str]:
-    """An aligned table with a line for each group and a column for each of its rows, alike in all groups."""
+    """Write a table with a line for each group and a column for each of its rows, alike in all groups."""
     head = [f"{row.label}, {row.units}".removesuffix(", ") for row in _visible(groups[0])]
     cells = [[row.number for row in _visible(rows)] for rows in groups]
     return ["  " + line for line in aligned([head, *cells])]
 
 
 def aligned(cells: Sequence[Sequence[str]]) -> list[str]:
-    """Lines of a table: the first column begins at the left, the others end at the right."""
+    """Write the lines of a table: the first column begins at the left, the others end at the right."""
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     return [
         "  ".join(
@@ -124,7 +124,7 @@ def aligned(cells: Sequence[Sequence[str]]) -> list[str]:
 
 
 def shown(value: Any, digits: int = 4) -> str:
-    """A value for people: '0.36', '3 × 3' of a sequence, 'mean 303, max 590' of a mapping, '–' for None."""
+    """Write a value for people: '0.36', '3 × 3' (a sequence), 'mean 303, max 590' (a mapping), '–' (None)."""
     if isinstance(value, Mapping):
         return ", ".join(f"{name} {shown(part, digits)}" for name, part in value.items())
     if isinstance(value, list | tuple):
@@ -135,7 +135,7 @@ def shown(value: Any, digits: int = 4) -> str:
 
 
 def scientific(value: float, error: float | None = None, *, digits: int = 4) -> str:
-    """A number as 3.691e-4, with its error to two digits as (3.69 ± 0.18)e-4."""
+    """Write a number as 3.691e-4, with its error to two digits as (3.69 ± 0.18)e-4."""
     power = math.floor(math.log10(abs(value))) if value else 0
     part = float(f"{value / 10.0**power:.{digits - 1}f}")
     if abs(part) >= 10.0:  # rounded up to the next power
@@ -150,12 +150,12 @@ def scientific(value: float, error: float | None = None, *, digits: int = 4) -> 
 
 
 def to_json(content: Any, *, indent: int = 2) -> str:
-    """JSON without NaN and infinity, for which it has no word: they become null."""
+    """Write JSON, which has no word for NaN and infinity: they become null."""
     return json.dumps(without_nan(content), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
 def without_nan(content: Any) -> Any:
-    """A copy of nested mappings and sequences with None for every number that is not finite."""
+    """Copy nested mappings and sequences with None for every number that is not finite."""
     if isinstance(content, Mapping):
         return {name: without_nan(value) for name, value in content.items()}
     if isinstance(content, list | tuple):
@@ -164,7 +164,7 @@ def without_nan(content: Any) -> Any:
 
 
 def _entry(value: Any) -> Any:
-    """A row's value as JSON has it: rows as a mapping."""
+    """Turn a row's value into what JSON has: rows into a mapping."""
     if _are_rows(value):
         return record(value)
     if isinstance(value, Mapping):
@@ -177,7 +177,7 @@ def _are_rows(value: Any) -> bool:
 
 
 def _inner(value: Any) -> list[Row]:
-    """The rows in a value that is a list of rows, or of lists of them."""
+    """List the rows in a value that is a list of rows, or of lists of them."""
     if isinstance(value, list | tuple):
         return [row for part in value for row in _inner(part)]
     return [value] if isinstance(value, Row) else []

@@ -40,7 +40,7 @@ class Patch:
 
 
 def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
-    """Rows of Table 4.1: what is printed, and K of the volume that it implies, rounded to four digits.
+    """List rows of Table 4.1: what is printed, and K of the volume that it implies, rounded to four digits.
 
     The text prints no volume: they are K F L, so that this checks units and arithmetic, not the measurement.
     """
@@ -53,7 +53,7 @@ def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
 
 
 def patch() -> Patch:
-    """The 0.80 mm of figure 4.36 and Table 4.1's K of the ball, each turned into the other."""
+    """Turn the 0.80 mm of figure 4.36 and Table 4.1's K of the ball each into the other."""
     radius, diameter = SPHERE_RADIUS.value, PATCH_DIAMETERS["experiment"].value
     load, distance = LOAD.value, DISTANCE.value
     printed = 1e-3 * WEAR_COEFFICIENTS["sphere"].value

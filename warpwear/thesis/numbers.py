@@ -46,7 +46,7 @@ def snapshot_at(result: Result, distance: float) -> Snapshot:
 
 
 def _of_version(result: Result) -> Numbers:
-    """What each version says of itself."""
+    """Find what each version says of itself."""
     history, summary = result.history, result.summary
     end = {name: float(values[-1]) for name, values in history.items()}
     curvature = result.study.sphere.curvature
@@ -102,12 +102,12 @@ def straightness(x: FloatArray, y: FloatArray) -> float:
 
 
 def _change(history: Mapping[str, FloatArray], other: Mapping[str, FloatArray], name: str) -> float:
-    """How much a column ends above another run's, as a part of that one."""
+    """Find by how much a column ends above another run's, as a part of that one."""
     return float(history[name][-1] / other[name][-1] - 1.0)
 
 
 def _smooth(runs: Runs) -> Numbers:
-    """What V1 says beside Hertz and closed forms."""
+    """Find what V1 says beside Hertz and closed forms."""
     v1 = runs["v1"]
     history, hertz = v1.history, v1.study.hertz
     assert hertz is not None  # the smooth model needs elastic constants
@@ -132,7 +132,7 @@ def _smooth(runs: Runs) -> Numbers:
 
 
 def _factor(runs: Runs) -> Numbers:
-    """What the position-dependent sliding distance does: V2 beside V1."""
+    """Find what the position-dependent sliding distance does: V2 beside V1."""
     v1, v2 = runs["v1"].history, runs["v2"].history
     study = runs["v2"].study
     pressure = runs["v2"].snapshot(-1).pressure
@@ -164,7 +164,7 @@ def _factor(runs: Runs) -> Numbers:
 
 
 def _rough(runs: Runs) -> Numbers:
-    """What roughness does: V3 and the fine model beside V1 and V2."""
+    """Find what roughness does: V3 and the fine model beside V1 and V2."""
     v1, v2, v3, fine = (runs[name].history for name in VERSIONS)
     low, high = (printed.value for printed in V3_PRESSURES)
     mean, cells = v3["pressure_mean"], v3["cells_in_contact"]
@@ -207,7 +207,7 @@ def pattern(result: Result) -> float:
 
 
 def _patches(runs: Runs) -> Numbers:
-    """What the patches on surfaces of different seeds have in common, and each of them."""
+    """Find what the patches on surfaces of different seeds have in common, and each of them."""
     patches = runs.patches
     predicted = np.array([[p.predicted_along, p.predicted_across] for p in patches])
     measured = np.array([[p.along, p.across] for p in patches])
@@ -248,7 +248,7 @@ def _patches(runs: Runs) -> Numbers:
 
 
 def _increments(runs: Runs) -> Numbers:
-    """What V1 with implicit wear ends at for each increment."""
+    """Find where V1 with implicit wear ends for each increment."""
     found: Numbers = {}
     deviations = []
     reference = runs["v1"].history
@@ -260,7 +260,7 @@ def _increments(runs: Runs) -> Numbers:
 
 
 def _stability(runs: Runs) -> Numbers:
-    """What explicit wear beyond its limit does, beside a stable run."""
+    """Find what explicit wear beyond its limit does, beside a stable run."""
     beyond, steady, v1 = runs.beyond.history, runs.steady.history, runs["v1"].history
     ratio = beyond["area_contact"] / np.interp(beyond["distance"], steady["distance"], steady["area_contact"])
     low = ratio[beyond["distance"] >= SETTLED] - 1.0

@@ -46,7 +46,7 @@ def thesis_report(
     plan: Plan | None = None,
     quiet: bool = True,
 ) -> Path:
-    """Compute everything and write the folder `out` with report.html and numbers.json; returns the page.
+    """Compute everything and write the folder `out` with report.html and numbers.json; return the page.
 
     quick: the fine rough model with cells of 5 µm. plan: other studies than the published ones. quiet:
     without a line a run on standard error. Raises InputError for a folder or a device that cannot be used,
@@ -67,12 +67,12 @@ def thesis_report(
 
 
 def judge(numbers: Mapping[str, float]) -> dict[str, Verdict]:
-    """The verdict of every item by its id, from these numbers."""
+    """Judge every item by these numbers: its id -> verdict."""
     return {item.id: item.judge(numbers) for item in ALL_ITEMS}
 
 
 def as_json(numbers: Numbers, verdicts: Mapping[str, Verdict]) -> str:
-    """Everything that is compared, for machines; without times, so that equal runs give equal files."""
+    """Write everything that is compared as JSON; without times, so that equal runs give equal files."""
     content = {
         "summary": [
             _record(line.row, numbers) | {"verdict": line.judge(numbers), "item": line.item}
@@ -95,7 +95,7 @@ def as_json(numbers: Numbers, verdicts: Mapping[str, Verdict]) -> str:
 
 
 def _record(row: Row, numbers: Numbers) -> dict[str, Any]:
-    """A row as values; ours in the row's unit, printed as printed."""
+    """Turn a row into values: ours in the row's unit, printed ones as printed."""
     return {
         "quantity": row.quantity,
         "unit": row.unit,
@@ -115,7 +115,7 @@ def render_page(
     quick: bool,
     elapsed: float,
 ) -> str:
-    """The page as text."""
+    """Fill the page. elapsed: time of all runs and figures [s]."""
     first = runs["v1"]
     return render(
         "thesis.html",
@@ -158,12 +158,13 @@ def render_page(
 
 
 def _count(verdicts: Mapping[str, Verdict]) -> dict[Kind, int]:
+    """Count figures and tables of the thesis by their verdict."""
     of_thesis = [verdicts[item.id].kind for item in OF_THESIS]
     return {kind: of_thesis.count(kind) for kind in Kind if kind in of_thesis}
 
 
 def _runs_table(runs: Runs) -> list[dict[str, Any]]:
-    """Every run: its name, how it was computed, and what it warned of."""
+    """List every run: its name, how it was computed, and what it warned of."""
     found = {VERSIONS[name]: result for name, result in runs.versions.items()}
     found |= {f"V1 implicit, {increment:g} mm": result for increment, result in runs.implicit.items()}
     found |= {"V1, Hertz's area, explicit, forced": runs.beyond, "V1, Hertz's area, implicit": runs.steady}
@@ -171,6 +172,7 @@ def _runs_table(runs: Runs) -> list[dict[str, Any]]:
 
 
 def _how(result: Result) -> dict[str, Any]:
+    """Say in words how a run was computed."""
     study = result.study
     first, growth, largest = study.stepping.plan
     steps = f"{first:g} mm" if growth == 1.0 else f"{1e3 * first:g} µm growing to {largest:g} mm"
@@ -191,7 +193,7 @@ def _how(result: Result) -> dict[str, Any]:
 
 
 def _short(value: Any) -> str:
-    """A value of a study with six digits: 0.333333 mm/s."""
+    """Write a value of a study with six digits: 0.333333 mm/s."""
     text, _, unit = str(value).partition(" ")
     try:
         return f"{float(text):.6g} {unit}".strip()
@@ -200,7 +202,7 @@ def _short(value: Any) -> str:
 
 
 def _assumptions(runs: Runs) -> list[dict[str, Any]]:
-    """Each assumed key with its value and reason, and the studies that assume it."""
+    """List each assumed key with its value and reason, and the studies that assume it."""
     found: dict[tuple[str, str, str], list[str]] = {}
     for name, result in runs.versions.items():
         for key, reason in result.summary["assumptions"].items():

@@ -34,21 +34,21 @@ class Plan:
 
     def __post_init__(self) -> None:
         if set(self.studies) != set(VERSIONS):
-            raise InputError(
-                f"studies = {', '.join(self.studies)}: those of a report are {', '.join(VERSIONS)}."
-            )
+            raise InputError(f"studies = {', '.join(self.studies)}: allowed are {', '.join(VERSIONS)}")
         if not self.seeds or not self.increments:
-            raise InputError("seeds and increments of a report must each name at least one.")
+            raise InputError(
+                f"seeds = {self.seeds}, increments = {self.increments}: allowed is one or more of each"
+            )
 
     @property
     def runs(self) -> int:
-        """How many there are."""
+        """Number of runs."""
         again = sum(seed != _seed(self.studies["v3"]) for seed in self.seeds)
         return len(self.studies) + len(self.increments) + 2 + again
 
 
 def published(*, quick: bool = False) -> Plan:
-    """The presets as they are; quick: the fine one with cells of 5 µm."""
+    """Plan runs of the presets as they are. quick: the fine one with cells of 5 µm."""
     fine = Study.load("v3-fine")
     if quick:
         fine = fine.replace({"grid.cell": QUICK_CELL})
@@ -88,7 +88,10 @@ class Runs:
 
 @contextmanager
 def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False) -> Iterator[Runs]:
-    """Compute everything, one line a run on standard error."""
+    """Compute everything and give the open results; they are closed at the end.
+
+    quiet: without a line a run on standard error.
+    """
     done = 0
     with ExitStack() as stack:
 
@@ -129,11 +132,12 @@ def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False
 
 
 def _implicit(study: Study, increment: float) -> Study:
+    """Make a study implicit, with a fixed increment [mm]."""
     return study.replace({"stepping.scheme": "implicit", "stepping.increment": f"{increment!r} mm"})
 
 
 def _refusal(study: Study, changes: dict[str, str]) -> str:
-    """The sentence that refuses an unstable study; empty if it is not refused."""
+    """Find the sentence that refuses an unstable study; empty if it is not refused."""
     try:
         study.replace(changes)
     except InputError as error:
@@ -142,10 +146,12 @@ def _refusal(study: Study, changes: dict[str, str]) -> str:
 
 
 def _seed(study: Study) -> int | None:
+    """Seed of the synthetic disc; None for a measured one."""
     return study.disc.synthetic.seed if study.disc.synthetic else None
 
 
 def _rough_patch(seed: int, result: Result) -> RoughPatch:
+    """Find the touched patch of a run, and what geometry says of it. seed: of its surface."""
     study = result.study
     heights = surface_in(study).heights(result.x, result.y)
     radius = 1.0 / study.sphere.curvature
@@ -170,31 +176,31 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
 
 
 def worn_radius(study: Study) -> float:
-    """Rim's radius of the patch of smooth bodies on a stationary footprint: of the cap K F L [mm]."""
+    """Find the rim's radius [mm] of the patch of smooth bodies on a stationary footprint: a cap of K F L."""
     return 0.5 * diameter_of_cap(_worn_volume(study), radius=1.0 / study.sphere.curvature)
 
 
 def worn_radius_of_paraboloid(study: Study) -> float:
-    """The same with a paraboloid for the sphere, (4 R K F L/π)^¼ [mm]; a little wider."""
+    """Find that radius with a paraboloid for the sphere, (4 R K F L/π)^¼ [mm]; it is a little wider."""
     return float((4.0 * _worn_volume(study) / (np.pi * study.sphere.curvature)) ** 0.25)
 
 
 def depth_of_rim(rim: float, *, radius: float) -> float:
-    """Height of a cap from its rim's radius, R − √(R² − a²) [mm], without its cancellation."""
+    """Find the height of a cap from its rim's radius, R − √(R² − a²) [mm], without its cancellation."""
     return rim * rim / (radius + math.sqrt(radius * radius - rim * rim))
 
 
 def rim_at(depth: float, *, radius: float) -> float:
-    """The rim's radius of a cap of that height, √(z(2R − z)) [mm]: the inverse."""
+    """Find the rim's radius of a cap of a height, √(z(2R − z)) [mm]: the inverse of `depth_of_rim`."""
     return math.sqrt(depth * (2.0 * radius - depth))
 
 
 def _worn_volume(study: Study) -> float:
-    """Of both bodies together, K F L [mm³]."""
+    """Find what both bodies lose together, K F L [mm³]."""
     return sum(study.wear_coefficients) * study.contact.load * study.sliding.total
 
 
 def _extent(touched: NDArray[np.bool_], over: int, cell: float) -> float:
-    """Of the touched cells [mm]. over: the other axis."""
+    """Find the extent of the touched cells, (nx, ny), along an axis [mm]. over: the other axis."""
     places = np.flatnonzero(touched.any(axis=over))
     return float(places[-1] - places[0] + 1) * cell if places.size else 0.0

@@ -35,7 +35,7 @@ class Line:
     tolerance: float = 0.0
 
     def judge(self, numbers: Mapping[str, float]) -> Kind | None:
-        """Whether ours are what is printed; None where nothing is.
+        """Judge whether ours are what is printed; None where nothing is.
 
         A column 'thesis V1' stands beside our V1, the experiment's beside all of ours.
         """
@@ -54,11 +54,13 @@ class Line:
 
 
 def _patch(which: str, ours: dict[str, str], printed: tuple[str, ...], item: str) -> Line:
+    """Declare diameters of the worn patch. printed: versions, or the experiment; item: where more is said."""
     row = Row(f"worn patch of the sphere, {which}", "mm", ours, patches(*printed))
     return Line(row, item, DIAMETER_TOLERANCE)
 
 
 def _pressure(which: str, name: str, printed: Printed) -> Line:
+    """Declare a limit of the mean pressure of V3. name: of our number."""
     row = Row(f"mean pressure of V3, {which} of all steps", "MPa", {"V3": name}, {"thesis V3": printed})
     return Line(row, "figure-4.30", PRESSURE_TOLERANCE)
 
@@ -85,5 +87,5 @@ SUMMARY: tuple[Line, ...] = (
 
 #: Figures and tables of the thesis.
 OF_THESIS: tuple[Item, ...] = tuple(entry for table in (V1, V2_V3, COMPARED) for entry in table.items)
-#: Those, then statements of our own.
+#: Figures and tables of the thesis, then statements of our own.
 ALL_ITEMS: tuple[Item, ...] = (*OF_THESIS, *FINDINGS.items)

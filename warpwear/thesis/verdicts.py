@@ -1,8 +1,8 @@
 """What the report of the thesis compares and how it judges: every verdict is computed from the numbers.
 
 An `Item` is declared with `@item` above the rule that judges it; the rule gets the numbers by name and
-returns a `Verdict`. The tables themselves are in `thesis_items_*` (figures and tables of the thesis) and
-`thesis_findings` (statements of our own); `thesis_items` has all of them.
+returns a `Verdict`. The items stand in `items_*` (figures and tables of the thesis) and in `findings`
+(statements of our own); `summary` has all of them.
 """
 
 import math
@@ -13,9 +13,30 @@ from enum import StrEnum
 from warpwear.thesis.printed import PATCH_DIAMETERS, Printed
 from warpwear.thesis.runs import VERSIONS
 
+#: Exponent of an area that grows as the square root of the distance.
+ROOT_EXPONENT = 0.5
+#: Its levelling index λ.
+ROOT_LEVELLING = 0.25
+#: How far from them a course still counts as a square root.
+SHAPE_TOLERANCE = 0.05
+#: Largest relative difference of two volumes that count as one.
+SAME_VOLUME = 1e-3
+#: Rounding of a printed diameter plus two cells of 10 µm [mm].
+DIAMETER_TOLERANCE = 0.025
+#: Rounding of a printed limit of the pressure [MPa].
+PRESSURE_TOLERANCE = 5.0
+#: Part of a depth below which no figure shows a difference of shape.
+VISIBLE = 0.01
+#: Unit of a row -> numbers are shown times this.
+FACTORS = {"%": 100.0, "10⁻⁴ mm³/(N·m)": 1e4}
+#: Diameter of the worn patch of smooth discs: from the depths.
+SMOOTH_PATCHES = {"V1": "v1.patch_by_depth_mm", "V2": "v2.patch_by_depth_mm"}
+#: Diameter of the worn patch of rough discs: as touched.
+ROUGH_PATCHES = {"V3": "v3.patch_along_mm", "V3 fine": "fine.patch_along_mm"}
+
 
 class Kind(StrEnum):
-    """Of a verdict; the words are what the reader sees."""
+    """What a verdict can be, in the words that the reader sees."""
 
     AGREES = "agrees"
     DISAGREES = "disagrees"
@@ -59,10 +80,6 @@ class Known(Mapping[str, float]):
 Rule = Callable[[Known], Verdict]
 
 
-#: Unit of a row -> numbers are shown times this.
-FACTORS = {"%": 100.0, "10⁻⁴ mm³/(N·m)": 1e4}
-
-
 @dataclass(frozen=True)
 class Row:
     """One quantity: what is printed and which of our numbers stand beside it, each under a column's name."""
@@ -74,7 +91,7 @@ class Row:
 
     @property
     def factor(self) -> float:
-        """From our numbers, and from the unit of the thesis's text, to the unit."""
+        """What our numbers, and printed ones, are multiplied with to have the unit."""
         return FACTORS.get(self.unit, 1.0)
 
 
@@ -88,10 +105,10 @@ class Item:
     says: str  # what the thesis says or draws there, in our words; or what is claimed here
     rule: Rule
     rows: tuple[Row, ...] = ()
-    figures: tuple[str, ...] = ()  # names in thesis_figures
+    figures: tuple[str, ...] = ()  # names of figures
 
     def judge(self, numbers: Mapping[str, float]) -> Verdict:
-        """The verdict on these numbers."""
+        """Judge the item by these numbers."""
         try:
             return self.rule(Known(numbers))
         except Unknown as missing:
@@ -129,59 +146,18 @@ class Table:
 
 
 def agrees_if(condition: bool, yes: str, no: str) -> Verdict:
-    """Agrees, or disagrees."""
+    """Judge what the thesis shows: it agrees, or disagrees."""
     return Verdict(Kind.AGREES, yes) if condition else Verdict(Kind.DISAGREES, no)
 
 
 def wrong_if(condition: bool, yes: str, no: str) -> Verdict:
-    """Wrong in the thesis, or else what it says agrees with ours."""
+    """Judge what the thesis claims: it is wrong there, or else agrees with ours."""
     return Verdict(Kind.WRONG, yes) if condition else Verdict(Kind.AGREES, no)
 
 
 def holds_if(condition: bool, yes: str, no: str) -> Verdict:
-    """For statements of our own."""
+    """Judge a statement of our own: it holds, or does not."""
     return Verdict(Kind.HOLDS, yes) if condition else Verdict(Kind.FAILS, no)
-
-
-def number(value: float, digits: int = 3) -> str:
-    """A number for people, with all its digits and a true minus sign; – for one that is not known."""
-    if not math.isfinite(value):
-        return "–"
-    if value == 0.0:
-        return "0"
-    shown = f"{value:#.{digits}g}"
-    if "e" in shown:
-        mantissa, exponent = shown.split("e")
-        power = int(exponent)
-        raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-        shown = f"{float(shown):.0f}" if 0 <= power < 7 else f"{mantissa.removesuffix('.')}·10{raised}"
-    return shown.removesuffix(".").replace("-", "−")
-
-
-def as_printed(printed: Printed, factor: float = 1.0) -> str:
-    """A number as the thesis writes it: millimetres with two decimals."""
-    if printed.unit == "mm" and printed.value < 10.0:
-        return f"{printed.value:.2f}"
-    return f"{factor * printed.value:.6g}"
-
-
-def percent(value: float, digits: int = 2) -> str:
-    """A ratio in per cent, with its sign where it is negative; round-off is 0."""
-    if abs(value) < 1e-9:
-        return "0 %"
-    return f"{number(100.0 * value, digits)} %"
-
-
-#: Growth of the area as the square root of the distance, and how far from it still counts as that.
-ROOT_EXPONENT, ROOT_LEVELLING, SHAPE_TOLERANCE = 0.5, 0.25, 0.05
-#: Largest relative difference of two volumes that count as one.
-SAME_VOLUME = 1e-3
-#: Rounding of a printed diameter plus two cells of 10 µm [mm].
-DIAMETER_TOLERANCE = 0.025
-#: Rounding of a printed limit of the pressure [MPa].
-PRESSURE_TOLERANCE = 5.0
-#: Part of a depth below which no figure shows a difference of shape.
-VISIBLE = 0.01
 
 
 def of(*names: str) -> dict[str, str]:
@@ -204,19 +180,43 @@ def patches(*names: str) -> dict[str, Printed]:
     return {v if v == "experiment" else f"thesis {VERSIONS[v]}": PATCH_DIAMETERS[v] for v in names}
 
 
-def is_root(n: Known, name: str) -> bool:
-    """Whether an area grows as the square root of the distance."""
+def is_root(n: Known, version: str) -> bool:
+    """Tell whether a version's area grows as the square root of the distance."""
     return (
-        abs(n[f"{name}.exponent_m"] - ROOT_EXPONENT) < SHAPE_TOLERANCE
-        and abs(n[f"{name}.levelling_lambda"] - ROOT_LEVELLING) < SHAPE_TOLERANCE
+        abs(n[f"{version}.exponent_m"] - ROOT_EXPONENT) < SHAPE_TOLERANCE
+        and abs(n[f"{version}.levelling_lambda"] - ROOT_LEVELLING) < SHAPE_TOLERANCE
     )
 
 
-def shape_of(n: Known, name: str) -> str:
-    """m and λ in words."""
-    return f"m = {number(n[f'{name}.exponent_m'])}, λ = {number(n[f'{name}.levelling_lambda'])}"
+def shape_of(n: Known, version: str) -> str:
+    """Write m and λ of a version's area."""
+    return f"m = {number(n[f'{version}.exponent_m'])}, λ = {number(n[f'{version}.levelling_lambda'])}"
 
 
-#: Diameter of the worn patch: from the depths where the disc is smooth, as touched where it is rough.
-SMOOTH_PATCHES = {"V1": "v1.patch_by_depth_mm", "V2": "v2.patch_by_depth_mm"}
-ROUGH_PATCHES = {"V3": "v3.patch_along_mm", "V3 fine": "fine.patch_along_mm"}
+def number(value: float, digits: int = 3) -> str:
+    """Write a number with all its digits and a true minus sign; – for one that is not known."""
+    if not math.isfinite(value):
+        return "–"
+    if value == 0.0:
+        return "0"
+    shown = f"{value:#.{digits}g}"
+    if "e" in shown:
+        mantissa, exponent = shown.split("e")
+        power = int(exponent)
+        raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+        shown = f"{float(shown):.0f}" if 0 <= power < 7 else f"{mantissa.removesuffix('.')}·10{raised}"
+    return shown.removesuffix(".").replace("-", "−")
+
+
+def percent(value: float, digits: int = 2) -> str:
+    """Write a ratio in per cent, with its sign where it is negative; round-off is 0."""
+    if abs(value) < 1e-9:
+        return "0 %"
+    return f"{number(100.0 * value, digits)} %"
+
+
+def as_printed(printed: Printed, factor: float = 1.0) -> str:
+    """Write a number as the thesis does: millimetres with two decimals."""
+    if printed.unit == "mm" and printed.value < 10.0:
+        return f"{printed.value:.2f}"
+    return f"{factor * printed.value:.6g}"

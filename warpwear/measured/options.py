@@ -1,0 +1,17 @@
+"""Options of commands as text with a unit: to numbers, with a sentence for bad ones."""
+
+from warpwear.errors import InputError
+from warpwear.study.units import POSITIVE, Range, parse
+
+
+def quantity(option: str, value: str, unit: str, *, allowed: Range = POSITIVE) -> float:
+    """Turn an option's text into a number in a unit. Raises InputError."""
+    try:
+        return allowed.check(parse(value, unit), unit)
+    except ValueError as error:
+        raise InputError(f"{option} = {value!r}: {error}") from error
+
+
+def optional(option: str, value: str | None, unit: str, *, allowed: Range = POSITIVE) -> float | None:
+    """Turn an option's text into a number in a unit; None, where it was left out, stays None."""
+    return None if value is None else quantity(option, value, unit, allowed=allowed)
