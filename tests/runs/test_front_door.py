@@ -459,7 +459,7 @@ def test_public_names_are_listed() -> None:
         assert inspect.getdoc(getattr(warpwear, name))
     with pytest.raises(AttributeError, match="no attribute 'runn'"):
         warpwear.runn  # type: ignore[attr-defined] # noqa: B018
-    assert len(inspect.signature(warpwear.run).parameters) <= 11
+    assert len(inspect.signature(warpwear.run).parameters) <= 10
 
 
 # --- pandas and xarray ---
