@@ -212,6 +212,8 @@ def test_steps_are_those_of_a_run(preset: str, changes: dict[str, Any]) -> None:
     assert steps[0].units["cof"] == "1"
     with pytest.raises(InputError, match="step 0 is over"):
         steps[0].snapshot()
+    # Kept steps keep no fields.
+    assert not [v for step in steps for v in vars(step).values() if isinstance(v, np.ndarray)]
 
 
 def test_fields_of_every_step_on_every_device(device: str, threads: int) -> None:
@@ -228,6 +230,36 @@ def test_fields_of_every_step_on_every_device(device: str, threads: int) -> None
         if before is not None:  # a copy stays as it was
             assert before[0].wear_disc.sum() * area == pytest.approx(before[1]["wear_volume_disc"])
         before = snapshot, row
+
+
+@pytest.mark.parametrize("stopped", [False, True])
+def test_steps_that_are_made_in_blocks_are_made_alone_for_who_watches(
+    stopped: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on a GPU: within a block there would be no fields, and no checkpoint to go on from."""
+    init, study, area = OneScaleModel.__init__, study_of(), study_of().cells.cell_area
+
+    def in_blocks(self: OneScaleModel, *args: Any, **kwargs: Any) -> None:
+        init(self, *args, **kwargs)
+        self.in_blocks = True
+
+    def watch(step: RunStep) -> None:
+        snapshot = step.snapshot()
+        assert snapshot.pressure.sum() * area == pytest.approx(8.0, rel=1e-9)
+        assert snapshot.wear_disc.sum() * area == pytest.approx(step.row["wear_volume_disc"], rel=1e-9)
+        if stopped and step.index == 30:
+            raise TimeoutError("enough")
+
+    monkeypatch.setattr(OneScaleModel, "__init__", in_blocks)
+    whole = warpwear.run(study, callback=None if stopped else watch)
+    if stopped:
+        with pytest.raises(TimeoutError):
+            warpwear.run(study, out=tmp_path / "out", plots=False, callback=watch)
+        resumed = warpwear.run(study, out=tmp_path / "out", plots=False, resume=True)
+        assert resumed.history["distance"].size == whole.history["distance"].size
+        for name in ("area_contact", "wear_volume_disc", "approach"):
+            np.testing.assert_allclose(resumed.history[name], whole.history[name], rtol=1e-9)
+        resumed.close()
 
 
 def test_a_coefficient_that_is_calibrated_is_not_known_on_the_way() -> None:
@@ -427,7 +459,7 @@ def test_public_names_are_listed() -> None:
         assert inspect.getdoc(getattr(warpwear, name))
     with pytest.raises(AttributeError, match="no attribute 'runn'"):
         warpwear.runn  # type: ignore[attr-defined] # noqa: B018
-    assert len(inspect.signature(warpwear.run).parameters) <= 11
+    assert len(inspect.signature(warpwear.run).parameters) <= 10
 
 
 # --- pandas and xarray ---

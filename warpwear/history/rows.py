@@ -5,7 +5,7 @@ A row holds the state solved in the step and the wear of its increment; `distanc
 
 import math
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 
 import numpy as np
@@ -36,35 +36,36 @@ class History(dict[str, FloatArray]):
 
 
 class Rows:
-    """The rows of a run so far: as dictionaries for those who add and read them, as numbers in memory.
+    """The rows of a run so far, as numbers in memory: a whole track makes hundreds of thousands.
 
-    A whole track makes hundreds of thousands. All have the columns of the first.
+    names: of the columns, those of the first row if none are given. table: rows to begin with, shape
+    (rows, columns).
     """
 
-    def __init__(self, rows: Iterable[dict[str, float]] = ()) -> None:
-        self._names: list[str] = []
-        self._values = array("d")
-        for row in rows:
-            self.append(row)
+    def __init__(self, names: Iterable[str] = (), table: FloatArray | None = None) -> None:
+        self.names = [*names]
+        self._values = array("d", () if table is None else table.ravel())
 
-    def append(self, row: dict[str, float]) -> None:
-        if not self._names:
-            self._names = [*row]
-        self._values.extend([row[name] for name in self._names])
+    def append(self, row: Mapping[str, float]) -> None:
+        """Add a row, by the names of its columns."""
+        self.names = self.names or [*row]
+        self._values.extend([row[name] for name in self.names])
 
     def __len__(self) -> int:
-        return len(self._values) // max(len(self._names), 1)
+        return len(self._values) // max(len(self.names), 1)
 
-    def __getitem__(self, index: int) -> dict[str, float]:
-        start = range(len(self))[index] * len(self._names)
-        return dict(zip(self._names, self._values[start : start + len(self._names)], strict=True))
+    @property
+    def last(self) -> dict[str, float]:
+        """The last row, by the names of its columns."""
+        return dict(zip(self.names, self._values[-len(self.names) :], strict=True))
 
-    def __iter__(self) -> Iterator[dict[str, float]]:
-        return (self[index] for index in range(len(self)))
+    @property
+    def table(self) -> FloatArray:
+        """All rows, shape (rows, columns)."""
+        return np.array(self._values).reshape(len(self), len(self.names))
 
     def column(self, name: str) -> FloatArray:
         """One value a row, shape (rows,); NaN for a column that the rows do not have."""
-        if name not in self._names:
+        if name not in self.names:
             return np.full(len(self), math.nan)
-        table = np.frombuffer(self._values).reshape(len(self), len(self._names))
-        return table[:, self._names.index(name)].copy()
+        return np.array(self._values[self.names.index(name) :: len(self.names)])

@@ -41,10 +41,7 @@ def surface_evolution(result: ResultFile) -> SurfaceEvolution:
 
 def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
     rows, areas = [], []
-    if not result.snapshot_distances.size:  # interrupted before the first
-        return SurfaceEvolution({column.name: np.empty(0) for column in EVOLUTION}, ())
-    for index in range(result.snapshot_distances.size):
-        snapshot = result.snapshot(index)
+    for snapshot in result.snapshots:  # none of a run that was interrupted before the first
         islands = island_areas(result, snapshot)
         # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
         one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area

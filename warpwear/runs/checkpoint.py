@@ -50,7 +50,7 @@ class Checkpoint:
 
     arrays: dict[str, Any]  # of the model, by name
     numbers: dict[str, Any]  # of the model, by name, as JSON keeps them
-    rows: Sequence[dict[str, float]] | Rows  # of the history
+    rows: Rows  # of the history
     warnings: list[str]
     reported_violations: list[str]  # names of the invariants whose violation is among the warnings
     elapsed: float  # [s]
@@ -87,9 +87,7 @@ class Checkpoints:
             with h5py.File(self._new, "w", userblock_size=HEADER) as file:
                 for name, values in now.arrays.items():
                     file.create_dataset(f"model/{name}", data=values)
-                columns = list(now.rows[0])
-                table = np.array([[row[name] for name in columns] for row in now.rows])
-                file.create_dataset("rows", data=table).attrs["columns"] = columns
+                file.create_dataset("rows", data=now.rows.table).attrs["columns"] = now.rows.names
                 snapshots.copy_snapshots_to(file)
                 file["about"] = json.dumps(self._about | {name: getattr(now, name) for name in OF_THE_RUN})
             with self._new.open("r+b") as whole:
@@ -108,7 +106,7 @@ class Checkpoints:
 
     def _check_space(self, now: Checkpoint, snapshots: ResultWriter) -> None:
         size = sum(values.nbytes for values in now.arrays.values()) + snapshots.snapshot_bytes
-        size += 8 * len(now.rows) * len(now.rows[0]) + SPACE_FOR_THE_REST
+        size += now.rows.table.nbytes + SPACE_FOR_THE_REST
         require_free_space(self._new.parent, size)
 
 
@@ -120,8 +118,7 @@ class StoredCheckpoint:
         self.file = file
         try:
             self._about: dict[str, Any] = json.loads(file["about"][()])
-            self._table = file["rows"][()].tolist()
-            self._columns = [str(name) for name in file["rows"].attrs["columns"]]
+            self._rows = Rows(map(str, file["rows"].attrs["columns"]), file["rows"][()])
         except (KeyError, ValueError, OSError) as error:
             raise InputError(f"{path} is no checkpoint that can be read: {error}.") from error
 
@@ -161,7 +158,7 @@ class StoredCheckpoint:
         """Where the run was: all that is stored but the snapshots."""
         return Checkpoint(
             {name: dataset[()] for name, dataset in self.file["model"].items()},
-            rows=[dict(zip(self._columns, row, strict=True)) for row in self._table],
+            rows=self._rows,
             **{name: self._about[name] for name in OF_THE_RUN},
         )
 

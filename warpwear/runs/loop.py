@@ -4,6 +4,7 @@ import logging
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 from warpwear.engine import state
@@ -11,7 +12,6 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError, InvariantError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
-from warpwear.history.recorder import Step
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
 from warpwear.results import friction
@@ -97,7 +97,7 @@ class StepLoop:
             self._checkpoints.remove()  # of the run that is overwritten
 
     def end_checkpoints(self) -> None:
-        """The result is in its place: of a finished run nothing else is needed."""
+        """Remove the checkpoint of a finished run, whose result is in its place."""
         if self._checkpoints is not None and self.finished:
             self._checkpoints.remove()
 
@@ -108,7 +108,7 @@ class StepLoop:
         state.restore(self._model, then.arrays, then.numbers)
         assert self._writer is not None
         self._writer.take_snapshots_from(found.file)
-        self._rows = Rows(then.rows)
+        self._rows = then.rows
         self.warnings, self._reported = then.warnings, then.reported_violations
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
@@ -175,12 +175,15 @@ class StepLoop:
             row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             self._progress.step(row)
+            self._last = step
             index = len(self._rows) - 1
+            yield RunStep(index, len(plan), self.study, row, partial(self._snapshot_of, index)), stop
 
-            def fields(made: Step = step, distance: float = distance, index: int = index) -> Snapshot | None:
-                return self._model.snapshot(made, distance) if index == len(self._rows) - 1 else None
-
-            yield RunStep(index, len(plan), self.study, row, fields), stop
+    def _snapshot_of(self, index: int) -> Snapshot | None:
+        """The fields after the step of a row, views of the model's on a CPU; None after a later one."""
+        if index != len(self._rows) - 1:
+            return None
+        return self._model.snapshot(self._last, self._rows.last["distance"])
 
     def _make_steps(
         self, plan: Sequence[tuple[float, float, bool]], callback: Callable[[RunStep], object] | None
@@ -188,16 +191,16 @@ class StepLoop:
         """Make the steps of a plan that are left, and checkpoints between them."""
         with Interrupts() as interrupts:
             for step, stop in self._steps(plan, with_fields=callback is not None):
-                if callback is not None:
-                    try:
+                try:
+                    if callback is not None:
                         callback(step)
-                    except BaseException as error:  # stops the run as an interrupt does
-                        self.interrupted = error
+                except BaseException as error:  # stops the run as an interrupt does
+                    self.interrupted = error
                 if self._model.steps_in_flight:  # of a block that is made, so the state is not this step's
                     if stop is not None:
                         raise stop
                     continue
-                if interrupts.asked:
+                if interrupts.asked and self.interrupted is None:
                     self.interrupted = KeyboardInterrupt()
                 asked = self.interrupted is not None or stop is not None
                 if self._checkpoints is not None and (asked or self._checkpoints.due):
@@ -209,7 +212,7 @@ class StepLoop:
 
     def _checkpoint(self, checkpoints: Checkpoints) -> None:
         arrays, numbers = state.save(self._model)
-        self._check(self._invariants.of_fields(arrays, self._rows[-1]))
+        self._check(self._invariants.of_fields(arrays, self._rows.last))
         now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._reported, self._elapsed)
         assert self._writer is not None
         try:
