@@ -94,14 +94,14 @@ class Contact(Section):
 
 @dataclass(frozen=True)
 class ArchardCoefficient:
-    """K of V = K F L [mm³/(N·m)], hardness contained; or k of V = k F L / H, dimensionless."""
+    """A wear coefficient is K of V = K F L [mm³/(N·m)], or k of V = k F L / H, a bare number."""
 
     value: float
     dimensionless: bool = False
 
     @classmethod
     def read(cls, given: Any) -> Self:
-        """From text with a unit, or a bare number. Raises ValueError."""
+        """Return the coefficient of a quantity, or of a bare number. Raises ValueError."""
         if isinstance(given, cls):
             return given
         bare = isinstance(given, Real) and not isinstance(given, bool)
@@ -109,11 +109,11 @@ class ArchardCoefficient:
         return cls(NOT_NEGATIVE.check(value), bare)
 
     def write(self) -> str | float:
-        """What `read` reads back."""
+        """Return what `read` reads back: text with a unit, or a bare number."""
         return self.value if self.dimensionless else text(self.value, "mm^3/N/m")
 
     def resolved(self, hardness: float) -> float:
-        """K [mm²/N] = 1e-3 mm³/(N·m) (thesis eqs 4.12 and 4.13)."""
+        """Return K [mm²/N] (thesis eqs 4.12 and 4.13). hardness: H of V = k F L / H [MPa]."""
         return self.value / hardness if self.dimensionless else 1.0e-3 * self.value
 
 
