@@ -13,7 +13,7 @@ from warpwear.grid import FloatArray, Grid
 
 @dataclass(frozen=True)
 class WearLaw:
-    """Archard's K of one body [mm²/N], constant or by an empirical law of the distance slid.
+    """Archard's K of one body [mm²/N] is constant or follows an empirical law of the distance slid.
 
     decay: α [1/mm] of V = K F (1 − e^(−αL))/α (thesis eq 2.4). running_in: L0 [mm] of K + (K0 − K) e^(−L/L0)
     with K0 = initial. Both are integrated over a step, not sampled: volumes do not depend on its size.
@@ -26,11 +26,11 @@ class WearLaw:
 
     @property
     def fastest(self) -> float:
-        """Largest K at any distance [mm²/N]."""
+        """The largest K at any distance [mm²/N]."""
         return max(self.steady, self.initial or 0.0)
 
     def in_proportion_to(self, other: "WearLaw") -> bool:
-        """Whether the two K are in one proportion at every distance."""
+        """Tell whether this K and the `other` are in one proportion at every distance."""
         if self.fastest == 0.0 or other.fastest == 0.0:
             return True
         if self.decay != other.decay or self.running_in != other.running_in:
@@ -40,7 +40,10 @@ class WearLaw:
         return self.initial * other.steady == other.initial * self.steady
 
     def removal(self, start: float, increment: float) -> float:
-        """∫ K dL from a distance over an increment [mm]: depth worn by a unit of pressure [mm³/N]."""
+        """Return ∫ K dL, the depth that a unit of pressure wears [mm³/N].
+
+        start: distance slid before [mm]. increment: slid while the pressure acts [mm].
+        """
         if self.decay is not None:
             return self.steady * _of_decay(start, increment, 1.0 / self.decay)
         found = self.steady * increment
@@ -52,7 +55,11 @@ class WearLaw:
 def removals_of(
     laws: tuple[WearLaw, WearLaw], start: float, increments: Sequence[float]
 ) -> list[tuple[float, float]]:
-    """Of sphere and disc [mm³/N] over increments that follow each other from a distance [mm]."""
+    """Return what a unit of pressure removes from sphere and disc in each of the increments [mm³/N].
+
+    laws: of sphere and disc. start: distance slid before the first of the increments [mm], which follow each
+    other.
+    """
     sphere, disc = laws
     starts = itertools.accumulate(increments, initial=start)
     return [
@@ -62,18 +69,19 @@ def removals_of(
 
 
 def _of_decay(start: float, increment: float, length: float) -> float:
-    """∫ e^(−L/length) dL from start over an increment [mm], exact for small ones too."""
+    """Return ∫ e^(−L/length) dL from start over an increment [mm], exact for small ones too."""
     return -length * math.exp(-start / length) * math.expm1(-increment / length)
 
 
 def distance_factor(grid: Grid, kind: Literal["none", "across", "radial"], *, curvature: float) -> FloatArray:
-    """Sliding distance of a disc cell relative to that of the middle, cos θ with sin θ = d/R.
+    """Return how far disc cells slide relative to the middle one: cos θ with sin θ = d/R.
 
     Thesis eqs 4.21 and 4.22, used relative to the value at the centre. d is the distance from the middle
     across the sliding direction (as its figure 4.30b shows) or radially (as its text says). It is the chord
     of the ball, not of the contact: a published option, not geometry.
 
-    curvature: 1/R [1/mm]. Shape (1, 1), (1, ny) or (nx, ny).
+    grid: of nx × ny cells. kind: "none", "across" or "radial". curvature: 1/R of the sphere [1/mm].
+    The factors have no unit and the shape (1, 1), (1, ny) or (nx, ny), by kind.
     """
     if kind == "none":
         return np.ones((1, 1))

@@ -5,8 +5,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Logistic:
-    """Bearing area curve φ(z) = 1/(1 + e^(−(z − middle)/scale)), z below the highest peak [mm]."""
+    """A bearing area curve φ(z) = 1/(1 + e^(−(z − middle)/scale)) gives the part of the area above a depth.
 
-    middle: float
-    scale: float
-    rms_error: float = 0.0  # of φ, over the curve it was fitted to
+    z: depth below the highest peak [mm].
+    """
+
+    middle: float  # depth that half of the area lies above [mm]
+    scale: float  # [mm]
+    rms_error: float = 0.0  # of φ, over the curve that was fitted

@@ -18,13 +18,16 @@ MATCHES = {"area": 16.0 / (3.0 * math.pi), "pressure": 3.0 / math.pi, "approach"
 
 
 def effective_modulus(first: tuple[float, float], second: tuple[float, float]) -> float:
-    """E* [MPa] of two bodies, each with Young's modulus [MPa] and Poisson's ratio."""
+    """Return E* [MPa], 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂.
+
+    first, second: Young's modulus [MPa] and Poisson's ratio of each body.
+    """
     return 1.0 / sum((1.0 - poisson**2) / young for young, poisson in (first, second))
 
 
 @dataclass(frozen=True)
 class Hertz:
-    """A sphere pressed on a flat. Source: Johnson, Contact Mechanics (1985), section 4.2."""
+    """A smooth elastic sphere is pressed on a flat (Johnson, Contact Mechanics, 1985, section 4.2)."""
 
     modulus: float  # E* [MPa]
     sphere_radius: float  # R [mm]
@@ -32,31 +35,34 @@ class Hertz:
 
     @property
     def radius(self) -> float:
-        """a of the contact [mm]."""
+        """Radius a of the contact [mm]: a³ = 3 F R / (4 E*)."""
         return float((0.75 * self.load * self.sphere_radius / self.modulus) ** (1.0 / 3.0))
 
     @property
     def area(self) -> float:
-        """[mm²]"""
+        """Area of the contact [mm²]: π a²."""
         return math.pi * self.radius**2
 
     @property
     def peak_pressure(self) -> float:
-        """[MPa]"""
+        """Pressure in the middle [MPa], 3/2 of the mean."""
         return 1.5 * self.load / self.area
 
     @property
     def approach(self) -> float:
-        """[mm]"""
+        """How far the bodies approach each other [mm]: a²/R."""
         return self.radius**2 / self.sphere_radius
 
     def pressure(self, r: FloatArray) -> FloatArray:
-        """Pressure [MPa] at distances r from the middle [mm], any shape."""
+        """Return the pressure [MPa] at distances r from the middle [mm], an array of any shape."""
         inside = np.maximum(0.0, 1.0 - np.square(r / self.radius))
         return np.asarray(self.peak_pressure * np.sqrt(inside))
 
     def foundation(self, match: str, *, radius: float | None = None) -> float:
-        """K_N = C_W E*/a [N/mm³] (thesis eq 2.7). match: of `MATCHES`. radius: a, Hertz's by default [mm]."""
+        """Return K_N = C_W E*/a [N/mm³] (thesis eq 2.7).
+
+        match: which of Hertz's values K_N reproduces, a key of `MATCHES`. radius: a [mm], Hertz's by default.
+        """
         return MATCHES[match] * self.modulus / (radius or self.radius)
 
 
@@ -66,15 +72,17 @@ SEPARATIONS = (-8.0, 30.0)
 
 @dataclass(frozen=True)
 class SpectralMoments:
-    """Mean squares of height, slope and curvature of the profiles through an isotropic Gaussian surface."""
+    """Spectral moments are mean squares of profiles through an isotropic Gaussian surface."""
 
-    m0: float  # [mm²]
-    m2: float  # [-]
-    m4: float  # [1/mm²]
+    m0: float  # of the height [mm²]
+    m2: float  # of the slope [-]
+    m4: float  # of the curvature [1/mm²]
 
     @classmethod
     def of(cls, heights: FloatArray, cell: float) -> Self:
-        """Of one period of a surface [mm], shape (nx, ny), cells of `cell` mm, by its spectrum.
+        """Return the moments of one period of a surface, from its spectrum.
+
+        heights: [mm], shape (nx, ny). cell: size of a cell [mm].
 
         A profile's mean square slope is half the surface's, its mean square curvature three eighths of the
         Laplacian's (Nayak 1971, J. Lubr. Technol. 93, 398).
@@ -89,15 +97,15 @@ class SpectralMoments:
 
     @property
     def rms_slope(self) -> float:
-        """h', of the surface's gradient [-]."""
+        """Root mean square h' of the surface's gradient [-]."""
         return math.sqrt(2.0 * self.m2)
 
 
 def persson_area(mean_pressure: FloatArray, *, modulus: float, rms_slope: float) -> FloatArray:
-    """Real over nominal area, erf(√2 p̄/(E* h')): elastic, no adhesion.
+    """Return the real over the nominal area, erf(√2 p̄/(E* h')), of elastic bodies without adhesion.
 
-    mean_pressure, modulus: p̄ and E* [MPa]. Source: Persson 2001, J. Chem. Phys. 115, 3840, in the form of
-    Manners and Greenwood 2006, Wear 261, 600.
+    mean_pressure: p̄ [MPa], of any shape. modulus: E* [MPa]. rms_slope: h' of the surface [-].
+    Source: Persson 2001, J. Chem. Phys. 115, 3840, in the form of Manners and Greenwood 2006, Wear 261, 600.
     """
     ratio = math.sqrt(2.0) / (modulus * rms_slope) * np.asarray(mean_pressure, dtype=np.float64)
     return np.vectorize(math.erf, otypes=[np.float64])(ratio)
@@ -106,11 +114,11 @@ def persson_area(mean_pressure: FloatArray, *, modulus: float, rms_slope: float)
 def greenwood_williamson_area(
     mean_pressure: FloatArray, *, modulus: float, moments: SpectralMoments
 ) -> FloatArray:
-    """Real over nominal area by spherical summits that do not know of each other; above 1 it means nothing.
+    """Return the real over the nominal area of spherical summits that yield each by itself.
 
-    mean_pressure, modulus: p̄ and E* [MPa]. NaN for pressures beyond the theory's range. Sources: Greenwood
-    and Williamson 1966, Proc. R. Soc. A 295, 300; McCool 1987, J. Tribol. 109, 264 for the summits of a
-    spectrum.
+    mean_pressure: p̄ [MPa], of any shape. modulus: E* [MPa]. An area above 1 means nothing; it is NaN for
+    pressures beyond the theory's range. Sources: Greenwood and Williamson 1966, Proc. R. Soc. A 295, 300;
+    McCool 1987, J. Tribol. 109, 264 for the summits of a spectrum.
     """
 
     alpha = moments.m0 * moments.m4 / moments.m2**2

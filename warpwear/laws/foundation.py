@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class CappedFoundation:
-    """Pressure p = clip((approach − gap) / c, 0, hardness) on every cell.
+    """Every cell carries the pressure p = clip((approach − gap) / c, 0, hardness).
 
     c = 1/stiffness for an explicit step. An implicit Archard step eliminates the gap after the step,
     gap + K p ΔL, and obeys the same law with c = 1/stiffness + K ΔL: unconditionally stable, cap and
@@ -18,14 +18,14 @@ class CappedFoundation:
 
     @property
     def compliance(self) -> float:
-        """c of an explicit step [mm³/N]."""
+        """Compliance c = 1/k of an explicit step [mm³/N]."""
         return 1.0 / self.stiffness
 
     def stable_increment(self, wear_coefficient: float) -> float:
-        """Largest stable sliding increment of explicit Archard wear, 2c/K [mm].
+        """Return the largest stable sliding increment of explicit Archard wear, 2c/K [mm].
 
         Infinite without a foundation: there the step has no stability limit, only an accuracy of K H ΔL.
-        wear_coefficient: both bodies together [mm²/N].
+        wear_coefficient: K of both bodies together [mm²/N].
         """
         if self.compliance == 0.0 or wear_coefficient == 0.0:
             return math.inf

@@ -6,7 +6,7 @@ import math
 def critical_junction(
     *, surface_energy: float, shear_modulus: float, poisson: float, strength: float
 ) -> float:
-    """d* = 12π γ G / ((2 − ν) σ_j²) [mm], a diameter (thesis eq 2.3).
+    """Return the diameter d* = 12π γ G / ((2 − ν) σ_j²) [mm] (thesis eq 2.3).
 
     surface_energy: γ of one new surface [N/mm]; 1 J/m² is 1e-3 N/mm.
     shear_modulus: G of the body that particles come from [MPa]. poisson: its ν.
@@ -37,7 +37,7 @@ def critical_junction(
 
 
 def junction_strength(hardness: float) -> float:
-    """σ_j = H / (3√3) [MPa] of a junction as strong as the softer body. hardness: H of that body [MPa].
+    """Return σ_j = H / (3√3) [MPa] of a junction as strong as the softer body. hardness: its H [MPa].
 
     Yield stress H/3 (Tabor, The Hardness of Metals, 1951), in shear by von Mises' criterion. Dirt, oxide and
     lubricant make junctions weaker, and d* larger.

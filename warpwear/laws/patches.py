@@ -11,12 +11,12 @@ from warpwear.kernels.cells import LANES
 
 @dataclass(frozen=True, eq=False)
 class Patches:
-    """Square patches, one in each of across × across macro cells, in the order of the macro cells.
+    """Square patches lie one in each of across × across macro cells, in the order of the macro cells.
 
     They are stored as the kernels of `warpwear.kernels.patches` read them: one row a patch.
     """
 
-    domain: Grid  # of fine cells
+    domain: Grid  # of all fine cells
     side: int  # of a patch, in fine cells
     pitch: int  # of a macro cell, in fine cells
     first_row: NDArray[np.int32]  # of the domain's cells, where a patch begins, shape (patches,)
@@ -24,9 +24,9 @@ class Patches:
 
     @classmethod
     def laid_out(cls, domain: Grid, *, pitch: int, side: int, seed: int | None = None) -> "Patches":
-        """Patches of side × side cells in macro cells of pitch × pitch: in their middle, or at random.
+        """Return patches of side × side cells in macro cells of pitch × pitch cells.
 
-        seed: of the random places; None for the middle.
+        domain: of all fine cells. seed: of random places in the macro cells; None for their middle.
         """
         across = domain.nx // pitch
         row, column = (c.ravel() * pitch for c in np.indices((across, across)))
@@ -41,51 +41,52 @@ class Patches:
 
     @property
     def count(self) -> int:
+        """Number of patches."""
         return int(self.first_row.size)
 
     @property
     def across(self) -> int:
-        """Macro cells along a side of the domain."""
+        """Number of macro cells along a side of the domain."""
         return self.domain.nx // self.pitch
 
     @property
     def cover_everything(self) -> bool:
-        """Whether the patches tile the domain."""
+        """True where the patches tile the domain."""
         return self.side == self.pitch
 
     @property
     def uncovered(self) -> int:
-        """Cells of the domain that belong to no patch."""
+        """Number of cells of the domain that belong to no patch."""
         return self.domain.cells - self.count * self.side**2
 
     @property
     def weight(self) -> float:
-        """Area that a patch stands for over its own."""
+        """The area that a patch stands for over its own."""
         return (self.pitch / self.side) ** 2
 
     @property
     def area(self) -> float:
-        """That a patch stands for [mm²]: its macro cell's."""
+        """The area that a patch stands for [mm²], which is its macro cell's."""
         return float(self.pitch * self.domain.cell) ** 2
 
     @property
     def vectors(self) -> int:
-        """Of a line of a patch."""
+        """Number of vectors of `LANES` cells that hold a line of a patch."""
         return -(-self.side // LANES)
 
     @property
     def grid(self) -> Grid:
-        """Of the cells as they are stored: a row a patch, padding included."""
+        """The grid of the cells as they are stored: one row a patch, padding included."""
         return Grid(self.count, self.side * self.vectors * LANES, self.domain.cell)
 
     @property
     def centres(self) -> tuple[FloatArray, FloatArray]:
-        """Centres of the macro cells along x and y [mm], (across,) each."""
+        """Centres of the macro cells along x and y [mm], each of shape (across,)."""
         grid = Grid(self.across, self.across, self.pitch * self.domain.cell)
         return grid.x, grid.y
 
     def stored(self, field: FloatArray) -> FloatArray:
-        """The patches of a field over the domain (nx, ny), as they are stored; padding is 0."""
+        """Return the patches of a field over the domain, shape (nx, ny), as they are stored; padding is 0."""
         n = self.side
         rows = np.empty((self.count, n, self.vectors * LANES))
         rows[:, :, n:] = 0.0
@@ -94,7 +95,7 @@ class Patches:
         return rows.reshape(self.count, -1)
 
     def on_domain(self, rows: FloatArray, *, beside: float = 0.0) -> FloatArray:
-        """A stored field over the domain, shape (nx, ny). beside: value of cells that no patch covers."""
+        """Return a stored field over the domain, shape (nx, ny). beside: value of cells in no patch."""
         n = self.side
         shape = self.domain.shape
         field = np.empty(shape) if self.cover_everything else np.full(shape, beside)

@@ -20,24 +20,24 @@ import numpy as np
 
 from warpwear.grid import FloatArray, Grid
 
-#: Of a length that should be whole [cells].
+#: Largest error of a length that should be a whole number of cells, relative.
 WHOLE = 1.0e-6
 
 
 @dataclass(frozen=True)
 class Track:
-    """Geometry of one study's track.
+    """A track tells at every step of a study where the sphere is on the disc.
 
     cells: rows of the disc slid over in a pass; 0 at rest. window: rows under the sphere's domain.
     """
 
     cells: int
-    shift: int
+    shift: int  # cells that the sphere moves on in a step
     cell: float  # [mm]
     window: int
     stroke: float  # slid in a pass of the test [mm]
-    periodic: bool
-    reverses: bool
+    periodic: bool  # whether the disc's rows close on themselves
+    reverses: bool  # whether the sphere turns at the end of a pass
 
     @classmethod
     def at_rest(cls, grid: Grid) -> Self:
@@ -51,16 +51,17 @@ class Track:
 
     @property
     def rows(self) -> int:
-        """Of the disc."""
+        """Number of rows of the disc."""
         return self.cells if self.periodic else self.cells + self.window
 
     @property
     def share(self) -> float:
-        """What a disc of this length slides of the sliding distance of the test; 1 for a whole stroke."""
+        """The part of the test's sliding distance that a disc of this length slides; 1 for a whole stroke."""
         return self.cells * self.cell / self.stroke if self.periodic else 1.0
 
     @property
     def steps_of_pass(self) -> int:
+        """Number of steps in a pass."""
         return -(-self.cells // self.shift)
 
     @property
@@ -70,26 +71,29 @@ class Track:
         return centres
 
     def row(self, step: int) -> int:
-        """Of the disc, under the first row of the sphere at step number `step`, 0 ≤ row < rows."""
+        """Return the disc's row under the first row of the sphere at step number `step`, 0 ≤ row < rows."""
         start, cells = self._covered(step)
         middle = start + cells // 2
         return (middle - self.window // 2) % self.rows if self.periodic else middle
 
     def place(self, step: int) -> float:
-        """Of the sphere's apex over the disc at a step, on the scale of `x` [mm]."""
+        """Return the place of the sphere's apex at step number `step`, on the scale of `x` [mm]."""
         start, cells = self._covered(step)
         first = 0 if self.periodic else self.window // 2
         middle = 0.5 * (self.window % 2)  # of an odd window the middle of a cell, of an even one an edge
         return (start + cells // 2 + first + middle - 0.5 * self.rows) * self.cell
 
     def beneath(self, disc: FloatArray, row: int) -> FloatArray:
-        """Of a field of the disc, shape (rows, ny), what lies under a sphere whose first row is on `row`."""
+        """Return the part of a field of the disc that lies under a sphere whose first row is on `row`.
+
+        disc: shape (rows, ny). The part has the shape (window, ny), and is a view unless it wraps round.
+        """
         if row + self.window <= self.rows:
             return disc[row : row + self.window]
         return np.asarray(disc[np.arange(row, row + self.window) % self.rows])
 
     def _covered(self, step: int) -> tuple[int, int]:
-        """First cell of the pass that a step covers, and how many."""
+        """Return the first cell of the pass that a step covers, and the number of cells."""
         if not self.moves:
             return 0, 0
         number, segment = divmod(step, self.steps_of_pass)
@@ -99,9 +103,9 @@ class Track:
         return start, min(self.shift, self.cells - start)
 
     def increments(self, distance: float) -> Iterator[tuple[float, float]]:
-        """Of every step the increment and the distance at its end [mm]; the last is cut at the distance.
+        """Yield the increment of every step and the distance at its end [mm].
 
-        A distance of 0 is one increment of 0: a static contact.
+        distance: slid in all [mm], where the last step is cut; 0 is one increment of 0, a static contact.
         """
         if distance == 0.0:
             yield 0.0, 0.0
@@ -125,17 +129,18 @@ class Track:
             done, step = end, step + 1
 
     def steps(self, distance: float) -> float:
-        """About how many steps a distance takes [mm]."""
+        """Return the number of steps, about, that a distance [mm] takes."""
         return math.ceil(distance / self.stroke * self.steps_of_pass)
 
 
 def increments(
     plan: tuple[float, float, float], distance: float, stops: Iterable[float] = ()
 ) -> Iterator[tuple[float, float]]:
-    """Pairs of (increment, distance at its end) [mm] that end exactly at every stop and at the distance.
+    """Yield increments and the distances at their ends [mm], which meet every stop and the last exactly.
 
-    plan: first increment, growth, largest increment. A step cut short by a stop does not change the
-    planned size of those after it. A distance of 0 is one increment of 0: a static contact.
+    plan: first increment [mm], growth, largest increment [mm]. stops: distances [mm]; those beyond the
+    distance are ignored. A step cut short by a stop does not change the planned size of those after it. A
+    distance of 0 is one increment of 0: a static contact.
     """
     if distance == 0.0:
         yield 0.0, 0.0

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import partial
 from numbers import Real
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import PlainSerializer, PlainValidator, model_validator
 
@@ -94,26 +94,28 @@ class Contact(Section):
 
 @dataclass(frozen=True)
 class ArchardCoefficient:
-    """K of V = K F L [mm³/(N·m)], hardness contained; or k of V = k F L / H, dimensionless."""
+    """A wear coefficient is K of V = K F L [mm³/(N·m)], or k of V = k F L / H, a bare number."""
+
+    unit: ClassVar[str] = "mm^3/N/m"
 
     value: float
     dimensionless: bool = False
 
     @classmethod
     def read(cls, given: Any) -> Self:
-        """From text with a unit, or a bare number. Raises ValueError."""
+        """Return the coefficient of a quantity, or of a bare number. Raises ValueError."""
         if isinstance(given, cls):
             return given
         bare = isinstance(given, Real) and not isinstance(given, bool)
-        value = Number(NOT_NEGATIVE).read(given) if bare else parse(given, "mm^3/N/m")
+        value = Number(NOT_NEGATIVE).read(given) if bare else parse(given, cls.unit)
         return cls(NOT_NEGATIVE.check(value), bare)
 
     def write(self) -> str | float:
-        """What `read` reads back."""
-        return self.value if self.dimensionless else text(self.value, "mm^3/N/m")
+        """Return what `read` reads back: text with a unit, or a bare number."""
+        return self.value if self.dimensionless else text(self.value, self.unit)
 
     def resolved(self, hardness: float) -> float:
-        """K [mm²/N] = 1e-3 mm³/(N·m) (thesis eqs 4.12 and 4.13)."""
+        """Return K [mm²/N] (thesis eqs 4.12 and 4.13). hardness: H of V = k F L / H [MPa]."""
         return self.value / hardness if self.dimensionless else 1.0e-3 * self.value
 
 

@@ -21,7 +21,7 @@ from warpwear.study.units import text
 
 
 class Content(Section):
-    """Sections of keys (see `keys`), each number in mm, N, MPa or s, and what follows from them.
+    """The content of a study is its sections of keys, in mm, N, MPa and s, and what follows from them.
 
     Nothing here checks whether the sections agree: `warpwear.study.rules` does.
     """
@@ -50,27 +50,27 @@ class Content(Section):
 
     @property
     def is_rough(self) -> bool:
-        """Whether the disc's roughness plays a part, resolved or as a bearing curve."""
+        """True where the disc's roughness plays a part, resolved or as a bearing curve."""
         return self.study.model != "macro" or self.wear.law == "bearing-curve"
 
     @property
     def caps_pressure(self) -> bool:
-        """Whether a hardness limits the pressure of a cell."""
+        """True where a hardness limits the pressure of a cell."""
         return math.isfinite(self.hardness)
 
     @property
     def is_swept(self) -> bool:
-        """Whether the sphere slides over a track, or stays on the same cells of the disc."""
+        """True where the sphere slides over a track, false where it stays on the same cells of the disc."""
         return self.sliding.kinematics == "swept"
 
     @property
     def lap(self) -> float | None:
-        """What is slid in a pass over the track [mm]; None where the disc lies still."""
+        """Distance that a pass over the track slides [mm]; None where the disc lies still."""
         return self.sliding.lap if self.is_swept else None
 
     @property
     def track(self) -> Track:
-        """The track that a swept study asks for; whether it may is for `rules_track` to say."""
+        """The track that a swept study asks for; `rules_track` says whether it may."""
         sliding, cell = self.sliding, self.grid.cell
         lap = sliding.lap
         assert lap is not None  # checked with the study
@@ -86,7 +86,7 @@ class Content(Section):
 
     @property
     def patch_layout(self) -> Patches:
-        """Where the patches lie that a two-scale study asks for."""
+        """The places of the patches that a two-scale study asks for."""
         domain, patches = self.cells, self.patches
         pitch, side = round(patches.macro_cell / domain.cell), round(patches.patch_width / domain.cell)
         seed = patches.seed if patches.placement == "random" else None
@@ -94,7 +94,7 @@ class Content(Section):
 
     @property
     def uses_bearing_area(self) -> bool:
-        """Whether contacts have no compliance: neither a foundation nor implicit wear."""
+        """True where contacts have no compliance: neither a stiffness nor implicit wear."""
         if self.contact.law == "half-space":
             return False
         worn = self.sliding.total > 0.0 and sum(law.fastest for law in self.wear_laws) > 0.0
@@ -102,12 +102,12 @@ class Content(Section):
 
     @property
     def softer_hardness(self) -> float | None:
-        """Hardness of the softer body [MPa], of those that are given."""
+        """The smaller of the bodies' hardnesses that are given [MPa]; None where neither is."""
         return min((h for h in (self.sphere.hardness, self.disc.hardness) if h is not None), default=None)
 
     @property
     def hardness(self) -> float:
-        """Largest pressure of a cell [MPa]: contact.hardness, or the softer body's for rough cells."""
+        """Largest pressure of a cell [MPa]: contact.hardness, or for rough cells the softer body's."""
         if self.contact.hardness is not None:
             return self.contact.hardness
         found = None if self.study.model == "macro" else self.softer_hardness
@@ -115,19 +115,19 @@ class Content(Section):
 
     @property
     def effective_modulus(self) -> float | None:
-        """E* of both bodies [MPa], where their elastic constants are known."""
+        """E* of both bodies [MPa]; None where elastic constants are unknown."""
         sphere, disc = self.sphere.elastic, self.disc.elastic
         return None if sphere is None or disc is None else effective_modulus(sphere, disc)
 
     @property
     def boundary(self) -> str:
-        """Of the half-space, or of every patch: "free" or "periodic"."""
+        """Boundary of the half-space, or of every patch: "free" or "periodic"."""
         whole_sphere = self.sphere.curvature and self.study.model != "two-scale"
         return self.contact.boundary or ("free" if whole_sphere else "periodic")
 
     @property
     def resolved(self) -> dict[str, str]:
-        """Keys that were left open -> what they come to under the choices made, as text."""
+        """Dotted names of keys that were left open -> what they come to under the choices made, as text."""
         found = {
             "contact.hardness": text(self.hardness, "MPa"),
             "contact.boundary": self.boundary,
@@ -138,7 +138,7 @@ class Content(Section):
 
     @property
     def hertz(self) -> Hertz | None:
-        """Hertz's contact of the bodies before any wear, where their elastic constants are known."""
+        """Hertz's contact of the bodies before any wear; None for a flat or unknown elastic constants."""
         modulus, curvature = self.effective_modulus, self.sphere.curvature
         if modulus is None or curvature == 0.0:
             return None
@@ -156,7 +156,7 @@ class Content(Section):
 
     @property
     def critical_junction(self) -> float | None:
-        """Diameter d* [mm] below which junctions of the softer body smooth out, if all it needs is known."""
+        """Diameter d* [mm] below which junctions of the softer body smooth out; None where it is unknown."""
         energy, strength = self.junctions.surface_energy, self.junction_strength
         softer = self.sphere if self.sphere.hardness == self.softer_hardness else self.disc
         if energy is None or strength is None or softer.elastic is None:
@@ -168,7 +168,7 @@ class Content(Section):
         )
 
     def law(self, *, radius: float | None = None) -> CappedFoundation:
-        """The law of a cell. radius: of the area in contact [mm], for a foundation that follows it."""
+        """Return the law of a cell. radius: of the area in contact [mm], for a stiffness that follows it."""
         macro = self.study.model == "macro"
         stiffness = self.bulk_stiffness(radius=radius) if macro else self.contact.stiffness
         if self.contact.law == "half-space":
@@ -176,7 +176,7 @@ class Content(Section):
         return CappedFoundation(stiffness=stiffness, hardness=self.hardness)
 
     def bulk_stiffness(self, *, radius: float | None = None) -> float:
-        """K_N of the bulk of both bodies [N/mm³]. radius: of the contact [mm], for a K_N that follows it."""
+        """Return K_N [N/mm³] of both bodies' bulk. radius: of the contact [mm], for a K_N that follows it."""
         stiffness = self.contact.bulk_stiffness
         if isinstance(stiffness, str):
             assert self.hertz is not None  # checked with the study
@@ -210,19 +210,19 @@ class Content(Section):
 
     @property
     def uses_bulk_stiffness(self) -> bool:
-        """Whether K_N plays a part."""
+        """True where the stiffness K_N of the bulk plays a part."""
         if self.study.model == "two-scale":
             return self.patches.bulk == "spring" or self.patches.coupling == "load"
         return self.study.model == "macro"
 
     @property
     def samples_area(self) -> bool:
-        """Whether patches stand for more than themselves, so that fields cover only a part of the domain."""
+        """True where patches stand for more than themselves, and fields cover only a part of the domain."""
         return self.study.model == "two-scale" and self.patches.patch_width < self.patches.macro_cell
 
     @property
     def places_at_random(self) -> bool:
-        """Whether patches that stand for more than themselves lie at random in their macro cells."""
+        """True where patches that stand for more than themselves lie at random in their macro cells."""
         return self.samples_area and self.patches.placement == "random"
 
     @property
@@ -233,7 +233,7 @@ class Content(Section):
 
     @property
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
-        """Of sphere and disc."""
+        """The laws by which sphere and disc wear."""
         wear, given = self.wear, self.contact.hardness
         hardness = (self.softer_hardness or math.inf) if given is None else given
 
@@ -256,6 +256,6 @@ class Content(Section):
 
     @property
     def load_tolerance(self) -> float:
-        """Load that a bearing area may leave unbalanced [N]; one cell carries H h²."""
+        """Load that a bearing area may leave unbalanced [N], by default what one cell carries, H h²."""
         asked = self.stepping.load_tolerance
         return self.hardness * self.cells.cell_area if asked == "one cell" else float(asked)

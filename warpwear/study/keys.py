@@ -1,4 +1,4 @@
-"""What the sections of a study are made of: keys, each declared once with all that is known of it.
+"""Sections of a study are made of keys, each declared once with all that is known of it.
 
 A key has a unit, a default, allowed values and a meaning. Numbers are kept in mm, N, MPa and s. A key whose
 default is a choice of ours and not the user's carries `assumed`, which `warpwear show` and the results
@@ -50,7 +50,7 @@ class Rule:
     otherwise: str  # end of the sentence about a key that is not used; {} is the value
 
     def why_not(self, study: BaseModel) -> str | None:
-        """End of the sentence about a key that the study does not use; None where it may be used."""
+        """Return the end of the sentence about a key that the study does not use; None where it may."""
         value: Any = study
         for part in self.name.split("."):
             value = getattr(value, part, None)
@@ -58,7 +58,7 @@ class Rule:
 
 
 def when(name: str, *values: Any, otherwise: str | None = None) -> Rule:
-    """The rule that a key is used where `name` has one of the values; without values, where it is true.
+    """Return the rule that a key is used where `name` has one of the values; without any, where it is true.
 
     otherwise: what to say of the key elsewhere, by default "does not apply to NAME = 'VALUE'".
     """
@@ -67,7 +67,7 @@ def when(name: str, *values: Any, otherwise: str | None = None) -> Rule:
 
 @dataclass(frozen=True)
 class Declared:
-    """What a key says of itself beside type, default and meaning, by the arguments of `key`."""
+    """A key declares this beside its type, default and meaning; see the arguments of `key`."""
 
     assumed: str | None = None
     applies: tuple[Rule, ...] = ()
@@ -91,7 +91,7 @@ def key(
     formerly: str | None = None,
     former_value: tuple[str, str] | None = None,
 ) -> Any:
-    """A key of a section, with all that is known of it.
+    """Declare a key of a section, with all that is known of it.
 
     assumed: why this default was chosen, where it is a physical assumption. applies: when the key is used;
     the first rule that does not hold says why it is not; those of a section hold for its keys too.
@@ -130,12 +130,12 @@ class Section(BaseModel):
 
 
 def all_keys(model: type[BaseModel]) -> list[str]:
-    """Dotted names of all keys and sections."""
+    """Return the dotted names of all keys and sections."""
     return list(declarations(model))
 
 
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
-    """The declaration of a dotted key, if there is one."""
+    """Return the field of a dotted key; None where there is no such key."""
     info = None
     current: type[BaseModel] | None = model
     for part in name.split("."):
@@ -147,13 +147,13 @@ def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
 
 
 def section_in(annotation: Any) -> type[BaseModel] | None:
-    """The section that an annotation, maybe optional, stands for."""
+    """Return the section that an annotation, maybe optional, stands for; None for a key."""
     options = getattr(annotation, "__args__", None) or (annotation,)
     return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
 
 
 def given_keys(section: BaseModel, prefix: str = "") -> set[str]:
-    """Dotted names of the keys that were given, not left to their defaults."""
+    """Return the dotted names of the keys that were given, not left to their defaults."""
     found = set()
     for name in section.model_fields_set:
         value = getattr(section, name)
@@ -163,7 +163,7 @@ def given_keys(section: BaseModel, prefix: str = "") -> set[str]:
 
 @cache
 def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Declared]:
-    """Dotted name of each key and section -> what it says of itself, its section's rules before its own."""
+    """Map dotted names of keys and sections to what they declare, with the rules of sections above them."""
     found: dict[str, Declared] = {}
     for name, info in model.model_fields.items():
         extra = info.json_schema_extra
@@ -176,7 +176,7 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Decla
 
 
 def inapplicable(study: BaseModel) -> dict[str, str]:
-    """Keys that nothing uses under the choices made -> why, as the end of a sentence."""
+    """Map keys that nothing uses under the choices made to the end of a sentence that says why."""
     found = {}
     for name, declared in declarations(type(study)).items():
         why = next((why for rule in declared.applies if (why := rule.why_not(study))), None)
@@ -186,7 +186,7 @@ def inapplicable(study: BaseModel) -> dict[str, str]:
 
 
 def unused_key_notices(study: BaseModel) -> list[str]:
-    """A sentence about each reason why keys are given but not used."""
+    """Return a sentence about each reason why keys are given but not used."""
     given = given_keys(study)
     reasons: dict[str, list[str]] = {}
     for name, why in inapplicable(study).items():
@@ -199,7 +199,7 @@ def unused_key_notices(study: BaseModel) -> list[str]:
 
 
 def alternatives_of(model: type[BaseModel], name: str) -> set[str]:
-    """Dotted names of the keys that say the same as a key, or as a section it lies in, in other ways."""
+    """Return the keys that say the same as a key, or as a section that it lies in, in other ways."""
     keys = declarations(model)
     found: set[str] = set()
     above = ""
@@ -217,7 +217,7 @@ def alternatives_of(model: type[BaseModel], name: str) -> set[str]:
 
 
 def value_of(nested: Any, name: str) -> Any:
-    """The value of a dotted key; None where there is none."""
+    """Return the value of a dotted key; None where there is none."""
     for part in name.split("."):
         nested = nested.get(part) if isinstance(nested, dict) else None
     return nested

@@ -1,4 +1,4 @@
-"""Where studies come from: TOML files, run folders and presets."""
+"""Studies come from TOML files, run folders and presets; here they are read, completed and changed."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -16,13 +16,13 @@ from warpwear.study.units import text
 
 
 def presets() -> list[str]:
-    """Names of the presets."""
+    """Return the names of the presets, sorted."""
     folder = resources.files("warpwear") / "presets"
     return sorted(p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml"))
 
 
 def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
-    """What a TOML file, a run folder or the preset of that name says. Raises InputError."""
+    """Return the sections in a TOML file, a run folder or the preset of that name. Raises InputError."""
     if str(path_or_preset) in presets():
         source = resources.files("warpwear") / "presets" / f"{path_or_preset}.toml"
         return tomllib.loads(source.read_text(encoding="utf-8"))
@@ -58,9 +58,9 @@ MACRO_CELL = "10 um"
 
 
 def fill(sections: dict[str, Any]) -> tuple[dict[str, Any], set[str]]:
-    """The sections with what follows from them, and the dotted names of what was filled in.
+    """Return the sections with what follows from them, and the dotted names of the keys that were filled in.
 
-    What cannot be understood is left to the validation of the study.
+    A value that cannot be understood is left to the validation of the study.
     """
     filled = {name: dict(keys) if isinstance(keys, dict) else keys for name, keys in sections.items()}
     names: set[str] = set()
@@ -89,7 +89,7 @@ def fill(sections: dict[str, Any]) -> tuple[dict[str, Any], set[str]]:
 
 
 def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """A copy of sections with new names for old ones of keys and values, and a sentence about each of these.
+    """Return a copy of sections with new names for old ones, and a sentence about each of these.
 
     Raises InputError for a key that is given by its old name and by its new one.
     """
@@ -122,7 +122,7 @@ def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[st
 
 
 def changes_with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """Changes by dotted names, with new names for old ones, and a sentence about each of these."""
+    """Return changes by dotted names with new names for old ones, and a sentence about each of these."""
     found: dict[str, Any] = {}
     notices: list[str] = []
     for old, value in flat.items():
@@ -139,7 +139,7 @@ def changes_with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], lis
 
 @cache
 def _former_names() -> Mapping[str, str]:
-    """Names of keys and sections before they were renamed -> their names now."""
+    """Map names of keys and sections before they were renamed to their names now."""
     renamed = {declared.formerly: new for new, declared in declarations(Content).items() if declared.formerly}
     sections = {old.partition(".")[0]: new.partition(".")[0] for old, new in renamed.items()}
     return renamed | {old: new for old, new in sections.items() if old not in Content.model_fields}
@@ -154,7 +154,7 @@ def _given_twice(old: str, new: str) -> str:
 
 
 def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
-    """Set keys, {"grid.cell": "2 um"}, in place. What says the same in another way is dropped."""
+    """Set keys, {"grid.cell": "2 um"}, in place; keys that say the same in another way are dropped."""
     for name, value in flat.items():
         for other in _dropped_by(name) - set(flat):
             _remove(nested, other)
@@ -168,7 +168,7 @@ def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
 
 
 def _dropped_by(name: str) -> set[str]:
-    """Keys that a new value of this one makes void."""
+    """Return the keys that a new value of this one makes void."""
     body, _, key = name.partition(".")
     if key == "material":  # another material has other constants
         return {f"{body}.{constant}" for constant in CONSTANTS}
@@ -205,18 +205,17 @@ OTHERS = " and others"
 
 
 def is_described(key: str) -> bool:
-    """Whether a description may speak of it: not of names, of what is checked, and of what is written."""
+    """Tell whether a description speaks of a change of this key: not of names, checks, or what is written."""
     section = key.partition(".")[0]
     return key == "study.model" or section not in ("study", "checks", "output", "assumed")
 
 
 def with_changes(description: str, changed: Sequence[str]) -> str:
-    """A description followed by the keys changed since, each once, also where it already names some."""
-    text, _, told = description.partition(CHANGED)
-    more = told.endswith(OTHERS)
-    known = [name for name in told.removesuffix(OTHERS).split(", ") if name]
+    """Return a description followed by the keys changed since, each once, those that it names included."""
+    text, _, listed = description.partition(CHANGED)
+    more = listed.endswith(OTHERS)
+    known = [name for name in listed.removesuffix(OTHERS).split(", ") if name]
     names = list(dict.fromkeys([*known, *changed]))
     if not names:
         return description
-    listed = ", ".join(names[:NAMED])
-    return f"{text}{CHANGED}{listed}{OTHERS if more or len(names) > NAMED else ''}"
+    return f"{text}{CHANGED}{', '.join(names[:NAMED])}{OTHERS if more or len(names) > NAMED else ''}"

@@ -15,7 +15,7 @@ from warpwear.study.units import parse
 
 @dataclass(frozen=True)
 class Material:
-    """A material in one condition."""
+    """A material has its constants in one condition."""
 
     name: str
     condition: str  # state of the hardness: annealed, hardened, ...
@@ -26,19 +26,19 @@ class Material:
 
     @property
     def shear_modulus(self) -> float:
-        """G = E / (2 (1 + ν)) [MPa]"""
+        """Shear modulus G = E / (2 (1 + ν)) [MPa]."""
         return self.young / (2.0 * (1.0 + self.poisson))
 
 
 def names() -> tuple[str, ...]:
-    """Names of the materials, in the order of the table."""
+    """Return the names of the materials, in the order of the table."""
     return tuple(entry.name for entry in _table()[0])
 
 
 def material(name: str) -> Material:
-    """The material of this name or alias; case, spaces, dashes and dots do not matter.
+    """Return the material of this name or alias; case, spaces, dashes and dots do not matter.
 
-    ValueError with one sentence for a name that the table does not have.
+    Raises ValueError with one sentence for a name that the table does not have.
     """
     entries, aliases = _table()
     key = _key(name)
@@ -55,13 +55,13 @@ _STANDARDS = re.compile(r"^(aisi|sae|uns|wnr|en|din|jis|astm)+")
 
 
 def _key(name: str) -> str:
-    """The name's letters and digits, in lower case; "Al₂O₃" is "al2o3"."""
+    """Return the name's letters and digits, in lower case; "Al₂O₃" is "al2o3"."""
     return "".join(sign for sign in unicodedata.normalize("NFKC", name).casefold() if sign.isalnum())
 
 
 @cache
 def _table() -> tuple[tuple[Material, ...], Mapping[str, int]]:
-    """The materials, and the place among them of each key of a name or alias."""
+    """Return the materials, and the place among them of each key of a name or alias."""
     rows = tomllib.loads((files("warpwear") / "materials.toml").read_text(encoding="utf-8"))["material"]
     entries: list[Material] = []
     aliases: dict[str, int] = {}

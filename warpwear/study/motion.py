@@ -20,7 +20,7 @@ from warpwear.study.keys import (
 )
 from warpwear.study.units import Number, Quantity
 
-#: Along a side: a million squared is more than any memory holds.
+#: Most cells along a side: a million squared is more than any memory holds.
 MOST_CELLS = 1_000_000
 
 
@@ -134,12 +134,12 @@ class Sliding(Section):
 
     @property
     def uses_track_radius(self) -> bool:
-        """Whether the track's radius plays a part: the sphere slides along it, or revolutions are counted."""
+        """True where the sphere slides along the track's radius, or revolutions are counted."""
         return self.kinematics == "swept" or self.revolutions is not None
 
     @property
     def lap(self) -> float | None:
-        """What is slid in one pass: the stroke, or the way of one revolution [mm]."""
+        """Distance of one pass [mm]: the stroke, or one revolution."""
         return self.stroke if self.track_radius is None else 2.0 * math.pi * self.track_radius
 
     @property

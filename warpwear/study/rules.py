@@ -1,22 +1,22 @@
-"""What the sections of a study must agree on before anything is computed."""
+"""Rules that the sections of a study must keep together before anything is computed."""
 
 import math
 
 from warpwear.laws.elastic import MATCHES
-from warpwear.study import rules_track as track_checks
+from warpwear.study import rules_track
 from warpwear.study.content import Content
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
-#: Lengths that differ by less, relatively, are equal.
+#: Lengths whose relative difference is smaller are equal.
 SAME = 1.0e-6
 
 
 def check(study: Content) -> None:
-    """Raises ValueError, in one sentence, for a study that cannot be computed as it stands."""
+    """Refuse a study that cannot be computed as it stands: raises ValueError with one sentence."""
     _model(study)
     _half_space(study)
-    track_checks.check(study)
+    rules_track.check(study)
     _hardness(study)
     _capacity(study)
     _tolerance(study)
@@ -31,7 +31,8 @@ def _model(study: Content) -> None:
         if bearing_curve:
             raise ValueError(
                 "wear.law = 'bearing-curve' is for the macro model: the "
-                f"{study.study.model} model resolves the roughness"
+                f"{study.study.model} model resolves the roughness; allowed are study.model = 'macro', or "
+                "wear.law = 'archard', 'exponential' or 'running-in'"
             )
         if not rough:
             raise ValueError(
@@ -86,12 +87,13 @@ def _patches(study: Content) -> None:
     if study.wear.law == "running-in":
         raise ValueError(
             "wear.law = 'running-in' changes what sphere and disc wear beside each other, which the "
-            "two-scale model keeps in one proportion; allowed are archard and exponential"
+            "two-scale model keeps in one proportion; allowed are 'archard' and 'exponential'"
         )
     if study.wear.distance_factor != "none":
         raise ValueError(
             f"wear.distance_factor = '{study.wear.distance_factor}' changes what sphere and disc wear beside "
-            "each other from cell to cell, which the two-scale model keeps in one proportion; allowed is none"
+            "each other from cell to cell, which the two-scale model keeps in one proportion; allowed is "
+            "'none'"
         )
     if patches.coupling == "load" and study.stepping.scheme == "explicit":
         raise ValueError("patches.coupling = 'load' needs stepping.scheme = 'implicit'")
@@ -146,7 +148,8 @@ def _half_space(study: Content) -> None:
         raise ValueError(f"{named} needs stepping.scheme = 'implicit', not 'explicit'")
     if study.wear.distance_factor != "none" and not study.is_swept:
         raise ValueError(
-            f"wear.distance_factor = '{study.wear.distance_factor}' does not go with {named}: allowed is none"
+            f"wear.distance_factor = '{study.wear.distance_factor}' does not go with {named}: allowed is "
+            "'none'"
         )
     if study.study.model == "two-scale":
         _elastic_patches(study)
@@ -210,7 +213,7 @@ def _tolerance(study: Content) -> None:
 
 
 def doubts(study: Content) -> list[str]:
-    """What is computed as asked for, but with numbers that mislead, each as a sentence."""
+    """Return a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     found = []
     unstable = _unstable(study)
     if unstable is not None:
@@ -239,15 +242,18 @@ def doubts(study: Content) -> list[str]:
 def _stability(study: Content) -> None:
     unstable = _unstable(study)
     if unstable is not None and not study.stepping.force:
-        raise ValueError(f"{unstable}; allowed are smaller increments, scheme = 'implicit', or force = true")
+        raise ValueError(
+            f"{unstable}; allowed are smaller increments, stepping.scheme = 'implicit', or "
+            "stepping.force = true"
+        )
 
 
 def _unstable(study: Content) -> str | None:
-    """That explicit steps are too large, as the start of a sentence."""
+    """Return the start of a sentence about explicit steps that are too large; None where they are not."""
     if study.stepping.scheme == "implicit":
         return None
     if study.is_swept:
-        return track_checks.unstable(study)
+        return rules_track.unstable(study)
     limit = study.law().stable_increment(sum(law.fastest for law in study.wear_laws))
     if min(study.stepping.plan[2], study.sliding.total) < limit:
         return None
@@ -259,19 +265,19 @@ def _unstable(study: Content) -> str | None:
 
 
 def too_small(study: Content) -> str | None:
-    """That the domain will not hold the worn patch, as a sentence.
+    """Return a sentence, without its dot, about a domain that will not hold the worn patch; else None.
 
     Roughness only makes the patch wider. Patches wider than the radius are left to the run.
     """
     curvature = study.sphere.curvature
     if curvature == 0.0:
         return None
-    patch = track_checks.worn_patch(study)
+    patch = rules_track.worn_patch(study)
     if not study.grid.extent < patch < 1.0 / curvature:
         return None
     return (
         f"grid.extent = {study.grid.extent:g} mm is too small: the worn patch will be {patch:.3g} mm wide or "
-        "more; a larger extent is needed"
+        "more; a larger grid.extent is needed"
     )
 
 
@@ -281,8 +287,8 @@ def _steps(study: Content) -> None:
         if steps > MOST_STEPS:
             raise ValueError(
                 f"sliding.distance = {study.sliding.total:g} mm takes {steps:.3g} steps by sliding.shift = "
-                f"{study.sliding.shift} cells; allowed are {MOST_STEPS:,}, so a larger shift or larger cells "
-                "are needed"
+                f"{study.sliding.shift} cells; allowed are {MOST_STEPS:,}, so a larger sliding.shift or "
+                "grid.cell is needed"
             )
         return
     first, growth, largest = study.stepping.plan
@@ -292,7 +298,8 @@ def _steps(study: Content) -> None:
     covered = (largest - first) / (growth - 1.0) if growth > 1.0 else 0.0
     steps = growing + max(0.0, study.sliding.total - covered) / final
     if steps > MOST_STEPS:
+        name = "largest" if study.stepping.increment is None else "increment"
         raise ValueError(
             f"sliding.distance = {study.sliding.total:g} mm takes {steps:.3g} steps by this [stepping]; "
-            f"allowed are {MOST_STEPS:,}, so larger increments are needed"
+            f"allowed are {MOST_STEPS:,}, so a larger stepping.{name} is needed"
         )

@@ -1,4 +1,4 @@
-"""What a study must say for its sphere to slide over a track, and what of it then counts."""
+"""Rules of a study whose sphere slides over a track."""
 
 import math
 
@@ -7,19 +7,19 @@ from warpwear.study.content import Content
 
 
 def check(study: Content) -> None:
-    """Raises ValueError, in one sentence, for a track that cannot be computed as it is asked for."""
+    """Refuse a track that cannot be computed as it is asked for: raises ValueError with one sentence."""
     if not study.is_swept:
         return
     sliding, cell, extent = study.sliding, study.grid.cell, study.grid.extent
     if study.study.model == "two-scale":
         raise ValueError(
             "sliding.kinematics = 'swept' is not for study.model = 'two-scale', whose patches lie still; "
-            "allowed is stationary"
+            "allowed is 'stationary'"
         )
     if study.study.model == "macro":
         raise ValueError(
             "sliding.kinematics = 'swept' is not for study.model = 'macro': a smooth disc under a sliding "
-            "sphere is model = 'micro' with disc.synthetic.kind = 'flat'"
+            "sphere is study.model = 'micro' with disc.synthetic.kind = 'flat'"
         )
     lap = sliding.lap
     if lap is None:
@@ -40,7 +40,11 @@ def check(study: Content) -> None:
             raise ValueError(
                 f"sliding.track = {length:g} mm is not a whole number of steps of sliding.shift = "
                 f"{sliding.shift} cells, {1e3 * step:g} µm; "
-                + (f"the nearest allowed is {allowed}" if least <= most else "a smaller shift is needed")
+                + (
+                    f"the nearest allowed is {allowed}"
+                    if least <= most
+                    else "a smaller sliding.shift is needed"
+                )
             )
         if length > lap * (1.0 + WHOLE):
             raise ValueError(
@@ -62,13 +66,13 @@ def check(study: Content) -> None:
     if track.cells < sliding.shift:
         raise ValueError(
             f"sliding.shift = {sliding.shift} cells of {1e3 * cell:g} µm is longer than {named}; a smaller "
-            "shift is needed"
+            "sliding.shift is needed"
         )
     contact = extent if study.sphere.curvature == 0.0 else worn_patch(study)
     if lap < contact:
         raise ValueError(
             f"{named} is shorter than the contact will be, {contact:.3g} mm: its middle would never leave "
-            "the sphere; allowed are longer ones, or kinematics = 'stationary'"
+            "the sphere; allowed are longer ones, or sliding.kinematics = 'stationary'"
         )
     if sliding.plastic == "keep" and study.uses_bearing_area:
         raise ValueError(
@@ -78,7 +82,7 @@ def check(study: Content) -> None:
 
 
 def worn_patch(study: Content) -> float:
-    """Width of the patch at the end of the test, of smooth bodies [mm]; roughness makes it wider.
+    """Return the width of smooth bodies' worn patch at the end of the test [mm]; roughness makes it wider.
 
     On a disc that lies still both bodies lose the overlap of a sphere with a plane, π a⁴/4R of a paraboloid,
     whatever the pressure. A sphere that slides loses that overlap alone; or, where it hardly wears, its
@@ -97,7 +101,7 @@ def worn_patch(study: Content) -> float:
 
 
 def unstable(study: Content) -> str | None:
-    """That explicit steps of this shift are too large, as the start of a sentence."""
+    """Return the start of a sentence about a shift too large for explicit steps; None where it is not."""
     compliance = study.law().compliance
     track = study.track
     sphere, disc = (law.fastest for law in study.wear_laws)
@@ -112,7 +116,7 @@ def unstable(study: Content) -> str | None:
 
 
 def doubts(study: Content) -> list[str]:
-    """What is computed as asked for, but with numbers that mislead, each as a sentence."""
+    """Return a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     if not study.is_swept:
         return []
     found = []
@@ -139,7 +143,7 @@ def doubts(study: Content) -> list[str]:
 
 
 def _repeats(study: Content, length: float) -> bool:
-    """Whether the disc's surface closes on itself after a length [mm] of the track."""
+    """Tell whether the disc's surface closes on itself after a length [mm] of the track."""
     disc = study.disc.synthetic
     if disc is None:  # a file: nothing says that it does
         return False

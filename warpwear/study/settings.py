@@ -31,7 +31,7 @@ class About(Section):
 
 
 class PatchesSection(Section):
-    """[patches]: of the two-scale model"""
+    """[patches] of the two-scale model."""
 
     macro_cell: Length = key(
         "50 um",
@@ -70,7 +70,7 @@ class PatchesSection(Section):
 
     @property
     def patch_width(self) -> float:
-        """[mm]"""
+        """Width of a patch [mm]: as given, or that of a macro cell."""
         return self.macro_cell if self.width is None else self.width
 
 

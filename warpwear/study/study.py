@@ -23,10 +23,11 @@ from warpwear.study.loading import (
 
 
 class Study(Content):
-    """One study: sections of keys (see `warpwear.study.content`), each number in mm, N, MPa or s.
+    """A study is its sections of keys (see `warpwear.study.content`), each number in mm, N, MPa or s.
 
     Make one with `Study.load(path_or_preset)` or from sections: `Study(sphere={"radius": "3 mm"}, ...)`.
-    Frozen; `replace` gives a changed copy. Raises InputError for anything that cannot be computed.
+    Quantities are text, pairs such as (3, "mm"), or pint's. A study is frozen, and `replace` gives a changed
+    copy. Raises InputError, with one sentence, for anything that cannot be computed.
     """
 
     #: Sentences about keys and values that were given by their old names.
@@ -57,7 +58,7 @@ class Study(Content):
         return hash(self.to_toml())
 
     def notices(self) -> list[str]:
-        """What is given but not used, and what is asked for but cannot be trusted, each as a sentence."""
+        """Return a sentence about each old name, each unused key, and each number that misleads."""
         total = self.sliding.total
         found = [*self._old_names, *unused_key_notices(self), *rules_track.doubts(self)]
         late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > total or s == 0.0 < total)
@@ -66,12 +67,12 @@ class Study(Content):
         return [*found, *rules.doubts(self)]
 
     def to_toml(self) -> str:
-        """The whole study after defaults, as TOML that `load` reads back without loss."""
+        """Return the whole study after defaults, as TOML that `load` reads back without loss."""
         return text.to_toml(self)
 
     @classmethod
     def load(cls, path_or_preset: str | Path) -> Self:
-        """The study in a TOML file or a run folder, or the preset of that name. Raises InputError."""
+        """Return the study in a TOML file or a run folder, or the preset of that name. Raises InputError."""
         found = cls(**read_sections(path_or_preset))
         if Path(path_or_preset).is_dir():  # whose study.toml no person wrote
             found._old_names = ()
@@ -79,7 +80,7 @@ class Study(Content):
 
     @classmethod
     def stored(cls, content: str, *, surface: str | None = None) -> Self:
-        """The study in the text of a stored result, which may use old names of keys: no notice tells them.
+        """Return the study in the text of a stored result, whose old names of keys need no notice.
 
         surface: file of the disc's heights where that has moved since; without it the one in the text.
         """
@@ -91,10 +92,11 @@ class Study(Content):
         return found
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Mapping[str, Any]) -> Self:
-        """A copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
+        """Return a copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
 
-        A key that says the same in another way is dropped: a new sphere.diameter replaces sphere.radius. A
-        description that is not set itself tells what has changed.
+        Raises InputError for anything that cannot be computed. A key that says the same in another way
+        is dropped: a new sphere.diameter replaces sphere.radius. The description tells what has changed,
+        unless it is set itself.
         """
         flat = dict(changes or {})
         for section, keys in sections.items():

@@ -1,4 +1,4 @@
-"""From the [disc] section of a study to its surface."""
+"""The [disc] section of a study says what the disc's surface is; here it is made or read."""
 
 from dataclasses import fields
 
@@ -25,14 +25,14 @@ FINE = 1000
 
 
 def surface_in(study: Study) -> Surface:
-    """What the sphere slides on: the disc's surface, smooth in the macro model. Raises InputError."""
+    """Return what the sphere slides on: the disc's surface, flat in the macro model. Raises InputError."""
     if study.study.model == "macro":
         return Flat()
     return surface_of(study.disc)
 
 
 def bearing_curve_of(study: Study) -> Logistic:
-    """The bearing area curve of the study's disc over its domain. Raises InputError for a flat one."""
+    """Return the bearing area curve of the study's disc over its domain. Raises InputError for a flat one."""
     grid = study.cells
     places = np.linspace(grid.x[0], grid.x[-1], FINE)
     heights = surface_of(study.disc).heights(places, places)
@@ -43,9 +43,9 @@ def bearing_curve_of(study: Study) -> Logistic:
 
 
 def fit_bearing_curve(heights: FloatArray) -> Logistic:
-    """The logistic function nearest, by least squares, to the bearing area curve of heights [mm], any shape.
+    """Return the logistic function nearest, by least squares, to the bearing area curve of heights.
 
-    Raises ValueError for flat ones.
+    heights: [mm], of any shape. Raises ValueError for flat ones.
     """
     percent, reached = material_ratio_curve(heights)
     depth, ratio = float(np.max(heights)) - reached, percent / 100.0

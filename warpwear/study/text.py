@@ -17,7 +17,7 @@ from warpwear.study.units import is_quantity
 
 
 def to_toml(study: Content) -> str:
-    """Every key that applies, after defaults, as TOML that `Study.load` reads back without loss.
+    """Return every key that applies, after defaults, as TOML that `Study.load` reads back without loss.
 
     Keys that were left open stay open: they follow from the others, also when those are changed later.
     """
@@ -36,7 +36,7 @@ def to_toml(study: Content) -> str:
 
 
 def to_marked_toml(study: Content) -> str:
-    """The same for people: keys that apply, each default marked, each assumption with its reason."""
+    """Return the keys that apply as TOML for people: defaults are marked, assumptions give their reasons."""
     given = given_keys(study)
     reasons = assumptions(study)
     lines: list[str] = []
@@ -53,7 +53,7 @@ def to_marked_toml(study: Content) -> str:
 
 
 def assumptions(study: Content) -> dict[str, str]:
-    """Dotted key -> why it was assumed: in the study's own words, or by a default that is a choice."""
+    """Map dotted keys to why they were assumed, in the study's own words or by a default that is a choice."""
     given = given_keys(study)
     found = {}
     for name, _ in _applicable(study):
@@ -71,7 +71,7 @@ def assumptions(study: Content) -> dict[str, str]:
 
 
 def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
-    """Dotted names and values of the keys that something uses."""
+    """Yield the dotted names and values of the keys that something uses."""
     skipped = inapplicable(study)
     content = study.model_dump(exclude={"assumed"})
     for name, value in study.resolved.items():
@@ -91,7 +91,7 @@ def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
 
 
 def _readable(value: Any) -> Any:
-    """Text with units as a person would write it: 3 um for 0.003 mm, 20 mm/min for 0.333 mm/s."""
+    """Return text with units as a person would write it: 3 um for 0.003 mm, 20 mm/min for 0.333 mm/s."""
     if isinstance(value, list):
         return [_readable(v) for v in value]
     if not isinstance(value, str):
@@ -111,14 +111,14 @@ def _readable(value: Any) -> Any:
 
 
 def _short(number: float, unit: str, *, back: float) -> str | None:
-    """Few digits, if they are all there are."""
+    """Return the number in few digits; None where it has more."""
     text = f"{number:g} {unit}"
     exact = abs(float(f"{number:g}") * back - number * back) <= 1e-15 * abs(number * back)
     return text if exact or number == float(f"{number:g}") else None
 
 
 def _without_nothing(nested: dict[str, Any]) -> dict[str, Any]:
-    """TOML has no word for None: such keys are left out. Tuples become lists."""
+    """Return the keys that TOML can say: those that are None are left out, tuples become lists."""
     kept: dict[str, Any] = {}
     for key, value in nested.items():
         if isinstance(value, dict):
@@ -129,7 +129,7 @@ def _without_nothing(nested: dict[str, Any]) -> dict[str, Any]:
 
 
 def sentence(error: ValidationError, model: type[BaseModel]) -> str:
-    """The first problem of a study, for its author."""
+    """Return a sentence about the first problem of a study, for its author."""
     # A misspelt section is unknown and leaves the right one missing: the first is the cause.
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     # Branches of a union (an int or one of some words) are pydantic's, not the user's.

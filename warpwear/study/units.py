@@ -46,7 +46,7 @@ def _registry() -> Any:
 
 
 def parse(value: Any, unit: str) -> float:
-    """A quantity as a number in `unit`: text, a pair of number and unit, or a quantity of pint.
+    """Return a quantity as a number in `unit`: it is text, a pair of number and unit, or a quantity of pint.
 
     Raises ValueError with a sentence about what is allowed, also for a bare number.
     """
@@ -79,12 +79,12 @@ def _converted(quantity: Any, unit: str) -> float:
 
 
 def is_quantity(value: Any) -> bool:
-    """Whether a value is a quantity of pint, of whatever registry."""
+    """Tell whether a value is a quantity of pint, of whatever registry."""
     return hasattr(value, "magnitude") and hasattr(value, "to")
 
 
 def is_pair(value: Any) -> bool:
-    """Whether a value is a number and its unit, such as (8, "N")."""
+    """Tell whether a value is a number and its unit, such as (8, "N")."""
     if not isinstance(value, list | tuple) or len(value) != 2:
         return False
     number, unit = value
@@ -92,23 +92,24 @@ def is_pair(value: Any) -> bool:
 
 
 def one_by_one(value: Any) -> Any:
-    """A list of quantities as it is; the elements of an array with one unit; else the value."""
+    """Return the elements of an array with a unit as a list; any other value as it is."""
     return list(value) if is_quantity(value) and getattr(value.magnitude, "ndim", 0) == 1 else value
 
 
 def text(value: float, unit: str) -> str:
-    """The number as text that `parse` reads back without loss."""
+    """Return the number as text that `parse` reads back without loss."""
     return f"{value!r} {unit}"
 
 
-#: Of a number that is neither 0 nor infinite, in the solver's units. Far beyond any contact, and such that no
-#: product of a few of them leaves the range of floating-point numbers.
-TINIEST, LARGEST = 1.0e-30, 1.0e30
+#: Smallest and largest number that is neither 0 nor infinite, in the solver's units: far beyond any contact,
+#: while no product of a few of them leaves the range of floating-point numbers.
+TINIEST = 1.0e-30
+LARGEST = 1.0e30
 
 
 @dataclass(frozen=True)
 class Range:
-    """Which numbers a field allows."""
+    """A range says which numbers a field allows."""
 
     least: float = 0.0
     or_equal: bool = False  # whether `least` itself is allowed
@@ -116,7 +117,7 @@ class Range:
     infinite: bool = False
 
     def check(self, number: float, unit: str = "") -> float:
-        """Raises ValueError, saying what is allowed, unless number lies in the range."""
+        """Return the number. Raises ValueError, saying what is allowed, unless it lies in the range."""
         if math.isnan(number):
             raise ValueError("is not a number")
         if math.isinf(number) and not self.infinite:
@@ -140,14 +141,14 @@ POSITIVE_OR_INFINITE = Range(infinite=True)
 
 @dataclass(frozen=True)
 class Quantity:
-    """Annotation of a study's field: a quantity in the study, a float in `unit` here; or one of `words`."""
+    """This annotates a field: a quantity in the study, a float in `unit` here; or one of `words`."""
 
     unit: str
     range: Range = POSITIVE
     words: tuple[str, ...] = ()
 
     def read(self, value: Any) -> float | str:
-        """The number in `unit`, or the word. Raises ValueError, saying what is allowed."""
+        """Return the number in `unit`, or the word. Raises ValueError, saying what is allowed."""
         if isinstance(value, str) and value in self.words:
             return value
         try:
@@ -157,7 +158,7 @@ class Quantity:
             raise ValueError(f"{error}{or_word}") from None
 
     def write(self, value: float | str) -> str:
-        """Text that `read` reads back without loss."""
+        """Return text that `read` reads back without loss."""
         return value if isinstance(value, str) else text(value, self.unit)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -170,7 +171,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Number:
-    """Annotation of a study's field: a number without a unit."""
+    """This annotates a field: a number without a unit."""
 
     range: Range = POSITIVE
 
