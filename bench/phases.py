@@ -12,10 +12,9 @@ import warp as wp
 PHASES = {
     "contact": "balance",
     "gap": "balance",
-    "removal": "wear",
-    "running_in": "wear",
+    "recession": "wear",
     "sliding.select": "gap",
-    "sliding.remove": "wear",
+    "sliding.wear_step": "wear",
     "sliding.totals": "wear",
 }
 

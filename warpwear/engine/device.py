@@ -13,7 +13,7 @@ from warpwear.grid import Grid
 
 
 @contextmanager
-def memory_told(grid: Grid) -> Iterator[None]:
+def report_out_of_memory(grid: Grid) -> Iterator[None]:
     """InputError, naming the grid, where the memory of the host or of a GPU runs out all the same."""
     try:
         yield

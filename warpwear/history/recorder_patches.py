@@ -64,7 +64,7 @@ class PatchBook:
 
 
 class PatchLedger:
-    """Of one study, whose sphere and disc wear in one proportion.
+    """Books of patches whose sphere and disc wear in one proportion.
 
     patches: in the order of the macro cells, in which the book has them.
     """
@@ -82,7 +82,7 @@ class PatchLedger:
 
     @property
     def row(self) -> dict[str, float]:
-        """Of the history, of the last step; 0 before the first."""
+        """Columns of the last step; 0 before the first."""
         return self._ledger.row
 
     @property
@@ -91,7 +91,7 @@ class PatchLedger:
         return self._ledger.most
 
     def removals(self, later: float, increment: float) -> tuple[float, float]:
-        """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
+        """K ΔL of sphere and disc [mm³/N] for an increment that starts `later` mm from now."""
         return self._task.removals(self.row["distance"] + later, increment)
 
     @property
@@ -112,7 +112,7 @@ class PatchLedger:
         pressure: FloatArray | None,
         evaluations: int,
     ) -> Step:
-        """Book a step of an increment [mm] that removed so much of sphere and disc [mm³/N].
+        """Book a step of an increment [mm] that wore sphere and disc by K ΔL = removals [mm³/N].
 
         worn: of patches in the order of the macro cells. approach: of the bodies, base and offset [mm].
         reference: pressure from which the squares count [MPa]. pressure: on the domain [MPa], where it was

@@ -35,7 +35,7 @@ MOST_ROWS = 4000
 
 
 @dataclass(frozen=True)
-class Made:
+class PreparedModel:
     """A model, and what it was made of."""
 
     model: Model
@@ -67,7 +67,7 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
 
 
-def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
+def model_of(study: Study, surface: Surface, executor: Executor) -> PreparedModel:
     """The model that the study asks for, on a surface. Raises InputError for one that it cannot use."""
     grid = study.cells
     if study.is_swept:
@@ -76,7 +76,7 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
         record = surface.record() | {"on_the_grid": _roughness_on(grid, heights[:MOST_ROWS])}
         found = checksum(heights)
         swept = SweptModel(study.contact_task, track, heights, executor)
-        return Made(swept, found, record, heights)
+        return PreparedModel(swept, found, record, heights)
     heights = surface.heights(grid.x, grid.y)
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
     if study.study.model == "two-scale":
@@ -84,12 +84,12 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> Made:
         refuse_unsuitable(study, patches, heights)
         make = ElasticPatchesModel if study.contact.law == "half-space" else TwoScaleModel
         of_patches = make(study.contact_task, patches, heights, executor)
-        return Made(of_patches, checksum(heights), record, book=of_patches.book)
+        return PreparedModel(of_patches, checksum(heights), record, book=of_patches.book)
     curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
     if curve is not None:
         record["bearing_curve"] = asdict(curve)
     model = model_at_rest(study.contact_task, heights, executor, bearing_curve=curve)
-    return Made(model, checksum(heights), record)
+    return PreparedModel(model, checksum(heights), record)
 
 
 def model_at_rest(
@@ -108,7 +108,7 @@ def model_at_rest(
 
 
 def plan_of(study: Study) -> list[tuple[float, float, bool]]:
-    """Of every step the increment, the distance at its end [mm], and whether its fields are kept."""
+    """Plan every step: its increment, the distance at its end [mm], and whether its fields are kept."""
     stops, total = set(study.output.snapshots), study.sliding.total
     if study.is_swept:
         return _swept_plan(study, sorted(stop for stop in stops if stop < total))
@@ -119,7 +119,7 @@ def plan_of(study: Study) -> list[tuple[float, float, bool]]:
 
 
 def _heights_of(study: Study, surface: Surface, track: Track) -> FloatArray:
-    """Of the track over its mean plane [mm], shape (track.rows, ny).
+    """Make the heights of the track over its mean plane [mm], shape (track.rows, ny).
 
     A random surface that repeats after whole cells is made once: the sums behind it take most of the time.
     """

@@ -8,7 +8,7 @@ from uuid import uuid4
 
 import h5py
 
-from warpwear.engine.device import find_device, memory_told
+from warpwear.engine.device import find_device, report_out_of_memory
 from warpwear.errors import InputError
 from warpwear.result import Result
 from warpwear.results.file import FILE_NAME
@@ -64,7 +64,7 @@ def run(
             with opened(folder / CHECKPOINT) as found:  # before anything is made that takes long
                 if found is not None:
                     found.refuse_changes(study, device=str(find_device(device)))
-    with memory_told(study.cells):
+    with report_out_of_memory(study.cells):
         executor = executor_of(study, device=device, threads=threads)
         with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
             with _log_to(work), _result_file(work) as file:
