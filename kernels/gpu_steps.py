@@ -195,7 +195,7 @@ def record(
     step_in: wp.array(dtype=wp.int32),
     rows_out: wp.array2d(dtype=wp.float64),
 ):
-    """Sums (the first so many) and maxima of the step into its row, after those of `finish`. A block each."""
+    """Writes the sums (the first `sums` lines) and maxima of the step into its row. A block each."""
     tid = wp.tid()
     quantity = tid // wp.block_dim()
     lane = tid % wp.block_dim()

@@ -1,8 +1,8 @@
-"""Whole steps of a displaced disc on a GPU without a word to the host, beside those of `device_steps`.
+"""Whole steps of a displaced disc on a GPU without a word to the host, beside those of `gpu_steps`.
 
 A thread visits single tiles and looks at their bounds first: most lie apart, and their cells are not read.
 The gap is made on the fly from the sphere's row and the disc's row beneath it, by the displacement of the
-step. The search for the balance is that of `device_steps`, from the last approach, which the next one may
+step. The search for the balance is that of `gpu_steps`, from the last approach, which the next one may
 be off by as much as it has lately wandered.
 """
 
@@ -44,12 +44,14 @@ from warpwear.kernels.sliding import Bodies, OfRows, OfTiles, beneath
 
 wp.set_module_options({"enable_backward": False})
 
-#: What a search keeps after the quantities of `device_steps.SEARCH`: the approach before, and its wandering.
+#: What a search keeps after the quantities of `gpu_steps.SEARCH`: the approach before, and its wandering.
 MORE = ("previous", "wander")
 PREVIOUS, WANDER = (wp.constant(wp.int32(len(SEARCH) + i)) for i in range(len(MORE)))
-#: A step may be off by so many times the largest change of late, which fades so much a step; at least [mm].
+#: A step may be off by this many times the largest change of late.
 TIMES = wp.constant(wp.float64(2.0))
+#: What of that change a step leaves.
 FADES = wp.constant(wp.float64(0.9))
+#: And by this much at least [mm].
 LEAST = wp.constant(wp.float64(1.0e-6))
 #: Rows of the table of partial results by block: those of `TrackSum`, then those of `TrackMost` from here on.
 MOST = wp.constant(wp.int32(len(TrackSum)))
@@ -283,7 +285,7 @@ def record(
     total_out: wp.array2d(dtype=wp.float64),
     rows_out: wp.array2d(dtype=wp.float64),
 ):
-    """The row of the step, after what `device_steps.finish` writes. A block a quantity.
+    """The row of the step, after what `gpu_steps.finish` writes. A block a quantity.
 
     how_in: of each quantity its table (0: by block, 1: by row), its line there, and how it is reduced.
     total_out: sums of those that grow, and what rounding has cost each so far.

@@ -12,7 +12,7 @@ from warpwear.kernels.contact import Law
 
 wp.set_module_options({"enable_backward": False})
 
-#: Beyond so many scales s the rest of the curve is a straight line to rounding, and e^(v/s) may overflow.
+#: Beyond this many scales s the rest of the curve is a straight line to rounding, and e^(v/s) may overflow.
 STRAIGHT = wp.constant(wp.float64(60.0))
 
 

@@ -66,7 +66,7 @@ class Bodies:
 
 @wp.struct
 class OfTiles:
-    """What is kept of every tile of either body, rows × tiles."""
+    """Bounds and sums that are kept of every tile of either body, rows × tiles."""
 
     lowest: wp.array2d(dtype=wp.float64)  # height of the sphere [mm]
     highest: wp.array2d(dtype=wp.float64)  # of the disc [mm]
@@ -88,7 +88,7 @@ class OfEightTiles:
 
 @wp.struct
 class OfRows:
-    """The same sums over every row of the sphere and of the disc."""
+    """The sums of `OfTiles` over every row of the sphere and of the disc."""
 
     touched: wp.array(dtype=wp.float64)
     worn_sphere: wp.array(dtype=wp.float64)

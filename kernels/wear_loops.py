@@ -97,7 +97,7 @@ LANES_IN_C = """
 
 #: What the loops share: their sums, a cell, and where the sums go.
 _BEGIN = """
-    const double cap = law.cap, tie_width = law.tie_width, tie_pressure = law.tie_pressure;
+    const double cap = law.cap;
     const double wear = step.wear, stiffness = step.stiffness, stiffness_next = step.stiffness_next;
     const double reference = step.reference;
     Lanes pressure = 0.0, deviation = 0.0, highest = 0.0, worn = 0.0, deepest = 0.0;
@@ -157,6 +157,7 @@ _END = f"""
 _WEAR = """
     const int row = slot / slots_per_row, lane = slot % slots_per_row;
     const double base = law.base, offset = law.offset;
+    const double tie_width = law.tie_width, tie_pressure = law.tie_pressure;
     const double base_next = step.base_next, offset_next = step.offset_next, beside = 1.0e30;
     // Rows lie in one piece each.
     const Stored* const unworn = (const Stored*)&wp::index(unworn_in, row, 0);
@@ -189,6 +190,7 @@ def wear(
 #: Every cell of the tiles of a patch that it has reached.
 _WEAR_PATCHES = """
     const int lane = slot % slots_per_row;
+    const double tie_width = 0.0, tie_pressure = 0.0;  // patches have none
     const double base = wp::index(at.base, patch), offset = wp::index(at.offset, patch);
     const double base_next = wp::index(at.base_next, patch), offset_next = wp::index(at.offset_next, patch);
     const double reached = wp::index(at.reached, patch);

@@ -12,11 +12,10 @@ import warp as wp
 PHASES = {
     "contact": "balance",
     "gap": "balance",
-    "removal": "wear",
     "wear_loops": "wear",
     "recession": "wear",
     "sliding.select": "gap",
-    "sliding.remove": "wear",
+    "sliding.wear_step": "wear",
     "sliding.totals": "wear",
 }
 

@@ -16,7 +16,7 @@ from warpwear.study.surface import surface_in
 def test_kernels_of_one_name_in_two_modules(device: str) -> None:
     """What patches answer is the same before and after a single contact was solved on their executor."""
     assert contact.carried.key == patches.carried.key
-    study = Study.load("two-scale").replace({"grid.cell": "20 um"})
+    study = Study.load("two-scale").replace({"grid.cell": "10 um", "disc.synthetic.cut_off": "20 um"})
     layout, rough = study.patch_layout, surface_in(study).heights(study.cells.x, study.cells.y)
     with Executor(layout.grid, device=device) as executor:
         fine = PatchContact(layout, rough, executor, curvature=1.0 / 3.0, hardness=600.0)

@@ -39,7 +39,7 @@ def test_listed_tiles_give_what_every_tile_gives(
     increments = (10.0 ** rng.uniform(-3.0, 1.0, 40)).tolist()
     some, some_fields = run(law, heights, increments, threads)
     monkeypatch.setattr(Tiles, "begin", lambda self: None)
-    monkeypatch.setattr(Tiles, "reach", lambda self, approach, *, ahead=0.0: None)
+    monkeypatch.setattr(Tiles, "reach", lambda self, approach, *, margin=0.0: None)
     every, every_fields = run(law, heights, increments, threads)
     for one, other in zip(some, every, strict=True):
         assert_array_equal(one.pressure > 0.0, other.pressure > 0.0)

@@ -183,18 +183,18 @@ def test_what_is_evaluated_ahead_is_what_patches_answer(kind: str, device: str) 
     compared = 0
     for increment, then in pairwise((3e-3, 3e-3, 0.01, 0.03, 0.1, 0.3)):
         stepped.model.advance(increment, then=then)
-        if (ahead := contact.ahead) is None:
+        if (ahead := contact.lookahead) is None:
             continue
-        contact.ahead, contact.stiffness = None, ahead.stiffness
+        contact.lookahead, contact.stiffness = None, ahead.stiffness
         answer = contact.response(ahead.base, ahead.offset)
-        contact.ahead = ahead
+        contact.lookahead = ahead
         assert answer.pressure.any()
-        for found, expected in zip(ahead.answer[:2], answer[:2], strict=True):
+        for found, expected in zip(ahead.response[:2], answer[:2], strict=True):
             assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * expected.max())
         # Of tiles that touched and do so no more, the lowest gap before any wear is told otherwise.
         deeper = ahead.base + ahead.offset >= contact.reached
         compared += int(deeper.sum())
-        assert_allclose(ahead.answer.straight[deeper], answer.straight[deeper], rtol=1e-6, atol=1e-16)
+        assert_allclose(ahead.response.straight[deeper], answer.straight[deeper], rtol=1e-6, atol=1e-16)
     assert compared > stepped.patches.count
 
 
@@ -283,25 +283,27 @@ def test_a_step_that_does_not_converge_stops_the_run(kind: str, monkeypatch: pyt
     assert "\n" not in str(caught.value)
 
 
-def _staircase(base: FloatArray, offset: FloatArray) -> load_shares.Answer:
+def _staircase(base: FloatArray, offset: FloatArray) -> load_shares.PatchResponse:
     """Flat treads joined by steep risers: Newton's method alone leaps to and fro."""
     u = base + offset
     whole = np.floor(u * 1e4)
     part = np.clip((u * 1e4 - whole - 0.99) * 100.0, 0.0, 1.0)
     p = np.clip((whole + part) * 1e-1, 0.0, 40.0)
     slope = np.where((part > 0.0) & (p > 0.0) & (p < 40.0), 1e5, 0.0)
-    return load_shares.Answer(p, slope, np.zeros_like(p))
+    return load_shares.PatchResponse(p, slope, np.zeros_like(p))
 
 
 @pytest.mark.parametrize("flexibility", [0.0, 1e-6, 1e-3, 1.0])
 def test_the_safeguards_hold_where_newton_leaps(flexibility: float) -> None:
-    task = load_shares.Task(load=40.0, area=1.0, flexibility=flexibility, hardness=40.0, lowest=np.zeros(7))
+    task = load_shares.SharingTask(
+        load=40.0, area=1.0, flexibility=flexibility, hardness=40.0, lowest=np.zeros(7)
+    )
     heights = np.linspace(0.0, 3e-3, 7)
 
-    def response(base: FloatArray, offset: FloatArray) -> load_shares.Answer:
+    def response(base: FloatArray, offset: FloatArray) -> load_shares.PatchResponse:
         return _staircase(base - heights, offset)
 
-    found = load_shares.share(response, task, None, step=1e-5)
+    found = load_shares.share_load(response, task, None, step=1e-5)
     assert found.pressure.sum() == pytest.approx(40.0, rel=1e-12)
     at = found.approaches + flexibility * found.pressure
     carrying = found.pressure > 0.0
@@ -317,12 +319,12 @@ class _Cells:
     def pressures(self, base: FloatArray, offset: FloatArray) -> FloatArray:
         return np.clip(((base[:, None] - self.gap) + offset[:, None]) / self._c, 0.0, self._hardness)
 
-    def response(self, base: FloatArray, offset: FloatArray) -> load_shares.Answer:
+    def response(self, base: FloatArray, offset: FloatArray) -> load_shares.PatchResponse:
         p = self.pressures(base, offset)
         overlap = (base[:, None] - self.gap) + offset[:, None]
         between = (p > 0.0) & (p < self._hardness)
         nearest = np.minimum(np.abs(overlap), np.abs(overlap - self._c * self._hardness))
-        return load_shares.Answer(p.mean(axis=1), between.mean(axis=1) / self._c, nearest.min(axis=1))
+        return load_shares.PatchResponse(p.mean(axis=1), between.mean(axis=1) / self._c, nearest.min(axis=1))
 
 
 def test_springs_behind_cells_that_are_almost_rigid() -> None:
@@ -339,11 +341,11 @@ def test_springs_behind_cells_that_are_almost_rigid() -> None:
         area = cells * cell
         load = count * area * hardness * 10.0 ** drawn.uniform(-3.5, -0.1)
         spring = 10.0 ** drawn.uniform(2.0, 7.5)
-        task = load_shares.Task(load, area, 1.0 / spring, hardness, gap.min(axis=1))
+        task = load_shares.SharingTask(load, area, 1.0 / spring, hardness, gap.min(axis=1))
         last = None
         for c in 10.0 ** drawn.uniform(-18.0, -6.0, 2):
             of_cells = _Cells(gap, c, hardness)
-            last = load_shares.share(of_cells.response, task, last, step=0.5 * hardness * c)
+            last = load_shares.share_load(of_cells.response, task, last, step=0.5 * hardness * c)
             pressures = of_cells.pressures(last.base, last.offset)
             p = pressures.mean(axis=1)
             assert area * p.sum() == pytest.approx(load, rel=2e-12)
@@ -401,10 +403,10 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
     target = smooth.press(foundation=stepped.study.bulk_stiffness(), removal=wear)
     assert area * target.sum() == pytest.approx(load, rel=1e-14)
 
-    def response(base: FloatArray, offset: FloatArray) -> load_shares.Answer:
+    def response(base: FloatArray, offset: FloatArray) -> load_shares.PatchResponse:
         """Straight, and a slope that is wrong by a millionth: what is left after a step is as much of it."""
         p = 1e5 * np.maximum(base + offset, 0.0)
-        return load_shares.Answer(p, np.full_like(p, 1e5 * (1.0 + 0.9e-6)), np.zeros_like(p))
+        return load_shares.PatchResponse(p, np.full_like(p, 1e5 * (1.0 + 0.9e-6)), np.zeros_like(p))
 
     base = 1e-5 * target * (1.0 - 1e-6) - 1e-4
     start = load_shares.Shares(base, 0.0 * target, 0.0, 0.0, target, 0.0, 0.0, 0)
@@ -452,7 +454,7 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
             if number == restart:
                 arrays, numbers = saved.save(stepped.model)
                 kept = {name: np.array(values) for name, values in arrays.items()}
-                assert ("contact.ahead.answer.slope" in kept) == (kind != "load")
+                assert ("contact.lookahead.response.slope" in kept) == (kind != "load")
                 stepped = Stepped(study)
                 saved.restore(stepped.model, kept, json.loads(json.dumps(numbers)))
             then = increments[number + 1] if number + 1 < len(increments) else None

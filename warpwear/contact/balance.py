@@ -27,15 +27,17 @@ RIGID = 1.0e300
 MAX_EVALUATIONS = 400
 #: An approach beyond that is none [mm]: the load cannot be carried.
 HOPELESS = 1.0e6
-#: From a cold start lists of tiles reach so many times deeper each, and at least so deep [mm].
-DEEPER, LEAST_DEPTH = 4.0, 1.0e-6
-#: A new list of tiles reaches so many steps ahead.
+#: From a cold start each list of tiles reaches this many times deeper than the last.
+DEEPER = 4.0
+#: And at least this deep [mm].
+LEAST_DEPTH = 1.0e-6
+#: Steps ahead that a new list of tiles reaches.
 STEPS_AHEAD = 16.0
 #: Searches, each from a base nearer the solution.
 MAX_ROUNDS = 3
 #: First step of a search that starts where the solution is [mm]; steps grow until they bracket it.
 FIRST_REACH = 1.0e-18
-#: Where many are solved at once, every so many evaluations a bracket is halved instead of following a slope.
+#: Where many are solved at once, one evaluation in this many halves a bracket instead of following a slope.
 BISECT_EVERY = 3
 #: Part of the way to the next change of state that Newton's step may take and be sure of it.
 SURELY = 0.999
@@ -121,7 +123,7 @@ class Balancer:
         self._law = arguments(Law)
         self._sums = executor.partials(3)
         #: Where a pass that wears leaves what `evaluated` reads, as `contact.carried` does.
-        self.ahead = executor.partials(3)
+        self.lookahead = executor.partials(3)
         self._cell_area = executor.grid.cell_area
 
     def solve(
@@ -151,7 +153,7 @@ class Balancer:
             step = 0.5 * min(task.hardness, load / self._cell_area) / softest
             tiles.begin()
         else:
-            tiles.reach(start + step, ahead=margin)
+            tiles.reach(start + step, margin=margin)
         base = start
         evaluations = 0
         while True:
@@ -175,7 +177,7 @@ class Balancer:
             # what this list served, give or take rounding.
             low = 1.5 * (tiles.limit - approach)
             depth = max(DEEPER * (tiles.limit - start), LEAST_DEPTH)
-            tiles.reach(min(approach, start + depth) if far else approach, ahead=margin)
+            tiles.reach(min(approach, start + depth) if far else approach, margin=margin)
             base, step = approach, 0.0
 
     def _search(

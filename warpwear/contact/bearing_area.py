@@ -53,7 +53,7 @@ class BearingArea:
         high, above = math.inf, math.inf
         approach, reach = start, max(scatter, LEAST_REACH)
         for evaluation in range(1, MAX_EVALUATIONS):
-            tiles.reach(approach, ahead=scatter)
+            tiles.reach(approach, margin=scatter)
             count = self._count(gap_field, tiles, approach)
             if abs(count - needed) < allowed and count > 0:
                 return Balance(

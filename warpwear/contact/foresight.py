@@ -21,7 +21,7 @@ class Foresight:
         self._rates: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)  # where [mm³/N], rate [MPa]
 
     def note(self, approach: float, removal: float) -> None:
-        """A step ended at an approach [mm], its pressures removed so much each [mm³/N]."""
+        """Learn from a step that ended at an approach [mm]; removal: its K ΔL of both bodies [mm³/N]."""
         where = self._slid + 0.5 * removal
         # A law that decays ends with steps too small to be told apart by where they are.
         is_new = not self._rates or where > self._rates[-1][0]
@@ -31,7 +31,7 @@ class Foresight:
         self._slid += removal
 
     def expected(self, removal: float) -> float | None:
-        """How far a step goes on that removes so much [mm]; None before it can be told."""
+        """Tell how far a step of K ΔL = removal [mm³/N] goes on [mm]; None before it can be told."""
         if not self._rates:
             return None
         where = self._slid + 0.5 * removal

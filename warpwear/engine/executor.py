@@ -20,7 +20,7 @@ from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000
-#: On a GPU neighbouring threads read neighbouring vectors of a row; so many slots keep it busy.
+#: Slots that keep a GPU busy, where neighbouring threads read neighbouring vectors of a row.
 SLOTS_CUDA = 65536
 
 #: Fields alive at the peak of a run: gap as worn and unworn, pressure, wear of both bodies, and room to work.
@@ -164,7 +164,7 @@ class Executor:
         return command
 
     def zeros(self, rows: int | None = None) -> Field:
-        """A field of zeros, of as many rows as the grid if nothing is said.
+        """Make a field of zeros, with as many rows as the grid by default.
 
         On a CPU what is never touched takes neither time nor memory.
         """
@@ -174,7 +174,7 @@ class Executor:
         return wp.array(np.zeros((*shape, LANES)), dtype=Cells, device=self.device, copy=False)
 
     def field(self, values: FloatArray) -> Field:
-        """A field from an array of shape (nx, ny), (1, ny) (every row the same) or (1, 1).
+        """Make a field from an array of shape (nx, ny), (1, ny) (every row the same) or (1, 1).
 
         On a CPU it shares the memory of an array that needs no padding. Padding is 0.
         """
@@ -199,5 +199,5 @@ class Executor:
             field.assign(host)
 
     def partials(self, quantities: int) -> Field:
-        """A table for the partial results of so many quantities, one column a slot."""
+        """Make a table for the partial results of some quantities, one column a slot."""
         return wp.zeros((quantities, self.slots), dtype=wp.float64, device=self.device)

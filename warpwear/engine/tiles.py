@@ -11,8 +11,10 @@ from warpwear.engine.executor import Executor, Field
 from warpwear.kernels import tiles
 from warpwear.kernels.cells import TileSums
 
-#: Of more tiles than so many, every fourth row tells how deep a list must reach to hold enough.
-SAMPLED, SAMPLE = 20_000, 4
+#: Tiles beyond which a sample of the rows tells how deep a list must reach to hold enough.
+SAMPLED = 20_000
+#: Every fourth row is in that sample.
+SAMPLE = 4
 #: A list of fewer saves nothing.
 LEAST_TILES = 16
 
@@ -47,8 +49,8 @@ class TileList(ABC):
         """To a list of the lowest tiles, where a search from the lowest cell begins."""
 
     @abstractmethod
-    def reach(self, approach: float, *, ahead: float = 0.0) -> None:
-        """List all that touches up to an approach [mm]; where that takes a new list, up to so much more."""
+    def reach(self, approach: float, *, margin: float = 0.0) -> None:
+        """List all that touches up to an approach [mm]; a new list reaches a margin beyond [mm]."""
 
     def _adopt(self, limit: float) -> None:
         """The list that a kernel has made for a limit."""
@@ -104,13 +106,13 @@ class Tiles(TileList):
         if self._fresh and self._on_cpu:
             self._select(self._smallest)
 
-    def reach(self, approach: float, *, ahead: float = 0.0) -> None:
-        """List all that touches up to an approach [mm]; where that takes a new list, up to so much more [mm].
+    def reach(self, approach: float, *, margin: float = 0.0) -> None:
+        """List all that touches up to an approach [mm]; a new list reaches a margin beyond [mm].
 
         A list that reaches much further than that is made anew as well: it costs more than it saves.
         """
-        if self._on_cpu and (approach > self.limit or approach + 2.0 * ahead < self._asked):
-            self._select(approach + ahead)
+        if self._on_cpu and (approach > self.limit or approach + 2.0 * margin < self._asked):
+            self._select(approach + margin)
 
     def _select(self, limit: float) -> None:
         self._list(limit)

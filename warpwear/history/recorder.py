@@ -33,7 +33,7 @@ def divided(found: Mapping[str, float], fractions: tuple[float, float]) -> dict[
 class Ledger:
     """The books of one contact: its last row, and the largest of what only ever grows.
 
-    row: columns of the last step, 0 before the first. most: by the names of `kernels.types.MAXIMA`. weight:
+    row: columns of the last step, 0 before the first. most: by the names of `kernels.cells.MAXIMA`. weight:
     area that a cell stands for over its own. margin: cells along the edge that must not be touched.
     """
 
@@ -73,7 +73,7 @@ class Ledger:
         pressure: FloatArray | None = None,
         bearing: float | None = None,
     ) -> Step:
-        """Book a step of an increment [mm] that removed so much of sphere and disc [mm³/N].
+        """Book a step of an increment [mm] that wore sphere and disc by K ΔL = removal [mm³/N].
 
         total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
         which the squares count [MPa]. bearing: cells' area that bears, where not all that is in contact does.
@@ -151,7 +151,7 @@ class TrackLedger(Ledger):
         pressure: FloatArray | None = None,
         bearing: float | None = None,
     ) -> Step:
-        """As of any contact."""
+        """Book a step, and what it displaced of the disc for good."""
         of_stroke = {name: total[name] / self._track_fraction for name in ("wear_disc", "pressed_disc")}
         total = {**total, **of_stroke}
         step = super().enter(

@@ -57,7 +57,7 @@ class PatchBook:
 
 
 class PatchLedger:
-    """Of one study, whose sphere and disc wear in one proportion.
+    """Books of patches whose sphere and disc wear in one proportion.
 
     patches: in the order of the macro cells, in which the book has them.
     """
@@ -75,7 +75,7 @@ class PatchLedger:
 
     @property
     def row(self) -> dict[str, float]:
-        """Of the history, of the last step; 0 before the first."""
+        """Columns of the last step; 0 before the first."""
         return self._ledger.row
 
     @property
@@ -84,7 +84,7 @@ class PatchLedger:
         return self._ledger.most
 
     def removals(self, later: float, increment: float) -> tuple[float, float]:
-        """Of sphere and disc [mm³/N], over an increment that begins so much later than now [mm]."""
+        """K ΔL of sphere and disc [mm³/N] for an increment that starts `later` mm from now."""
         return self._task.removals(self.row["distance"] + later, increment)
 
     @property
@@ -105,7 +105,7 @@ class PatchLedger:
         pressure: FloatArray | None,
         evaluations: int,
     ) -> Step:
-        """Book a step of an increment [mm] that removed so much of sphere and disc [mm³/N].
+        """Book a step of an increment [mm] that wore sphere and disc by K ΔL = removals [mm³/N].
 
         worn: of patches in the order of the macro cells. approach: of the bodies, base and offset [mm].
         reference: pressure from which the squares count [MPa]. pressure: on the domain [MPa], where it was
@@ -124,15 +124,15 @@ class PatchLedger:
         return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
 
     def snapshot(
-        self, step: Step, distance: float, patches: Patches, *, gap: FloatArray, initial: FloatArray
+        self, step: Step, distance: float, patches: Patches, *, gap: FloatArray, worn: FloatArray
     ) -> Snapshot:
         """The fields after a step that was asked for its pressure, at its distance [mm].
 
         Over the whole domain; what no patch covers has neither pressure nor wear, and no gap (NaN). gap,
-        initial: worn and unworn [mm], as `patches` stores them, in whatever order.
+        worn: the gap and what both bodies lost of it [mm], as `patches` stores them, in whatever order.
         """
         assert step.pressure is not None
-        worn = patches.on_domain(gap - initial)
+        worn = patches.on_domain(worn)
         return Snapshot(
             distance,
             pressure=step.pressure,

@@ -108,7 +108,7 @@ def model_at_rest(
 
 
 def plan_of(study: Study) -> list[tuple[float, float, bool]]:
-    """The increment of every step, the distance at its end [mm], and whether its fields are kept."""
+    """Plan every step: its increment, the distance at its end [mm], and whether its fields are kept."""
     stops, total = set(study.output.snapshots), study.sliding.total
     if study.is_swept:
         return _swept_plan(study, sorted(stop for stop in stops if stop < total))
@@ -119,7 +119,7 @@ def plan_of(study: Study) -> list[tuple[float, float, bool]]:
 
 
 def _heights_of(study: Study, surface: Surface, track: Track) -> FloatArray:
-    """Heights of the track over its mean plane [mm], shape (track.rows, ny).
+    """Make the heights of the track over its mean plane [mm], shape (track.rows, ny).
 
     A random surface that repeats after whole cells is made once: the sums behind it take most of the time.
     """

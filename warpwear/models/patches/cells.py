@@ -15,7 +15,7 @@ from warpwear.history.recorder_patches import Worn
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.cells import PATCH_MAXIMA, PATCH_SUMS, TILE_VECTORS
 from warpwear.laws.patches import Patches
-from warpwear.models.patches.shares import Answer
+from warpwear.models.patches.shares import PatchResponse
 
 #: Work of a patch where no cell has touched yet, over that of one where all have.
 LEAST_WORK = 0.05
@@ -24,13 +24,13 @@ EXTENTS = ("first_row", "last_row", "first_column", "last_column")
 
 
 @dataclass(frozen=True, eq=False)
-class Ahead:
+class Lookahead:
     """What was evaluated before its step begins, in the pass that ended the last one."""
 
     stiffness: float  # that it is made for [N/mm³]
     base: FloatArray
     offset: FloatArray
-    answer: Answer
+    response: PatchResponse
 
 
 def layout_of(patches: Patches, executor: Executor) -> Arguments:
@@ -74,7 +74,7 @@ class PatchContact:
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
 
-    STATE: ClassVar = {"gap": Field, "reached": FloatArray, "ahead": Ahead}
+    STATE: ClassVar = {"gap": Field, "reached": FloatArray, "lookahead": Lookahead}
 
     def __init__(
         self, patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float, hardness: float
@@ -106,20 +106,20 @@ class PatchContact:
         #: 1/c of the cells [N/mm³].
         self.stiffness = np.inf
         #: Of the step to come, where its approaches were foreseen.
-        self.ahead: Ahead | None = None
+        self.lookahead: Lookahead | None = None
         #: Passes over the gap that answered so far.
         self.evaluations = 0
 
-    def response(self, base: FloatArray, offset: FloatArray) -> Answer:
-        """What each patch answers to its approach base + offset [mm]."""
-        ahead = self.ahead
+    def response(self, base: FloatArray, offset: FloatArray) -> PatchResponse:
+        """Respond to an approach base + offset of each patch [mm]."""
+        known = self.lookahead
         if (
-            ahead is not None
-            and ahead.stiffness == self.stiffness
-            and np.array_equal(ahead.offset, offset)
-            and np.array_equal(ahead.base, base)
+            known is not None
+            and known.stiffness == self.stiffness
+            and np.array_equal(known.offset, offset)
+            and np.array_equal(known.base, base)
         ):
-            return ahead.answer
+            return known.response
         self.evaluations += 1
         self._visit((base - self.lowest) + offset > 0.0)
         if self._listed.size:
@@ -131,9 +131,11 @@ class PatchContact:
                 chunks=self._chunks,
                 often=True,
             )
-        return self._answer(self._tables.sums, base, offset, self.stiffness)
+        return self._response_in(self._tables.sums, base, offset, self.stiffness)
 
-    def _answer(self, sums: Field, base: FloatArray, offset: FloatArray, stiffness: float) -> Answer:
+    def _response_in(
+        self, sums: Field, base: FloatArray, offset: FloatArray, stiffness: float
+    ) -> PatchResponse:
         """What a table says of the patches visited; the others carry nothing."""
         pressure, slope = np.zeros_like(base), np.zeros_like(base)
         straight = (self.lowest - base) - offset
@@ -141,7 +143,7 @@ class PatchContact:
             table = self._of_patches(sums)[:3]
             pressure[self._listed], slope[self._listed] = table[:2].sum(axis=2) / self._cells
             straight[self._listed] = table[2].min(axis=1) / stiffness
-        return Answer(pressure, slope, straight)
+        return PatchResponse(pressure, slope, straight)
 
     def pressures(self, base: FloatArray, offset: FloatArray) -> FloatArray:
         """The pressure of every cell [MPa], as stored."""
@@ -193,10 +195,10 @@ class PatchContact:
         sums[:, self._listed] = self._of_patches(self._tables.sums).sum(axis=2)
         self._work = sums[PATCH_SUMS.index("touched")] + LEAST_WORK * self._cells
         most = self._of_patches(self._tables.maxima).max(axis=(1, 2)).tolist()
-        self.ahead = None
+        self.lookahead = None
         if foreseen is not None:
-            answer = self._answer(self._tables.ahead, base_next, offset_next, stiffness_next)
-            self.ahead = Ahead(stiffness_next, base_next, offset_next, answer)
+            response = self._response_in(self._tables.ahead, base_next, offset_next, stiffness_next)
+            self.lookahead = Lookahead(stiffness_next, base_next, offset_next, response)
         return Worn(dict(zip(PATCH_SUMS, sums, strict=True)), dict(zip(PATCH_MAXIMA, most, strict=True)))
 
     def _between(self, known: Mapping[str, float]) -> tuple[int, int, int, int]:

@@ -18,7 +18,7 @@ class PatchForesight:
         self._giving: FloatArray | None = None
 
     def note(self, shares: Shares, last: Shares | None, removal: float, *, sprung: bool) -> None:
-        """A step ended, after the last one, with such shares; its pressures removed so much each [mm³/N]."""
+        """Learn from a step that ended with shares, after the last one; removal: its K ΔL [mm³/N]."""
         self._giving = None
         if sprung and last is not None and removal > 0.0:
             deflection, before = (s.approach - s.bases for s in (shares, last))
@@ -26,7 +26,7 @@ class PatchForesight:
         self._common.note(shares.approach, removal)
 
     def expected(self, removal: float) -> tuple[float | None, FloatArray | None]:
-        """How far a step goes on that removes so much [mm]: the bodies, and each patch from its base.
+        """Tell how far a step of K ΔL = removal [mm³/N] goes on [mm]: the bodies, each patch from its base.
 
         None before it can be told, and of patches where they go with the bodies.
         """

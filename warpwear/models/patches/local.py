@@ -16,7 +16,7 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
 from warpwear.models.patches.cells import PatchContact
 from warpwear.models.patches.foresight import PatchForesight
-from warpwear.models.patches.shares import Shares, Task, press, share
+from warpwear.models.patches.shares import Shares, SharingTask, press, share_load
 from warpwear.models.patches.smooth import SmoothContact
 
 
@@ -89,7 +89,7 @@ class TwoScaleModel(Model):
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         gap, initial = (self._executor.to_numpy(f) for f in (self.contact.gap, self.contact.initial))
-        return self._ledger.snapshot(step, distance, self.patches, gap=gap, initial=initial)
+        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial)
 
     def _share(self, removal: float) -> Shares:
         task, row = self.task, self._ledger.row
@@ -111,7 +111,7 @@ class TwoScaleModel(Model):
                 area=self.patches.area,
                 load=load,
             )
-        sharing = Task(
+        sharing = SharingTask(
             load=load,
             area=self.patches.area,
             flexibility=1.0 / foundation,
@@ -119,11 +119,11 @@ class TwoScaleModel(Model):
             lowest=self.contact.lowest,
         )
         if self._last is None:
-            return share(self.contact.response, sharing, None, step=self._first)
-        return share(self.contact.response, sharing, self._last, step=step, steps=steps)
+            return share_load(self.contact.response, sharing, None, step=self._first)
+        return share_load(self.contact.response, sharing, self._last, step=step, steps=steps)
 
     def _stiffness(self, removal: float) -> float:
-        """1/c of a step that removes so much of both bodies [N/mm³]."""
+        """1/c [N/mm³] of a step that wears both bodies by K ΔL = removal [mm³/N]."""
         implicit = self.task.implicit
         compliance = self.task.compliance + (removal if implicit else 0.0)
         return 1.0 / compliance if compliance else RIGID

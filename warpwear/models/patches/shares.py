@@ -35,7 +35,7 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 
 
-class Answer(NamedTuple):
+class PatchResponse(NamedTuple):
     """What patches answer to an approach of each, shape (patches,)."""
 
     pressure: FloatArray  # mean of each [MPa]
@@ -44,7 +44,7 @@ class Answer(NamedTuple):
 
 
 #: Of all patches at the approaches base + offset [mm].
-Response = Callable[[FloatArray, FloatArray], Answer]
+Response = Callable[[FloatArray, FloatArray], PatchResponse]
 #: Searches, each from bases nearer the solution: where cells are almost rigid, patches get digits in turns.
 MOST_SEARCHES = 8
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
@@ -54,7 +54,7 @@ BoolArray = NDArray[np.bool_]
 
 
 class Brackets:
-    """Of every patch, the nearest points of its curve that lie below and above a common approach.
+    """Keeps, of every patch, the nearest points of its curve below and above a common approach.
 
     Rows of `low` and `high`: approach of the patch, point on its curve (both offsets [mm]), pressure [MPa].
     """
@@ -123,8 +123,8 @@ class Shares:
 
 
 @dataclass(frozen=True)
-class Task:
-    """What is asked of the patches."""
+class SharingTask:
+    """Asks patches to carry a load together."""
 
     load: float  # F [N]
     area: float  # that each stands for [mm²]
@@ -133,9 +133,9 @@ class Task:
     lowest: FloatArray  # below that approach a patch carries nothing [mm]
 
 
-def share(
+def share_load(
     response: Response,
-    task: Task,
+    task: SharingTask,
     start: Shares | None,
     *,
     step: float,
@@ -177,7 +177,7 @@ def share(
 class _Search:
     """One search from given bases. Lengths are offsets from them [mm]."""
 
-    def __init__(self, response: Response, task: Task, base: FloatArray, common_base: float) -> None:
+    def __init__(self, response: Response, task: SharingTask, base: FloatArray, common_base: float) -> None:
         self._response, self._task = response, task
         self.base, self.common_base = base, common_base
         self._shift = common_base - base  # exact where both are of one size

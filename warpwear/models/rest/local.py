@@ -81,7 +81,7 @@ class OneScaleModel(Model):
         self._loop: DeviceLoop | None = None
         self._law, self._increment = arguments(Law), arguments(Increment)
         sums, maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
-        self._tables = arguments(Tables, sums=sums, maxima=maxima, ahead=self._balancer.ahead)
+        self._tables = arguments(Tables, sums=sums, maxima=maxima, ahead=self._balancer.lookahead)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -138,7 +138,7 @@ class OneScaleModel(Model):
             stiffness_next = self._stiffness_of(*removal_next)
             step_next = self._foresight.expected(sum(removal_next)) or 0.0
             furthest = balance.approach + max(step_next, 0.0)
-            self.tiles.reach(furthest, ahead=STEPS_AHEAD * abs(step_next))
+            self.tiles.reach(furthest, margin=STEPS_AHEAD * abs(step_next))
         first, end = self._ledger.columns
         now.first_column, now.last_column = (first, end - 1) if end else (self._executor.grid.ny, -1)
         now.stiffness, now.reference = stiffness, reference
@@ -152,7 +152,7 @@ class OneScaleModel(Model):
         )
         self._lookahead = None
         if step_next:
-            carried = self._balancer.evaluated(self._balancer.ahead)
+            carried = self._balancer.evaluated(self._balancer.lookahead)
             self._lookahead = Lookahead(stiffness_next, step_next, carried)
         total = dict(zip(SUMS, self._tables.sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(MAXIMA, self._tables.maxima.numpy().max(axis=1).tolist(), strict=True))
@@ -201,7 +201,7 @@ class OneScaleModel(Model):
         )
 
     def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> float:
-        """1/c of a step that removes so much [mm³/N] [N/mm³]."""
+        """1/c [N/mm³] of a step that wears sphere and disc by K ΔL [mm³/N]."""
         compliance = self._compliance
         if compliance is None:
             area = self._ledger.row["area_contact"]

@@ -57,7 +57,7 @@ class DeviceLoop:
     def run(
         self, removals: Sequence[tuple[float, float]], *, approach: float, mean_pressure: float
     ) -> list[DeviceStep]:
-        """Steps that remove so much of sphere and disc each [mm³/N].
+        """Make steps that wear sphere and disc by K ΔL = removals [mm³/N] each.
 
         approach [mm], mean_pressure [MPa]: of the step before. Raises ConvergenceError for an unbalanced one.
         """

@@ -57,7 +57,7 @@ class SlidingBodies:
         )
 
     def row_of(self, shift: int, *, periodic: bool) -> int:
-        """The disc's row under the sphere's first, displaced by so many.
+        """Find the disc's row under the sphere's first, displaced by `shift` rows.
 
         Raises ValueError where a disc that is not periodic would leave a part of the sphere without one.
         """

@@ -90,7 +90,7 @@ class DeviceSliding:
         wander: float,
         mean_pressure: float,
     ) -> Iterator[DeviceStep]:
-        """Steps at these displacements [rows] that remove so much of sphere and disc each [mm³/N].
+        """Make steps at displacements [rows] that wear sphere and disc by K ΔL = removals [mm³/N] each.
 
         At most LONGEST_BLOCK. approach, wander: of the step before, and how far off the next may be [mm];
         mean_pressure [MPa]. `DeviceStep.totals` has a sum more, "pressed_disc". The fields are those after
@@ -118,7 +118,7 @@ class DeviceSliding:
             yield from self._of(*before)
 
     def _make(self, steps: int) -> None:
-        """Set the device to so many steps."""
+        """Set the device to a number of steps."""
         if not self._device.is_cuda:
             for _ in range(steps):
                 self._one_step()
@@ -196,7 +196,7 @@ class DeviceSliding:
 
     @staticmethod
     def _fill(array: Field, values: Sequence[object]) -> None:
-        """The first so many of an array."""
+        """Write values to the beginning of an array."""
         host = array.numpy()
         host[: len(values)] = values
         array.assign(host)

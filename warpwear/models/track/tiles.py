@@ -12,11 +12,13 @@ from warpwear.grid import FloatArray
 from warpwear.kernels import sliding
 from warpwear.kernels.cells import LANES, Cells
 
-#: A list that holds too little reaches deeper, by so much [mm] at first and so many times more each time.
-FIRST_DEPTH, DEEPER = 1.0e-5, 4.0
+#: A list that holds too little reaches deeper, by this much at first [mm].
+FIRST_DEPTH = 1.0e-5
+#: And this many times more each time.
+DEEPER = 4.0
 #: Deeper than that every tile is listed [mm].
 DEEPEST = 0.1
-#: Looking at the bounds of a pair of tiles costs as much as so many of its cells.
+#: Cost of looking at the bounds of a pair of tiles, in cells.
 BOUNDS_IN_CELLS = 1.0
 
 
@@ -93,7 +95,7 @@ class SlidingTiles(TileList):
         return self.lowest.to_numpy() - self.highest.to_numpy()[beneath]
 
     def displace(self, shift: int) -> None:
-        """The disc lies so many rows on, 0 ≤ shift < its rows: nothing is listed."""
+        """Move the disc `shift` rows on, 0 ≤ shift < its rows, and forget the list."""
         self.shift = shift
         self.limit = -math.inf
 
@@ -101,9 +103,9 @@ class SlidingTiles(TileList):
         bounds, rank = self._bounds().ravel(), self._least
         self._select(float(np.partition(bounds, rank)[rank]) if rank < bounds.size else math.inf)
 
-    def reach(self, approach: float, *, ahead: float = 0.0) -> None:
+    def reach(self, approach: float, *, margin: float = 0.0) -> None:
         if approach > self.limit:
-            self._select(approach + ahead)
+            self._select(approach + margin)
 
     def _select(self, limit: float) -> None:
         depth = FIRST_DEPTH
