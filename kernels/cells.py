@@ -25,20 +25,6 @@ TILE_VECTORS = wp.constant(wp.int32(4))
 ZERO = wp.constant(wp.float64(0.0))
 ONE = wp.constant(wp.float64(1.0))
 
-#: Rows of the table of partial results, one column a slot, of a half-space: of the step, and
-#: (from "touched" on) of the whole field.
-SUMS = (
-    "pressure",
-    "pressure_times_factor",
-    "deviation_squared",
-    "contact",
-    "capped",
-    "touched",
-    "wear_sphere",
-    "wear_disc",
-)
-#: Rows of the table of partial maxima, over the tiles visited. Lowest indices are stored negated.
-MAXIMA = ("pressure", "wear_sphere", "wear_disc", "first_row", "last_row", "first_column", "last_column")
 #: What is kept of every tile: cells ever touched, sum of the wear of both bodies [mm].
 TileSums = wp.types.vector(2, wp.float64)
 
@@ -85,12 +71,39 @@ class TrackMost(IntEnum):
     LAST_COLUMN = 4
 
 
+class PressureSum(IntEnum):
+    """Sums of a step that wears two bodies by a stored pressure."""
+
+    PRESSURE = 0
+    DEVIATION_SQUARED = 1
+    CONTACT = 2
+    CAPPED = 3
+    TOUCHED = 4  # this and the next: of the whole fields, not of the step
+    WEAR_SPHERE = 5  # [mm]
+    WEAR_DISC = 6
+    PRESSED_DISC = 7  # displaced for good
+
+
+class PressureMost(IntEnum):
+    """Maxima likewise."""
+
+    PRESSURE = 0
+    WEAR_SPHERE = 1
+    WEAR_DISC = 2
+    FIRST_ROW = 3
+    LAST_ROW = 4
+    FIRST_COLUMN = 5
+    LAST_COLUMN = 6
+
+
 def names_of(rows: type[IntEnum]) -> tuple[str, ...]:
     """Names of the rows of a table."""
     return tuple(row.name.lower() for row in rows)
 
 
 PATCH_SUMS, PATCH_MAXIMA = names_of(WearSum), names_of(WearMost)
+#: Maxima of two bodies, by name.
+MAXIMA = names_of(PressureMost)
 
 wp.set_module_options({"enable_backward": False})
 

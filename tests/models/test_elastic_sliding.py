@@ -18,7 +18,7 @@ from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.errors import InvariantError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import sliding_half_space as passes
+from warpwear.kernels import wear_from_pressure
 from warpwear.models.track.half_space import ElasticSliding
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
@@ -218,7 +218,7 @@ def test_the_mean_that_passes_keeps_the_sum(window: int, device: str) -> None:
     p = np.random.default_rng(2).random((10, 21))
     with Executor(Grid(10, 21, 1.0), device=device) as executor:
         mean = executor.zeros()
-        executor.launch(passes.mean_passing, inputs=[window, executor.field(p)], outputs=[mean])
+        executor.launch(wear_from_pressure.mean_passing, inputs=[window, executor.field(p)], outputs=[mean])
         found = executor.to_numpy(mean)
         assert_allclose(found.sum(axis=0), p.sum(axis=0), rtol=1e-13)
         assert_allclose(found, averaged(p, window), rtol=1e-13)

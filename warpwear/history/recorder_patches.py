@@ -131,15 +131,15 @@ class PatchLedger:
         return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
 
     def snapshot(
-        self, step: Step, distance: float, patches: Patches, *, gap: FloatArray, initial: FloatArray
+        self, step: Step, distance: float, patches: Patches, *, gap: FloatArray, worn: FloatArray
     ) -> Snapshot:
         """The fields after a step that was asked for its pressure, at its distance [mm].
 
         Over the whole domain; what no patch covers has neither pressure nor wear, and no gap (NaN). gap,
-        initial: worn and unworn [mm], as `patches` stores them, in whatever order.
+        worn: the gap and what both bodies lost of it [mm], as `patches` stores them, in whatever order.
         """
         assert step.pressure is not None
-        worn = patches.on_domain(gap - initial)
+        worn = patches.on_domain(worn)
         return Snapshot(
             distance,
             pressure=step.pressure,

@@ -17,13 +17,15 @@ import warp as wp
 
 from warpwear.contact.half_space import BoundedPressure, HalfSpaceContact
 from warpwear.contact.half_space_passes import NO_CAP
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
-from warpwear.kernels import patches_half_space as patches_by_pressure
-from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS
+from warpwear.kernels import wear_from_pressure
+from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
+from warpwear.kernels.sliding import Bodies
+from warpwear.kernels.wear_from_pressure import Increment, Places
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
@@ -33,6 +35,8 @@ from warpwear.models.patches.smooth import SmoothContact
 
 #: Before a step the approach is thought to grow by so much of what the last mean pressure would wear off.
 AHEAD = 2.0
+#: The wear of both bodies, which the kernel takes for the sphere's.
+OF_BOTH = {"worn": "wear_sphere"}
 
 
 class ElasticPatchesModel(Model):
@@ -50,6 +54,7 @@ class ElasticPatchesModel(Model):
         "_ledger": PatchLedger,
         "_smooth": SmoothContact,
         "gap": Field,
+        "worn": Field,
         "_solver": BoundedPressure,
         "_reached": float,
         "visited": int,
@@ -72,12 +77,18 @@ class ElasticPatchesModel(Model):
             first_column=patches.first_column[self._order],
         )
         self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
-        self.initial, layout = unworn(self.patches, heights, executor, curvature=curvature)
-        self.gap = wp.clone(self.initial)
-        there = (executor.to_numpy(self.initial) < PADDING).sum(axis=1)
+        self.gap, layout = unworn(self.patches, heights, executor, curvature=curvature)
+        self.worn = executor.zeros()  # by both bodies [mm]
+        there = (executor.to_numpy(self.gap) < PADDING).sum(axis=1)
         #: Cells where there is a surface, in so many first patches.
         self._cells = np.cumsum(there)
-        self._places = layout.first_row, layout.first_column
+        self._bodies = arguments(Bodies, sphere=self.gap, wear_sphere=self.worn)
+        self._places = arguments(
+            Places,
+            vectors=self.patches.vectors,
+            first_row=layout.first_row,
+            first_column=layout.first_column,
+        )
         assert task.modulus is not None  # checked with the study
         self._influence = PatchInfluence(executor, self.patches, modulus=task.modulus, boundary=task.boundary)
         self._solver = BoundedPressure(executor, self._influence, hardness=task.hardness)
@@ -85,8 +96,8 @@ class ElasticPatchesModel(Model):
         self.visited = 0
         #: Largest approach so far [mm].
         self._reached = float(of_patches.min())
-        wp.load_module(patches_by_pressure, device=executor.device)
-        self._sums, self._maxima = executor.partials(len(PATCH_SUMS)), executor.partials(len(PATCH_MAXIMA))
+        wp.load_module(wear_from_pressure, device=executor.device)
+        self._sums, self._maxima = executor.partials(len(PressureSum)), executor.partials(len(PressureMost))
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact at the end of an increment [mm], and wear both bodies.
@@ -111,8 +122,8 @@ class ElasticPatchesModel(Model):
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
-        gap, initial = (self._executor.to_numpy(field) for field in (self.gap, self.initial))
-        return self._ledger.snapshot(step, distance, self.patches, gap=gap, initial=initial)
+        gap, worn = (self._executor.to_numpy(field) for field in (self.gap, self.worn))
+        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=worn)
 
     def _press(self, smooth: SmoothContact, removal: float) -> HalfSpaceContact:
         """The contact at the end of a step that removes so much [mm³/N], by loads that are prescribed."""
@@ -147,23 +158,20 @@ class ElasticPatchesModel(Model):
 
     def _remove(self, contact: HalfSpaceContact, removal: float, reference: float) -> Worn:
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
+        cap = min(self.task.hardness, NO_CAP)
+        made = arguments(Increment, removal_sphere=removal, cap=cap, reference=reference)
+        pressure = contact.pressure_field
         self._executor.launch(
-            patches_by_pressure.remove,
-            inputs=[
-                self.patches.vectors,
-                min(self.task.hardness, NO_CAP),
-                removal,
-                reference,
-                *self._places,
-                contact.pressure_field,
-                self.initial,
-            ],
-            outputs=[self.gap, self._sums, self._maxima],
+            wear_from_pressure.wear,
+            inputs=[made, self._places, pressure, pressure, contact.gradient_field],
+            outputs=[self._bodies, self._sums, self._maxima],
             chunks=self._influence.chunks,
         )
         slots = self.visited * self._executor.slots_per_row
-        table = self._sums.numpy()[:, :slots].reshape(len(PATCH_SUMS), self.visited, -1)
-        sums = np.zeros((len(PATCH_SUMS), self.patches.count))
-        sums[:, self._order[: self.visited]] = table.sum(axis=2)
-        most = self._maxima.numpy()[:, :slots].max(axis=1).tolist()
-        return Worn(dict(zip(PATCH_SUMS, sums, strict=True)), dict(zip(PATCH_MAXIMA, most, strict=True)))
+        table = self._sums.numpy()[:, :slots].reshape(len(PressureSum), self.visited, -1).sum(axis=2)
+        largest = self._maxima.numpy()[:, :slots].max(axis=1)
+        sums = {name: np.zeros(self.patches.count) for name in PATCH_SUMS}
+        for name, values in sums.items():
+            values[self._order[: self.visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
+        most = {name: float(largest[PressureMost[OF_BOTH.get(name, name).upper()]]) for name in PATCH_MAXIMA}
+        return Worn(sums, most)

@@ -89,7 +89,7 @@ class TwoScaleModel(Model):
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         gap, initial = (self._executor.to_numpy(f) for f in (self.contact.gap, self.contact.initial))
-        return self._ledger.snapshot(step, distance, self.patches, gap=gap, initial=initial)
+        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial)
 
     def _share(self, removal: float) -> Shares:
         task, row = self.task, self._ledger.row

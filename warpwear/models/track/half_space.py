@@ -2,21 +2,21 @@
 
 from typing import ClassVar
 
+import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import Balance, residual_of
 from warpwear.contact.half_space_passes import NO_CAP
 from warpwear.contact.half_space_window import WindowedHalfSpace
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step, TrackLedger
-from warpwear.kernels import sliding_half_space as passes
-from warpwear.kernels.cells import MAXIMA, SUMS
+from warpwear.kernels import wear_from_pressure
+from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
+from warpwear.kernels.sliding import Bodies
+from warpwear.kernels.wear_from_pressure import Increment, Places
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.bodies import SlidingBodies
-
-#: Rows of the table of partial sums.
-OF_STEP = (*SUMS, "pressed_disc")
 
 
 class ElasticSliding:
@@ -60,19 +60,21 @@ class ElasticSliding:
         self._executor = executor
         self._share, self._moves = share, moves
         assert task.modulus is not None  # checked with the study
-        wp.load_module(passes, device=executor.device)
+        wp.load_module(wear_from_pressure, device=executor.device)
         self.keeps_dents = task.keeps_dents
         self._half_space = WindowedHalfSpace(
             executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
         )
-        #: The gap, a mean along x by rows, and that of whole lines.
+        #: The gap, and a mean along x.
         self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if moves else 1)
-        self._sums, self._maxima = executor.partials(len(OF_STEP)), executor.partials(len(MAXIMA))
-        rows = disc.shape[0]
-        self._of_rows = {
-            name: wp.zeros(rows, dtype=wp.float64, device=executor.device)
-            for name in ("wear_disc", "pressed_disc")
-        }
+        self._bodies = arguments(Bodies, **self.state.fields)
+        rows: Field = wp.array(np.arange(executor.grid.nx, dtype=np.int32), device=executor.device)
+        self._places = arguments(
+            Places, vectors=executor.vectors, first_row=rows, first_column=wp.zeros_like(rows)
+        )
+        self._sums, self._maxima = executor.partials(len(PressureSum)), executor.partials(len(MAXIMA))
+        #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
+        self._of_rows = {name: np.zeros(disc.shape[0]) for name in ("wear_disc", "pressed_disc")}
         self._ledger = TrackLedger(task, executor.grid, track_fraction=share)
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
@@ -87,11 +89,7 @@ class ElasticSliding:
         removal_disc = self._share * of_disc
         window = self.cells_passing(increment)
         met = self._mean_along(state.wear_sphere, window)
-        executor.launch(
-            passes.gaps,
-            inputs=[shift, met, state.wear_sphere, state.sphere, state.disc],
-            outputs=[self._gap],
-        )
+        executor.launch(wear_from_pressure.gaps, inputs=[shift, self._bodies, met], outputs=[self._gap])
         own = of_sphere if window == 1 else 0.0  # a mean over one cell is none
         contact = self._half_space.solve(
             self._gap,
@@ -107,28 +105,23 @@ class ElasticSliding:
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
         cap = min(task.hardness, NO_CAP)
-        executor.launch(
-            passes.remove,
-            inputs=[
-                cap,
-                contact.approach,
-                of_sphere,
-                removal_disc,
-                reference,
-                shift,
-                contact.pressure_field,
-                self._mean_along(contact.pressure_field, window),
-                contact.gradient_field,
-            ],
-            outputs=[*state.fields.values(), self._sums, self._maxima],
+        made = arguments(
+            Increment,
+            removal_sphere=of_sphere,
+            removal_disc=removal_disc,
+            shift=shift,
+            cap=cap,
+            approach=contact.approach,
+            reference=reference,
         )
+        passing = self._mean_along(contact.pressure_field, window)
+        fields = [contact.pressure_field, passing, contact.gradient_field]
         executor.launch(
-            passes.totals,
-            inputs=[shift, *(OF_STEP.index(name) for name in self._of_rows), self._sums],
-            outputs=[*self._of_rows.values()],
+            wear_from_pressure.wear,
+            inputs=[made, self._places, *fields],
+            outputs=[self._bodies, self._sums, self._maxima],
         )
-        total = dict(zip(OF_STEP, self._sums.numpy().sum(axis=1).tolist(), strict=True))
-        total |= {name: float(rows.numpy().sum()) for name, rows in self._of_rows.items()}
+        total = self._totals(shift)
         most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
         carried = total["pressure"] * executor.grid.cell_area
         residual = residual_of(carried, task.load, approach=contact.approach)
@@ -148,13 +141,26 @@ class ElasticSliding:
             return grid.nx
         return min(max(round(self._share * increment / grid.cell), 1), grid.nx)
 
+    def _totals(self, shift: int) -> dict[str, float]:
+        """Sums over all cells by the names of `PressureSum`; those of the disc are over all of its rows."""
+        table = self._sums.numpy()
+        total = dict(zip(names_of(PressureSum), table.sum(axis=1).tolist(), strict=True))
+        nx = self._executor.grid.nx
+        for name, rows in self._of_rows.items():
+            under = (np.arange(nx) + shift) % rows.size
+            rows[under] = table[PressureSum[name.upper()]].reshape(nx, -1).sum(axis=1)
+            total[name] = float(rows.sum())
+        return total
+
     def _mean_along(self, field: Field, window: int) -> Field:
         """S of a field, by rows, or one row for all; it lasts until the next."""
         if window == 1:
             return field
         if window < self._executor.grid.nx:
-            self._executor.launch(passes.mean_passing, inputs=[window, field], outputs=[self._means])
+            kernel = wear_from_pressure.mean_passing
+            self._executor.launch(kernel, inputs=[window, field], outputs=[self._means])
             return self._means
         lines, every = self._means[:1], [(0, self._executor.vectors)]
-        self._executor.launch(passes.mean_of_lines, inputs=[field], outputs=[lines], chunks=every)
+        kernel = wear_from_pressure.mean_of_lines
+        self._executor.launch(kernel, inputs=[field], outputs=[lines], chunks=every)
         return lines
