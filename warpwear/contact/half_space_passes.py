@@ -1,13 +1,14 @@
 """A pressure on a half-space with its gradient, and the passes over the cells that move them."""
 
 import math
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import PART, TOLERANCE, Carried, find_offsets, newton_in_bracket
-from warpwear.engine.executor import Executor, Field
+from warpwear.contact.influence import Operator
+from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import half_space as passes
@@ -15,35 +16,14 @@ from warpwear.kernels import half_space_setup
 
 #: Stands for no cap: kernels compare with it.
 NO_CAP = 1.0e300
-#: A trial may miss the load by so much, relatively: the next step makes up for it.
+#: What a trial may miss of the load, relatively: the next step makes up for it.
 ROUGH_BALANCE = 1.0e-3
 #: Columns of the table that a GPU reduces partial results to.
 FOLDED = 256
 
 
-class Operator(Protocol):
-    """A symmetric operator on the fields of an executor, and an approximate inverse of it."""
-
-    cells: int  # of the surface: what padding there is in the fields does not count
-    shortest_response: float  # displacement under a pressure that alternates from cell to cell [mm/MPa]
-    chunks: list[tuple[int, int]] | None  # ranges of slots for the threads, from 0 on; None: all
-
-    @property
-    def transforms(self) -> int:
-        """Pairs of Fourier transforms done so far."""
-
-    def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
-        """What adds to the elastic response [mm/MPa]: to a cell's own pressure, and to means along x."""
-
-    def respond(self, pressure: Field, displacement: Field) -> None:
-        """Displacement [mm] under a pressure [MPa], compliances included."""
-
-    def invert(self, displacement: Field, pressure: Field) -> None:
-        """About the pressure [MPa] of a displacement [mm]. May be in place."""
-
-
-class State(NamedTuple):
-    """Of the present pressure, part by part."""
+class SearchSums(NamedTuple):
+    """Sums and extremes of the present pressure, part by part."""
 
     total: FloatArray  # Σ p [MPa]
     touching: FloatArray  # cells with p > 0
@@ -54,7 +34,7 @@ class State(NamedTuple):
 
 
 class Products(NamedTuple):
-    """Over the free cells of each part: descent z, gradient r = t − λ, last step s and its response y."""
+    """Sums over the free cells of each part: descent z, gradient r = t − λ, last step s, its response y."""
 
     cells: FloatArray
     z: FloatArray
@@ -68,7 +48,7 @@ class Products(NamedTuple):
 
 
 class Moments(NamedTuple):
-    """Of the gap of each part, where there is a surface [mm]."""
+    """Moments of the gap of each part, where there is a surface [mm]."""
 
     mean: FloatArray
     rms: FloatArray
@@ -79,13 +59,12 @@ class Iterate:
     """Pressure p, gradient t = Gp + g, trial pressure, step and its response, on the grid of an executor.
 
     parts: 1, all cells together, or as many as rows are visited, each of which has a load and a level of its
-    own. Whatever is of each part is an array of that length. cells: of a part.
+    own. Numbers of each part are arrays of that length. cells: of a part.
     """
 
     def __init__(self, executor: Executor, influence: Operator, hardness: float) -> None:
         self._executor = executor
         self._influence = influence
-        self._cap = min(hardness, NO_CAP)
         self.parts, self.cells = 1, influence.cells
         self._arguments = self._for_parts()
         for module in (passes, half_space_setup):
@@ -95,6 +74,15 @@ class Iterate:
         self._trial = executor.zeros()
         self._step = executor.zeros()
         self._response = executor.zeros()
+        self._fields = arguments(
+            passes.Fields,
+            pressure=self.pressure,
+            gradient=self.gradient,
+            trial=self._trial,
+            step=self._step,
+            response=self._response,
+            cap=min(hardness, NO_CAP),
+        )
         self._sums = executor.partials(len(Products._fields) - 2)
         self._maxima = executor.partials(2)
         #: On a GPU, where tables of many slots are reduced before they are read.
@@ -105,7 +93,7 @@ class Iterate:
         )
 
     def divide(self, rows: int | None) -> None:
-        """Into so many rows from now on, which must be all that are visited; None: one part."""
+        """Make each row a part from now on. rows: all that are visited; None makes all cells one part."""
         assert rows is None or rows * self._executor.slots_per_row == self._slots
         if self.parts != (rows or 1):
             self.parts = rows or 1
@@ -133,8 +121,8 @@ class Iterate:
         self._pass(half_space_setup.spring, [self._executor.grid.ny, stiffness, level, gap], [self._trial])
         return self.carried(np.zeros(self.parts))
 
-    def begin(self, gap: Field) -> State:
-        """Gradient of the present pressure."""
+    def begin(self, gap: Field) -> SearchSums:
+        """Make the gradient of the present pressure."""
         self._influence.respond(self.pressure, self._response)
         self._pass(half_space_setup.gradient, [self._executor.grid.ny, gap, self._response], [self.gradient])
         return self.advance(0.0)
@@ -143,32 +131,32 @@ class Iterate:
         """The trial pressure, shifted and clipped, becomes the pressure. Its gradient is then out of date."""
         self._advance(whole=True, length=0.0, shift=shift)
 
-    def advance(self, length: float, *, shift: FloatArray | None = None) -> State:
-        """Go so much of the step; all of it, exact at the bounds, where the trial's shift is given."""
+    def advance(self, length: float, *, shift: FloatArray | None = None) -> SearchSums:
+        """Go `length` steps on. shift: of the trial, which is then taken whole, exact at the bounds."""
         whole = shift is not None
         return self._advance(
             whole=whole, length=length, shift=np.zeros(self.parts) if shift is None else shift
         )
 
-    def _advance(self, *, whole: bool, length: float, shift: FloatArray) -> State:
-        inputs = [whole, length, shift, self._cap, self._trial, self._step, self._response]
-        outputs = [self.pressure, self.gradient]
-        *values, negative = self._pass(passes.advance, inputs, outputs, sums=4, maxima=2)
-        return State._make([*values, -negative])
+    def _advance(self, *, whole: bool, length: float, shift: FloatArray) -> SearchSums:
+        inputs = [whole, length, shift, self._fields]
+        *values, negative = self._pass(passes.advance, inputs, [], sums=4, maxima=2)
+        return SearchSums._make([*values, -negative])
 
     def descent(self, approach: FloatArray, *, plain: bool) -> tuple[Field, FloatArray]:
-        """Where to go from the gradient, as a field and levels to take off it; may lie in the trial."""
+        """Field that says where to go, and levels to take off it; it may lie in the trial.
+
+        plain: whether to follow the gradient, not its preconditioned one.
+        """
         if plain:
             return self.gradient, approach
-        inputs = [approach, self._cap, self.pressure, self.gradient]
-        self._pass(passes.residual, inputs, [self._trial])
+        self._pass(passes.residual, [approach], [self._fields])
         self._influence.invert(self._trial, self._trial)
         return self._trial, np.zeros(self.parts)
 
     def products(self, approach: FloatArray, descent: Field, level: FloatArray) -> Products:
         """Sums and maxima over the free cells."""
-        inputs = [approach, self._cap, level, self.pressure, self.gradient, descent]
-        inputs += [self._step, self._response]
+        inputs = [approach, level, self._fields, descent]
         return Products(*self._pass(passes.products, inputs, [], sums=7, maxima=2))
 
     def aim(
@@ -182,14 +170,13 @@ class Iterate:
         outward: float,
     ) -> tuple[FloatArray, FloatArray]:
         """Trial pressure along −descent + memory × last step; what it carries, as `carried`."""
-        inputs = [approach, self._cap, level, memory, length, outward]
-        inputs += [self.pressure, self.gradient, descent, self._step]
-        total, between = self._pass(passes.direction, inputs, [self._trial], sums=2)
+        inputs = [approach, level, memory, length, outward, self._fields, descent]
+        total, between = self._pass(passes.direction, inputs, [], sums=2)
         return total, between
 
     def carried(self, shift: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Sums of the shifted and clipped trial pressures [MPa], and the cells between the bounds."""
-        total, between = self._pass(passes.carried, [shift, self._cap, self._trial], [], sums=2)
+        total, between = self._pass(passes.carried, [shift, self._fields], [], sums=2)
         return total, between
 
     def balance(
@@ -227,11 +214,11 @@ class Iterate:
     def step(self, approach: FloatArray, shift: FloatArray) -> tuple[float, float, float]:
         """Take aim at the shifted trial, and respond.
 
-        Returns the sums of step × (t − λ) and of step × response, and the largest share of its room to a
+        Returns the sums of step × (t − λ) and of step × response, and the largest fraction of its room to a
         bound that a cell uses.
         """
-        inputs = [approach, shift, self._cap, self._trial, self.pressure, self.gradient]
-        slope, used, _unused = self._pass(passes.step, inputs, [self._step], sums=1, maxima=2)
+        inputs = [approach, shift, self._fields]
+        slope, used, _unused = self._pass(passes.step, inputs, [], sums=1, maxima=2)
         self._influence.respond(self._step, self._response)
         curvature = self._product(self._step, self._response)
         return float(slope.sum()), curvature, float(used.max())
@@ -243,7 +230,10 @@ class Iterate:
     def _pass(
         self, kernel: Any, inputs: list[Any], outputs: list[Field], *, sums: int = 0, maxima: int = 0
     ) -> list[FloatArray]:
-        """Launch, and reduce the first rows of the tables that the kernel fills to a number for each part."""
+        """Launch a kernel and reduce what it leaves in its tables to a number for each part.
+
+        sums, maxima: how many first rows of the tables of partial results it fills.
+        """
         places = iter(self._arguments)
         inputs = [self._placed(v, *next(places)) if isinstance(v, np.ndarray) else v for v in inputs]
         tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
@@ -258,7 +248,7 @@ class Iterate:
             spans = (1, width, slots) if self.parts == 1 else (of_row, 1, of_row)
             self._executor.launch(
                 half_space_setup.fold,
-                inputs=[width, sums, slots, *spans, self._sums, self._maxima],
+                inputs=[width, sums, slots, wp.vec3i(*spans), self._sums, self._maxima],
                 outputs=[self._folded],
                 chunks=[(0, both * width)],
             )
@@ -273,12 +263,12 @@ class Iterate:
 
     @property
     def _slots(self) -> int:
-        """That are visited."""
+        """How many slots are visited."""
         chunks = self._influence.chunks
         return chunks[-1][1] if chunks else self._executor.slots
 
     def _for_parts(self) -> list[tuple[Any, FloatArray]]:
-        """Where a pass reads numbers of each part, two at most, and the same on the host."""
+        """Two arrays from which a pass reads numbers of each part, each with its copy on the host."""
         device = self._executor.device
         hosts = np.zeros(self.parts), np.zeros(self.parts)
         return [(wp.array(h, dtype=wp.float64, device=device, copy=not device.is_cpu), h) for h in hosts]

@@ -152,7 +152,7 @@ def _half_space(study: Content) -> None:
             "'none'"
         )
     if study.study.model == "two-scale":
-        _elastic_patches(study)
+        _half_space_patches(study)
     elif study.boundary == "periodic" and study.sphere.curvature != 0.0:
         raise ValueError(
             "contact.boundary = 'periodic' would repeat the sphere beside itself: allowed is 'free', or a "
@@ -160,7 +160,7 @@ def _half_space(study: Content) -> None:
         )
 
 
-def _elastic_patches(study: Content) -> None:
+def _half_space_patches(study: Content) -> None:
     shared = study.patches.coupling == "approach"
     if shared and study.boundary == "free" and study.patches.bulk == "spring":
         raise ValueError(

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_elastic_patches import BOUNDARIES, GAPS, KINDS, ONE, PATCHES, Solved, Stepped, device, quick
 from cases_figures import drawn
 from cases_half_space import MODULUS, bounded
+from cases_half_space_patches import BOUNDARIES, GAPS, KINDS, ONE, PATCHES, Solved, Stepped, device, quick
 from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.contact import transforms
 from warpwear.contact.half_space import HalfSpace
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
@@ -99,7 +100,7 @@ def test_every_patch_is_a_contact_of_its_own(boundary: str, bulk: float, complia
 
 @pytest.mark.parametrize("coupling", ["approach", "load"])
 def test_threads_change_nothing(threads: int, coupling: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(patch_influence, "MODES_PER_THREAD", 1)
+    monkeypatch.setattr(transforms, "MODES_PER_THREAD", 1)
     monkeypatch.setattr(patch_influence, "BLOCK", 40)
     found = []
     for count in (1, threads):

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 import warp as wp
-from cases_elastic_patches import (
+from cases_half_space import MODULUS, bounded
+from cases_half_space_patches import (
     BOUNDARIES,
     GAPS,
     KINDS,
@@ -16,7 +17,6 @@ from cases_elastic_patches import (
     device,
     quick,
 )
-from cases_half_space import MODULUS, bounded
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import InputError
@@ -174,7 +174,7 @@ def test_a_patch_may_let_go_of_its_load(monkeypatch: pytest.MonkeyPatch) -> None
     assert model.visited == number
     assert model.book.table("load_share")[-1][last] == 0.0
     assert_array_equal(stepped.gap()[number - 1], before)
-    assert not model._solver.pressure[number - 1].any()
+    assert not model._executor.to_numpy(model._solver.pressure_field)[number - 1].any()
     monkeypatch.undo()
     model.advance(0.1)
     assert model.book.table("load_share")[-1][last] > 0.0
