@@ -151,17 +151,6 @@ class SlidingHalfSpace:
             total[name] = float(rows.sum())
         return total
 
-    def _totals(self, shift: int) -> dict[str, float]:
-        """Sums over all cells by the names of `PressureSum`; those of the disc are over all of its rows."""
-        table = self._sums.numpy()
-        total = dict(zip(names_of(PressureSum), table.sum(axis=1).tolist(), strict=True))
-        nx = self._executor.grid.nx
-        for name, rows in self._of_rows.items():
-            under = (np.arange(nx) + shift) % rows.size
-            rows[under] = table[PressureSum[name.upper()]].reshape(nx, -1).sum(axis=1)
-            total[name] = float(rows.sum())
-        return total
-
     def _mean_along(self, field: Field, window: int) -> Field:
         """S of a field, by rows, or one row for all; it lasts until the next."""
         if window == 1:
