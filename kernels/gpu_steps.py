@@ -45,21 +45,21 @@ HALF = wp.constant(wp.float64(0.5))
 
 
 @wp.func
-def stiffness_of(known: Known, wear: wp.float64):
-    """1/c of a step that wears both bodies by K ΔL = wear [mm³/N]."""
-    return ONE / (known.compliance + known.implicit * wear)
+def stiffness_of(known: Known, wear_per_pressure: wp.float64):
+    """1/c of a step that wears both bodies by K ΔL = wear_per_pressure [mm³/N]."""
+    return ONE / (known.compliance + known.implicit * wear_per_pressure)
 
 
 @wp.kernel
 def begin(
-    wear_in: wp.array2d(dtype=wp.float64),
+    wear_per_pressure_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_out: wp.array(dtype=wp.float64),
     searching_out: wp.array(dtype=wp.int32),
 ):
     """A worn contact recedes by K p ΔL: where the last mean pressure puts it the search begins."""
     step = step_in[0]
-    guess = (wear_in[step, 0] + wear_in[step, 1]) * search_out[MEAN]
+    guess = (wear_per_pressure_in[step, 0] + wear_per_pressure_in[step, 1]) * search_out[MEAN]
     search_out[BASE] = search_out[APPROACH]
     search_out[OFFSET] = guess
     search_out[LOW] = -INFINITE
@@ -74,7 +74,7 @@ def begin(
 @wp.kernel
 def carried(
     known: Known,
-    wear_in: wp.array2d(dtype=wp.float64),
+    wear_per_pressure_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_in: wp.array(dtype=wp.float64),
     gap_in: wp.array(dtype=wp.float64),
@@ -85,7 +85,7 @@ def carried(
     columns = known.columns
     base = search_in[BASE]
     offset = search_in[OFFSET]
-    s = stiffness_of(known, wear_in[step_in[0], 0] + wear_in[step_in[0], 1])
+    s = stiffness_of(known, wear_per_pressure_in[step_in[0], 0] + wear_per_pressure_in[step_in[0], 1])
     width = wp.block_dim()
     pressure = ZERO
     slope = ZERO
@@ -168,7 +168,7 @@ def decide(
 @wp.kernel
 def wear_step(
     known: Known,
-    wear_in: wp.array2d(dtype=wp.float64),
+    wear_per_pressure_in: wp.array2d(dtype=wp.float64),
     step_in: wp.array(dtype=wp.int32),
     search_in: wp.array(dtype=wp.float64),
     unworn_in: wp.array(dtype=wp.float64),
@@ -182,8 +182,8 @@ def wear_step(
     here.offset = search_in[OFFSET]
     here.cap = known.cap
     now = Increment()
-    now.wear = wear_in[step, 0] + wear_in[step, 1]
-    now.stiffness = stiffness_of(known, now.wear)
+    now.wear_per_pressure = wear_per_pressure_in[step, 0] + wear_per_pressure_in[step, 1]
+    now.stiffness = stiffness_of(known, now.wear_per_pressure)
     now.reference = search_in[MEAN]
     wear(wp.tid(), wp.block_dim(), known, here, now, unworn_in, gap_out, partial_out)
 

@@ -72,7 +72,9 @@ class RowSum(IntEnum):
 class Now:
     """What a step finds on the device."""
 
-    wear: wp.array2d(dtype=wp.float64)  # K ΔL of sphere and disc in every step of the block [mm³/N]
+    wear_per_pressure: wp.array2d(
+        dtype=wp.float64
+    )  # K ΔL of sphere and disc in every step of the block [mm³/N]
     shift: wp.array(dtype=wp.int32)  # the disc's row under the sphere's first
     step: wp.array(dtype=wp.int32)  # one number
     search: wp.array(dtype=wp.float64)  # in the order of `SEARCH` and `MORE`
@@ -112,7 +114,7 @@ def carried(
     shift = now.shift[step]
     base = now.search[BASE]
     offset = now.search[OFFSET]
-    s = stiffness_of(known, now.wear[step, 0] + now.wear[step, 1])
+    s = stiffness_of(known, now.wear_per_pressure[step, 0] + now.wear_per_pressure[step, 1])
     pressure = ZERO
     slope = ZERO
     for i in range(wp.tid(), bodies.sphere.shape[0] * tiles, known.blocks * wp.block_dim()):
@@ -142,10 +144,10 @@ def wear_step(
     shift = now.shift[step]
     base = now.search[BASE]
     offset = now.search[OFFSET]
-    wear_sphere = now.wear[step, 0]
-    wear_disc = now.wear[step, 1]
+    of_sphere = now.wear_per_pressure[step, 0]
+    of_disc = now.wear_per_pressure[step, 1]
     mean = now.search[MEAN]
-    c = known.compliance + known.implicit * (wear_sphere + wear_disc)
+    c = known.compliance + known.implicit * (of_sphere + of_disc)
     stiffness = ONE / c
     keeps_reached = bodies.reached.shape[0] == bodies.sphere.shape[0]
     pressure = ZERO
@@ -187,10 +189,10 @@ def wear_step(
                     bodies.plastic_disc[under, k] = x
                 for j in range(LANES):
                     p = wp.min(wp.max(((base - gap[j]) + offset) * stiffness, ZERO), cap)
-                    s[j] = s[j] + wear_sphere * p
-                    a[j] = a[j] + wear_sphere * p
-                    d[j] = d[j] - wear_disc * p
-                    b[j] = b[j] + wear_disc * p
+                    s[j] = s[j] + of_sphere * p
+                    a[j] = a[j] + of_sphere * p
+                    d[j] = d[j] - of_disc * p
+                    b[j] = b[j] + of_disc * p
                     pressure += p
                     highest = wp.max(highest, p)
                     if p > ZERO:

@@ -37,7 +37,7 @@ _WEAR = """
     int contact = 0, capped = 0, touched = 0;  // whole numbers cost a GPU less
     int first_row = beyond, last_row = -1, first_column = beyond, last_column = -1;
     const double base = law.base, offset = law.offset, cap = law.cap;
-    const double opening = step.wear, s = step.stiffness, mean = step.reference;
+    const double opening = step.wear_per_pressure, s = step.stiffness, mean = step.reference;
     const int lines = gap_out.shape[0] / columns;
     for (int row = block; row < lines; row += known.blocks) {
         const long long start = (long long)row * columns;

@@ -34,8 +34,8 @@ class Slide:
     """One step of a displaced pair of bodies."""
 
     shift: wp.int32  # the disc's row under the sphere's first
-    wear_sphere: wp.float64  # K ΔL [mm³/N]
-    wear_disc: wp.float64
+    wear_per_pressure_sphere: wp.float64  # K ΔL [mm³/N]
+    wear_per_pressure_disc: wp.float64
     factored: wp.int32  # 1 where the sliding distance of the disc's cells has a factor each
     reference: wp.float64  # squares are those of the deviation from it [MPa]
     full_depth: wp.float64  # overlap c H of a cell at the hardness [mm]; INFINITE: the disc springs back
@@ -265,8 +265,8 @@ def wear_step(
                 f = of_cells.factor[factor_row, k]
             for j in range(LANES):
                 q = pressure_of(law, g[j], stiffness[j])
-                da = step.wear_sphere * q
-                db = step.wear_disc * f[j] * q
+                da = step.wear_per_pressure_sphere * q
+                db = step.wear_per_pressure_disc * f[j] * q
                 p[j] = q
                 s[j] = s[j] + da
                 a[j] = a[j] + da

@@ -17,7 +17,7 @@ wp.set_module_options({"enable_backward": False})
 class Increment:
     """What a step wears off one gap, and where the next one will look first."""
 
-    wear: wp.float64  # K ΔL of both bodies [mm³/N]
+    wear_per_pressure: wp.float64  # K ΔL of both bodies [mm³/N]
     stiffness: wp.float64  # 1/c of the step [N/mm³]
     reference: wp.float64  # squares are those of the deviation from it: near the mean they keep digits [MPa]
     base_next: wp.float64  # approach of the next step [mm], of patches one each in `Approaches`
@@ -98,8 +98,8 @@ LANES_IN_C = """
 #: What the loops share: their sums, a cell, and where the sums go.
 _BEGIN = """
     const double cap = law.cap;
-    const double wear = step.wear, stiffness = step.stiffness, stiffness_next = step.stiffness_next;
-    const double reference = step.reference;
+    const double wear_per_pressure = step.wear_per_pressure, reference = step.reference;
+    const double stiffness = step.stiffness, stiffness_next = step.stiffness_next;
     Lanes pressure = 0.0, deviation = 0.0, highest = 0.0, worn = 0.0, deepest = 0.0;
     Lanes pressure_next = 0.0, nearest_next = 1.0e30;
     Counts contact = 0, capped = 0, touched = 0, between_next = 0;
@@ -116,7 +116,7 @@ _CELL = """
             p = p < cap ? p : cap;
             if (tie_width > 0.0)
                 p = size_of((base - g) + offset) > tie_width ? p : tie_pressure;
-            g += wear * p;
+            g += wear_per_pressure * p;
             gap[i] = g;
             pressure += p;
             highest = highest > p ? highest : p;

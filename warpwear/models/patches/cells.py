@@ -181,7 +181,7 @@ class PatchContact:
         self._put(self._at.offset_next, offset_next)
         self._put(self._at.reached, self.reached)
         now = self._increment
-        now.wear, now.reference, now.stiffness_next = removal, reference, stiffness_next
+        now.wear_per_pressure, now.reference, now.stiffness_next = removal, reference, stiffness_next
         now.first_row, now.last_row, now.first_column, now.last_column = self._between(known)
         self._executor.launch(
             kernels.wear_step,

@@ -123,7 +123,7 @@ class OneScaleModel(Model):
         """
         task, now, row = self.task, self._increment, self._ledger.row
         removal = task.removals(row["distance"], increment)
-        now.wear = sum(removal)
+        now.wear_per_pressure = sum(removal)
         stiffness = self._stiffness_of(*removal)
         balance = self._balance(stiffness, sum(removal))
         self._foresight.note(balance.approach, sum(removal))

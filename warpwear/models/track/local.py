@@ -139,8 +139,9 @@ class SlidingContact:
         shift = self.state.row_of(shift, periodic=self.periodic)
         self.tiles.displace(shift)
         removal = task.removals(row["distance"], increment)
-        now.shift, now.wear_sphere, now.wear_disc = shift, removal[0], self._track_fraction * removal[1]
-        compliance = task.compliance + (removal[0] + self._track_fraction * removal[1]) * task.implicit
+        of_sphere, of_disc = removal[0], self._track_fraction * removal[1]
+        now.shift, now.wear_per_pressure_sphere, now.wear_per_pressure_disc = shift, of_sphere, of_disc
+        compliance = task.compliance + (of_sphere + of_disc) * task.implicit
         stiffness = self._stiffness_of(compliance)
         self._of_cells.stiffness = stiffness
         balance = self._balance(stiffness, compliance)
@@ -222,12 +223,16 @@ class SlidingContact:
         """
         task, now = self.task, self._slide
         if self._recession is not None and task.implicit:
-            return self._recession.stiffness(task.compliance + now.wear_sphere, now.wear_disc)
-        made_for = (compliance, now.wear_disc * now.factored)
+            return self._recession.stiffness(
+                task.compliance + now.wear_per_pressure_sphere, now.wear_per_pressure_disc
+            )
+        made_for = (compliance, now.wear_per_pressure_disc * now.factored)
         if self._stiffness is None or self._stiffness[0] != made_for:
             values = np.full((1, 1), compliance)
             if now.factored and task.implicit:
-                values = self._factor * now.wear_disc + (task.compliance + now.wear_sphere)
+                values = self._factor * now.wear_per_pressure_disc + (
+                    task.compliance + now.wear_per_pressure_sphere
+                )
             with np.errstate(divide="ignore", over="ignore"):
                 values = np.minimum(1.0 / values, RIGID)
             # A stiffness of 0 beyond the last column would look like cells at the point of touching.

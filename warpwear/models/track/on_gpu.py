@@ -73,7 +73,7 @@ class DeviceSliding:
         self._searching = wp.zeros(1, dtype=wp.int32, device=self._device)
         self._now = arguments(
             gpu_steps_sliding.Now,
-            wear=self._table(LONGEST_BLOCK, 2),
+            wear_per_pressure=self._table(LONGEST_BLOCK, 2),
             shift=wp.zeros(LONGEST_BLOCK, dtype=wp.int32, device=self._device),
             step=wp.zeros(1, dtype=wp.int32, device=self._device),
             search=wp.zeros(searched, dtype=wp.float64, device=self._device),
@@ -96,7 +96,7 @@ class DeviceSliding:
         mean_pressure [MPa]. `DeviceStep.totals` has a sum more, "pressed_disc". The fields are those after
         the last step when that one is given. Raises ConvergenceError for an unbalanced one.
         """
-        self._fill(self._now.wear, removals)
+        self._fill(self._now.wear_per_pressure, removals)
         self._fill(self._now.shift, shifts)
         names = [*gpu_steps.SEARCH, *gpu_steps_sliding.MORE]
         search = dict.fromkeys(names, 0.0)

@@ -33,11 +33,14 @@ class Recession:
         self._stiffness = executor.zeros()
         self._bearing = executor.partials(1)
 
-    def stiffness(self, compliance: float, wear_disc: float) -> Field:
-        """1/c of an implicit step. compliance: all but the disc's wear; wear_disc: its K ΔL [mm³/N]."""
+    def stiffness(self, compliance: float, wear_per_pressure_disc: float) -> Field:
+        """Make 1/c of an implicit step.
+
+        compliance: without the disc's wear; wear_per_pressure_disc: its K ΔL [mm³/N].
+        """
         self._executor.launch(
             kernels.stiffness,
-            inputs=[compliance, wear_disc, self._curve, self._factor, self._bodies.wear_disc],
+            inputs=[compliance, wear_per_pressure_disc, self._curve, self._factor, self._bodies.wear_disc],
             outputs=[self._stiffness],
         )
         return self._stiffness
