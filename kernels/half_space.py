@@ -16,6 +16,18 @@ wp.set_module_options({"enable_backward": False})
 EPSILON = wp.constant(wp.float64(4.0e-16))
 
 
+@wp.struct
+class Fields:
+    """What a search moves, and the cap."""
+
+    pressure: wp.array2d(dtype=Cells)  # p [MPa]
+    gradient: wp.array2d(dtype=Cells)  # t [mm]
+    trial: wp.array2d(dtype=Cells)  # pressure that a step aims at, before it is shifted and clipped [MPa]
+    step: wp.array2d(dtype=Cells)  # the last one [MPa]
+    response: wp.array2d(dtype=Cells)  # of the gradient to it [mm]
+    cap: wp.float64  # H [MPa]
+
+
 @wp.func
 def clipped(x: wp.float64, cap: wp.float64):
     """x between 0 and the cap."""
@@ -43,12 +55,7 @@ def advance(
     whole: wp.bool,
     length: wp.float64,
     shift_in: wp.array(dtype=wp.float64),
-    cap: wp.float64,
-    trial_in: wp.array2d(dtype=Cells),
-    step_in: wp.array2d(dtype=Cells),
-    response_in: wp.array2d(dtype=Cells),
-    pressure_out: wp.array2d(dtype=Cells),
-    gradient_out: wp.array2d(dtype=Cells),
+    fields: Fields,
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
@@ -58,6 +65,7 @@ def advance(
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    cap = fields.cap
     shift = of_row(shift_in, row)
     total = Cells(ZERO)
     touching = Cells(ZERO)
@@ -65,12 +73,12 @@ def advance(
     level = Cells(ZERO)
     highest = Cells(-NONE)
     lowest = Cells(-NONE)
-    for k in range(slot % slots_per_row, pressure_out.shape[1], slots_per_row):
-        x = trial_in[row, k]
-        s = step_in[row, k]
-        y = response_in[row, k]
-        p = pressure_out[row, k]
-        t = gradient_out[row, k]
+    for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
+        x = fields.trial[row, k]
+        s = fields.step[row, k]
+        y = fields.response[row, k]
+        p = fields.pressure[row, k]
+        t = fields.gradient[row, k]
         touch = Cells(ZERO)
         inside = Cells(ZERO)
         inside_level = Cells(ZERO)
@@ -84,8 +92,8 @@ def advance(
             inside_level[j] = wp.where(inside[j] > ZERO, t[j], ZERO)
             up[j] = wp.where(p[j] > ZERO, t[j], -NONE)
             down[j] = wp.where(p[j] < cap, -t[j], -NONE)
-        pressure_out[row, k] = p
-        gradient_out[row, k] = t
+        fields.pressure[row, k] = p
+        fields.gradient[row, k] = t
         total += p
         touching += touch
         between += inside
@@ -105,22 +113,20 @@ def residual(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     approach_in: wp.array(dtype=wp.float64),
-    cap: wp.float64,
-    pressure_in: wp.array2d(dtype=Cells),
-    gradient_in: wp.array2d(dtype=Cells),
-    residual_out: wp.array2d(dtype=Cells),
+    fields: Fields,
 ):
-    """t − λ on the free cells, 0 elsewhere."""
+    """t − λ on the free cells, 0 elsewhere, in the place of the trial."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    cap = fields.cap
     approach = of_row(approach_in, row)
-    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
-        p = pressure_in[row, k]
-        t = gradient_in[row, k]
+    for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
+        p = fields.pressure[row, k]
+        t = fields.gradient[row, k]
         r = Cells(ZERO)
         for j in range(LANES):
             r[j] = wp.where(free(p[j], t[j], approach, cap) > ZERO, t[j] - approach, ZERO)
-        residual_out[row, k] = r
+        fields.trial[row, k] = r
 
 
 @wp.kernel
@@ -128,13 +134,9 @@ def products(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     approach_in: wp.array(dtype=wp.float64),
-    cap: wp.float64,
     descent_level_in: wp.array(dtype=wp.float64),
-    pressure_in: wp.array2d(dtype=Cells),
-    gradient_in: wp.array2d(dtype=Cells),
+    fields: Fields,
     descent_in: wp.array2d(dtype=Cells),
-    step_in: wp.array2d(dtype=Cells),
-    response_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
@@ -144,6 +146,7 @@ def products(
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    cap = fields.cap
     approach = of_row(approach_in, row)
     descent_level = of_row(descent_level_in, row)
     count = Cells(ZERO)
@@ -155,12 +158,12 @@ def products(
     sr = Cells(ZERO)
     largest_z = Cells(ZERO)
     largest_r = Cells(ZERO)
-    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
-        p = pressure_in[row, k]
-        t = gradient_in[row, k]
+    for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
+        p = fields.pressure[row, k]
+        t = fields.gradient[row, k]
         z = descent_in[row, k]
-        s = step_in[row, k]
-        y = response_in[row, k]
+        s = fields.step[row, k]
+        y = fields.response[row, k]
         f = Cells(ZERO)
         fz = Cells(ZERO)
         fr = Cells(ZERO)
@@ -206,16 +209,12 @@ def direction(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     approach_in: wp.array(dtype=wp.float64),
-    cap: wp.float64,
     descent_level_in: wp.array(dtype=wp.float64),
     memory: wp.float64,
     length: wp.float64,
     outward: wp.float64,
-    pressure_in: wp.array2d(dtype=Cells),
-    gradient_in: wp.array2d(dtype=Cells),
+    fields: Fields,
     descent_in: wp.array2d(dtype=Cells),
-    step_in: wp.array2d(dtype=Cells),
-    trial_out: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
     """Trial pressure p + length × d, with d = −z + memory × last step on the free cells (z as in `products`).
@@ -225,15 +224,16 @@ def direction(
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    cap = fields.cap
     approach = of_row(approach_in, row)
     descent_level = of_row(descent_level_in, row)
     total = Cells(ZERO)
     between = Cells(ZERO)
-    for k in range(slot % slots_per_row, pressure_in.shape[1], slots_per_row):
-        p = pressure_in[row, k]
-        t = gradient_in[row, k]
+    for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
+        p = fields.pressure[row, k]
+        t = fields.gradient[row, k]
         z = descent_in[row, k]
-        s = step_in[row, k]
+        s = fields.step[row, k]
         x = Cells(ZERO)
         q = Cells(ZERO)
         inside = Cells(ZERO)
@@ -244,7 +244,7 @@ def direction(
             x[j] = p[j] + length * d
             q[j] = clipped(x[j], cap)
             inside[j] = wp.where(x[j] > ZERO and x[j] < cap, ONE, ZERO)
-        trial_out[row, k] = x
+        fields.trial[row, k] = x
         total += q
         between += inside
     sums_out[0, slot] = sum_of(total)
@@ -256,18 +256,18 @@ def carried(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     shift_in: wp.array(dtype=wp.float64),
-    cap: wp.float64,
-    trial_in: wp.array2d(dtype=Cells),
+    fields: Fields,
     sums_out: wp.array2d(dtype=wp.float64),
 ):
     """Sums of the trial pressures, shifted and clipped, and of the cells between the bounds."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    cap = fields.cap
     shift = of_row(shift_in, row)
     total = Cells(ZERO)
     between = Cells(ZERO)
-    for k in range(slot % slots_per_row, trial_in.shape[1], slots_per_row):
-        x = trial_in[row, k]
+    for k in range(slot % slots_per_row, fields.trial.shape[1], slots_per_row):
+        x = fields.trial[row, k]
         q = Cells(ZERO)
         inside = Cells(ZERO)
         for j in range(LANES):
@@ -285,25 +285,22 @@ def step(
     slots_per_row: wp.int32,
     approach_in: wp.array(dtype=wp.float64),
     shift_in: wp.array(dtype=wp.float64),
-    cap: wp.float64,
-    trial_in: wp.array2d(dtype=Cells),
-    pressure_in: wp.array2d(dtype=Cells),
-    gradient_in: wp.array2d(dtype=Cells),
-    step_out: wp.array2d(dtype=Cells),
+    fields: Fields,
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
     """Feasible step to the trial. Sum: step × (t − λ). Maximum: share of the room to a bound that is used."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    cap = fields.cap
     approach = of_row(approach_in, row)
     shift = of_row(shift_in, row)
     slope = Cells(ZERO)
     used = Cells(ZERO)
-    for k in range(slot % slots_per_row, trial_in.shape[1], slots_per_row):
-        x = trial_in[row, k]
-        p = pressure_in[row, k]
-        t = gradient_in[row, k]
+    for k in range(slot % slots_per_row, fields.trial.shape[1], slots_per_row):
+        x = fields.trial[row, k]
+        p = fields.pressure[row, k]
+        t = fields.gradient[row, k]
         s = Cells(ZERO)
         sr = Cells(ZERO)
         share = Cells(ZERO)
@@ -312,7 +309,7 @@ def step(
             sr[j] = wp.where(s[j] == ZERO, ZERO, s[j] * (t[j] - approach))
             room = wp.where(s[j] < ZERO, p[j], cap - p[j])
             share[j] = wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room)
-        step_out[row, k] = s
+        fields.step[row, k] = s
         slope += sr
         used = wp.max(used, share)
     sums_out[0, slot] = sum_of(slope)

@@ -147,30 +147,28 @@ def fold(
     width: wp.int32,
     sums: wp.int32,
     slots: wp.int32,
-    apart: wp.int32,
-    stride: wp.int32,
-    span: wp.int32,
+    spans: wp.vec3i,
     sums_in: wp.array2d(dtype=wp.float64),
     maxima_in: wp.array2d(dtype=wp.float64),
     folded_out: wp.array2d(dtype=wp.float64),
 ):
-    """So many first rows of the table of sums, then rows of that of maxima, each reduced to width columns.
+    """The first `sums` rows of a table of sums, then rows of one of maxima, each reduced to `width` columns.
 
-    slots: so many first columns count. A column of the result takes every stride-th one of a span of them;
-    these spans begin so far apart. A thread is a row of the result and a column of it.
+    Only the first `slots` columns count. spans: a column of the result takes every y-th of a span of z of
+    them, and spans begin x apart. A thread is a row of the result and a column of it.
     """
     thread = first_thread + wp.tid()
     row = thread // width
     column = thread % width
-    first = column * apart
-    end = wp.min(slots, first + span)
+    first = column * spans.x
+    end = wp.min(slots, first + spans.z)
     if row < sums:
         total = wp.float64(0.0)
-        for slot in range(first, end, stride):
+        for slot in range(first, end, spans.y):
             total += sums_in[row, slot]
         folded_out[row, column] = total
     else:
         largest = -NONE
-        for slot in range(first, end, stride):
+        for slot in range(first, end, spans.y):
             largest = wp.max(largest, maxima_in[row - sums, slot])
         folded_out[row, column] = largest

@@ -8,6 +8,7 @@ import warp as wp
 
 from warpwear.contact.balance import PART, TOLERANCE, Carried, find_offsets, newton_in_bracket
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.structs import filled
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import half_space as passes
@@ -85,7 +86,6 @@ class Iterate:
     def __init__(self, executor: Executor, influence: Operator, hardness: float) -> None:
         self._executor = executor
         self._influence = influence
-        self._cap = min(hardness, NO_CAP)
         self.parts, self.cells = 1, influence.cells
         self._arguments = self._for_parts()
         for module in (passes, half_space_setup):
@@ -95,6 +95,15 @@ class Iterate:
         self._trial = executor.zeros()
         self._step = executor.zeros()
         self._response = executor.zeros()
+        self._fields = filled(
+            passes.Fields,
+            pressure=self.pressure,
+            gradient=self.gradient,
+            trial=self._trial,
+            step=self._step,
+            response=self._response,
+            cap=min(hardness, NO_CAP),
+        )
         self._sums = executor.partials(len(Products._fields) - 2)
         self._maxima = executor.partials(2)
         #: On a GPU, where tables of many slots are reduced before they are read.
@@ -151,24 +160,21 @@ class Iterate:
         )
 
     def _advance(self, *, whole: bool, length: float, shift: FloatArray) -> State:
-        inputs = [whole, length, shift, self._cap, self._trial, self._step, self._response]
-        outputs = [self.pressure, self.gradient]
-        *values, negative = self._pass(passes.advance, inputs, outputs, sums=4, maxima=2)
+        inputs = [whole, length, shift, self._fields]
+        *values, negative = self._pass(passes.advance, inputs, [], sums=4, maxima=2)
         return State._make([*values, -negative])
 
     def descent(self, approach: FloatArray, *, plain: bool) -> tuple[Field, FloatArray]:
         """Where to go from the gradient, as a field and levels to take off it; may lie in the trial."""
         if plain:
             return self.gradient, approach
-        inputs = [approach, self._cap, self.pressure, self.gradient]
-        self._pass(passes.residual, inputs, [self._trial])
+        self._pass(passes.residual, [approach], [self._fields])
         self._influence.invert(self._trial, self._trial)
         return self._trial, np.zeros(self.parts)
 
     def products(self, approach: FloatArray, descent: Field, level: FloatArray) -> Products:
         """Sums and maxima over the free cells."""
-        inputs = [approach, self._cap, level, self.pressure, self.gradient, descent]
-        inputs += [self._step, self._response]
+        inputs = [approach, level, self._fields, descent]
         return Products(*self._pass(passes.products, inputs, [], sums=7, maxima=2))
 
     def aim(
@@ -182,14 +188,13 @@ class Iterate:
         outward: float,
     ) -> tuple[FloatArray, FloatArray]:
         """Trial pressure along −descent + memory × last step; what it carries, as `carried`."""
-        inputs = [approach, self._cap, level, memory, length, outward]
-        inputs += [self.pressure, self.gradient, descent, self._step]
-        total, between = self._pass(passes.direction, inputs, [self._trial], sums=2)
+        inputs = [approach, level, memory, length, outward, self._fields, descent]
+        total, between = self._pass(passes.direction, inputs, [], sums=2)
         return total, between
 
     def carried(self, shift: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Sums of the shifted and clipped trial pressures [MPa], and the cells between the bounds."""
-        total, between = self._pass(passes.carried, [shift, self._cap, self._trial], [], sums=2)
+        total, between = self._pass(passes.carried, [shift, self._fields], [], sums=2)
         return total, between
 
     def balance(
@@ -230,8 +235,8 @@ class Iterate:
         Returns the sums of step × (t − λ) and of step × response, and the largest share of its room to a
         bound that a cell uses.
         """
-        inputs = [approach, shift, self._cap, self._trial, self.pressure, self.gradient]
-        slope, used, _unused = self._pass(passes.step, inputs, [self._step], sums=1, maxima=2)
+        inputs = [approach, shift, self._fields]
+        slope, used, _unused = self._pass(passes.step, inputs, [], sums=1, maxima=2)
         self._influence.respond(self._step, self._response)
         curvature = self._product(self._step, self._response)
         return float(slope.sum()), curvature, float(used.max())
@@ -258,7 +263,7 @@ class Iterate:
             spans = (1, width, slots) if self.parts == 1 else (of_row, 1, of_row)
             self._executor.launch(
                 half_space_setup.fold,
-                inputs=[width, sums, slots, *spans, self._sums, self._maxima],
+                inputs=[width, sums, slots, wp.vec3i(*spans), self._sums, self._maxima],
                 outputs=[self._folded],
                 chunks=[(0, both * width)],
             )
