@@ -15,7 +15,7 @@ from scipy.optimize import lsq_linear
 
 from warpwear.contact.half_space import HalfSpace
 from warpwear.contact.half_space_passes import FOLDED
-from warpwear.contact.influence import CupyTransforms, _stream_of
+from warpwear.contact.transforms import CupyTransforms, _stream_of
 from warpwear.engine import executor as execution
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError

@@ -13,6 +13,7 @@ from test_half_space import MODULUS, bounded, dense_free, dense_periodic, rough
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.contact import transforms
 from warpwear.contact.half_space import BoundedPressure, HalfSpace, HalfSpaceContact
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
@@ -137,7 +138,7 @@ def test_every_patch_is_a_contact_of_its_own(boundary: str, bulk: float, complia
 
 @pytest.mark.parametrize("coupling", ["approach", "load"])
 def test_threads_change_nothing(threads: int, coupling: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(patch_influence, "MODES_PER_THREAD", 1)
+    monkeypatch.setattr(transforms, "MODES_PER_THREAD", 1)
     monkeypatch.setattr(patch_influence, "BLOCK", 40)
     found = []
     for count in (1, threads):

@@ -10,9 +10,9 @@ from typing import ClassVar
 import numpy as np
 
 from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
-from warpwear.contact.half_space_passes import Iterate, Operator
+from warpwear.contact.half_space_passes import Iterate
 from warpwear.contact.half_space_search import Search
-from warpwear.contact.influence import Influence
+from warpwear.contact.influence import Influence, Operator
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray

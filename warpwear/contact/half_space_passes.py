@@ -1,14 +1,14 @@
 """A pressure on a half-space with its gradient, and the passes over the cells that move them."""
 
 import math
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import PART, TOLERANCE, Carried, find_offsets, newton_in_bracket
-from warpwear.engine.executor import Executor, Field
-from warpwear.engine.structs import filled
+from warpwear.contact.influence import Operator
+from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import half_space as passes
@@ -20,27 +20,6 @@ NO_CAP = 1.0e300
 ROUGH_BALANCE = 1.0e-3
 #: Columns of the table that a GPU reduces partial results to.
 FOLDED = 256
-
-
-class Operator(Protocol):
-    """A symmetric operator on the fields of an executor, and an approximate inverse of it."""
-
-    cells: int  # of the surface: what padding there is in the fields does not count
-    shortest_response: float  # displacement under a pressure that alternates from cell to cell [mm/MPa]
-    chunks: list[tuple[int, int]] | None  # ranges of slots for the threads, from 0 on; None: all
-
-    @property
-    def transforms(self) -> int:
-        """Pairs of Fourier transforms done so far."""
-
-    def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
-        """What adds to the elastic response [mm/MPa]: to a cell's own pressure, and to means along x."""
-
-    def respond(self, pressure: Field, displacement: Field) -> None:
-        """Displacement [mm] under a pressure [MPa], compliances included."""
-
-    def invert(self, displacement: Field, pressure: Field) -> None:
-        """About the pressure [MPa] of a displacement [mm]. May be in place."""
 
 
 class State(NamedTuple):
@@ -95,7 +74,7 @@ class Iterate:
         self._trial = executor.zeros()
         self._step = executor.zeros()
         self._response = executor.zeros()
-        self._fields = filled(
+        self._fields = arguments(
             passes.Fields,
             pressure=self.pressure,
             gradient=self.gradient,

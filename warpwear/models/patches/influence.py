@@ -1,19 +1,18 @@
 """What pressures do to patches that are half-spaces of their own: the operator of all of them at once."""
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
 from warpwear import lazy
 from warpwear.contact.influence import (
-    MODES_PER_THREAD,
-    CupyTransforms,
+    Operator,
     free_spectrum,
     padded_shape,
     periodic_spectrum,
     shortest_response,
 )
+from warpwear.contact.transforms import CupyTransforms, Transforms, for_each, pool_for
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
@@ -25,25 +24,23 @@ fft = lazy.module("scipy.fft")
 BLOCK = 16_384
 
 
-class PatchTransforms:
-    """As `influence.Transforms`, of patches on the CPU, each zero-padded to a given shape.
+class PatchTransforms(Transforms):
+    """Transforms of patches on the CPU, each of `side` × `side` cells, zero-padded to a given shape.
 
-    Blocks of whole patches, which do not depend on the threads, are shared among them. patches: so many first
-    rows of the fields are transformed.
+    Blocks of whole patches, which do not depend on the threads, are shared among them. patches: how many of
+    the first rows of the fields are transformed.
     """
 
     def __init__(self, executor: Executor, side: int, shape: tuple[int, int]) -> None:
-        self._fft: Any = fft
-        self._side, self._shape = side, shape
-        self.transforms = 0
+        super().__init__(executor, shape)
+        self._side = side
         self.patches = executor.grid.nx
         modes = shape[0] * (shape[1] // 2 + 1)
         self._block = max(1, BLOCK // modes)
-        threads = executor.threads if self.patches * modes >= 2 * MODES_PER_THREAD else 1
-        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._pool = pool_for(executor, self.patches * modes)
 
     def table(self, values: FloatArray) -> FloatArray:
-        """A table for `filter` from one of shape (n, m//2 + 1)."""
+        """Table for `filter`, from one of shape (n, m//2 + 1)."""
         return values
 
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
@@ -52,7 +49,7 @@ class PatchTransforms:
         divide: ÷ instead, in single precision; modes where the table is 0 are left out.
         """
         self.transforms += 1
-        fft, side, shape, axes = self._fft, self._side, self._shape, (1, 2)
+        side, shape, axes = self._side, self._shape, (1, 2)
         values, result = (_cells(field.numpy(), side) for field in (field_in, field_out))
         factor: Any = table
         real: Any = np.float64
@@ -67,12 +64,7 @@ class PatchTransforms:
             found = fft.irfft2(spectrum, s=shape, axes=axes, overwrite_x=True)
             result[block] = found[:, :side, :side]
 
-        blocks = range(0, self.patches, self._block)
-        if self._pool is None:
-            for first in blocks:
-                work(first)
-        else:
-            list(self._pool.map(work, blocks))
+        for_each(self._pool, work, range(0, self.patches, self._block))
 
 
 class CupyPatchTransforms(CupyTransforms):
@@ -92,13 +84,16 @@ def _cells(values: Any, side: int) -> Any:
     return values.reshape(values.shape[0], side, -1)[:, :, :side]
 
 
-class PatchInfluence:
+class PatchInfluence(Operator):
     """The operator of patches of which each displaces itself alone, and an approximate inverse.
 
     modulus: E* of both bodies together [MPa]. boundary: "periodic" (each patch repeats itself; the mean
     displacement, which has no limit then, is the business of the bulk behind the patch, see `set_bulk`) or
     "free" (nothing outside a patch, whose mean displacement is then contained). executor: on `patches.grid`.
     """
+
+    _far: PatchTransforms | CupyPatchTransforms
+    _near: PatchTransforms | CupyPatchTransforms
 
     def __init__(self, executor: Executor, patches: Patches, *, modulus: float, boundary: str) -> None:
         side, cell = patches.side, patches.domain.cell
@@ -119,17 +114,10 @@ class PatchInfluence:
         self._make_tables()
         self.visit(patches.count)
 
-    @property
-    def transforms(self) -> int:
-        """Pairs of transforms done so far, of the response and of its inverse."""
-        return self._far.transforms + (self._near.transforms if self._near is not self._far else 0)
-
     def visit(self, patches: int) -> None:
-        """Leave out all but so many first patches: their pressures stay as they are, which must be 0."""
+        """Leave out all but the first `patches`; the pressures of the others stay, which must be 0."""
         self._near.patches = self._far.patches = patches
-        self.chunks: list[tuple[int, int]] | None = self._executor.split_rows(
-            np.full(patches, self._executor.grid.ny)
-        )
+        self.chunks = self._executor.split_rows(np.full(patches, self._executor.grid.ny))
 
     def set_bulk(self, flexibility: float) -> None:
         """1/K_N of the spring behind every patch [mm³/N]; it yields to the patch's mean pressure."""
@@ -140,7 +128,7 @@ class PatchInfluence:
             self._make_tables()
 
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
-        """What adds to the elastic response to the own pressure of a cell [mm/MPa]; no streaks here."""
+        """Add to the elastic response to a cell's own pressure [mm/MPa]; patches have no streaks."""
         assert streak == 0.0
         if own != self._own:
             self._own = own
@@ -160,11 +148,3 @@ class PatchInfluence:
         found = spectrum.copy()
         found[0, 0] += mean
         return found
-
-    def respond(self, pressure: Field, displacement: Field) -> None:
-        """Displacement [mm] under a pressure [MPa], with compliance and bulk."""
-        self._far.filter(pressure, self._response, displacement)
-
-    def invert(self, displacement: Field, pressure: Field) -> None:
-        """About the pressure [MPa] of a displacement [mm]. May be in place."""
-        self._near.filter(displacement, self._nearby, pressure, divide=True)

@@ -1,0 +1,186 @@
+"""Fourier transforms of fields by SciPy on a CPU and CuPy on a GPU, which work on Warp's own arrays."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.engine.executor import Executor, Field
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+
+fft = lazy.module("scipy.fft")
+T = TypeVar("T")
+
+#: Fewer modes a thread are not worth a pool.
+MODES_PER_THREAD = 30_000
+#: Blocks that a thread takes at a time: so many of the rows, so wide of the columns.
+ROW_BLOCKS, COLUMNS = 16, 64
+#: Below any response [mm/MPa].
+SMALLEST = 1.0e-300
+
+
+class Transforms(ABC):
+    """Real transforms of the fields of one executor, zero-padded to a given shape.
+
+    transforms: pairs (one forward and one inverse) done so far.
+    """
+
+    def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
+        self._executor = executor
+        self._shape = shape
+        self.transforms = 0
+
+    @abstractmethod
+    def table(self, values: FloatArray) -> Any:
+        """A table for `filter` where the transforms are done, from one of shape (n, m//2 + 1)."""
+
+    def added(self, table: Any, own: float, line: FloatArray) -> Any:
+        """A table and what adds to it: own everywhere, and line by row, shape (n,)."""
+        return table + self.table(own + line[:, np.newaxis])
+
+    @abstractmethod
+    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+        """field_out = inverse(forward(field_in) × table), on the cells of the grid; may be the same field.
+
+        divide: ÷ instead of ×; modes where the table is 0 are left out. For a preconditioner, so single
+        precision will do.
+        """
+
+
+def pool_for(executor: Executor, modes: int) -> ThreadPoolExecutor | None:
+    """As many threads as the executor has, where there are modes enough for them."""
+    threads = executor.threads if modes >= 2 * MODES_PER_THREAD else 1
+    return ThreadPoolExecutor(threads) if threads > 1 else None
+
+
+def for_each(pool: ThreadPoolExecutor | None, work: Callable[[T], None], blocks: Iterable[T]) -> None:
+    """Do the work on every block, on the threads of a pool if there is one."""
+    if pool is None:
+        for block in blocks:
+            work(block)
+    else:
+        list(pool.map(work, blocks))
+
+
+class ScipyTransforms(Transforms):
+    """On the CPU. Blocks of rows, then of columns, are shared among as many threads as the executor has.
+
+    The blocks do not depend on the threads, so neither do the results. A block of columns is transformed,
+    multiplied and transformed back while it is in the cache; rows and columns of padding are never stored.
+    """
+
+    def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
+        super().__init__(executor, shape)
+        nx, modes = executor.grid.nx, shape[1] // 2 + 1
+        #: Without padding the spectrum lies in the cells of the result, but for the last column.
+        self._held = modes - 1 if shape == executor.grid.shape else 0
+        self._spectrum = np.empty((nx, modes - self._held), dtype=np.complex128)
+        self._rows = _blocks(0, nx, -(-nx // ROW_BLOCKS))
+        self._columns = _blocks(0, self._held, COLUMNS) + _blocks(self._held, modes, COLUMNS)
+        self._pool = pool_for(executor, nx * modes)
+
+    def table(self, values: FloatArray) -> FloatArray:
+        return values
+
+    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+        self.transforms += 1
+        held = self._held
+        real: Any = np.float32 if divide else np.float64
+        kind: Any = np.complex64 if divide else np.complex128
+        nx, ny = self._executor.grid.shape
+        values, result = self._executor.to_numpy(field_in), self._executor.to_numpy(field_out)
+        first: Any = result[:, : 2 * held].view(kind)[:, :held]
+        rest: Any = self._spectrum.view(kind)[:, : self._spectrum.shape[1]]
+
+        def forward(rows: slice) -> None:
+            lines = fft.rfft(values[rows].astype(real, copy=False), n=self._shape[1], axis=1)
+            first[rows], rest[rows] = lines[:, :held], lines[:, held:]
+
+        def across(columns: slice) -> None:
+            part = first if columns.start < held else rest
+            start = columns.start if columns.start < held else columns.start - held
+            block = part[:, start : start + columns.stop - columns.start]
+            lines = fft.fft(block, n=self._shape[0], axis=0, overwrite_x=True)
+            factor = table[:, columns].astype(real, copy=False)
+            if divide:
+                np.divide(lines, factor, out=lines, where=factor > 0.0)
+                lines[factor == 0.0] = 0.0
+            else:
+                lines *= factor
+            block[:] = fft.ifft(lines, axis=0, overwrite_x=True)[:nx]
+
+        def back(rows: slice) -> None:
+            lines = np.concatenate([first[rows], rest[rows]], axis=1) if held else rest[rows]
+            result[rows] = fft.irfft(lines, n=self._shape[1], axis=1, overwrite_x=True)[:, :ny]
+
+        for_each(self._pool, forward, self._rows)
+        for_each(self._pool, across, self._columns)
+        for_each(self._pool, back, self._rows)
+
+
+class CupyTransforms(Transforms):
+    """On a GPU, in the stream of Warp's device; arrays are shared through `__cuda_array_interface__`."""
+
+    def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
+        super().__init__(executor, shape)
+        try:
+            self._cupy: Any = lazy.load("cupy")
+        except ImportError as error:
+            raise InputError(
+                f'contact.law = "half-space" on device = {str(executor.device)!r} needs CuPy for its Fourier '
+                "transforms: pip install cupy-cuda12x (the extra gpu) or cupy-cuda13x (gpu13), for its CUDA, "
+                "or use the device cpu."
+            ) from error
+        device = executor.device
+        self._device = self._cupy.cuda.Device(device.ordinal)
+        with self._device:
+            self._stream = _stream_of(self._cupy.cuda, device)
+        #: The last table that was divided by, and its reciprocals in single precision.
+        self._divisor: tuple[Any, Any] = None, None
+
+    def table(self, values: FloatArray) -> Any:
+        with self._device, self._stream:
+            return self._cupy.asarray(values)
+
+    def added(self, table: Any, own: float, line: FloatArray) -> Any:
+        with self._device, self._stream:
+            return super().added(table, own, line)
+
+    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+        self.transforms += 1
+        cupy, fft = self._cupy, self._cupy.fft
+        with self._device, self._stream:
+            values, result = self._cells(field_in), self._cells(field_out)
+            nx, ny = result.shape[-2:]
+            if divide:
+                values, table = values.astype(cupy.float32), self._reciprocals(table)
+            spectrum = fft.rfft2(values, s=self._shape)
+            spectrum *= table
+            result[:] = fft.irfft2(spectrum, s=self._shape)[..., :nx, :ny]
+
+    def _reciprocals(self, table: Any) -> Any:
+        """1/table, 0 where it is 0."""
+        if self._divisor[0] is not table:
+            cupy = self._cupy
+            values = cupy.where(table > 0.0, 1.0 / cupy.maximum(table, SMALLEST), 0.0)
+            self._divisor = table, values.astype(cupy.float32)
+        return self._divisor[1]
+
+    def _cells(self, field: Field) -> Any:
+        """A view of a field's cells, shape (nx, ny)."""
+        return self._cupy.asarray(field).reshape(field.shape[0], -1)[:, : self._executor.grid.ny]
+
+
+def _stream_of(cuda: Any, device: Any) -> Any:
+    """The stream of Warp's device for CuPy, which leaves it to Warp."""
+    if hasattr(cuda.Stream, "from_external"):  # since 14.0, which deprecates the other
+        return cuda.Stream.from_external(device.stream)
+    return cuda.ExternalStream(device.stream.cuda_stream, device.ordinal)
+
+
+def _blocks(first: int, end: int, length: int) -> list[slice]:
+    return [slice(start, min(start + length, end)) for start in range(first, end, length)]
