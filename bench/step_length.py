@@ -20,19 +20,19 @@ from machine import machine
 
 import warpwear
 from warpwear import Study
-from warpwear.models.track.half_space import ElasticSliding
+from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.results.track import by_pass
 
 KINDS: dict[str, tuple[str, Callable[..., int]]] = {
-    "local law": ("foundation", ElasticSliding.cells_passing),
-    "half-space": ("half-space", ElasticSliding.cells_passing),
+    "local law": ("foundation", SlidingHalfSpace.cells_passing),
+    "half-space": ("half-space", SlidingHalfSpace.cells_passing),
     "half-space, no mean": ("half-space", lambda *_: 1),
 }
 
 
 def run(study: Study, cells_passing: Callable[..., int]) -> dict[str, Any]:
     """Areas of the first and the last pass [mm²], and what a step costs."""
-    with patch.object(ElasticSliding, "cells_passing", cells_passing):
+    with patch.object(SlidingHalfSpace, "cells_passing", cells_passing):
         start = time.perf_counter()
         result = warpwear.run(study)
         seconds = time.perf_counter() - start

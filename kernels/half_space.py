@@ -12,7 +12,7 @@ from warpwear.kernels.cells import LANES, NONE, ONE, ZERO, Cells, largest_of, of
 
 wp.set_module_options({"enable_backward": False})
 
-#: Of a sum of two numbers, relatively.
+#: Rounding of a sum of two numbers, relatively.
 EPSILON = wp.constant(wp.float64(4.0e-16))
 
 
@@ -289,7 +289,7 @@ def step(
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
-    """Feasible step to the trial. Sum: step × (t − λ). Maximum: share of the room to a bound that is used."""
+    """Feasible step to the trial. Sum: step × (t − λ). Maximum: fraction used of the room to a bound."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     cap = fields.cap
@@ -303,14 +303,14 @@ def step(
         t = fields.gradient[row, k]
         s = Cells(ZERO)
         sr = Cells(ZERO)
-        share = Cells(ZERO)
+        fraction = Cells(ZERO)
         for j in range(LANES):
             s[j] = shifted(x[j], shift, cap) - p[j]
             sr[j] = wp.where(s[j] == ZERO, ZERO, s[j] * (t[j] - approach))
             room = wp.where(s[j] < ZERO, p[j], cap - p[j])
-            share[j] = wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room)
+            fraction[j] = wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room)
         fields.step[row, k] = s
         slope += sr
-        used = wp.max(used, share)
+        used = wp.max(used, fraction)
     sums_out[0, slot] = sum_of(slope)
     maxima_out[0, slot] = largest_of(used)

@@ -25,11 +25,11 @@ from warpwear.cli import main as cli
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
-from warpwear.models.patches.half_space import ElasticPatchesModel
+from warpwear.models.patches.half_space import HalfSpacePatches
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.rest.on_gpu import DeviceLoop
-from warpwear.models.track.half_space import ElasticSliding
+from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
 from warpwear.results.seal import HEADER
 from warpwear.runs import checkpoint
@@ -42,9 +42,9 @@ _kills = runpy.run_path(str(KILLS))
 CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["study_of"]
 
 #: What makes a step of a model that lies still, or of a contact that slides.
-MODELS = (OneScaleModel, TwoScaleModel, ElasticPatchesModel)
+MODELS = (OneScaleModel, TwoScaleModel, HalfSpacePatches)
 ADVANCE: dict[tuple[Any, str], Callable[..., Any]] = {(model, "advance"): model.advance for model in MODELS}
-ADVANCE |= {(law, "step"): law.step for law in (ElasticSliding, SlidingContact)}
+ADVANCE |= {(law, "step"): law.step for law in (SlidingHalfSpace, SlidingContact)}
 
 SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
 

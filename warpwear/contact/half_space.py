@@ -20,7 +20,7 @@ from warpwear.grid import FloatArray
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = 1.0e-6
 MAX_ITERATIONS = 1000
-#: Of displacements: smaller differences are those of the last digits.
+#: Smaller differences of displacements, relative to them, are those of the last digits.
 ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
 
 
@@ -42,7 +42,7 @@ class HalfSpaceContact:
 
     @property
     def approach(self) -> float:
-        """Of all cells [mm], where they share one."""
+        """The one approach that all cells share [mm]."""
         return float(self.approaches.item())
 
     @property
@@ -52,7 +52,7 @@ class HalfSpaceContact:
 
     @property
     def area_fraction(self) -> float:
-        """Contact area over nominal area."""
+        """Contact area over the nominal one."""
         return self.cells_in_contact / self.cells
 
     @property
@@ -103,16 +103,6 @@ class BoundedPressure:
         """Where the next solve starts after `go_on`, to be changed in place between 0 and H [MPa]."""
         return self._iterate.pressure
 
-    @property
-    def pressure(self) -> FloatArray:
-        """Where the next solve starts [MPa], shape (nx, ny)."""
-        return self._executor.to_numpy(self._iterate.pressure)
-
-    def go_on_from(self, pressure: FloatArray) -> None:
-        """Start the next solve from a pressure between 0 and H [MPa], shape (nx, ny)."""
-        self._executor.fill(self._iterate.pressure, pressure)
-        self._started = True
-
     def solve(
         self,
         gap: Field,
@@ -123,7 +113,7 @@ class BoundedPressure:
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
     ) -> HalfSpaceContact:
-        """The contact at a mean pressure [MPa] or at an approach [mm].
+        """Solve the contact at a mean pressure [MPa] or at an approach [mm].
 
         mean_pressure: of all cells; or an array, of each row visited, under an operator that ties no rows to
         each other: each then has an approach and an rms height of its own, and may carry nothing. gap: from
@@ -158,7 +148,7 @@ class BoundedPressure:
             yielded = np.abs(level) + response * state.total / cells
             scale = np.where(moments.rms > 0.0, moments.rms, yielded)
             allowed = np.maximum(self._tolerance * scale, ROUNDING * yielded)
-            off = _off(state.total, asked)
+            off = _load_residual(state.total, asked)
             loaded = abs(off) <= LOAD_TOLERANCE
             if loaded and (violation <= allowed).all():
                 return HalfSpaceContact(
@@ -186,7 +176,7 @@ class BoundedPressure:
         )
 
     def _asked(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
-        """Sums of the pressures of the parts that have loads of their own [MPa]; None at an approach."""
+        """Sums of the pressures that the parts are to carry [MPa]; None at an approach."""
         if (mean_pressure is None) == (approach is None):
             raise InputError("a half-space contact needs either a mean pressure or an approach.")
         self._iterate.divide(mean_pressure.size if isinstance(mean_pressure, np.ndarray) else None)
@@ -202,8 +192,8 @@ class BoundedPressure:
         return means * self._iterate.cells
 
 
-def _off(total: FloatArray, asked: FloatArray | None) -> float:
-    """What is carried over what is asked for, − 1, where that is furthest from 0; 0 at an approach."""
+def _load_residual(total: FloatArray, asked: FloatArray | None) -> float:
+    """Relative residual of the load, of the part where it is furthest from 0; 0 at an approach."""
     if asked is None:
         return 0.0
     over = np.divide(total, asked, out=1.0 + total, where=asked > 0.0) - 1.0
@@ -211,7 +201,7 @@ def _off(total: FloatArray, asked: FloatArray | None) -> float:
 
 
 def _worst(violation: FloatArray, scale: FloatArray) -> float:
-    """The largest violation over the scale of its part."""
+    """Largest violation over the scale of its part."""
     return float(np.divide(violation, scale, out=np.zeros_like(scale), where=violation > 0.0).max())
 
 

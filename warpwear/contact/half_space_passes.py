@@ -16,14 +16,14 @@ from warpwear.kernels import half_space_setup
 
 #: Stands for no cap: kernels compare with it.
 NO_CAP = 1.0e300
-#: A trial may miss the load by so much, relatively: the next step makes up for it.
+#: What a trial may miss of the load, relatively: the next step makes up for it.
 ROUGH_BALANCE = 1.0e-3
 #: Columns of the table that a GPU reduces partial results to.
 FOLDED = 256
 
 
-class State(NamedTuple):
-    """Of the present pressure, part by part."""
+class SearchSums(NamedTuple):
+    """Sums and extremes of the present pressure, part by part."""
 
     total: FloatArray  # Σ p [MPa]
     touching: FloatArray  # cells with p > 0
@@ -34,7 +34,7 @@ class State(NamedTuple):
 
 
 class Products(NamedTuple):
-    """Over the free cells of each part: descent z, gradient r = t − λ, last step s and its response y."""
+    """Sums over the free cells of each part: descent z, gradient r = t − λ, last step s, its response y."""
 
     cells: FloatArray
     z: FloatArray
@@ -48,7 +48,7 @@ class Products(NamedTuple):
 
 
 class Moments(NamedTuple):
-    """Of the gap of each part, where there is a surface [mm]."""
+    """Moments of the gap of each part, where there is a surface [mm]."""
 
     mean: FloatArray
     rms: FloatArray
@@ -59,7 +59,7 @@ class Iterate:
     """Pressure p, gradient t = Gp + g, trial pressure, step and its response, on the grid of an executor.
 
     parts: 1, all cells together, or as many as rows are visited, each of which has a load and a level of its
-    own. Whatever is of each part is an array of that length. cells: of a part.
+    own. Numbers of each part are arrays of that length. cells: of a part.
     """
 
     def __init__(self, executor: Executor, influence: Operator, hardness: float) -> None:
@@ -93,7 +93,7 @@ class Iterate:
         )
 
     def divide(self, rows: int | None) -> None:
-        """Into so many rows from now on, which must be all that are visited; None: one part."""
+        """Make each row a part from now on. rows: all that are visited; None makes all cells one part."""
         assert rows is None or rows * self._executor.slots_per_row == self._slots
         if self.parts != (rows or 1):
             self.parts = rows or 1
@@ -121,8 +121,8 @@ class Iterate:
         self._pass(half_space_setup.spring, [self._executor.grid.ny, stiffness, level, gap], [self._trial])
         return self.carried(np.zeros(self.parts))
 
-    def begin(self, gap: Field) -> State:
-        """Gradient of the present pressure."""
+    def begin(self, gap: Field) -> SearchSums:
+        """Make the gradient of the present pressure."""
         self._influence.respond(self.pressure, self._response)
         self._pass(half_space_setup.gradient, [self._executor.grid.ny, gap, self._response], [self.gradient])
         return self.advance(0.0)
@@ -131,20 +131,23 @@ class Iterate:
         """The trial pressure, shifted and clipped, becomes the pressure. Its gradient is then out of date."""
         self._advance(whole=True, length=0.0, shift=shift)
 
-    def advance(self, length: float, *, shift: FloatArray | None = None) -> State:
-        """Go so much of the step; all of it, exact at the bounds, where the trial's shift is given."""
+    def advance(self, length: float, *, shift: FloatArray | None = None) -> SearchSums:
+        """Go `length` steps on. shift: of the trial, which is then taken whole, exact at the bounds."""
         whole = shift is not None
         return self._advance(
             whole=whole, length=length, shift=np.zeros(self.parts) if shift is None else shift
         )
 
-    def _advance(self, *, whole: bool, length: float, shift: FloatArray) -> State:
+    def _advance(self, *, whole: bool, length: float, shift: FloatArray) -> SearchSums:
         inputs = [whole, length, shift, self._fields]
         *values, negative = self._pass(passes.advance, inputs, [], sums=4, maxima=2)
-        return State._make([*values, -negative])
+        return SearchSums._make([*values, -negative])
 
     def descent(self, approach: FloatArray, *, plain: bool) -> tuple[Field, FloatArray]:
-        """Where to go from the gradient, as a field and levels to take off it; may lie in the trial."""
+        """Field that says where to go, and levels to take off it; it may lie in the trial.
+
+        plain: whether to follow the gradient, not its preconditioned one.
+        """
         if plain:
             return self.gradient, approach
         self._pass(passes.residual, [approach], [self._fields])
@@ -211,7 +214,7 @@ class Iterate:
     def step(self, approach: FloatArray, shift: FloatArray) -> tuple[float, float, float]:
         """Take aim at the shifted trial, and respond.
 
-        Returns the sums of step × (t − λ) and of step × response, and the largest share of its room to a
+        Returns the sums of step × (t − λ) and of step × response, and the largest fraction of its room to a
         bound that a cell uses.
         """
         inputs = [approach, shift, self._fields]
@@ -227,7 +230,10 @@ class Iterate:
     def _pass(
         self, kernel: Any, inputs: list[Any], outputs: list[Field], *, sums: int = 0, maxima: int = 0
     ) -> list[FloatArray]:
-        """Launch, and reduce the first rows of the tables that the kernel fills to a number for each part."""
+        """Launch a kernel and reduce what it leaves in its tables to a number for each part.
+
+        sums, maxima: how many first rows of the tables of partial results it fills.
+        """
         places = iter(self._arguments)
         inputs = [self._placed(v, *next(places)) if isinstance(v, np.ndarray) else v for v in inputs]
         tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
@@ -257,12 +263,12 @@ class Iterate:
 
     @property
     def _slots(self) -> int:
-        """That are visited."""
+        """How many slots are visited."""
         chunks = self._influence.chunks
         return chunks[-1][1] if chunks else self._executor.slots
 
     def _for_parts(self) -> list[tuple[Any, FloatArray]]:
-        """Where a pass reads numbers of each part, two at most, and the same on the host."""
+        """Two arrays from which a pass reads numbers of each part, each with its copy on the host."""
         device = self._executor.device
         hosts = np.zeros(self.parts), np.zeros(self.parts)
         return [(wp.array(h, dtype=wp.float64, device=device, copy=not device.is_cpu), h) for h in hosts]

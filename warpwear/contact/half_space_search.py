@@ -14,17 +14,21 @@ import math
 import numpy as np
 
 from warpwear.contact.balance import TOLERANCE
-from warpwear.contact.half_space_passes import NO_CAP, Iterate, Products, State
+from warpwear.contact.half_space_passes import NO_CAP, Iterate, Products, SearchSums
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import PADDING
 
-#: With a smaller share of the cells in contact below the cap |q| is no guide: steps along the plain gradient.
-ELASTIC_SHARE = 0.3
-#: The whole step is taken, bounds and all, from this share of the best length on; else the best length.
+#: Where a smaller fraction of the cells in contact is below the cap, |q| is no guide: steps then follow the
+#: plain gradient.
+ELASTIC_FRACTION = 0.3
+#: A step is taken whole, bounds and all, if it is at least this fraction of the best length; else the best
+#: length is taken.
 WHOLE_STEP = 0.9
-#: A preconditioned step whose best length is below this led nowhere; so many plain steps follow.
-NOWHERE, PLAIN_STEPS = 0.05, 5
-#: By how much more than a free cell one at a bound is pushed out of it, in a preconditioned step.
+#: A preconditioned step whose best length is below this led nowhere: plain steps follow.
+SHORTEST_USEFUL_STEP = 0.05
+#: Plain steps that follow then.
+PLAIN_STEPS = 5
+#: Cells at a bound are pushed outward this many times harder than free cells move, in a preconditioned step.
 OUTWARD = 1.0e3
 
 
@@ -44,10 +48,10 @@ class Search:
         self._last: bool | None = None  # kind of the last step; None: nothing to remember
         self._plain_left = 0
 
-    def level(self, state: State) -> FloatArray:
-        """The approach λ of each part: given, or the mean gap of the cells between the bounds.
+    def level(self, state: SearchSums) -> FloatArray:
+        """Approach λ of each part [mm]: given, or the mean gap of the cells between the bounds.
 
-        Where there are none, that of the cell which is next to take load, or to give it.
+        Where there are none, it is the gap of the cell which is next to take load, or to give it.
         """
         if self._approach is not None or self._asked is None:
             return np.full(1, self._approach or 0.0)
@@ -61,13 +65,13 @@ class Search:
         following = np.where(loaded, 0.5 * (highest + lowest), following)
         return np.where(state.between > 0.0, state.level / np.maximum(state.between, 1.0), following)
 
-    def move(self, state: State, level: FloatArray, *, loaded: bool) -> State | None:
-        """One iteration; None where no step leads on.
+    def move(self, state: SearchSums, level: FloatArray, *, loaded: bool) -> SearchSums | None:
+        """Make one iteration; None where no step leads on.
 
-        loaded: whether the pressure carries the load. Else the step brings it there, all of it.
+        loaded: whether the pressure carries the load. If not, the step is taken whole, so that it does.
         """
         while True:
-            plain = self._plain_left > 0 or state.between.sum() <= ELASTIC_SHARE * state.touching.sum()
+            plain = self._plain_left > 0 or state.between.sum() <= ELASTIC_FRACTION * state.touching.sum()
             self._plain_left = max(self._plain_left - 1, 0)
             remembers = self._last is plain
             aimed = self._aim(level, plain)
@@ -86,7 +90,7 @@ class Search:
             self._last, self._plain_left = None, PLAIN_STEPS
 
     def _aim(self, level: FloatArray, plain: bool) -> FloatArray | None:
-        """Make the trial pressure. Returns the shifts that restore its load, None where it leads up."""
+        """Make the trial pressure; return the shifts that restore its load, None where it leads up."""
         z, z_level = self._iterate.descent(level, plain=plain)
         sums = self._iterate.products(level, z, z_level)
         mean = np.zeros_like(level) if self._asked is None else sums.z / np.maximum(sums.cells, 1.0)
@@ -107,17 +111,21 @@ class Search:
         unit = self._length[plain] * np.maximum(sums.largest_z, sums.largest_r * outward)
         return self._iterate.balance(self._asked, *carried, unit=unit)
 
-    def _go(self, plain: bool, shift: FloatArray, best: float, used: float, loaded: bool) -> State:
-        """Take the step as far as is best."""
+    def _go(self, plain: bool, shift: FloatArray, best: float, used: float, loaded: bool) -> SearchSums:
+        """Go along the step as far as is best.
+
+        best: length at which the minimum along it lies, in steps. used: largest fraction of its room to a
+        bound that a cell uses in a whole step.
+        """
         if not loaded or WHOLE_STEP < best <= 1.0 or (best > 1.0 and best * used > 1.0):
             state = self._iterate.advance(1.0, shift=shift)
         else:
             state = self._iterate.advance(best)
         if not loaded:
             return state
-        if not plain and best <= NOWHERE:
+        if not plain and best <= SHORTEST_USEFUL_STEP:
             self._plain_left = PLAIN_STEPS
-        # Of a step cut short by the bounds the best length may say nothing.
+        # The best length of a step that the bounds cut short may say nothing.
         factor = min(max(best, 0.5), 2.0) if self._measured[plain] else min(best, 2.0)
         self._length[plain] *= factor
         self._measured[plain] = True
@@ -126,6 +134,6 @@ class Search:
 
 
 def _ratio(sums: Products) -> float:
-    """How far the descent goes for a gradient, by the largest of both [MPa/mm]."""
+    """Largest descent over largest gradient [MPa/mm]."""
     largest_z, largest_r = float(sums.largest_z.max()), float(sums.largest_r.max())
     return largest_z / largest_r if largest_r > 0.0 else 0.0

@@ -16,7 +16,7 @@ import warp as wp
 from warpwear.contact.half_space import TOLERANCE, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.state import Columns
-from warpwear.grid import FloatArray, Grid
+from warpwear.grid import Grid
 from warpwear.kernels import half_space_setup
 from warpwear.kernels.cells import LANES, Cells
 
@@ -24,7 +24,7 @@ from warpwear.kernels.cells import LANES, Cells
 SIZES = 8
 #: Room beside what can be in contact, over its width, so that a window lasts for many steps.
 ROOM = 0.1
-#: A window gives way to a smaller one that has at most so much of its area.
+#: A window gives way to a smaller one that has at most this fraction of its area.
 SMALLER = 0.5
 #: Load that the first window can carry at the hardness, over the load asked for.
 CAPACITY = 2.0
@@ -41,9 +41,9 @@ class Window:
 
     @classmethod
     def around(cls, box: Sequence[int], grid: Grid, *, rows: int = 1, pieces: int = 1) -> Self:
-        """That holds a box of rows and columns (first and last of each), so many rows and pieces or more.
+        """A window that holds a box: first and last row, first and last column.
 
-        pieces: of the `SIZES` of the grid.
+        rows: that it has at least. pieces: least of its `SIZES` sizes along a side of the grid.
         """
         along = _placed(box[0], box[1], grid.nx, step=1, least=rows, pieces=pieces)
         across = _placed(box[2], box[3], grid.ny, step=LANES, least=1, pieces=pieces)
@@ -115,11 +115,6 @@ class WindowedHalfSpace:
         self._gap: Field = None  # of the solver's grid, as the solver is
 
     @property
-    def pressure(self) -> FloatArray:
-        """Where the next solve starts [MPa], shape (nx, ny)."""
-        return self._executor.to_numpy(self._pressure)
-
-    @property
     def window(self) -> list[int] | None:
         """First row and the one after the last, then vectors likewise, of where it looks first."""
         return None if self._window is None else [*vars(self._window).values()]
@@ -150,12 +145,12 @@ class WindowedHalfSpace:
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
     ) -> HalfSpaceContact:
-        """The contact at a load [N], otherwise as `half_space.BoundedPressure.solve`.
+        """Solve the contact at a load [N], otherwise as `half_space.BoundedPressure.solve` does.
 
         Fields are of the whole grid; the gradient is NaN beyond the window.
         """
         whole = self._executor.grid
-        # Of a mean along x, what reaches beyond the window must not be more than what it holds.
+        # No more of a mean along x may reach beyond the window than it holds.
         rows = 2 * (streak_window or (whole.nx if streak_compliance else 1))
         if self._window is None:
             self._look_at(self._first(gap, load, rows))
@@ -186,7 +181,7 @@ class WindowedHalfSpace:
             reached = self._below(gap, contact.approach)
             if self._boundary == "periodic" or window.holds(reached):
                 break
-            # Of too few cells the approach is too large: what lies below it holds the contact of them all.
+            # Too few cells give too large an approach: what lies below it holds the contact of them all.
             del solver, contact  # and their memory, before others take theirs
             self._look_at(Window.around(reached, whole, rows=rows))
         self._gradient.fill_(Cells(math.nan))
@@ -223,7 +218,7 @@ class WindowedHalfSpace:
         self._window = window
 
     def _first(self, gap: Field, load: float, rows: int) -> Window:
-        """Around the lowest cell, of a size that carries the load."""
+        """A window around the lowest cell, of a size that carries the load."""
         grid = self._executor.grid
         everything = Window.around((0, grid.nx - 1, 0, grid.ny - 1), grid)
         if self._boundary == "periodic":

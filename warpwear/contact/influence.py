@@ -137,7 +137,7 @@ def padded_shape(grid: Grid) -> tuple[int, int]:
 
 
 def free_spectrum(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
-    """Of the modes of a real transform [mm/MPa], on an even shape: (shape[0], shape[1]//2 + 1).
+    """Response of the modes of a real transform [mm/MPa], on an even shape: (shape[0], shape[1]//2 + 1).
 
     The coefficients are even in both directions: a cosine transform of a quarter of them is their spectrum.
     """

@@ -17,8 +17,10 @@ T = TypeVar("T")
 
 #: Fewer modes a thread are not worth a pool.
 MODES_PER_THREAD = 30_000
-#: Blocks that a thread takes at a time: so many of the rows, so wide of the columns.
-ROW_BLOCKS, COLUMNS = 16, 64
+#: Blocks of rows that threads take one by one.
+ROW_BLOCKS = 16
+#: Width of the blocks of columns that they take.
+COLUMNS = 64
 #: Below any response [mm/MPa].
 SMALLEST = 1.0e-300
 
@@ -52,7 +54,7 @@ class Transforms(ABC):
 
 
 def pool_for(executor: Executor, modes: int) -> ThreadPoolExecutor | None:
-    """As many threads as the executor has, where there are modes enough for them."""
+    """A pool of as many threads as the executor has; None where there are too few modes to share."""
     threads = executor.threads if modes >= 2 * MODES_PER_THREAD else 1
     return ThreadPoolExecutor(threads) if threads > 1 else None
 

@@ -15,7 +15,7 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import WHOLE, Track, increments
 from warpwear.models.model import Model
-from warpwear.models.patches.half_space import ElasticPatchesModel
+from warpwear.models.patches.half_space import HalfSpacePatches
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.models.patches.width import refuse_unsuitable
 from warpwear.models.rest.local import OneScaleModel
@@ -82,7 +82,7 @@ def model_of(study: Study, surface: Surface, executor: Executor) -> PreparedMode
     if study.study.model == "two-scale":
         patches = study.patch_layout
         refuse_unsuitable(study, patches, heights)
-        make = ElasticPatchesModel if study.contact.law == "half-space" else TwoScaleModel
+        make = HalfSpacePatches if study.contact.law == "half-space" else TwoScaleModel
         of_patches = make(study.contact_task, patches, heights, executor)
         return PreparedModel(of_patches, checksum(heights), record, book=of_patches.book)
     curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None

@@ -33,13 +33,13 @@ from warpwear.models.patches.cells import unworn
 from warpwear.models.patches.influence import PatchInfluence
 from warpwear.models.patches.smooth import SmoothContact
 
-#: Before a step the approach is thought to grow by so much of what the last mean pressure would wear off.
-AHEAD = 2.0
+#: Growth of the approach in a step, as is thought before it, over what the last mean pressure would wear off.
+GROWTH_GUESS = 2.0
 #: The wear of both bodies, which the kernel takes for the sphere's.
 OF_BOTH = {"worn": "wear_sphere"}
 
 
-class ElasticPatchesModel(Model):
+class HalfSpacePatches(Model):
     """Contact and wear of a two-scale study with contact.law = "half-space".
 
     A step finds the pressure with which it ends (implicit Archard), from the last one's pressure. Only
@@ -80,7 +80,7 @@ class ElasticPatchesModel(Model):
         self.gap, layout = unworn(self.patches, heights, executor, curvature=curvature)
         self.worn = executor.zeros()  # by both bodies [mm]
         there = (executor.to_numpy(self.gap) < PADDING).sum(axis=1)
-        #: Cells where there is a surface, in so many first patches.
+        #: Cells where there is a surface, summed over the patches up to each.
         self._cells = np.cumsum(there)
         self._bodies = arguments(Bodies, sphere=self.gap, wear_sphere=self.worn)
         self._places = arguments(
@@ -126,7 +126,7 @@ class ElasticPatchesModel(Model):
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=worn)
 
     def _press(self, smooth: SmoothContact, removal: float) -> HalfSpaceContact:
-        """The contact at the end of a step that removes so much [mm³/N], by loads that are prescribed."""
+        """Solve the contact by loads that a smooth one prescribes. removal: K ΔL of both bodies [mm³/N]."""
         loads = smooth.press(foundation=self._ledger.foundation, removal=removal)[self._order]
         # One that has carried a load is visited for good, which is how it can let go of it.
         self.visited = max(self.visited, int(np.flatnonzero(loads)[-1]) + 1)
@@ -134,12 +134,12 @@ class ElasticPatchesModel(Model):
         return self._solver.solve(self.gap, mean_pressure=loads[: self.visited], compliance=removal)
 
     def _share(self, removal: float) -> HalfSpaceContact:
-        """The same by loads that patches share through one approach.
+        """Solve the contact by loads that patches share through one approach. removal: as of `_press`.
 
         It is solved once no patch that was left out lies below its approach: those carry nothing then.
         """
         load = self.task.load / (self.patches.count * self.patches.area)
-        needed = self._below(self._reached + AHEAD * removal * self._ledger.row["pressure_mean"])
+        needed = self._below(self._reached + GROWTH_GUESS * removal * self._ledger.row["pressure_mean"])
         # As many as carry the load at the hardness.
         carriers = load / self.task.hardness * self._influence.cells
         needed = max(needed, int(np.searchsorted(self._cells, carriers, side="right")) + 1)
@@ -153,7 +153,7 @@ class ElasticPatchesModel(Model):
                 return contact
 
     def _below(self, approach: float) -> int:
-        """Patches whose lowest point before any wear lay below an approach or at it: equal ones share."""
+        """How many patches had their lowest point below an approach or at it before any wear [mm]."""
         return int(np.searchsorted(self.lowest, approach, side="right"))
 
     def _remove(self, contact: HalfSpaceContact, removal: float, reference: float) -> Worn:

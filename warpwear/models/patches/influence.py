@@ -136,7 +136,7 @@ class PatchInfluence(Operator):
 
     def _make_tables(self) -> None:
         self._response = self._far.table(self._with(self._spectrum, self._bulk) + self._own)
-        # Of a mean that displaces nothing, or that Fourier modes do not tell of, that of the longest waves.
+        # A mean that displaces nothing, or that Fourier modes do not tell of, yields as the longest waves.
         mean = self._bulk or (0.0 if self._own else float(self._periodic.max()))
         if self._boundary == "free":
             mean = 3.0 * float(self._periodic.max())
@@ -144,7 +144,7 @@ class PatchInfluence(Operator):
 
     @staticmethod
     def _with(spectrum: FloatArray, mean: float) -> FloatArray:
-        """A spectrum whose mean displacement is larger by so much."""
+        """A copy of a spectrum, with more displacement by the mean pressure [mm/MPa]."""
         found = spectrum.copy()
         found[0, 0] += mean
         return found

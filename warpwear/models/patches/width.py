@@ -9,13 +9,13 @@ from warpwear.study.rules_track import worn_patch
 from warpwear.study.study import Study
 from warpwear.surfaces.spectrum import RollOff, autocorrelation_length, power_spectrum, suggested_roll_off
 
-#: The estimate of a roll-off length scatters by 6 % between surfaces of the same spectrum: a patch
-#: is too narrow below so much of it.
+#: Width below which a patch is too narrow, over the estimated roll-off length: the estimate scatters by 6 %
+#: between surfaces of the same spectrum.
 CERTAIN = 0.9
 
 
 def roll_off_of(heights: FloatArray, *, cell: float) -> "RollOff":
-    """Of the roughness on a grid, as `warpwear surface` estimates it. heights, cell: [mm]."""
+    """Roll-off of the roughness on a grid, as `warpwear surface` estimates it. heights, cell: [mm]."""
     pixel = (cell, cell)
     correlation = autocorrelation_length(heights, pixel=pixel)
     return suggested_roll_off(
@@ -24,7 +24,7 @@ def roll_off_of(heights: FloatArray, *, cell: float) -> "RollOff":
 
 
 def refuse_unsuitable(study: "Study", patches: Patches, heights: FloatArray) -> None:
-    """Raises InputError for macro cells wider than the contact, and for samples narrower than the roughness.
+    """Refuse macro cells wider than the contact, and samples narrower than the roughness, by InputError.
 
     heights: [mm], over the domain.
     """

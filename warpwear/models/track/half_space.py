@@ -19,7 +19,7 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.track.bodies import SlidingBodies
 
 
-class ElasticSliding:
+class SlidingHalfSpace:
     """Contact and wear of one study with contact.law = "half-space" on one executor.
 
     A step finds the pressure p with which it ends (implicit Archard). During it the asperities, and p with
@@ -31,8 +31,7 @@ class ElasticSliding:
     the line would smear the contact's outline, which does not move with the disc. Where the disc lies
     still w is one cell, so that both bodies are worn by p, and a step starts from the last one's pressure.
 
-    disc, periodic, share: as of `local.SlidingContact`. Raises ValueError for the same discs. moves: whether
-    the disc does.
+    disc, periodic, track_fraction, moves: as of `local.SlidingContact`. Raises ValueError for the same discs.
     """
 
     STATE: ClassVar = {
@@ -51,14 +50,14 @@ class ElasticSliding:
         executor: Executor,
         *,
         periodic: bool = False,
-        share: float = 1.0,
+        track_fraction: float = 1.0,
         moves: bool = True,
     ) -> None:
         self.state = SlidingBodies.of(task, executor, disc)
         self.task = task
         self.periodic = periodic
         self._executor = executor
-        self._share, self._moves = share, moves
+        self._track_fraction, self._moves = track_fraction, moves
         assert task.modulus is not None  # checked with the study
         wp.load_module(wear_from_pressure, device=executor.device)
         self.keeps_dents = task.keeps_dents
@@ -75,7 +74,7 @@ class ElasticSliding:
         self._sums, self._maxima = executor.partials(len(PressureSum)), executor.partials(len(MAXIMA))
         #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
         self._of_rows = {name: np.zeros(disc.shape[0]) for name in ("wear_disc", "pressed_disc")}
-        self._ledger = TrackLedger(task, executor.grid, track_fraction=share)
+        self._ledger = TrackLedger(task, executor.grid, track_fraction=track_fraction)
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -86,7 +85,7 @@ class ElasticSliding:
         shift = state.row_of(shift, periodic=self.periodic)
         distance = self._ledger.row["distance"]
         of_sphere, of_disc = task.removals(distance, increment)
-        removal_disc = self._share * of_disc
+        removal_disc = self._track_fraction * of_disc
         window = self.cells_passing(increment)
         met = self._mean_along(state.wear_sphere, window)
         executor.launch(wear_from_pressure.gaps, inputs=[shift, self._bodies, met], outputs=[self._gap])
@@ -139,7 +138,7 @@ class ElasticSliding:
             return 1
         if self.task.curvature == 0.0:
             return grid.nx
-        return min(max(round(self._share * increment / grid.cell), 1), grid.nx)
+        return min(max(round(self._track_fraction * increment / grid.cell), 1), grid.nx)
 
     def _totals(self, shift: int) -> dict[str, float]:
         """Sums over all cells by the names of `PressureSum`; those of the disc are over all of its rows."""

@@ -11,7 +11,7 @@ from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
 from warpwear.models.model import Model
-from warpwear.models.track.half_space import ElasticSliding
+from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.on_gpu import LONGEST_BLOCK
 
@@ -40,10 +40,10 @@ class SweptModel(Model):
     ) -> None:
         self._track, self._executor = track, executor
         periodic, fraction, moves = track.periodic, track.share, track.moves
-        self.contact: ElasticSliding | SlidingContact
+        self.contact: SlidingHalfSpace | SlidingContact
         if task.half_space:
-            self.contact = ElasticSliding(
-                task, heights, executor, periodic=periodic, share=fraction, moves=moves
+            self.contact = SlidingHalfSpace(
+                task, heights, executor, periodic=periodic, track_fraction=fraction, moves=moves
             )
         else:
             self.contact = SlidingContact(

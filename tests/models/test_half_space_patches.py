@@ -21,7 +21,7 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
 from warpwear.laws.patches import Patches
 from warpwear.models.patches import influence as patch_influence
-from warpwear.models.patches.half_space import ElasticPatchesModel
+from warpwear.models.patches.half_space import HalfSpacePatches
 from warpwear.models.patches.influence import PatchInfluence
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.study.surface import surface_in
@@ -187,7 +187,7 @@ class Stepped:
     def __init__(self, study: Study, *, device: str = "cpu", threads: int | None = None) -> None:
         self.executor = Executor(study.patch_layout.grid, device=device, threads=threads)
         heights = surface_in(study).heights(study.cells.x, study.cells.y)
-        self.model = ElasticPatchesModel(study.contact_task, study.patch_layout, heights, self.executor)
+        self.model = HalfSpacePatches(study.contact_task, study.patch_layout, heights, self.executor)
 
     def gap(self) -> FloatArray:
         """Of every patch as the model has them, shape (patches, side, side)."""

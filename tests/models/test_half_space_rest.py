@@ -16,7 +16,7 @@ from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.rest.local import OneScaleModel
-from warpwear.models.track.half_space import ElasticSliding
+from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.study.text import to_marked_toml
 
 LAW = {"contact.law": "half-space", "output.snapshots": []}
@@ -40,11 +40,11 @@ def study(**changes: Any) -> Study:
     return Study.load("v3-fine").replace(LAW | {"grid.cell": "20 um"} | dotted)
 
 
-def at_rest(asked: Study, heights: FloatArray, executor: Executor) -> ElasticSliding:
-    return ElasticSliding(asked.contact_task, heights.copy(), executor, moves=False)
+def at_rest(asked: Study, heights: FloatArray, executor: Executor) -> SlidingHalfSpace:
+    return SlidingHalfSpace(asked.contact_task, heights.copy(), executor, moves=False)
 
 
-def gap_of(contact: ElasticSliding, executor: Executor) -> FloatArray:
+def gap_of(contact: SlidingHalfSpace, executor: Executor) -> FloatArray:
     return executor.to_numpy(contact.state.sphere) - executor.to_numpy(contact.state.disc)
 
 

@@ -19,7 +19,7 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import InvariantError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import wear_from_pressure
-from warpwear.models.track.half_space import ElasticSliding
+from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
 from warpwear.runs.make import plan_of
@@ -51,8 +51,8 @@ def heights(rows: int = ROWS) -> FloatArray:
     return np.random.default_rng(5).normal(0.0, 4e-4, (rows, GRID.ny))
 
 
-def contact_of(study: Study, disc: FloatArray, executor: Executor, **options: Any) -> ElasticSliding:
-    contact = ElasticSliding(study.contact_task, disc.copy(), executor, **options)
+def contact_of(study: Study, disc: FloatArray, executor: Executor, **options: Any) -> SlidingHalfSpace:
+    contact = SlidingHalfSpace(study.contact_task, disc.copy(), executor, **options)
     contact._half_space._tolerance = TIGHT
     return contact
 
@@ -121,7 +121,7 @@ def test_every_step_is_that_of_the_dense_matrix(changes: dict[str, Any], device:
     disc = heights()
     dense = Dense(study, disc.copy())
     with Executor(GRID, device=device) as executor:
-        contact = contact_of(study, disc, executor, periodic=True, share=SHARE)
+        contact = contact_of(study, disc, executor, periodic=True, track_fraction=SHARE)
         for shift, window in ((3, 3), (7, 4), (9, 1), (22, 2), (4, 5)):
             increment = window * CELL / SHARE
             step = contact.step(shift, increment, with_pressure=True)
@@ -174,7 +174,7 @@ def test_every_step_conserves_both_bodies(changes: dict[str, Any], device: str) 
     """K F ΔL off each, by the fields, whatever is displaced beside it."""
     study = study_of().replace(changes)
     with Executor(GRID, device=device) as executor:
-        contact = contact_of(study, heights(), executor, periodic=True, share=SHARE)
+        contact = contact_of(study, heights(), executor, periodic=True, track_fraction=SHARE)
         before = fields_of(contact, executor)
         for shift, window in ((3, 3), (7, 2), (12, 4)):
             increment = window * CELL / SHARE
@@ -203,7 +203,9 @@ def test_waves_on_the_sphere_do_not_grow() -> None:
     lost = []
     for start in (np.zeros(grid.shape), wave):
         with Executor(grid) as executor:
-            contact = contact_of(study_of(), np.zeros(grid.shape), executor, periodic=True, share=SHARE)
+            contact = contact_of(
+                study_of(), np.zeros(grid.shape), executor, periodic=True, track_fraction=SHARE
+            )
             for field in (contact.state.wear_sphere, contact.state.sphere):
                 executor.fill(field, executor.to_numpy(field) + start)
             for step in range(8):

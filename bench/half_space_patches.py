@@ -1,6 +1,6 @@
 """What patches on the half-space give beside the half-space of the whole contact, and what they cost.
 
-    python bench/elastic_patches.py [--cell "5 um"] [--hardness "590 MPa"] [--json FILE]
+    python bench/half_space_patches.py [--cell "5 um"] [--hardness "590 MPa"] [--json FILE]
 
 prints two rows a run, by the distance slid: the area in contact over that of one scale on the half-space, and
 the part of the load that lies on other squares of 50 µm than there; then the seconds of all steps, the
