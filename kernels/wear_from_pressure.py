@@ -37,8 +37,8 @@ class Places:
 class Increment:
     """What a step does to the cells."""
 
-    removal_sphere: wp.float64  # K ΔL [mm³/N]
-    removal_disc: wp.float64
+    wear_per_pressure_sphere: wp.float64  # K ΔL [mm³/N]
+    wear_per_pressure_disc: wp.float64
     shift: wp.int32  # rows by which the disc is displaced
     cap: wp.float64  # largest pressure [MPa]
     approach: wp.float64  # [mm]
@@ -133,8 +133,8 @@ def wear(
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     # A store into a field makes a compiler read a struct anew: what the loops need is read before them.
-    removal_sphere = increment.removal_sphere
-    removal_disc = increment.removal_disc
+    wear_per_pressure_sphere = increment.wear_per_pressure_sphere
+    wear_per_pressure_disc = increment.wear_per_pressure_disc
     cap = increment.cap
     approach = increment.approach
     reference = increment.reference
@@ -175,7 +175,7 @@ def wear(
                 before = bodies.reached[row, k]
             is_touched = Cells(ZERO)
             for j in range(LANES):
-                removed = removal_sphere * m[j]
+                removed = wear_per_pressure_sphere * m[j]
                 s[j] = s[j] + removed
                 a[j] = a[j] + removed
                 pressure[j] += p[j]
@@ -210,7 +210,7 @@ def wear(
                     bodies.plastic_disc[under, k] = x
                     pressed += x
                 for j in range(LANES):
-                    removed = removal_disc * p[j]
+                    removed = wear_per_pressure_disc * p[j]
                     d[j] = d[j] - removed
                     b[j] = b[j] + removed
                     deepest_disc[j] = wp.max(deepest_disc[j], b[j])

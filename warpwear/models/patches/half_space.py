@@ -116,7 +116,7 @@ class HalfSpacePatches(Model):
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
-        worn = self._remove(contact, sum(removals), reference)
+        worn = self._wear(contact, sum(removals), reference)
         transforms = self._influence.transforms - before
         return self._ledger.enter(worn, (approach, 0.0), increment, removals, reference, pressure, transforms)
 
@@ -156,10 +156,10 @@ class HalfSpacePatches(Model):
         """How many patches had their lowest point below an approach or at it before any wear [mm]."""
         return int(np.searchsorted(self.lowest, approach, side="right"))
 
-    def _remove(self, contact: HalfSpaceContact, removal: float, reference: float) -> Worn:
+    def _wear(self, contact: HalfSpaceContact, removal: float, reference: float) -> Worn:
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
         cap = min(self.task.hardness, NO_CAP)
-        made = arguments(Increment, removal_sphere=removal, cap=cap, reference=reference)
+        made = arguments(Increment, wear_per_pressure_sphere=removal, cap=cap, reference=reference)
         pressure = contact.pressure_field
         self._executor.launch(
             wear_from_pressure.wear,

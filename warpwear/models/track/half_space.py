@@ -85,7 +85,7 @@ class SlidingHalfSpace:
         shift = state.row_of(shift, periodic=self.periodic)
         distance = self._ledger.row["distance"]
         of_sphere, of_disc = task.removals(distance, increment)
-        removal_disc = self._track_fraction * of_disc
+        wear_per_pressure_disc = self._track_fraction * of_disc
         window = self.cells_passing(increment)
         met = self._mean_along(state.wear_sphere, window)
         executor.launch(wear_from_pressure.gaps, inputs=[shift, self._bodies, met], outputs=[self._gap])
@@ -93,7 +93,7 @@ class SlidingHalfSpace:
         contact = self._half_space.solve(
             self._gap,
             load=task.load,
-            compliance=removal_disc + own,
+            compliance=wear_per_pressure_disc + own,
             streak_compliance=of_sphere - own,
             streak_window=window,
         )
@@ -106,8 +106,8 @@ class SlidingHalfSpace:
         cap = min(task.hardness, NO_CAP)
         made = arguments(
             Increment,
-            removal_sphere=of_sphere,
-            removal_disc=removal_disc,
+            wear_per_pressure_sphere=of_sphere,
+            wear_per_pressure_disc=wear_per_pressure_disc,
             shift=shift,
             cap=cap,
             approach=contact.approach,
