@@ -6,8 +6,8 @@ Taken from the snapshots of a result; ask for more with `output.snapshots`.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import ndimage  # every run needs it: not late, when memory may be short
 
-from warpwear import lazy
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION
 from warpwear.history.snapshot import Snapshot
@@ -15,8 +15,6 @@ from warpwear.results.export import worn_heights
 from warpwear.results.file import ResultFile
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.roughness import bearing_parameters, height_parameters
-
-ndimage = lazy.module("scipy.ndimage")
 
 #: Parameters that are lengths.
 LENGTHS = ("sa", "sq", "sk", "spk", "svk")
