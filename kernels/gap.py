@@ -1,8 +1,8 @@
-"""The gap between a sphere (or rigid flat) and a rough disc."""
+"""The gap between a sphere (or rigid flat) and a rough disc, and its bounds."""
 
 import warp as wp
 
-from warpwear.kernels.cells import ABSENT, LANES, ONE, ZERO, Cells
+from warpwear.kernels.cells import ABSENT, LANES, ONE, TILE_VECTORS, ZERO, Cells
 
 wp.set_module_options({"enable_backward": False})
 
@@ -42,3 +42,30 @@ def gap(
                 g[j] = sag(x, y, curvature) - z[j]
         gap_out[row, k] = g
         unworn_out[row, k] = g
+
+
+@wp.kernel
+def bounds(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
+    gap_in: wp.array2d(dtype=Cells),
+    extremes_out: wp.array2d(dtype=wp.float64),
+):
+    """Smallest and largest gap of the tiles visited; places without a surface do not count."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    low = Cells(ABSENT)
+    high = Cells(-ABSENT)
+    for n in range(slot % slots_per_row, count_in[row], slots_per_row):
+        t = tiles_in[row, n]
+        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
+            g = gap_in[row, k]
+            there = Cells(-ABSENT)
+            for j in range(LANES):
+                there[j] = wp.where(g[j] < ABSENT / wp.float64(2.0), g[j], -ABSENT)
+            low = wp.min(low, g)
+            high = wp.max(high, there)
+    extremes_out[0, slot] = wp.min(low)
+    extremes_out[1, slot] = wp.max(high)

@@ -20,7 +20,7 @@ from warpwear import Study
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 from warpwear.history.recorder import Step
-from warpwear.models.rest.local import OneScaleModel
+from warpwear.runs.make import model_at_rest
 from warpwear.study.surface import surface_in
 
 #: Relative difference allowed between contenders, in approach, volumes and area.
@@ -59,7 +59,7 @@ class Package:
     """warpwear's own step."""
 
     def __init__(self, study: Study, heights: FloatArray, executor: Executor) -> None:
-        self._model = OneScaleModel(study.contact_task, heights, executor)
+        self._model = model_at_rest(study.contact_task, heights, executor)
 
     def advance(self, increment: float, then: float | None = None) -> Solved:
         """then: the increment after this one, which a run knows; by default the same."""

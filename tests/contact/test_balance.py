@@ -73,6 +73,7 @@ class Solver:
         padded = np.full((gap.shape[0], executor.vectors * LANES), PADDING)
         padded[:, : gap.shape[1]] = gap
         self._gap = executor.field(padded)
+        self._highest = float(gap.max())
         self.shape = gap.shape
 
     def tiles(self, load: float, hardness: float) -> Tiles:
@@ -93,8 +94,7 @@ class Solver:
         return self._bearing_area.solve(
             self._gap,
             tiles,
-            start=tiles.smallest,
-            scatter=0.0,
+            highest=self._highest,
             load=load,
             hardness=hardness,
             tolerance=tolerance,

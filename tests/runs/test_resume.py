@@ -24,6 +24,7 @@ from warpwear import InputError, Result, Study
 from warpwear.cli import main as cli
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
+from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.patches.half_space import HalfSpacePatches
 from warpwear.models.patches.local import TwoScaleModel
@@ -125,6 +126,16 @@ def test_a_model_goes_on_from_any_step(
         assert again == rows
         for one, other in zip(fields, fields_again, strict=True):
             assert_array_equal(one, other)
+
+
+def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without it the test above fails: a bearing area has more than one approach within its tolerance."""
+    dice = np.random.default_rng(7)
+    heights = SURFACES[0](dice)
+    increments = (10.0 ** dice.uniform(-3.0, 1.0, 12)).tolist()
+    rows, _ = steps_of("bearing area", heights, increments, None)
+    monkeypatch.setattr(Tiles, "STATE", {})
+    assert any(steps_of("bearing area", heights, increments, k)[0] != rows for k in range(1, 12))
 
 
 @pytest.mark.parametrize("case", CASES)

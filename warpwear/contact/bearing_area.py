@@ -11,12 +11,10 @@ from warpwear.contact.balance import DEEPER, HOPELESS, MAX_EVALUATIONS, Balance
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.tiles import TileList
 from warpwear.errors import ConvergenceError
-from warpwear.kernels import contact
+from warpwear.kernels import contact, gap
 
 #: Gaps that differ by less are tied [mm]: a picometre-thousandth, below anything a surface has.
 TIE = 1.0e-12
-#: First step of a search from an approach that may be exact [mm].
-LEAST_REACH = 1.0e-6
 
 
 class BearingArea:
@@ -27,59 +25,89 @@ class BearingArea:
         self._sums = executor.partials(3)
         self._cell_area = executor.grid.cell_area
 
+    def bounds(self, gap_field: Field, tiles: TileList) -> tuple[float, float]:
+        """Smallest and largest gap of the tiles listed [mm]."""
+        self._executor.launch(gap.bounds, inputs=[gap_field], outputs=[self._sums], over=tiles, often=True)
+        extremes = self._sums.numpy()
+        return float(extremes[0].min()), float(extremes[1].max())
+
+    def between(
+        self, gap_field: Field, tiles: TileList, *, highest: float, needed: float
+    ) -> tuple[float, float]:
+        """Approaches between which a balance lies [mm]: of no cell, and of as many as are needed.
+
+        highest: gap before wear [mm].
+        """
+        tiles.begin()
+        # What is listed may be worn beyond the limit of the list, where lower tiles that are not may lie.
+        low = min(self.bounds(gap_field, tiles)[0], tiles.limit)
+        high = highest + 2.0 * TIE  # so that the highest cell counts
+        if self._count(gap_field, tiles, high) < needed:  # all cells are worn beyond it
+            tiles.reach(math.inf)
+            high = self.bounds(gap_field, tiles)[1] + 2.0 * TIE
+        return low, high
+
     def solve(
         self,
         gap_field: Field,
         tiles: TileList,
         *,
-        start: float,
-        scatter: float,
         load: float,
         hardness: float,
         tolerance: float,
+        start: float | None = None,
+        scatter: float = 0.0,
+        highest: float = math.inf,
     ) -> Balance:
         """Balance of the bearing area, area × hardness = load (thesis eqs 4.8–4.11).
 
-        start: an approach near the solution [mm], which may be off by `scatter`. A bracket is looked for in
-        growing steps, then interpolated and halved in turns. The first approach that meets the tolerance [N]
-        is taken and the pressure is load/area. Where cells tie, so that no approach meets it, the tied cells
-        share what is missing.
+        start: an approach near the solution [mm], which may be off by `scatter`: a bracket is looked for in
+        growing steps, then interpolated and halved in turns. Without one all that lies up to the highest gap
+        before wear [mm] is bisected. The first approach that meets the tolerance [N] is taken and the
+        pressure is load/area. Where cells tie, so that no approach meets it, the tied cells share what is
+        missing.
 
         Raises ConvergenceError where the load has no balance.
         """
         needed = load / (hardness * self._cell_area)
         allowed = tolerance / (hardness * self._cell_area)
-        low, below = -math.inf, 0.0
-        high, above = math.inf, math.inf
-        approach, reach = start, max(scatter, LEAST_REACH)
+        below, above = 0.0, math.inf
+        if start is None:
+            low, high = self.between(gap_field, tiles, highest=highest, needed=needed)
+            approach, reach = 0.5 * (low + high), 0.0
+        else:
+            low, high, approach, reach = -math.inf, math.inf, start, scatter
         for evaluation in range(1, MAX_EVALUATIONS):
-            tiles.reach(approach, margin=scatter)
+            if start is not None:
+                tiles.reach(approach, margin=scatter)
             count = self._count(gap_field, tiles, approach)
+            if approach > tiles.limit and count - needed < allowed:  # others may touch as well
+                tiles.reach(approach, margin=scatter)
+                count = self._count(gap_field, tiles, approach)
             if abs(count - needed) < allowed and count > 0:
-                return Balance(
-                    approach,
-                    0.0,
-                    load / (count * self._cell_area),
-                    (count - needed) * hardness * self._cell_area,
-                    evaluations=evaluation,
-                )
+                residual = (count - needed) * hardness * self._cell_area
+                cap = load / (count * self._cell_area)
+                return Balance(approach, 0.0, cap, residual, evaluations=evaluation)
+            before = high - low
             if count > needed:
                 high, above = approach, count
             else:
                 low, below = approach, count
+            if (before if start is None else high - low) <= TIE:
+                return self._tied(gap_field, tiles, approach, load, hardness, evaluation)
             if math.isinf(low) or math.isinf(high):
                 approach += math.copysign(reach, needed - count)
                 reach *= DEEPER
                 if not reach < HOPELESS:
                     break
                 continue
-            if high - low <= TIE:
-                return self._tied(gap_field, tiles, approach, load, hardness, evaluation)
-            part = (needed - below) / (above - below) if evaluation % 3 else 0.5
-            approach = low + part * (high - low)
-            if not low < approach < high:
-                approach = 0.5 * (low + high)
-        raise ConvergenceError(f"the bearing area has no balance near an approach of {start:.9g} mm.")
+            # Over the whole of a surface the counts at the ends say nothing of what lies between.
+            halved = start is None or evaluation % 3 == 0
+            approach = 0.5 * (low + high)
+            if not halved:
+                straight = low + (needed - below) / (above - below) * (high - low)
+                approach = straight if low < straight < high else approach
+        raise ConvergenceError(f"the bearing area has no balance near an approach of {approach:.9g} mm.")
 
     def _tied(
         self, gap_field: Field, tiles: TileList, approach: float, load: float, hardness: float, done: int

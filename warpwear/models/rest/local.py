@@ -74,6 +74,7 @@ class OneScaleModel(Model):
         self.state = RestingBodies.of(task, executor, heights)
         fully = task.load / (task.hardness * executor.grid.cell_area)
         self.tiles = Tiles(executor, self.state.gap, self.state.unworn, least=SPARE * fully)
+        self._highest = self._bearing_area.bounds(self.state.gap, self.tiles)[1]
         #: Whether 1/c of a step is known before it.
         self._foreseen = not task.rigid and self._compliance is not None
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
@@ -178,15 +179,14 @@ class OneScaleModel(Model):
     def _balance(self, stiffness: float, removal: float) -> Balance:
         task, last = self.task, self._last
         if task.rigid:
-            step = removal * task.hardness
             return self._bearing_area.solve(
                 self.state.gap,
                 self.tiles,
-                start=self.tiles.smallest if last is None else last.approach + step,
-                scatter=step,
                 load=task.load,
                 hardness=task.hardness,
                 tolerance=task.load_tolerance,
+                scatter=STEPS_AHEAD * removal * task.hardness,
+                highest=self._highest,
             )
         # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
         step, known = removal * self._ledger.row["pressure_mean"], None

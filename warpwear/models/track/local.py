@@ -14,7 +14,7 @@ from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step, TrackLedger
 from warpwear.kernels import contact, sliding
-from warpwear.kernels.cells import LANES, TrackMost, TrackSum, names_of
+from warpwear.kernels.cells import LANES, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTiles, Slide, StepTables
 from warpwear.laws.archard import distance_factor, removals_of
@@ -101,6 +101,10 @@ class SlidingContact:
         self._changes: deque[float] = deque(maxlen=CHANGES)
         self._ledger = TrackLedger(task, executor.grid, track_fraction=track_fraction)
         self._loop: DeviceSliding | None = None
+        self._moves, self._highest = moves, math.inf
+        if not moves and task.rigid:
+            gap = executor.to_numpy(self.state.sphere) - executor.to_numpy(self.state.disc)
+            self._highest = float(gap[gap < 0.5 * PADDING].max())
         kind = "none" if moves else task.distance_factor
         self._factor = distance_factor(grid, kind, curvature=task.curvature)
         #: Whether the device can make steps by itself: those of a contact with compliance, one for all cells.
@@ -257,10 +261,12 @@ class SlidingContact:
         if not math.isfinite(hardness):
             raise ValueError("a contact without compliance needs a hardness")
         # Without an approach the search starts at the lowest cell, which is not far from the level sought.
+        start = self.tiles.smallest if self._approach is None else self._approach
         return self._bearing_area.solve(
             self.tiles.gap,
             self.tiles,
-            start=self.tiles.smallest if self._approach is None else self._approach,
+            start=start if self._moves else None,
+            highest=self._highest,
             scatter=scatter,
             load=load,
             hardness=hardness,
