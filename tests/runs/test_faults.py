@@ -252,7 +252,8 @@ def test_memory_that_runs_out(sizes: list[int], tmp_path: Path) -> None:
         "import psutil\n"
         "from warpwear.cli import main as cli\n"
         "from warpwear.runs import run\n"
-        "import matplotlib\n"
+        # What loads late is there: OpenBLAS waits for ever where it finds no room for itself.
+        "import matplotlib, scipy.fft, scipy.ndimage, scipy.optimize\n"
         "from warpwear.engine.executor import Executor\n"
         "from warpwear.grid import Grid\n"
         "Executor(Grid(8, 8, 1.0))\n"
