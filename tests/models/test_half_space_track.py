@@ -285,7 +285,7 @@ def test_a_run_on_every_kind_of_track(track: str, device: str) -> None:
     assert history["wear_volume_disc"][-1] == pytest.approx(12.7e-7 * 8.0 * 2.17, rel=1e-9)
     assert last.wear_sphere.sum() * area == pytest.approx(history["wear_volume_sphere"][-1])
     assert last.plastic_disc is not None
-    displaced = last.plastic_disc.sum() * area / study.track.share
+    displaced = last.plastic_disc.sum() * area / study.track.track_fraction
     assert history["plastic_volume_disc"][-1] == pytest.approx(displaced) != 0.0
     assert np.abs(history["load_residual"]).max() <= 2e-12 * 8.0
     assert_allclose(history["position"], local["position"])

@@ -66,7 +66,7 @@ class Plain:
         study = self.study
         load, hardness = study.contact.load, study.hardness
         removal = [law.removal(0.0, increment) for law in study.wear_laws]
-        c = study.law().compliance + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
+        c = study.contact_law().compliance + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
         gap = self.sphere - self.disc[beneath]
         if c > 0.0:
             contact = reference.foundation(gap, c, load, hardness, CELL)

@@ -47,7 +47,7 @@ def test_v1_steps_against_the_reference(device: str, threads: int) -> None:
     x, y = np.meshgrid(result.x, result.y, indexing="ij")
     r2 = x * x + y * y
     gap = r2 / (R + np.sqrt(R * R - r2))
-    compliance = study.law().compliance
+    compliance = study.contact_law().compliance
     for row in range(100):
         contact = reference.foundation(gap, compliance, F, math.inf, study.grid.cell)
         assert result.history["approach"][row] == pytest.approx(contact.approach, rel=1e-11)
@@ -108,10 +108,10 @@ def test_a_foundation_that_follows_the_patch(device: str) -> None:
     history = result.history
     a = math.sqrt(history["area_contact"][-2] / math.pi)
     stiffness = 3.0 / math.pi * study.hertz.modulus / a
-    assert study.law(radius=a).stiffness == pytest.approx(stiffness, rel=1e-12)
+    assert study.contact_law(radius=a).stiffness == pytest.approx(stiffness, rel=1e-12)
     # p = K_N (δ − g) before the step's own wear: with p, g and δ of the last step K_N can be read off.
     last = result.snapshot(-1)
     where = np.unravel_index(last.pressure.argmax(), last.pressure.shape)
     overlap = history["approach"][-1] - last.gap[where]
     assert last.pressure[where] / overlap == pytest.approx(stiffness, rel=1e-6)
-    assert stiffness < 0.1 * study.law().stiffness
+    assert stiffness < 0.1 * study.contact_law().stiffness

@@ -24,21 +24,21 @@ class ContactTask:
         "none"  # of the disc's cells, see `archard.distance_factor`
     )
     keeps_dents: bool = False  # whether a disc cell at the hardness stays as deep as it was pressed
-    foundation: float | str = math.inf  # K_N of the macro contact [N/mm³], or what it follows from
-    foundation_updated: bool = False  # whether it follows the contact as it grows
-    uses_foundation: bool = False  # whether K_N plays a part
+    bulk_stiffness: float | str = math.inf  # K_N of the macro contact [N/mm³], or what it follows from
+    bulk_updated: bool = False  # whether it follows the contact as it grows
+    uses_bulk_stiffness: bool = False  # whether K_N plays a part
     hertz: Hertz | None = None  # of the unworn bodies, where K_N follows from it
     prescribed_loads: bool = False  # whether a smooth contact prescribes the load of each patch
     half_space: bool = False  # whether the surfaces deform as half-spaces
     modulus: float | None = None  # E* of both bodies [MPa], where it is known
     boundary: str = "free"  # of the half-space: "free" or "periodic"
 
-    def foundation_at(self, radius: float | None) -> float:
+    def bulk_stiffness_at(self, radius: float | None) -> float:
         """K_N of the macro contact [N/mm³]. radius: of the contact [mm], which K_N may follow."""
-        if not isinstance(self.foundation, str):
-            return self.foundation
+        if not isinstance(self.bulk_stiffness, str):
+            return self.bulk_stiffness
         assert self.hertz is not None  # checked with the study
-        return self.hertz.foundation(self.foundation, radius=radius if self.foundation_updated else None)
+        return self.hertz.foundation(self.bulk_stiffness, radius=radius if self.bulk_updated else None)
 
     def removals(self, start: float, increment: float) -> tuple[float, float]:
         """K ΔL of sphere and disc [mm³/N] over an increment that begins at a distance [mm]."""

@@ -5,8 +5,8 @@ step of a pass is shorter where the shift does not divide the stroke, so that vo
 turns reverses at the end of each pass and covers the same cells the other way.
 
 A representative track is a periodic disc shorter than the stroke: one lap is one pass. While it slides by a
-cell, the sphere slides by `cell / share` of the test. So is the track of a rotating disc, one lap a
-revolution, whose length is rounded to whole steps: the rounding goes into the share too.
+cell, the sphere slides by `cell / track_fraction` of the test. So is the track of a rotating disc, one lap a
+revolution, whose length is rounded to whole steps: the rounding goes into the fraction too.
 
 A disc at rest is a track of no cells, on which the sphere stays where it is.
 """
@@ -55,7 +55,7 @@ class Track:
         return self.cells if self.periodic else self.cells + self.window
 
     @property
-    def share(self) -> float:
+    def track_fraction(self) -> float:
         """The part of the test's sliding distance that a disc of this length slides; 1 for a whole stroke."""
         return self.cells * self.cell / self.stroke if self.periodic else 1.0
 

@@ -72,7 +72,7 @@ def summarise(result: "ResultFile") -> dict[str, Any]:
         ),
         "hertz": _elastic(study),
         "foundation_N_per_mm3": _finite(
-            study.bulk_stiffness() if study.uses_bulk_stiffness else study.law().stiffness
+            study.bulk_stiffness() if study.uses_bulk_stiffness else study.contact_law().stiffness
         ),
         "half_space": _half_space(result),
         "patches": _patches(result),

@@ -98,7 +98,7 @@ class Content(Section):
         if self.contact.law == "half-space":
             return False
         worn = self.sliding.total > 0.0 and sum(law.fastest for law in self.wear_laws) > 0.0
-        return self.law().compliance == 0.0 and not (self.stepping.scheme == "implicit" and worn)
+        return self.contact_law().compliance == 0.0 and not (self.stepping.scheme == "implicit" and worn)
 
     @property
     def softer_hardness(self) -> float | None:
@@ -167,7 +167,7 @@ class Content(Section):
             surface_energy=energy, shear_modulus=shear_modulus, poisson=poisson, strength=strength
         )
 
-    def law(self, *, radius: float | None = None) -> CappedFoundation:
+    def contact_law(self, *, radius: float | None = None) -> CappedFoundation:
         """Return the law of a cell. radius: of the area in contact [mm], for a stiffness that follows it."""
         macro = self.study.model == "macro"
         stiffness = self.bulk_stiffness(radius=radius) if macro else self.contact.stiffness
@@ -192,15 +192,15 @@ class Content(Section):
             hardness=self.hardness,
             curvature=self.sphere.curvature,
             wear=self.wear_laws,
-            compliance=self.law().compliance,
+            compliance=self.contact_law().compliance,
             implicit=self.stepping.scheme == "implicit",
             rigid=self.uses_bearing_area,
             load_tolerance=self.load_tolerance,
             distance_factor=self.wear.distance_factor,
             keeps_dents=self.sliding.plastic == "keep" and math.isfinite(self.hardness),
-            foundation=self.contact.bulk_stiffness,
-            foundation_updated=self.uses_bulk_stiffness and self.contact.bulk_update == "updated",
-            uses_foundation=self.uses_bulk_stiffness,
+            bulk_stiffness=self.contact.bulk_stiffness,
+            bulk_updated=self.uses_bulk_stiffness and self.contact.bulk_update == "updated",
+            uses_bulk_stiffness=self.uses_bulk_stiffness,
             hertz=self.hertz,
             prescribed_loads=self.patches.coupling == "load",
             half_space=self.contact.law == "half-space",

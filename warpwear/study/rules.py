@@ -254,7 +254,7 @@ def _unstable(study: Content) -> str | None:
         return None
     if study.is_swept:
         return rules_track.unstable(study)
-    limit = study.law().stable_increment(sum(law.fastest for law in study.wear_laws))
+    limit = study.contact_law().stable_increment(sum(law.fastest for law in study.wear_laws))
     if min(study.stepping.plan[2], study.sliding.total) < limit:
         return None
     name = "largest" if study.stepping.increment is None else "increment"

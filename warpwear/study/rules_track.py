@@ -102,11 +102,11 @@ def worn_patch(study: Content) -> float:
 
 def unstable(study: Content) -> str | None:
     """Return the start of a sentence about a shift too large for explicit steps; None where it is not."""
-    compliance = study.law().compliance
+    compliance = study.contact_law().compliance
     track = study.track
     sphere, disc = (law.fastest for law in study.wear_laws)
     slid = min(track.shift * track.stroke / track.cells, study.sliding.total)
-    removal = (sphere + track.share * disc) * slid
+    removal = (sphere + track.track_fraction * disc) * slid
     if compliance == 0.0 or removal < 2.0 * compliance:
         return None
     return (

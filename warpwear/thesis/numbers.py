@@ -269,9 +269,9 @@ def _stability(runs: Runs) -> Numbers:
     study = runs.beyond.study
     wear = sum(study.wear_coefficients)
     return {
-        "beyond.limit_mm": study.law().stable_increment(wear),
+        "beyond.limit_mm": study.contact_law().stable_increment(wear),
         "beyond.increment_mm": study.stepping.plan[2],
-        "v1.limit_mm": runs["v1"].study.law().stable_increment(wear),
+        "v1.limit_mm": runs["v1"].study.contact_law().stable_increment(wear),
         "beyond.area_last": low[-1],
         "beyond.area_mean": low.mean(),
         "beyond.area_lowest": low.min(),

@@ -62,7 +62,7 @@ class TwoScaleModel(Model):
         evaluations = self.contact.evaluations
         shares = self._share(removal)
         evaluations = self.contact.evaluations - evaluations
-        self._foresight.note(shares, self._last, removal, sprung=task.uses_foundation)
+        self._foresight.note(shares, self._last, removal, sprung=task.uses_bulk_stiffness)
         self._last = shares
         pressure = None
         if with_pressure:

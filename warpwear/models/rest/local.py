@@ -64,7 +64,7 @@ class OneScaleModel(Model):
         self.task = task
         self._executor = executor
         #: 1/k of the foundation [mm³/N], None where it follows the contact.
-        self._compliance = None if task.foundation_updated else task.compliance
+        self._compliance = None if task.bulk_updated else task.compliance
         self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
         self._stiffnesses: dict[float, Field] = {}
         self._last: Balance | None = None
@@ -205,7 +205,7 @@ class OneScaleModel(Model):
         compliance = self._compliance
         if compliance is None:
             area = self._ledger.row["area_contact"]
-            compliance = 1.0 / self.task.foundation_at(math.sqrt(area / math.pi) if area else None)
+            compliance = 1.0 / self.task.bulk_stiffness_at(math.sqrt(area / math.pi) if area else None)
         if self.task.implicit:
             compliance = (compliance + removal_sphere) + removal_disc
         return stiffness_of(compliance)

@@ -39,7 +39,7 @@ class SweptModel(Model):
         bearing_curve: Logistic | None = None,
     ) -> None:
         self._track, self._executor = track, executor
-        periodic, fraction, moves = track.periodic, track.share, track.moves
+        periodic, fraction, moves = track.periodic, track.track_fraction, track.moves
         self.contact: SlidingHalfSpace | SlidingContact
         if task.half_space:
             self.contact = SlidingHalfSpace(
