@@ -7,6 +7,8 @@ from html import unescape
 from pathlib import Path
 
 import click
+import jinja2.meta
+import jinja2.nodes
 import pytest
 from click.testing import CliRunner
 
@@ -15,10 +17,11 @@ from warpwear.cli.report import report
 from warpwear.errors import InputError
 from warpwear.study.study import Study
 from warpwear.thesis import page as report_page
+from warpwear.thesis.figures import CAPTIONS
+from warpwear.thesis.items import ALL_ITEMS, SUMMARY, Item
 from warpwear.thesis.report import FIGURES, judge, thesis_report
 from warpwear.thesis.runs import Plan
-from warpwear.thesis.summary import ALL_ITEMS, SUMMARY
-from warpwear.thesis.verdicts import Kind, as_printed, number
+from warpwear.thesis.verdicts import GROUPS, Kind, Rule, as_printed, environment, number
 
 #: What the published studies give, to the digits that verdicts need.
 NUMBERS = {
@@ -165,6 +168,50 @@ def test_a_verdict_follows_its_numbers(name: str) -> None:
     assert judge(NUMBERS | wrong)[name].kind == then
 
 
+@pytest.mark.parametrize("item", ALL_ITEMS, ids=lambda item: item.id)
+def test_a_rule_names_what_there_is(item: Item, content: dict) -> None:
+    """In every branch: numbers of a report, printed numbers, tolerances, filters and tests."""
+    rule, there = item.rule, environment()
+    names = {f"printed.{name}" for name in there.globals["printed"]}
+    names |= {f"tolerance.{name}" for name in there.globals["tolerance"]}
+    names |= {name if "." in name else f"n.{name}" for name in content["numbers"]}
+    expressions = [rule.unless, *rule.let.values(), rule.condition]
+    for text in (*(f"{{{{ {expression} }}}}" for expression in expressions), rule.yes, rule.no):
+        tree = there.parse(text)
+        allowed = {*GROUPS, "n", "printed", "tolerance", "speeds", "times", "abs", "max", *rule.let}
+        assert jinja2.meta.find_undeclared_variables(tree) <= allowed
+        used = {
+            f"{node.node.name}.{node.attr}"
+            for node in tree.find_all(jinja2.nodes.Getattr)
+            if isinstance(node.node, jinja2.nodes.Name)
+        }
+        assert used <= names
+        assert {node.name for node in tree.find_all(jinja2.nodes.Filter)} <= set(there.filters)
+        assert {node.name for node in tree.find_all(jinja2.nodes.Test)} <= set(there.tests)
+
+
+def test_every_item_is_told_by_complete_numbers(content: dict) -> None:
+    complete = {name: 0.9 if value is None else value for name, value in content["numbers"].items()}
+    for name, verdict in judge(complete).items():
+        assert "The runs do not say" not in verdict.reason, name
+        assert not re.search(r"[{}%]{2}|  |None", verdict.reason), name
+        assert verdict.reason.endswith("."), name
+
+
+@pytest.mark.parametrize(
+    "mistake", ["{{ v1.patch | nearly }}", "{{ version_1 }}", "{{ printed.lode | number }}"]
+)
+def test_a_mistake_in_a_rule_is_an_error(mistake: str) -> None:
+    with pytest.raises(jinja2.TemplateError):
+        Rule(kind=Kind.AGREES, yes=mistake, no="").judge({"v1.patch": 1.0})
+
+
+def test_a_rule_without_a_comparison_says_why() -> None:
+    within = judge(NUMBERS | {"beyond.limit_mm": 0.4})["stability"]
+    assert within.kind == UNKNOWN
+    assert within.reason == "The increment of these studies is within the limit."
+
+
 def test_a_number_that_no_run_gives_leaves_its_item_open() -> None:
     assert judge(NUMBERS | {"fine.exponent_m": float("nan")})["cure"].kind == UNKNOWN
     assert "fine.exponent_m" in judge(NUMBERS | {"fine.exponent_m": float("nan")})["cure"].reason
@@ -274,7 +321,7 @@ def test_page_has_every_item_and_every_figure(page: str) -> None:
     assert {item.id for item in ALL_ITEMS} <= set(ids)
     assert {f"fig-{name}" for name in FIGURES} <= set(ids)
     drawn = {name for item in ALL_ITEMS for name in item.figures}
-    assert drawn == set(FIGURES)
+    assert drawn == set(FIGURES) == set(CAPTIONS)
     linked = set(re.findall(r'href="#([^"]+)"', page))
     assert linked <= set(ids)
 

@@ -10,17 +10,12 @@ from warpwear.thesis.figures import EXPERIMENT, LINES, PRINTED, Gallery, over_di
 from warpwear.thesis.numbers import Numbers
 from warpwear.thesis.printed import PATCH_DIAMETERS, SLOWS_AFTER
 from warpwear.thesis.runs import VERSIONS, Runs, worn_radius
-from warpwear.thesis.verdicts import ROUGH_PATCHES, SMOOTH_PATCHES
 
 FIGURES = Gallery()
 figure = FIGURES.figure
 
 
-@figure(
-    "Radius of the area in contact (mm, left scale) and mean pressure (MPa, right scale) of V1 over the "
-    "sliding distance (mm); on linear and on logarithmic axes, where a power law is straight.",
-    columns=2,
-)
+@figure(columns=2)
 def radius_and_pressure(axes: Any, runs: Runs, numbers: Numbers) -> None:
     history = runs["v1"].history
     distance = history["distance"]
@@ -44,7 +39,7 @@ def radius_and_pressure(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(axes[0], right, columns=3)
 
 
-@figure("V1: coefficient of friction (–) over the sliding distance (mm).")
+@figure()
 def cof_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     history = runs["v1"].history
     distance = history["distance"]
@@ -57,11 +52,7 @@ def cof_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(axes, columns=2)
 
 
-@figure(
-    "Sliding distance of a disc cell relative to the middle, across sliding (mm). Left: as in V2. "
-    "Right: with the chord of the contact, which a swept cell slides.",
-    columns=2,
-)
+@figure(columns=2)
 def distance_factor(axes: Any, runs: Runs, numbers: Numbers) -> None:
     study = runs["v2"].study
     edge = worn_radius(study)
@@ -79,7 +70,7 @@ def distance_factor(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(axes[1], columns=3)
 
 
-@figure("Worn volumes (mm³) of V1 and V2, and V2 against V1 (%).", columns=2)
+@figure(columns=2)
 def volumes_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     for body, color in (("sphere", fs.SPHERE), ("disc", fs.DISC)):
         for name, line in (("v1", "-"), ("v2", "--")):
@@ -95,7 +86,7 @@ def volumes_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(*axes, columns=3)
 
 
-@figure("Coefficient of friction (–) of V1 and V2, and V2 against V1 (%); steps are single cells.", columns=2)
+@figure(columns=2)
 def cof_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     first, second = (runs[name].history for name in ("v1", "v2"))
     versions(axes[0], runs, "cof", "v1", "v2")
@@ -107,11 +98,7 @@ def cof_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(axes[0], columns=2)
 
 
-@figure(
-    "Coefficient of friction (–) with one shear strength for all: V3, which sums its areas, is off the "
-    "scale of the others.",
-    columns=2,
-)
+@figure(columns=2)
 def cof_of_all(axes: Any, runs: Runs, numbers: Numbers) -> None:
     for panel in axes:
         versions(panel, runs, "cof", *VERSIONS)
@@ -123,11 +110,7 @@ def cof_of_all(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(axes[0], columns=4)
 
 
-@figure(
-    "Our coefficients relative to their end value (–), linear and logarithmic. The thesis prints no "
-    "values to set beside them.",
-    columns=2,
-)
+@figure(columns=2)
 def relative_cof(axes: Any, runs: Runs, numbers: Numbers) -> None:
     for panel in axes:
         for name, told in VERSIONS.items():
@@ -142,7 +125,7 @@ def relative_cof(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(axes[0], columns=4)
 
 
-@figure("V3: running sum of the areas in contact and area ever touched (mm²) with straight lines.", columns=2)
+@figure(columns=2)
 def straight_line(axes: Any, runs: Runs, numbers: Numbers) -> None:
     history = runs["v3"].history
     distance = history["distance"]
@@ -161,10 +144,7 @@ def straight_line(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(*axes, columns=3)
 
 
-@figure(
-    "Area in contact (mm²) over the distance (mm) on linear and logarithmic axes; F/H is load over hardness.",
-    columns=2,
-)
+@figure(columns=2)
 def areas_of_all(axes: Any, runs: Runs, numbers: Numbers) -> None:
     for panel in axes:
         versions(panel, runs, "area_contact", "v1", "v3", "fine")
@@ -176,11 +156,7 @@ def areas_of_all(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(axes[0], columns=4)
 
 
-@figure(
-    "Area in contact (mm²) of V1 with the foundation that matches Hertz's area: explicit beyond its "
-    "limit, and implicit.",
-    columns=2,
-)
+@figure(columns=2)
 def stability(axes: Any, runs: Runs, numbers: Numbers) -> None:
     beyond, steady = runs.beyond.history, runs.steady.history
     middle = 0.5 * beyond["distance"][-1]
@@ -198,13 +174,7 @@ def stability(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(*axes, columns=2)
 
 
-@figure(
-    "Extents of V3's patch (mm) on surfaces of different seeds: run (dots), the unworn surface cut by "
-    "the worn sphere without a run (crosses), twice the farthest touched cell, and the bound by the "
-    "highest peak near the rim.",
-    width=fs.PAGE,
-    height=2.9,
-)
+@figure(width=fs.PAGE, height=2.9)
 def rough_patches(axes: Any, runs: Runs, numbers: Numbers) -> None:
     patches = runs.patches
     seeds = np.arange(len(patches))
@@ -237,7 +207,7 @@ def _bars(
     axes.margins(y=0.12)
 
 
-@figure("Worn volume of the disc (mm³) and against V1 (%).", columns=2)
+@figure(columns=2)
 def disc_volumes(axes: Any, runs: Runs, numbers: Numbers) -> None:
     values = [numbers[f"{name}.disc_volume_mm3"] for name in VERSIONS]
     colours = [LINES[name]["color"] for name in VERSIONS]
@@ -250,10 +220,7 @@ def disc_volumes(axes: Any, runs: Runs, numbers: Numbers) -> None:
     axes[1].margins(y=0.2)
 
 
-@figure(
-    "Deepest cell of the disc (µm) of the models on a stationary footprint, and the groove that Table "
-    "4.1's K_d makes of 30 mm × 0.80 mm."
-)
+@figure()
 def disc_depths(axes: Any, runs: Runs, numbers: Numbers) -> None:
     labels = [*VERSIONS.values(), "groove of\nTable 4.1"]
     values = [numbers[f"{name}.disc_depth_um"] for name in VERSIONS] + [numbers["experiment.groove_depth_um"]]
@@ -261,9 +228,10 @@ def disc_depths(axes: Any, runs: Runs, numbers: Numbers) -> None:
     axes.set_ylabel("depth of the disc's wear, µm")
 
 
-@figure("Diameter of the sphere's worn patch (mm) as printed and of our runs.", width=5.0)
+@figure(width=5.0)
 def patch_bars(axes: Any, runs: Runs, numbers: Numbers) -> None:
-    ours = [numbers[name] for name in (SMOOTH_PATCHES | ROUGH_PATCHES).values()]
+    ours = [numbers[f"{name}.patch_by_depth_mm"] for name in ("v1", "v2")]
+    ours += [numbers[f"{name}.patch_along_mm"] for name in ("v3", "fine")]
     printed = [PATCH_DIAMETERS[name].value for name in ("experiment", "v1", "v2", "v3")]
     places, colours = np.arange(4), [line["color"] for line in LINES.values()]
     beside = places - np.array([0.0, 0.19, 0.19, 0.19])

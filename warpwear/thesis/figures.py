@@ -1,7 +1,6 @@
 """How figures of the report of the thesis are declared, and what they have in common."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -11,7 +10,9 @@ from warpwear.figures import style as fs
 from warpwear.figures.axes import map_figure
 from warpwear.grid import FloatArray
 from warpwear.thesis.numbers import Numbers
+from warpwear.thesis.printed import read
 from warpwear.thesis.runs import VERSIONS, Runs
+from warpwear.thesis.verdicts import folded
 
 #: Colour and line of each version in every figure.
 LINES: dict[str, dict[str, Any]] = {
@@ -25,22 +26,18 @@ PRINTED = "#999999"
 #: Colour of its experiment.
 EXPERIMENT = "#000000"
 
+#: Draws a figure.
+Drawing = Callable[[Runs, Numbers], Figure]
 #: Draws into axes, one or an array of shape (rows × columns,).
 Panels = Callable[[Any, Runs, Numbers], None]
+#: Figure -> what stands below it.
+CAPTIONS = {name: folded(text) for name, text in read("captions.toml").items()}
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A figure of the report and the caption that stands below it."""
-
-    draw: Callable[[Runs, Numbers], Figure]
-    caption: str
-
-
-class Gallery(dict[str, Entry]):
+class Gallery(dict[str, Drawing]):
     """Figures by name, each declared with `figure` above the function that draws it."""
 
-    def figure(self, caption: str, *, maps: int = 0, **size: Any) -> Callable[[Panels], Panels]:
+    def figure(self, *, maps: int = 0, **size: Any) -> Callable[[Panels], Panels]:
         """Add a figure under the name of the decorated function, which draws into its axes.
 
         maps: number of maps side by side; without them size is what `figures.style.new_figure` takes.
@@ -53,20 +50,20 @@ class Gallery(dict[str, Entry]):
 
                 return map_figure(draw_panels, maps) if maps else fs.new_figure(draw_panels, **size)
 
-            self[panels.__name__] = Entry(draw, caption)
+            self[panels.__name__] = draw
             return panels
 
         return add
 
 
-def of_run(version: str, name: str, caption: str) -> Entry:
+def of_run(version: str, name: str) -> Drawing:
     """Declare a figure of one version that its result draws itself."""
 
     def draw(runs: Runs, numbers: Numbers) -> Figure:
         drawn: Figure = getattr(runs[version].plot, name)()
         return drawn
 
-    return Entry(draw, caption)
+    return draw
 
 
 def over_distance(axes: Axes, history: Mapping[str, FloatArray], column: str, **line: Any) -> None:
@@ -82,20 +79,13 @@ def versions(axes: Axes, runs: Runs, column: str, *names: str) -> None:
 
 #: Figures of single runs.
 OF_RUNS = {
-    "disc_3d_of_v1": of_run(
-        "v1", "disc_3d", "V1: the disc before and after, in mm, heights in µm and exaggerated."
-    ),
-    "sphere_3d_of_v1": of_run(
-        "v1", "sphere_3d", "V1: the sphere before and after, turned over, heights in µm."
-    ),
-    "volumes_of_v1": of_run(
-        "v1", "volumes", "V1: worn volumes (mm³) and deepest cells (µm) over the distance (mm)."
-    ),
-    "disc_3d_of_v3": of_run("v3", "disc_3d", "V3: the rough disc before and after, heights in µm."),
-    "sphere_3d_of_v3": of_run(
-        "v3", "sphere_3d", "V3: the sphere before and after, turned over, heights in µm."
-    ),
-    "disc_maps_of_v3": of_run(
-        "v3", "disc_map", "V3: heights of the disc (µm) unworn and at three distances."
-    ),
+    f"{plot}_of_{version}": of_run(version, method)
+    for version, plot, method in (
+        ("v1", "disc_3d", "disc_3d"),
+        ("v1", "sphere_3d", "sphere_3d"),
+        ("v1", "volumes", "volumes"),
+        ("v3", "disc_3d", "disc_3d"),
+        ("v3", "sphere_3d", "sphere_3d"),
+        ("v3", "disc_maps", "disc_map"),
+    )
 }

@@ -57,11 +57,7 @@ def _start_of(axes: Axes, result: Result, axis: int) -> None:
     axes.set_title("start")
 
 
-@figure(
-    "Pressure (MPa) through the middle, along sliding. Left (µm): first step, Winkler and Hertz. Right "
-    "(mm): at the end.",
-    columns=2,
-)
+@figure(columns=2)
 def pressure_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v1 = runs["v1"]
     _start_of(axes[0], v1, 0)
@@ -73,11 +69,7 @@ def pressure_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(axes[0], columns=2)
 
 
-@figure(
-    "V2: pressure (MPa) through the middle. Left: first step, with Hertz. Right: at the end, across and "
-    "along sliding, with the closed form.",
-    columns=2,
-)
+@figure(columns=2)
 def pressure_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v2 = runs["v2"]
     last = v2.snapshot(-1)
@@ -100,11 +92,7 @@ def pressure_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(*axes, columns=5)
 
 
-@figure(
-    "V1: wear of the disc through the middle (µm) at four distances, and its deepest cell over the "
-    "distance (mm) with a square root through the end.",
-    columns=2,
-)
+@figure(columns=2)
 def disc_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v1 = runs["v1"]
     distance, depth = v1.history["distance"], 1e3 * v1.history["wear_depth_disc"]
@@ -121,11 +109,7 @@ def disc_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(*axes, columns=3)
 
 
-@figure(
-    "Pressure (MPa) at the end. Scales differ: V1, V2 and V3 fine span 2 % about their mean, V3's starts "
-    "at 0.",
-    maps=len(VERSIONS),
-)
+@figure(maps=len(VERSIONS))
 def pressure_maps(axes: Any, runs: Runs, numbers: Numbers) -> None:
     for panel, name in zip(axes, VERSIONS, strict=True):
         window = window_of(runs[name])
@@ -139,10 +123,7 @@ def pressure_maps(axes: Any, runs: Runs, numbers: Numbers) -> None:
         panel.set_title(f"{VERSIONS[name]}: {text} MPa")
 
 
-@figure(
-    "Wear depth of the sphere at the end (µm); the extents along and across are of touched cells.",
-    maps=len(VERSIONS),
-)
+@figure(maps=len(VERSIONS))
 def sphere_patches(axes: Any, runs: Runs, numbers: Numbers) -> None:
     for panel, name in zip(axes, VERSIONS, strict=True):
         window = window_of(runs[name])
@@ -152,12 +133,7 @@ def sphere_patches(axes: Any, runs: Runs, numbers: Numbers) -> None:
         panel.set_title(f"{VERSIONS[name]}: {along:.3g} × {across:.3g} mm")
 
 
-@figure(
-    "The disc across sliding through the middle at the end (µm over mm), unworn in grey.",
-    rows=2,
-    columns=2,
-    height=2.3,
-)
+@figure(rows=2, columns=2, height=2.3)
 def disc_profiles(axes: Any, runs: Runs, numbers: Numbers) -> None:
     for panel, name in zip(axes, VERSIONS, strict=True):
         result = runs[name]
@@ -173,9 +149,7 @@ def disc_profiles(axes: Any, runs: Runs, numbers: Numbers) -> None:
     fs.legend_above(axes[0], columns=2)
 
 
-@figure(
-    "V1: cells in contact (dark) at the start, after 30 mm and at the end; Hertz's circle dashed.", maps=3
-)
+@figure(maps=3)
 def contact_areas(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v1 = runs["v1"]
     hertz = v1.study.hertz
@@ -190,7 +164,7 @@ def contact_areas(axes: Any, runs: Runs, numbers: Numbers) -> None:
         panel.set_title(f"{title or fs.after(snapshot.distance)}: {area:.3g} mm²")
 
 
-@figure("V2: wear of the sphere (µm) along and across sliding, and V2 minus V1 (µm).", columns=2)
+@figure(columns=2)
 def sphere_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     first, second = (runs[name].snapshot(-1).wear_sphere for name in ("v1", "v2"))
     x = runs["v2"].x

@@ -11,26 +11,18 @@ import warp
 from warpwear.result import Result
 from warpwear.results.report import to_json
 from warpwear.thesis import curves, maps
-from warpwear.thesis.figures import OF_RUNS
-from warpwear.thesis.findings import FINDINGS
+from warpwear.thesis.figures import CAPTIONS, OF_RUNS
+from warpwear.thesis.items import ALL_ITEMS, FINDINGS, OF_THESIS, SUMMARY, Row
 from warpwear.thesis.numbers import Numbers, collect
 from warpwear.thesis.page import Picture, check_report, embedded, render, write_report
+from warpwear.thesis.printed import TOLERANCES
 from warpwear.thesis.runs import VERSIONS, Plan, Runs, published, running
-from warpwear.thesis.summary import ALL_ITEMS, OF_THESIS, SUMMARY
-from warpwear.thesis.verdicts import (
-    DIAMETER_TOLERANCE,
-    PRESSURE_TOLERANCE,
-    Kind,
-    Row,
-    Verdict,
-    as_printed,
-    number,
-)
+from warpwear.thesis.verdicts import Kind, Verdict, as_printed, number
 from warpwear.version import __version__
 
 PAGE = "report.html"
 NUMBERS = "numbers.json"
-#: Figures by name, with captions.
+#: Figures by name.
 FIGURES = OF_RUNS | curves.FIGURES | maps.FIGURES
 #: Columns of the table at the top.
 PRINTED_COLUMNS = ("thesis V1", "thesis V2", "thesis V3", "experiment")
@@ -58,7 +50,7 @@ def thesis_report(
     with running(plan or published(quick=quick), device=device, threads=threads, quiet=quiet) as runs:
         numbers = collect(runs)
         verdicts = judge(numbers)
-        pictures = {name: embedded(entry.draw(runs, numbers)) for name, entry in FIGURES.items()}
+        pictures = {name: embedded(draw(runs, numbers)) for name, draw in FIGURES.items()}
         page = render_page(
             runs, numbers, verdicts, pictures, quick=quick, elapsed=time.perf_counter() - started
         )
@@ -68,7 +60,7 @@ def thesis_report(
 
 def judge(numbers: Mapping[str, float]) -> dict[str, Verdict]:
     """Judge every item by these numbers: its id -> verdict."""
-    return {item.id: item.judge(numbers) for item in ALL_ITEMS}
+    return {item.id: item.rule.judge(numbers) for item in ALL_ITEMS}
 
 
 def as_json(numbers: Numbers, verdicts: Mapping[str, Verdict]) -> str:
@@ -128,14 +120,13 @@ def render_page(
         printed_columns=PRINTED_COLUMNS,
         versions=VERSIONS,
         summary=[(line.row, line.judge(numbers), line.item) for line in SUMMARY],
-        diameter_tolerance=DIAMETER_TOLERANCE,
-        pressure_tolerance=PRESSURE_TOLERANCE,
+        tolerance=TOLERANCES,
         places={item.id: item.place or "finding" for item in ALL_ITEMS},
         items=OF_THESIS,
-        findings={item.id: item for item in FINDINGS.items},
+        findings=FINDINGS,
         verdicts=verdicts,
         kinds=_count(verdicts),
-        figures=FIGURES,
+        captions=CAPTIONS,
         pictures=pictures,
         n=numbers,
         runs=_runs_table(runs),

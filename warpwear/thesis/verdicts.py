@@ -1,38 +1,26 @@
-"""What the report of the thesis compares and how it judges: every verdict is computed from the numbers.
+"""How the report of the thesis judges: every verdict is computed from the numbers.
 
-An `Item` is declared with `@item` above the rule that judges it; the rule gets the numbers by name and
-returns a `Verdict`. The items stand in `items_*` (figures and tables of the thesis) and in `findings`
-(statements of our own); `summary` has all of them.
+A `Rule` is a condition and its two reasons, written in the language of Jinja templates. The rules stand in
+`items.toml`, which says what may stand in them.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cache
+from typing import Any
 
-from warpwear.thesis.printed import PATCH_DIAMETERS, Printed
+from warpwear import lazy
+from warpwear.thesis.printed import PRINTED, SERIES, TOLERANCES, Printed
 from warpwear.thesis.runs import VERSIONS
 
-#: Exponent of an area that grows as the square root of the distance.
-ROOT_EXPONENT = 0.5
-#: Its levelling index λ.
-ROOT_LEVELLING = 0.25
-#: How far from them a course still counts as a square root.
-SHAPE_TOLERANCE = 0.05
-#: Largest relative difference of two volumes that count as one.
-SAME_VOLUME = 1e-3
-#: Rounding of a printed diameter plus two cells of 10 µm [mm].
-DIAMETER_TOLERANCE = 0.025
-#: Rounding of a printed limit of the pressure [MPa].
-PRESSURE_TOLERANCE = 5.0
-#: Part of a depth below which no figure shows a difference of shape.
-VISIBLE = 0.01
-#: Unit of a row -> numbers are shown times this.
-FACTORS = {"%": 100.0, "10⁻⁴ mm³/(N·m)": 1e4}
-#: Diameter of the worn patch of smooth discs: from the depths.
-SMOOTH_PATCHES = {"V1": "v1.patch_by_depth_mm", "V2": "v2.patch_by_depth_mm"}
-#: Diameter of the worn patch of rough discs: as touched.
-ROUGH_PATCHES = {"V3": "v3.patch_along_mm", "V3 fine": "fine.patch_along_mm"}
+jinja2 = lazy.module("jinja2")
+
+#: Exponent m and levelling index λ of an area that grows as the square root of the distance.
+SQUARE_ROOT = {"exponent_m": 0.5, "levelling_lambda": 0.25}
+#: What the names of numbers begin with, before their dot.
+GROUPS = (*VERSIONS, "beyond", "experiment", "implicit", "surfaces")
 
 
 class Kind(StrEnum):
@@ -44,6 +32,15 @@ class Kind(StrEnum):
     WRONG = "wrong in the thesis"
     HOLDS = "holds"
     FAILS = "does not hold"
+
+
+#: What a verdict is if its condition holds -> what it is if not.
+OTHERWISE = {
+    Kind.AGREES: Kind.DISAGREES,
+    Kind.WRONG: Kind.AGREES,
+    Kind.HOLDS: Kind.FAILS,
+    Kind.NOT_COMPARABLE: Kind.NOT_COMPARABLE,
+}
 
 
 @dataclass(frozen=True)
@@ -58,139 +55,92 @@ class Unknown(Exception):
     """A rule asked for a number that the runs cannot say."""
 
 
-class Known(Mapping[str, float]):
-    """Numbers by name; raises Unknown for one that is missing or not finite."""
+@dataclass(frozen=True)
+class Known:
+    """Numbers whose names have one beginning; raises Unknown for one that is missing or not finite."""
 
-    def __init__(self, numbers: Mapping[str, float]) -> None:
-        self._numbers = numbers
+    numbers: Mapping[str, float]
+    beginning: str = ""
 
     def __getitem__(self, name: str) -> float:
-        value = self._numbers.get(name, math.nan)
+        value = self.numbers.get(self.beginning + name, math.nan)
         if not math.isfinite(value):
-            raise Unknown(name)
+            raise Unknown(self.beginning + name)
         return value
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._numbers)
 
-    def __len__(self) -> int:
-        return len(self._numbers)
+@dataclass(frozen=True, kw_only=True)
+class Rule:
+    """A verdict of a kind if a condition holds, and why or why not.
 
+    condition, unless and the values of `let` are expressions; yes and no are templates. let: names for what
+    follows. unless: when nothing can be compared; since: why not.
+    """
 
-Rule = Callable[[Known], Verdict]
-
-
-@dataclass(frozen=True)
-class Row:
-    """One quantity: what is printed and which of our numbers stand beside it, each under a column's name."""
-
-    quantity: str
-    unit: str
-    ours: Mapping[str, str]  # column -> name of a number
-    printed: Mapping[str, Printed] = field(default_factory=dict)  # column -> value
-
-    @property
-    def factor(self) -> float:
-        """What our numbers, and printed ones, are multiplied with to have the unit."""
-        return FACTORS.get(self.unit, 1.0)
-
-
-@dataclass(frozen=True)
-class Item:
-    """One figure, table or statement with the rule that judges it."""
-
-    id: str
-    place: str
-    title: str
-    says: str  # what the thesis says or draws there, in our words; or what is claimed here
-    rule: Rule
-    rows: tuple[Row, ...] = ()
-    figures: tuple[str, ...] = ()  # names of figures
+    kind: Kind
+    yes: str
+    no: str
+    condition: str = "true"
+    let: Mapping[str, str] = field(default_factory=dict)
+    unless: str = "false"
+    since: str = ""
 
     def judge(self, numbers: Mapping[str, float]) -> Verdict:
-        """Judge the item by these numbers."""
+        """Judge by these numbers; where one is missing, even in the reason not given, nothing is compared."""
+        known: dict[str, Any] = {group: Known(numbers, f"{group}.") for group in GROUPS}
+        known["n"] = Known(numbers)
         try:
-            return self.rule(Known(numbers))
+            if _expression(self.unless)(known):
+                return Verdict(Kind.NOT_COMPARABLE, self.since)
+            for name, expression in self.let.items():
+                known[name] = _expression(expression)(known)
+            holds = _expression(self.condition)(known)
+            yes, no = (folded(_template(text).render(known)) for text in (self.yes, self.no))
         except Unknown as missing:
             return Verdict(Kind.NOT_COMPARABLE, f"The runs do not say {missing}.")
+        return Verdict(self.kind, yes) if holds else Verdict(OTHERWISE[self.kind], no)
 
 
-@dataclass(frozen=True)
-class Table:
-    """Items in their order, filled by decorators."""
-
-    items: list[Item] = field(default_factory=list)
-
-    def item(
-        self,
-        name: str,
-        title: str,
-        says: str,
-        *rows: Row,
-        place: str | None = None,
-        figures: tuple[str, ...] = (),
-    ) -> Callable[[Rule], Rule]:
-        """Add an item with the decorated function as its rule.
-
-        place: where the thesis has it, by default what its name says: figure-4.17 is Figure 4.17.
-        """
-        if place is None:
-            kind, _, where = name.partition("-")
-            place = f"{kind.capitalize()} {where}" if where else ""
-
-        def add(rule: Rule) -> Rule:
-            self.items.append(Item(name, place, title, says, rule, rows, figures))
-            return rule
-
-        return add
+@cache
+def environment() -> Any:
+    """Make what rules can use besides numbers of the runs."""
+    made = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=False)
+    made.globals = {
+        "abs": abs,
+        "max": max,
+        "printed": {name: printed.value for name, printed in PRINTED.items()},
+        "tolerance": TOLERANCES,
+    } | {name: [printed.value for printed in series] for name, series in SERIES.items()}
+    made.filters |= {"number": number, "percent": percent, "shape": shape_of}
+    made.tests["square_root"] = is_square_root
+    return made
 
 
-def agrees_if(condition: bool, yes: str, no: str) -> Verdict:
-    """Judge what the thesis shows: it agrees, or disagrees."""
-    return Verdict(Kind.AGREES, yes) if condition else Verdict(Kind.DISAGREES, no)
+@cache
+def _expression(text: str) -> Any:
+    """Compile an expression into a function of names and values."""
+    return environment().compile_expression(text, undefined_to_none=False)
 
 
-def wrong_if(condition: bool, yes: str, no: str) -> Verdict:
-    """Judge what the thesis claims: it is wrong there, or else agrees with ours."""
-    return Verdict(Kind.WRONG, yes) if condition else Verdict(Kind.AGREES, no)
+@cache
+def _template(text: str) -> Any:
+    """Compile a template."""
+    return environment().from_string(text)
 
 
-def holds_if(condition: bool, yes: str, no: str) -> Verdict:
-    """Judge a statement of our own: it holds, or does not."""
-    return Verdict(Kind.HOLDS, yes) if condition else Verdict(Kind.FAILS, no)
+def folded(text: str) -> str:
+    """Write a text of several lines as one."""
+    return " ".join(text.split())
 
 
-def of(*names: str) -> dict[str, str]:
-    """Put numbers of versions under their columns: 'v1.area_mm2' under 'V1'."""
-    return {VERSIONS[name.partition(".")[0]]: name for name in names}
-
-
-def of_all(quantity: str, unit: str, key: str, printed: Mapping[str, Printed] | None = None) -> Row:
-    """Declare one quantity of the four versions. printed: column -> value."""
-    return Row(quantity, unit, of(*(f"{version}.{key}" for version in VERSIONS)), printed or {})
-
-
-def extremes(name: str) -> dict[str, str]:
-    """Put a number's smallest and largest over all surfaces under columns. name: with {} for which."""
-    return {which: name.format(which) for which in ("smallest", "largest")}
-
-
-def patches(*names: str) -> dict[str, Printed]:
-    """Put printed diameters of the worn patch under columns: of the experiment and of versions."""
-    return {v if v == "experiment" else f"thesis {VERSIONS[v]}": PATCH_DIAMETERS[v] for v in names}
-
-
-def is_root(n: Known, version: str) -> bool:
+def is_square_root(version: Known) -> bool:
     """Tell whether a version's area grows as the square root of the distance."""
-    return (
-        abs(n[f"{version}.exponent_m"] - ROOT_EXPONENT) < SHAPE_TOLERANCE
-        and abs(n[f"{version}.levelling_lambda"] - ROOT_LEVELLING) < SHAPE_TOLERANCE
-    )
+    return all(abs(version[name] - value) < TOLERANCES["shape"] for name, value in SQUARE_ROOT.items())
 
 
-def shape_of(n: Known, version: str) -> str:
+def shape_of(version: Known) -> str:
     """Write m and λ of a version's area."""
-    return f"m = {number(n[f'{version}.exponent_m'])}, λ = {number(n[f'{version}.levelling_lambda'])}"
+    return f"m = {number(version['exponent_m'])}, λ = {number(version['levelling_lambda'])}"
 
 
 def number(value: float, digits: int = 3) -> str:
