@@ -241,7 +241,7 @@ def test_steps_that_are_made_in_blocks_are_made_alone_for_who_watches(
 
     def in_blocks(self: OneScaleModel, *args: Any, **kwargs: Any) -> None:
         init(self, *args, **kwargs)
-        self.in_blocks = True
+        self.blocks_allowed = True
 
     def watch(step: RunStep) -> None:
         snapshot = step.snapshot()
