@@ -115,3 +115,35 @@ def test_a_foundation_that_follows_the_patch(device: str) -> None:
     overlap = history["approach"][-1] - last.gap[where]
     assert last.pressure[where] / overlap == pytest.approx(stiffness, rel=1e-6)
     assert stiffness < 0.1 * study.contact_law().stiffness
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        {
+            "wear.law": "running-in",
+            "wear.running_in": "100 mm",
+            "wear.initial_sphere": "9.400000001e-4 mm^3/N/m",
+        },
+        {"wear.distance_factor": "radial"},
+    ],
+    ids=["running-in", "radial"],
+)
+def test_a_foundation_follows_the_patch_whatever_the_law(law: dict[str, str], device: str) -> None:
+    """Laws of cell by cell are stepped apart from the others: K_N follows the area in contact there too."""
+    study = Study.load("v1").replace(
+        {
+            "contact.bulk_update": "updated",
+            "stepping.scheme": "implicit",
+            "stepping.increment": "10 mm",
+            "sliding.distance": "300 mm",
+        }
+    )
+    uniform, other, fixed = (
+        run(each, device=device, plots=False).history["approach"]
+        for each in (study, study.replace(law), study.replace({"contact.bulk_update": "initial", **law}))
+    )
+    if "wear.law" in law:  # all but the same law
+        np.testing.assert_allclose(other, uniform, rtol=1e-6)
+    stiff = (uniform if "wear.law" in law else other)[-1]
+    assert abs(fixed[-1] / stiff - 1.0) > 5e-4

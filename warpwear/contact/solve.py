@@ -284,11 +284,11 @@ def _solve_cells(task: _Task, executor: Executor) -> _Found:
             found = Balancer(executor).solve(Foundation(gap, stiffness, tiles, load, task.cap))
         else:
             # No number of cells but the very one: else their pressure would exceed the hardness.
-            found = BearingArea(executor).solve(
+            bearing = BearingArea(executor)
+            found = bearing.solve(
                 gap,
                 tiles,
-                start=tiles.smallest,
-                scatter=0.0,
+                highest=bearing.bounds(gap, tiles)[1],
                 load=load,
                 hardness=task.cap,
                 tolerance=ROUNDING * load,

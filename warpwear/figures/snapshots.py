@@ -53,6 +53,7 @@ def islands(axes: Any, data: FigureData) -> None:
         sizes.step(
             falling,
             np.arange(1, falling.size + 1),
+            where="post",  # islands at least as large: between two areas, those of the larger
             color=fs.PRESSURES(shade),
             ls=("-", "--", "-.", ":")[index % 4],
             label=f"{table['distance'][index]:.4g} mm",

@@ -40,6 +40,12 @@ class ContactTask:
         assert self.hertz is not None  # checked with the study
         return self.hertz.foundation(self.bulk_stiffness, radius=radius if self.bulk_updated else None)
 
+    def compliance_at(self, area: float) -> float:
+        """1/k of the cells [mm³/N]. area: in contact [mm²], which the K_N of a macro contact may follow."""
+        if not self.bulk_updated:
+            return self.compliance
+        return 1.0 / self.bulk_stiffness_at(math.sqrt(area / math.pi) if area else None)
+
     def removals(self, start: float, increment: float) -> tuple[float, float]:
         """K ΔL of sphere and disc [mm³/N] over an increment that begins at a distance [mm]."""
         sphere, disc = (law.removal(start, increment) for law in self.wear)

@@ -63,8 +63,6 @@ class OneScaleModel(Model):
         assert task.is_uniform  # others are those of a track
         self.task = task
         self._executor = executor
-        #: 1/k of the foundation [mm³/N], None where it follows the contact.
-        self._compliance = None if task.bulk_updated else task.compliance
         self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
         self._stiffnesses: dict[float, Field] = {}
         self._last: Balance | None = None
@@ -76,7 +74,7 @@ class OneScaleModel(Model):
         self.tiles = Tiles(executor, self.state.gap, self.state.unworn, least=SPARE * fully)
         self._highest = self._bearing_area.bounds(self.state.gap, self.tiles)[1]
         #: Whether 1/c of a step is known before it.
-        self._foreseen = not task.rigid and self._compliance is not None
+        self._foreseen = not task.rigid and not task.bulk_updated
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
         self.blocks_allowed = executor.device.is_cuda and self._foreseen
         self._loop: DeviceLoop | None = None
@@ -202,10 +200,7 @@ class OneScaleModel(Model):
 
     def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> float:
         """1/c [N/mm³] of a step that wears sphere and disc by K ΔL [mm³/N]."""
-        compliance = self._compliance
-        if compliance is None:
-            area = self._ledger.row["area_contact"]
-            compliance = 1.0 / self.task.bulk_stiffness_at(math.sqrt(area / math.pi) if area else None)
+        compliance = self.task.compliance_at(self._ledger.row["area_contact"])
         if self.task.implicit:
             compliance = (compliance + removal_sphere) + removal_disc
         return stiffness_of(compliance)

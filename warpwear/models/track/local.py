@@ -108,7 +108,7 @@ class SlidingContact:
         kind = "none" if moves else task.distance_factor
         self._factor = distance_factor(grid, kind, curvature=task.curvature)
         #: Whether the device can make steps by itself: those of a contact with compliance, one for all cells.
-        alike = kind == "none" and bearing_curve is None
+        alike = kind == "none" and bearing_curve is None and not task.bulk_updated
         self.blocks_allowed = executor.device.is_cuda and not task.rigid and alike
         self._gather(kind != "none")
         self._recession = None
@@ -145,8 +145,9 @@ class SlidingContact:
         removal = task.removals(row["distance"], increment)
         of_sphere, of_disc = removal[0], self._track_fraction * removal[1]
         now.shift, now.wear_per_pressure_sphere, now.wear_per_pressure_disc = shift, of_sphere, of_disc
-        compliance = task.compliance + (of_sphere + of_disc) * task.implicit
-        stiffness = self._stiffness_of(compliance)
+        own = task.compliance_at(row["area_contact"])
+        compliance = own + (of_sphere + of_disc) * task.implicit
+        stiffness = self._stiffness_of(compliance, own)
         self._of_cells.stiffness = stiffness
         balance = self._balance(stiffness, compliance)
         balance.fill(self._law)
@@ -220,23 +221,19 @@ class SlidingContact:
         )
         return self._executor.to_numpy(field)
 
-    def _stiffness_of(self, compliance: float) -> Field:
+    def _stiffness_of(self, compliance: float, own: float) -> Field:
         """1/c of the cells in the step at hand [N/mm³], one row where they are alike.
 
-        compliance: of a cell that slides as far as the middle [mm³/N].
+        compliance: of a cell that slides as far as the middle [mm³/N]; own: the part that is no wear.
         """
         task, now = self.task, self._slide
         if self._recession is not None and task.implicit:
-            return self._recession.stiffness(
-                task.compliance + now.wear_per_pressure_sphere, now.wear_per_pressure_disc
-            )
+            return self._recession.stiffness(own + now.wear_per_pressure_sphere, now.wear_per_pressure_disc)
         made_for = (compliance, now.wear_per_pressure_disc * now.factored)
         if self._stiffness is None or self._stiffness[0] != made_for:
             values = np.full((1, 1), compliance)
             if now.factored and task.implicit:
-                values = self._factor * now.wear_per_pressure_disc + (
-                    task.compliance + now.wear_per_pressure_sphere
-                )
+                values = self._factor * now.wear_per_pressure_disc + (own + now.wear_per_pressure_sphere)
             with np.errstate(divide="ignore", over="ignore"):
                 values = np.minimum(1.0 / values, RIGID)
             # A stiffness of 0 beyond the last column would look like cells at the point of touching.
