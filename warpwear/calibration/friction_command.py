@@ -7,10 +7,10 @@ from typing import Any
 from warpwear.calibration import options
 from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
 from warpwear.errors import InputError
+from warpwear.laws import friction
 from warpwear.measured.course import read_experiment
 from warpwear.measured.options import optional, quantity
 from warpwear.result import Result
-from warpwear.results import friction
 from warpwear.results.report import Row, lines, record, table, to_json
 from warpwear.study.contact import Friction
 

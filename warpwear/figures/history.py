@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
 from warpwear.figures.data import FigureData, positive
-from warpwear.results.friction import mean_over
+from warpwear.laws.friction import mean_over
 
 AREAS: dict[str, tuple[str, dict[str, Any]]] = {
     "contact": ("in contact", {"color": fs.CONTACT, "ls": "-"}),

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.results import friction
+from warpwear.laws import friction
 from warpwear.results.file import ResultFile
 from warpwear.results.track import by_pass, groove, roughness_in_track
 from warpwear.study import text as render

@@ -14,7 +14,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
-from warpwear.results import friction
+from warpwear.laws import friction
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT

@@ -11,7 +11,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import UNITS, columns_of
 from warpwear.history.snapshot import Snapshot
-from warpwear.results import friction
+from warpwear.laws import friction
 from warpwear.study.study import Study
 
 

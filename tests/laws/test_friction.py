@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from warpwear.results import friction
+from warpwear.laws import friction
 from warpwear.study.contact import Friction
 
 HISTORY = {

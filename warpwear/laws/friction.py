@@ -7,18 +7,49 @@ measured coefficient fixes τ, are choices of the study. τ is constant, or runs
 
 import math
 from collections.abc import Mapping
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.study.contact import Friction
 
 WHEN: tuple[Literal["initial"], Literal["end"]] = ("initial", "end")
 
 
+class FrictionLaw(Protocol):
+    """The numbers that friction follows from; the section [friction] of a study has them."""
+
+    @property
+    def shear_strength(self) -> float | None:
+        """τ0 [MPa]; None where `coefficient` fixes it."""
+
+    @property
+    def coefficient(self) -> float:
+        """The measured coefficient that fixes τ0."""
+
+    @property
+    def calibrate(self) -> Literal["initial", "end"]:
+        """When that coefficient holds."""
+
+    @property
+    def ploughing(self) -> float:
+        """The part μ_p of the coefficient that does not shear."""
+
+    @property
+    def initial_ratio(self) -> float | None:
+        """τ at the start over τ0, where it runs in."""
+
+    @property
+    def running_in(self) -> float | None:
+        """The length L_τ [mm] of that."""
+
+    @property
+    def area(self) -> str:
+        """Which area shears: contact, touched, cumulative or nominal."""
+
+
 def shear_strength(
-    friction: Friction,
+    friction: FrictionLaw,
     history: Mapping[str, FloatArray],
     *,
     load: float,
@@ -63,7 +94,7 @@ def within(
 
 
 def coefficient(
-    friction: Friction,
+    friction: FrictionLaw,
     history: Mapping[str, FloatArray],
     *,
     load: float,
@@ -75,7 +106,7 @@ def coefficient(
     return np.asarray(friction.ploughing + tau * history[f"area_{friction.area}"] / load)
 
 
-def _running_in(friction: Friction, distance: FloatArray) -> FloatArray:
+def _running_in(friction: FrictionLaw, distance: FloatArray) -> FloatArray:
     """τ/τ0 at sliding distances [mm]."""
     if friction.initial_ratio is None or friction.running_in is None:
         return np.ones_like(distance)
@@ -83,7 +114,7 @@ def _running_in(friction: Friction, distance: FloatArray) -> FloatArray:
 
 
 def calibrations(
-    friction: Friction,
+    friction: FrictionLaw,
     history: Mapping[str, FloatArray],
     *,
     load: float,
