@@ -457,3 +457,11 @@ def test_a_load_that_is_missed_is_an_error(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(solve_module, "LOAD_TOLERANCE", -1.0)
     with pytest.raises(ConvergenceError, match=r"found a mean pressure of 0\.5 instead of 0\.5"):
         solve_contact(HEIGHTS, cell=GRID.cell, mean_pressure=0.5, stiffness=1.0)
+
+
+def test_a_contact_at_the_edge_is_told() -> None:
+    """Beyond the array there is nothing to carry: the area would be cut off without a word."""
+    radius, modulus, load = 3.0, 1.0e5, 8.0
+    a = (0.75 * load * radius / modulus) ** (1.0 / 3.0)
+    with pytest.warns(UserWarning, match=r"the edge of heights, of the shape \(16, 16\)"):
+        solve_contact(np.zeros((16, 16)), cell=a / 20, load=load, modulus=modulus, sphere_radius=radius)

@@ -6,6 +6,7 @@ the caller's: see `_Task`.
 """
 
 import math
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Real
@@ -127,7 +128,8 @@ def solve_contact(
     the other laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every
     core; no result depends on it.
 
-    Raises InputError for what is not possible, ConvergenceError where the tolerance is not met. Sources:
+    Warns where the contact with a sphere reaches the edge of the array. Raises InputError for what is not
+    possible, ConvergenceError where the tolerance is not met. Sources:
     Polonsky and Keer 1999, Wear 231, 206 and Almqvist et al. 2007, Tribol. Int. 40, 574 (half-space);
     Johnson, Contact Mechanics, 1985, section 4.3 (springs).
     """
@@ -175,6 +177,12 @@ def solve_contact(
                 f"{error}"
             ) from error
     contact = _contact_of(task, found, cell, hardness)
+    if sphere_radius is not None and _touches_edge(found.pressure):
+        warnings.warn(
+            f"the contact with the sphere reaches the edge of heights, of the shape {surface.shape}, beyond "
+            "which nothing carries; a larger array is needed for the whole contact.",
+            stacklevel=2,
+        )
     if mean is not None and not abs(contact.mean_pressure / mean - 1.0) <= LOAD_TOLERANCE:
         raise ConvergenceError(
             f"solve_contact found a mean pressure of {contact.mean_pressure:g} instead of {mean:g}."
@@ -261,6 +269,11 @@ def _solve_half_space(task: _Task, executor: Executor, tolerance: float) -> _Fou
     field = executor.zeros()
     Influence(executor, modulus=1.0, boundary=task.edge).respond(executor.field(pressure), field)
     return _Found(pressure, executor.to_numpy(field).copy(), approach, transforms + 1)
+
+
+def _touches_edge(pressure: FloatArray) -> bool:
+    """Whether a cell at the rim of the array carries a pressure."""
+    return bool(pressure[[0, -1]].any() or pressure[:, [0, -1]].any())
 
 
 def _box(cells: npt.NDArray[np.bool_]) -> tuple[slice, slice]:
