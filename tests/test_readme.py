@@ -39,7 +39,7 @@ def test_the_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("coefficient of friction") == 3
+    assert done.stdout.count("mm² in contact at the end") == 3
     assert (tmp_path / "loads.png").is_file()
 
 
