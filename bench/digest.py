@@ -44,6 +44,10 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
         {"grid.cell": "10 um", "sliding.distance": "240 mm", "sliding.plastic": "keep"},
     ),
     "track-full": ("track", {"grid.cell": "10 um", "sliding.distance": "120 mm", "sliding.track": "full"}),
+    "v2-updated": (
+        "v2",
+        {"contact.bulk_update": "updated", "stepping.scheme": "implicit", "sliding.distance": "600 mm"},
+    ),
     "v1-updated": ("v1", {"contact.bulk_update": "updated", "sliding.distance": "600 mm"}),
     "v1-explicit": ("v1", {"stepping.scheme": "explicit", "sliding.distance": "300 mm"}),
     "v3-fine-exponential": (

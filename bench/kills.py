@@ -38,6 +38,16 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "wear.distance_factor": "radial",
         },
     ),
+    "micro, running in apart": (
+        "v3-fine",
+        SMALL
+        | {
+            "sliding.distance": "10 mm",
+            "wear.law": "running-in",
+            "wear.running_in": "5 mm",
+            "wear.initial_sphere": "3e-3 mm^3/N/m",
+        },
+    ),
     "bearing area": (
         "v3",
         SMALL

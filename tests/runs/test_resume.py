@@ -36,6 +36,7 @@ from warpwear.results.seal import HEADER
 from warpwear.runs import checkpoint
 from warpwear.runs import lock as run_lock
 from warpwear.runs.checkpoint import FILE_NAME
+from warpwear.runs.make import model_at_rest
 
 ROOT = Path(__file__).parents[2]
 KILLS = ROOT / "bench" / "kills.py"
@@ -126,6 +127,36 @@ def test_a_model_goes_on_from_any_step(
         assert again == rows
         for one, other in zip(fields, fields_again, strict=True):
             assert_array_equal(one, other)
+
+
+#: Laws of cell by cell, which are those of a track that does not move.
+CELL_BY_CELL = {
+    "radial": {"wear.distance_factor": "radial"},
+    "radial, bearing area": LAWS["bearing area"] | {"wear.distance_factor": "radial"},
+    "running in apart": {
+        "wear.law": "running-in",
+        "wear.running_in": "1 mm",
+        "wear.initial_sphere": "3e-3 mm^3/N/m",
+    },
+}
+
+
+@pytest.mark.parametrize("law", CELL_BY_CELL)
+def test_a_law_of_cell_by_cell_goes_on_from_any_step(law: str, threads: int) -> None:
+    dice = np.random.default_rng(11)
+    heights = SURFACES[0](dice)
+    plan = [(increment, False) for increment in (10.0 ** dice.uniform(-3.0, 0.0, 8)).tolist()]
+    study = Study.load("v3-fine").replace({"stepping.increment": "1 mm", "stepping.force": True})
+    task = study.replace(CELL_BY_CELL[law]).contact_task
+    with Executor(Grid(*SHAPE, CELL)) as executor:
+        rows = [step.row for step in model_at_rest(task, heights.copy(), executor).steps(plan)]
+        for restart in (1, 5):
+            before = model_at_rest(task, heights.copy(), executor)
+            again = [step.row for step in before.steps(plan[:restart])]
+            arrays, numbers = saved.save(before)
+            after = model_at_rest(task, heights.copy(), executor)
+            saved.restore(after, arrays, json.loads(json.dumps(numbers)))
+            assert [*again, *(step.row for step in after.steps(plan[restart:]))] == rows
 
 
 def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch) -> None:
