@@ -116,7 +116,7 @@ def test_a_worn_ball(here: Path) -> None:
         (["../files/rough.npy", *GIVEN, "--outliers", "1"], "disc.outliers = 1.0: must be at least 3"),
         (["../files/rough.npy", *GIVEN, "--crop", "1 mm, 2 mm, 3 mm"], "disc.crop = "),
         (["../files/rough.npy", *GIVEN, "--crop", "5 mm"], "disc.crop is (5, 5) mm"),
-        (["../files/rough.npy", *GIVEN, "--s-filter", "8"], "disc.s_filter = '8': has the wrong dimension"),
+        (["../files/rough.npy", *GIVEN, "--s-filter", "8"], "disc.s_filter = '8': needs its unit"),
         (
             ["../files/rough.npy", *GIVEN, "--lambda-c", "-1 mm"],
             "--lambda-c = '-1 mm': must be greater than 0",
