@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from warpwear.engine.executor import Arguments, Executor, Field, arguments
+from warpwear.engine.executor import Arguments, Executor, Field, arguments, set_numbers
 from warpwear.engine.tiles import TileList
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
@@ -81,8 +81,14 @@ class Balance:
 
     def fill(self, law: Arguments) -> None:
         """Give kernels what they evaluate the pressure by."""
-        law.base, law.offset, law.cap = self.base, self.offset, self.cap
-        law.tie_width, law.tie_pressure = self.tie_width, self.tie_pressure
+        set_numbers(
+            law,
+            base=self.base,
+            offset=self.offset,
+            cap=self.cap,
+            tie_width=self.tie_width,
+            tie_pressure=self.tie_pressure,
+        )
 
 
 @dataclass(frozen=True)
@@ -199,7 +205,7 @@ class Balancer:
 
     def _carried(self, task: Foundation, base: float, offset: float) -> Carried:
         """Force and its slope at an approach."""
-        self._law.base, self._law.offset, self._law.cap = base, offset, task.hardness
+        set_numbers(self._law, base=base, offset=offset, cap=task.hardness)
         self._executor.launch(
             contact.carried,
             inputs=[self._law, task.stiffness, task.gap],

@@ -10,7 +10,7 @@ import warp as wp
 
 from warpwear.contact.balance import RIGID, Balance, Balancer, Foundation, stiffness_of
 from warpwear.contact.bearing_area import BearingArea
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Executor, Field, arguments, set_numbers
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step, TrackLedger
 from warpwear.kernels import contact, sliding
@@ -32,6 +32,8 @@ CHANGES, TIMES = 8, 2.0
 #: Sums over tiles and rows, and their names where they differ in the history.
 KEPT = ("touched", "worn_sphere", "worn_disc", "pressed_disc")
 RENAMED = {"worn_sphere": "wear_sphere", "worn_disc": "wear_disc"}
+#: Names of the sums and maxima of a step.
+SUMS, MAXIMA = names_of(TrackSum), names_of(TrackMost)
 #: Of a step before which nothing was touched.
 NO_ROWS = {"first_row": -math.inf, "last_row": -math.inf}
 #: What the approach may change by when nothing is known of it, and at least [mm].
@@ -119,7 +121,7 @@ class SlidingContact:
         """Make the arguments of the kernels, which change in place."""
         executor, tiles = self._executor, self.tiles
         factors = np.broadcast_to(self._factor, (self._factor.shape[0], executor.grid.ny))
-        sums, maxima = executor.partials(len(TrackSum)), executor.partials(len(TrackMost))
+        sums, maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
         numbers = {name: kept.numbers for name, kept in self._kept.items()}
         bounds = {"lowest": tiles.lowest.numbers, "highest": tiles.highest.numbers}
         self._law = arguments(Law)
@@ -144,20 +146,27 @@ class SlidingContact:
         self.tiles.displace(shift)
         removal = task.removals(row["distance"], increment)
         of_sphere, of_disc = removal[0], self._track_fraction * removal[1]
-        now.shift, now.wear_per_pressure_sphere, now.wear_per_pressure_disc = shift, of_sphere, of_disc
+        set_numbers(now, wear_per_pressure_sphere=of_sphere, wear_per_pressure_disc=of_disc)
         own = task.compliance_at(row["area_contact"])
         compliance = own + (of_sphere + of_disc) * task.implicit
         stiffness = self._stiffness_of(compliance, own)
-        self._of_cells.stiffness = stiffness
+        if self._of_cells.stiffness is not stiffness:
+            self._of_cells.stiffness = stiffness
         balance = self._balance(stiffness, compliance)
         balance.fill(self._law)
         near_mean = balance.cap if compliance == 0.0 else row["pressure_mean"] or balance.cap
-        now.reference = reference = near_mean if math.isfinite(near_mean) else 0.0
+        reference = near_mean if math.isfinite(near_mean) else 0.0
         pressure = self._pressures(stiffness) if with_pressure else None
         bearing = None if self._recession is None else self._recession.cells_bearing(self._law)
-        first, end = self._ledger.columns
-        now.first_column, now.last_column = (first, end - 1) if end else (self._executor.grid.ny, -1)
-        now.full_depth = compliance * task.hardness if self.keeps_dents else math.inf
+        first, end = self.state.columns
+        set_numbers(
+            now,
+            shift=shift,
+            reference=reference,
+            full_depth=compliance * task.hardness if self.keeps_dents else math.inf,
+            first_column=first if end else self._executor.grid.ny,
+            last_column=end - 1,
+        )
         self._executor.launch(
             sliding.wear_step,
             inputs=[self._law, now, self._of_cells],
@@ -273,8 +282,8 @@ class SlidingContact:
     def _found(self) -> tuple[dict[str, float], dict[str, float]]:
         """What the kernels found in a step: sums and maxima by name."""
         sums, maxima = self._tables.sums.numpy().sum(axis=1), self._tables.maxima.numpy().max(axis=1)
-        total = dict(zip(names_of(TrackSum), sums.tolist(), strict=True))
-        most = dict(zip(names_of(TrackMost), maxima.tolist(), strict=True))
+        total = dict(zip(SUMS, sums.tolist(), strict=True))
+        most = dict(zip(MAXIMA, maxima.tolist(), strict=True))
         of_rows = {name: totals.numpy() for name, totals in self._totals.items()}
         total |= {RENAMED.get(name, name): float(values.sum()) for name, values in of_rows.items()}
         rows = np.flatnonzero(of_rows["touched"])
