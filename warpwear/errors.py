@@ -1,4 +1,4 @@
-"""The two ways a run can end badly, each with one sentence for the user."""
+"""How a run can end badly, and what misleads of one that ends well: each is one sentence for the user."""
 
 
 class InputError(ValueError):
@@ -16,3 +16,7 @@ class InvariantError(InputError):
 
 class ConvergenceError(RuntimeError):
     """A solve that did not meet its tolerance: the message names the residual. Never reported as success."""
+
+
+class StudyWarning(UserWarning):
+    """What misleads in a run that can be computed: a key that is not used, say, or a contact of few cells."""

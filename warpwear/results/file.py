@@ -25,6 +25,8 @@ Derived = TypeVar("Derived")
 FILE_NAME = "result.h5"
 #: Heights that were given as an array, beside the file.
 SURFACE_FILE = "surface.npy"
+#: Attribute of a result whose study names the `SURFACE_FILE` beside it.
+OWN_SURFACE = "own_surface"
 #: Datasets beside the columns of the history: numbers of its patches.
 PATCH = "patch"
 #: Part of a distance asked for by which a snapshot's may differ and be the one.
@@ -180,17 +182,21 @@ class ResultFile:
     def study(self) -> Study:
         """The study that was run. Heights given as an array are those in the run folder, wherever it is."""
         with self._reading() as file:
-            found = Study.stored(file.attrs["study"])
-            given = self.folder and self.folder / SURFACE_FILE
-            if given and given.is_file() and Path(found.disc.surface or "").name == SURFACE_FILE:
-                found = Study.stored(file.attrs["study"], surface=str(given.resolve()))
-        return found
+            own = self.folder / SURFACE_FILE if self.folder and self.owns_surface else None
+            surface = str(own.resolve()) if own and own.is_file() else None
+            return Study.stored(file.attrs["study"], surface=surface)
 
     @property
     def attributes(self) -> dict[str, Any]:
         """Version, device, threads, precision, finished."""
         with self._reading() as file:
-            return {k: v for k, v in file.attrs.items() if k != "study"}
+            return {k: v for k, v in file.attrs.items() if k not in ("study", OWN_SURFACE)}
+
+    @property
+    def owns_surface(self) -> bool:
+        """Whether the study names the heights that lie beside the result, in its folder."""
+        with self._reading() as file:
+            return OWN_SURFACE in file.attrs
 
     @property
     def finished(self) -> bool:

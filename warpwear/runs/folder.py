@@ -10,7 +10,7 @@ from warpwear.errors import InputError
 from warpwear.lazy import resolve
 from warpwear.result import PLOTTER, Result
 from warpwear.results import file as results
-from warpwear.results.file import FILE_NAME, MAGIC
+from warpwear.results.file import FILE_NAME, MAGIC, SURFACE_FILE
 from warpwear.results.seal import seal
 from warpwear.runs import checkpoint
 from warpwear.runs import lock as run_lock
@@ -118,7 +118,11 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
 
 
 def move_into_place(work: Path, folder: Path) -> None:
-    """Seal the result and move all files of the run, one by one, the result last; others are left alone."""
+    """Seal the result and move all files of the run, one by one, the result last; others are left alone.
+
+    Heights that belonged to the run that is replaced go, unless the new one names them.
+    """
+    owned = (folder / SURFACE_FILE).is_file() and _owns_surface(folder)
     there = list((folder / "figures").glob("*"))
     known = resolve(PLOTTER).NAMES if there else ()
     for figure in there:
@@ -128,6 +132,8 @@ def move_into_place(work: Path, folder: Path) -> None:
         seal(file, MAGIC)
     for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
         item.replace(folder / item.name)
+    if owned and not _owns_surface(folder):
+        (folder / SURFACE_FILE).unlink()
 
 
 def _log_so_far(folder: Path) -> bytes:
@@ -151,6 +157,12 @@ def _holds_a_run(folder: Path) -> bool:
     except InputError:
         return False
     return True
+
+
+def _owns_surface(folder: Path) -> bool:
+    with suppress(InputError), Result.open(folder) as result:
+        return result.owns_surface
+    return False
 
 
 def _nearest_folder(path: Path) -> Path:

@@ -291,4 +291,4 @@ class StepLoop:
 
     def _warn(self, sentence: str) -> None:
         LOG.warning(sentence)
-        self._progress.say(f"note: {sentence}")
+        self._progress.note(sentence)
