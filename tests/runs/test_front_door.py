@@ -211,6 +211,9 @@ def test_steps_are_those_of_a_run(preset: str, changes: dict[str, Any]) -> None:
         values = [step.row[column.name] for step in steps]
         np.testing.assert_array_equal(values, result.history[column.name], err_msg=column.name)
     assert steps[0].units["cof"] == "1"
+    for named in (steps[0].row, steps[0].units):
+        with pytest.raises(InputError, match=r"no column, field or table 'coff'; did you mean 'cof'\?"):
+            named["coff"]
     with pytest.raises(InputError, match="step 0 is over"):
         steps[0].snapshot()
     # Kept steps keep no fields.
@@ -375,9 +378,14 @@ def test_a_snapshot_by_its_distance(folder: Path, swept: Path) -> None:
             InputError, match=r"at = '30 mm': no snapshot .*allowed: 0\.003 mm, 0\.3 mm, 3 mm"
         ):
             result.at("30 mm")
-        for wrong in ("3", "3 N", "far", None):
-            with pytest.raises(InputError, match="at = "):
+        for number in (np.float32(3.0), np.int64(3), np.float64(3.0)):
+            assert result.at(number).distance == 3.0
+        for wrong in ("3", True, np.True_, None):
+            with pytest.raises(InputError, match=r"^at = .*: needs its unit: a length such as '1\.5 mm'"):
                 result.at(wrong)  # type: ignore[arg-type]
+        for wrong in ("3 N", "far"):
+            with pytest.raises(InputError, match="at = "):
+                result.at(wrong)
     with Result.open(swept) as result:
         assert 3.1 < result.at("3.1 mm").distance < 12.0  # where its track has an end
         with pytest.raises(InputError, match="no snapshot is kept there"):
@@ -407,6 +415,10 @@ def test_the_history_is_a_dictionary_that_helps(folder: Path) -> None:
         assert repr(history).startswith(f"<History of {history['cof'].size} steps: distance [mm], time [s],")
         assert result.units["cof"] == "1"
         assert result.units["pressure"] == "MPa"
+        with pytest.raises(
+            InputError, match=r"no column, field or table 'presure'; did you mean 'pressure'\?"
+        ):
+            result.units["presure"]
         assert pickle.loads(pickle.dumps(history)).keys() == history.keys()
 
 

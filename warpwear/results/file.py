@@ -5,6 +5,7 @@ import operator
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
+from numbers import Real
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, SupportsIndex, TypeVar, overload
@@ -15,7 +16,7 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import FIELDS, UNITS
-from warpwear.history.rows import History
+from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
@@ -140,7 +141,7 @@ class ResultFile:
     @property
     def units(self) -> dict[str, str]:
         """Name of a column, field or table -> its unit, such as "mm^2"."""
-        return dict(UNITS)
+        return Named(UNITS)
 
     @cached_property
     def load_share(self) -> FloatArray:
@@ -235,13 +236,14 @@ class ResultFile:
             return Snapshot(float(group.attrs["distance"]), row=row, **fields)
 
     def at(self, distance: str | float) -> Snapshot:
-        """The snapshot kept at a sliding distance, such as "30 mm", or a number [mm].
+        """The snapshot kept at a sliding distance: text with its unit, such as "30 mm", or a number [mm].
 
         Of a swept run, whose steps end where its track has them, one that was asked for there is the first at
         or after it. Raises InputError, naming those that are kept, for another distance.
         """
         try:
-            asked = float(distance) if isinstance(distance, int | float) else parse(distance, "mm")
+            number = isinstance(distance, Real) and not isinstance(distance, bool)
+            asked = float(distance) if number else parse(distance, "mm")
         except ValueError as error:
             raise InputError(f"at = {distance!r}: {error}.") from error
         kept, slack = self.snapshot_distances, SAME_DISTANCE * abs(asked)
