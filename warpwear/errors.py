@@ -1,5 +1,10 @@
 """How a run can end badly, and what misleads of one that ends well: each is one sentence for the user."""
 
+#: What the command line and Python call by different names, for the sentences of both.
+OVERWRITE_IT = "overwrite it (--overwrite, overwrite=True)"
+OTHER_FOLDER = f"give another folder (out), or {OVERWRITE_IT}"
+RESUME_IT = "resume it (--resume, resume=True)"
+
 
 class InputError(ValueError):
     """Bad input: one sentence that names the field, the value and what is allowed. Exit status 2."""

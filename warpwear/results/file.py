@@ -13,7 +13,7 @@ from typing import Any, Self, SupportsIndex, TypeVar, overload
 import h5py
 import numpy as np
 
-from warpwear.errors import InputError
+from warpwear.errors import OVERWRITE_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import FIELDS, UNITS
 from warpwear.history.rows import History, Named
@@ -45,8 +45,8 @@ def check_seal(path: Path) -> None:
             if sealed and words[2:] != [digest_of(file)]:
                 raise InputError(
                     f"{path} is damaged: it is not what was written, by a fault of the disk or because "
-                    "another program changed it; --overwrite runs the study again, and what is added to a "
-                    "result belongs in a file of its own."
+                    f"another program changed it; run the study again and {OVERWRITE_IT}; what is added to "
+                    "a result belongs in a file of its own."
                 )
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from error

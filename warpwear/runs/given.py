@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.errors import InputError
+from warpwear.errors import OTHER_FOLDER, InputError
 from warpwear.grid import FloatArray
 from warpwear.results.file import SURFACE_FILE
 from warpwear.study.bodies import Disc
@@ -39,9 +39,7 @@ class GivenSurface:
         """Raises InputError unless the heights that a finished run's folder holds are these."""
         path = folder / SURFACE_FILE
         if not (path.is_file() and np.array_equal(np.load(path), self.heights)):
-            raise InputError(
-                f"out = {folder} holds a run on another surface; --overwrite it, or give another --out."
-            )
+            raise InputError(f"out = {folder} holds a run on another surface; {OTHER_FOLDER}.")
 
 
 def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurface:

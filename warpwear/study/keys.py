@@ -136,7 +136,7 @@ def all_keys(model: type[BaseModel]) -> list[str]:
 
 
 def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
-    """Return the sentence about a name that no key has, with one so called elsewhere or the nearest beside it.
+    """Return the sentence about a name that no key has, with one so called elsewhere or a near one beside.
 
     now: the name under the section's new name, where it was typed under an old one.
     """
