@@ -10,6 +10,11 @@ from warpwear.engine import executor as execution
 wp.config.log_level = wp.LOG_ERROR
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Coarse cells make quick tests, and the warnings of them a long list; `pytest.warns` sees them still."""
+    config.addinivalue_line("filterwarnings", "ignore::warpwear.StudyWarning")
+
+
 @pytest.fixture(params=["cpu", "cuda:0"])
 def device(request: pytest.FixtureRequest) -> str:
     """Every device; those that are not here are skipped."""

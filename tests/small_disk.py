@@ -76,7 +76,7 @@ try:
             stage = "nothing written"
             if is_one(disk / "out" / "checkpoint.h5"):
                 stage = "stopped with a checkpoint"
-                assert "a checkpoint, with which --resume goes on" in lines[-1], said
+                assert "a checkpoint; resume it (--resume, resume=True)" in lines[-1], said
             elif (disk / "out" / "result.h5").exists():
                 stage = "finished, without all its figures"
                 assert same()

@@ -14,7 +14,7 @@ from warpwear.version import __version__
 
 if TYPE_CHECKING:
     from warpwear.contact.solve import solve_contact
-    from warpwear.errors import ConvergenceError, InputError
+    from warpwear.errors import ConvergenceError, InputError, StudyWarning
     from warpwear.result import Result
     from warpwear.runs.run import run, steps
     from warpwear.study.study import Study
@@ -24,6 +24,7 @@ _PUBLIC = {
     "InputError": "warpwear.errors:InputError",
     "Result": "warpwear.result:Result",
     "Study": "warpwear.study.study:Study",
+    "StudyWarning": "warpwear.errors:StudyWarning",
     "run": "warpwear.runs.run:run",
     "solve_contact": "warpwear.contact.solve:solve_contact",
     "steps": "warpwear.runs.run:steps",
@@ -34,6 +35,7 @@ __all__ = [
     "InputError",
     "Result",
     "Study",
+    "StudyWarning",
     "__version__",
     "run",
     "solve_contact",

@@ -1,4 +1,9 @@
-"""The two ways a run can end badly, each with one sentence for the user."""
+"""How a run can end badly, and what misleads of one that ends well: each is one sentence for the user."""
+
+#: What the command line and Python call by different names, for the sentences of both.
+OVERWRITE_IT = "overwrite it (--overwrite, overwrite=True)"
+OTHER_FOLDER = f"give another folder (out), or {OVERWRITE_IT}"
+RESUME_IT = "resume it (--resume, resume=True)"
 
 
 class InputError(ValueError):
@@ -16,3 +21,7 @@ class InvariantError(InputError):
 
 class ConvergenceError(RuntimeError):
     """A solve that did not meet its tolerance: the message names the residual. Never reported as success."""
+
+
+class StudyWarning(UserWarning):
+    """What misleads in a run that can be computed: a key that is not used, say, or a contact of few cells."""

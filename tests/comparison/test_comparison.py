@@ -258,7 +258,10 @@ def test_a_comparison_is_replaced_only_when_asked(
     assert warpwear_compare(*arguments).exit_code == 0
     (out / "mine.txt").write_text("kept")
     before = (out / "cof.png").read_bytes()
-    assert "already holds a comparison; give another --out, or --overwrite it." in refusal(*arguments)
+    told = (
+        "already holds a comparison; give another folder (out), or overwrite it (--overwrite, overwrite=True)"
+    )
+    assert f"{told}." in refusal(*arguments)
     assert (out / "cof.png").read_bytes() == before
     done = warpwear_compare(*arguments, "--overwrite", "--format", "svg")
     assert done.exit_code == 0, done.output

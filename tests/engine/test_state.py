@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+import pytest
 import warp as wp
 from numpy.testing import assert_array_equal
 
@@ -89,3 +90,23 @@ def test_a_part_comes_back_bit_for_bit(device: str) -> None:
         assert other.rates.maxlen == 2
         assert (other.columns, other.count, other.row, other.told) == ((2, 11), 3, one.row, 0.1 + 0.2)
         assert other.other is None
+
+
+def test_members_that_the_declaration_does_not_have_are_told() -> None:
+    class Undeclared:
+        STATE: ClassVar = {"kept": float, "inner": list}
+
+        def __init__(self) -> None:
+            self.kept: Any = None
+            self.inner: list[Any] = []
+
+    one, other = Undeclared(), Undeclared()
+    one.kept = Pair(1.0, np.zeros(2))
+    with pytest.raises(TypeError, match=r"^kept was saved by the names of its members.*'float'"):
+        restore(other, *save(one))
+    one.kept, one.inner = 1.0, [Pair(1.0, np.zeros(2))]  # one more than there was
+    with pytest.raises(TypeError, match=r"^inner\.0 was saved by the names of its members"):
+        restore(other, *save(one))
+    one.inner, other.inner = [2.0, 3.0], [5.0]
+    restore(other, *save(one))
+    assert other.inner == [2.0, 3.0]

@@ -227,7 +227,8 @@ def test_a_film_has_a_frame_a_snapshot(results: dict[str, Result], tmp_path: Pat
         assert film.width % 2 == film.height % 2 == 0
     assert [p.name for p in tmp_path.iterdir()] == ["wear.gif"]
     with pytest.raises(
-        InputError, match=r"wear\.gif is there already; give another --out, or --overwrite it"
+        InputError,
+        match=r"wear\.gif is there already; give another file \(out\), or overwrite it ",
     ):
         animate(result, path)
     before = path.stat().st_mtime_ns

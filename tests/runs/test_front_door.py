@@ -4,6 +4,7 @@ import inspect
 import pickle
 import shutil
 import tomllib
+import warnings
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
@@ -210,6 +211,9 @@ def test_steps_are_those_of_a_run(preset: str, changes: dict[str, Any]) -> None:
         values = [step.row[column.name] for step in steps]
         np.testing.assert_array_equal(values, result.history[column.name], err_msg=column.name)
     assert steps[0].units["cof"] == "1"
+    for named in (steps[0].row, steps[0].units):
+        with pytest.raises(InputError, match=r"no column, field or table 'coff'; did you mean 'cof'\?"):
+            named["coff"]
     with pytest.raises(InputError, match="step 0 is over"):
         steps[0].snapshot()
     # Kept steps keep no fields.
@@ -374,9 +378,14 @@ def test_a_snapshot_by_its_distance(folder: Path, swept: Path) -> None:
             InputError, match=r"at = '30 mm': no snapshot .*allowed: 0\.003 mm, 0\.3 mm, 3 mm"
         ):
             result.at("30 mm")
-        for wrong in ("3", "3 N", "far", None):
-            with pytest.raises(InputError, match="at = "):
+        for number in (np.float32(3.0), np.int64(3), np.float64(3.0)):
+            assert result.at(number).distance == 3.0
+        for wrong in ("3", True, np.True_, None):
+            with pytest.raises(InputError, match=r"^at = .*: needs its unit: a length such as '1\.5 mm'"):
                 result.at(wrong)  # type: ignore[arg-type]
+        for wrong in ("3 N", "far"):
+            with pytest.raises(InputError, match="at = "):
+                result.at(wrong)
     with Result.open(swept) as result:
         assert 3.1 < result.at("3.1 mm").distance < 12.0  # where its track has an end
         with pytest.raises(InputError, match="no snapshot is kept there"):
@@ -406,6 +415,10 @@ def test_the_history_is_a_dictionary_that_helps(folder: Path) -> None:
         assert repr(history).startswith(f"<History of {history['cof'].size} steps: distance [mm], time [s],")
         assert result.units["cof"] == "1"
         assert result.units["pressure"] == "MPa"
+        with pytest.raises(
+            InputError, match=r"no column, field or table 'presure'; did you mean 'pressure'\?"
+        ):
+            result.units["presure"]
         assert pickle.loads(pickle.dumps(history)).keys() == history.keys()
 
 
@@ -576,3 +589,94 @@ def test_a_snapshot_asked_for_on_the_way_is_the_models(monkeypatch: pytest.Monke
     monkeypatch.setattr(OneScaleModel, "snapshot", noted)
     asked = [step.row["distance"] for step in warpwear.steps(study_of()) if step.index == 5 and step.fields]
     assert made == asked
+
+
+# --- a folder that changes hands ---
+
+
+def disc_elsewhere(folder: Path) -> Study:
+    """A study of the user's own file, which has the name of the one that runs save."""
+    folder.mkdir()
+    np.save(folder / "surface.npy", rough((75, 75), seed=7))
+    keys = {"surface": str(folder / "surface.npy"), "pixel": "20 um", "height_unit": "mm"}
+    return study_of().replace({f"disc.{key}": value for key, value in keys.items()})
+
+
+def test_heights_of_a_run_that_is_replaced_are_gone(tmp_path: Path) -> None:
+    out, other = tmp_path / "out", disc_elsewhere(tmp_path / "elsewhere")
+    warpwear.run(study_of(), surface=rough((75, 75)), out=out, plots=False).close()
+    with warpwear.run(other, out=out, plots=False, overwrite=True) as replaced:
+        assert not (out / "surface.npy").exists()
+        assert replaced.study.disc.surface == other.disc.surface
+    np.save(out / "surface.npy", rough((75, 75)))  # by hand: another's file of that name misleads nobody
+    with Result.open(out) as opened:
+        assert opened.study == Study.load(out) == other
+    with warpwear.run(other, out=out, plots=False, overwrite=True) as again:
+        assert (out / "surface.npy").is_file()
+        assert again.study == other
+
+
+def test_a_folder_is_run_again_in_place_on_its_own_heights(tmp_path: Path) -> None:
+    out, heights = tmp_path / "out", rough((75, 75))
+    first = warpwear.run(study_of(), surface=heights, out=out, plots=False)
+    with warpwear.run(out, out=out, plots=False, overwrite=True) as second:
+        same(first, second)
+    shutil.move(out, tmp_path / "moved")
+    with Result.open(tmp_path / "moved") as moved:
+        assert Study.load(tmp_path / "moved") == moved.study
+        same(moved, warpwear.run(moved.study))
+    first.close()
+
+
+# --- what is refused or told ---
+
+
+@pytest.mark.parametrize(
+    "surface", [np.ma.masked_less(rough((75, 75)), 5.0e-3), rough((75, 75)) + 0j, [[1j] * 75] * 75]
+)
+def test_masked_and_complex_heights_are_refused(surface: Any) -> None:
+    with pytest.raises(InputError, match=r"^surface has to hold real numbers, none of them masked\.$"):
+        warpwear.run(study_of(), surface=surface)
+
+
+def test_an_attribute_called_heights_is_no_surface() -> None:
+    class Record:
+        heights = 3
+
+    with pytest.raises(InputError, match="surface is a Record; an array of heights in mm is expected"):
+        warpwear.run(study_of(), surface=Record())
+
+
+def test_what_a_surface_raises_is_raised() -> None:
+    class Broken:
+        def heights(self, x: Any, y: Any) -> Any:
+            raise ZeroDivisionError("mine")
+
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        warpwear.run(study_of(), surface=Broken())
+
+
+def test_what_is_no_callback_is_refused_at_once(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"^callback = 3: a function is expected"):
+        warpwear.run("v1", callback=3, out=tmp_path / "out")  # type: ignore[arg-type]
+    assert not (tmp_path / "out").exists()
+
+
+def test_notices_are_warnings(capsys: pytest.CaptureFixture[str]) -> None:
+    study = study_of(contact__foundation="pressure", output__snapshots=["30 mm"], grid__cell="100 um")
+    said = study.notices()
+    assert any("new name" in notice for notice in said)
+    with pytest.warns(warpwear.StudyWarning, match="output.snapshots that no step ends at: 30 mm") as caught:
+        result = warpwear.run(study)
+    assert [str(warning.message) for warning in caught] == result.summary["warnings"]
+    assert set(said) < set(result.summary["warnings"])
+    assert {warning.filename for warning in caught} == {__file__}
+    with pytest.warns(warpwear.StudyWarning, match="new name") as caught:
+        next(iter(warpwear.steps(study)))
+    assert [str(warning.message) for warning in caught][: len(said)] == said
+    assert {warning.filename for warning in caught} == {__file__}
+    capsys.readouterr()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warpwear.run(study, progress=True)
+    assert f"note: {said[0]}\n" in capsys.readouterr().err

@@ -213,14 +213,14 @@ def test_a_contact_at_the_edge_leaves_the_run_so_far(
     )
     assert told.endswith(
         "a larger extent is needed. The run folder out holds the steps so far. "
-        "To continue anyway: --resume --set checks.strict=false."
+        "To continue anyway, set checks.strict=false and resume it (--resume, resume=True)."
     )
     with Result.open("out") as result:
         steps = result.history["distance"].size
         assert not result.finished
         first = result.record["warnings"][-1]
     with pytest.raises(
-        InputError, match=r"after a check failed \(edge\)\. To continue anyway: --resume --set"
+        InputError, match=r"after a check failed \(edge\)\. To continue anyway, set checks\.strict=false"
     ):
         warpwear.run("mine.toml", out="out", resume=True)
     with pytest.raises(SystemExit) as done:
@@ -244,9 +244,9 @@ def test_in_memory_nothing_can_be_kept() -> None:
     [
         (
             {"stepping": {"first": "3 um", "largest": "40 um"}},
-            r"--set stepping\.first='0\.0015 mm' --set stepping\.largest='0\.02 mm'",
+            r"stepping\.first='0\.0015 mm', stepping\.largest='0\.02 mm'",
         ),
-        ({"stepping": {"increment": "0.02 mm"}}, r"--set stepping\.increment='0\.01 mm'"),
+        ({"stepping": {"increment": "0.02 mm"}}, r"stepping\.increment='0\.01 mm'"),
     ],
     ids=["growing", "fixed"],
 )
@@ -303,7 +303,7 @@ def test_without_a_checkpoint_a_stopped_run_begins_again(
     told = capsys.readouterr().err
     assert told.endswith(
         f". The run folder {tmp_path / 'out'} holds the steps so far. "
-        "To begin again and go on anyway: --resume --set checks.strict=false.\n"
+        "To begin again and go on anyway, set checks.strict=false and resume it (--resume, resume=True).\n"
     )
     assert told.count("of Archard's law") == 1
     with Result.open(tmp_path / "out") as result:

@@ -318,7 +318,7 @@ def test_what_cannot_be_resumed_is_refused_and_kept(alone: Path, tmp_path: Path)
     changed = short(contact__load="9 N", wear__disc="0 mm^3/N/m")
     refused(r"another study \(contact\.load, wear\.disc\)", changed)
     refused(r"another study \(output\.snapshots\)", short(output__snapshots=["0.1 mm"]))
-    with pytest.raises(InputError, match="--resume goes on with it, --overwrite starts anew"):
+    with pytest.raises(InputError, match=r"resume it \(--resume, resume=True\), or overwrite it \(--over"):
         warpwear.run(short(), out=out)
     for place in (30, HEADER + 40, len(good) - 1):
         path.write_bytes(good[:place] + bytes([good[place] ^ 1]) + good[place + 1 :])
@@ -461,7 +461,7 @@ def test_a_result_that_was_changed_is_refused_and_may_be_overwritten(alone: Path
     shutil.copytree(alone, out)
     with h5py.File(out / "result.h5", "a") as file:
         file.attrs["note"] = "mine"
-    told = r"result\.h5 is damaged: .* another program changed it; --overwrite runs the study again"
+    told = r"result\.h5 is damaged: .* another program changed it; run the study again and overwrite it"
     with pytest.raises(InputError, match=told):
         Result.open(out)
     for options in ({}, {"resume": True}):

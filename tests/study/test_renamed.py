@@ -112,11 +112,13 @@ def test_both_names_at_once_are_refused(old: str) -> None:
 
 
 def test_what_was_no_key_is_none() -> None:
-    with pytest.raises(InputError, match=r"^'patches\.cells' is no key"):
-        base().replace({"macro": {"cells": "1 um"}})
-    with pytest.raises(InputError, match=r"^'macro\.cells' is no key|^'patches\.cells' is no key"):
-        base().replace({"macro.cells": "1 um"})
-    with pytest.raises(InputError, match=r"^patches = 3 is not a section"):
+    for change in ({"macro": {"cells": "1 um"}}, {"macro.cells": "1 um"}):
+        told = r"^'macro\.cells' is no key of a study; allowed are patches\.macro_cell, "
+        with pytest.raises(InputError, match=told):
+            base().replace(change)
+    with pytest.raises(InputError, match=r"^'macro\.extent' is no key .* did you mean 'grid\.extent'\?"):
+        base().replace({"macro.extent": "1 mm"})
+    with pytest.raises(InputError, match=r"^macro = 3 is not a section; write \[patches\]"):
         Study(**{**tomllib.loads(Study.load("v3").to_toml()), "macro": 3})
 
 

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,9 @@ from warpwear.study.loading import presets
 from warpwear.study.text import assumptions, to_marked_toml
 
 BAD = [
+    ({"run.threads": 2}, r"^'run\.threads' is no key of a study; allowed are run\.checkpoint\.$"),
+    ({"radius": "3 mm"}, r"^'radius' is no key of a study; did you mean 'sphere\.radius'\?$"),
+    ({"contact.load": "8"}, r"^contact\.load = '8': needs its unit: a force such as '8 N'\.$"),
     ({"contact.hardnes": "3 MPa"}, r"'contact\.hardnes' .*did you mean 'contact\.hardness'"),
     ({"contcat": {}}, r"'contcat' .*did you mean 'contact'"),
     ({"contact.load": "-8 N"}, r"contact\.load = '-8 N': must be greater than 0 N"),
@@ -387,3 +391,26 @@ def test_patches_on_a_part_of_the_area_know_the_scar_to_a_macro_cell() -> None:
     told = study.replace({"friction.area": "nominal", "contact.bulk_update": "updated"}).notices()[-1]
     assert told.endswith("and friction.area = 'nominal' and contact.bulk_update = 'updated' with them.")
     assert Study.load("two-scale").notices() == []
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda study: study.replace(load="8 N"), r"^load = '8 N' is not a section; write \{'contact\.load'"),
+        (
+            lambda study: study.replace(("contact.load", "4 N")),
+            r"^\('contact\.load', '4 N'\) is no change",
+        ),
+        (lambda study: study.replace("contact.load"), r"^'contact\.load' is no change of a study"),
+        (lambda study: study.replace({3: "4 N"}), r"^\{3: '4 N'\} is no change of a study"),
+    ],
+)
+def test_what_is_no_change_is_told(change: Callable[[Study], Study], told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        change(Study.load("v3"))
+
+
+def test_a_study_shows_itself_in_one_line() -> None:
+    study, cells = Study.load("v3-fine"), "1500 × 1500 cells of 1 µm"
+    told = f"<Study 'v3-fine': micro model, local law, stationary, {cells}, 8 N over 2400 mm>"
+    assert repr(study) == str(study) == told

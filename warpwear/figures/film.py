@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from warpwear.errors import InputError
+from warpwear.errors import OVERWRITE_IT, InputError
 from warpwear.figures import style as fs
 from warpwear.figures.axes import draw_map
 from warpwear.figures.data import FigureData, View, positive
@@ -88,7 +88,7 @@ def _check(result: ResultFile, out: str | Path | None, *, frames_per_second: flo
     if not WRITERS[suffix].isAvailable():
         raise InputError(f"out = {path} needs ffmpeg, which is not installed; a .gif file needs nothing")
     if path.exists() and (path.is_dir() or not overwrite):
-        raise InputError(f"out = {path} is there already; give another --out, or --overwrite it")
+        raise InputError(f"out = {path} is there already; give another file (out), or {OVERWRITE_IT}")
     if not path.parent.is_dir():
         raise InputError(f"out = {path}: the folder {path.parent} does not exist")
     return path

@@ -7,12 +7,15 @@ import math
 from array import array
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
+from typing import TypeVar
 
 import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import UNITS
+
+Value = TypeVar("Value")
 
 
 class UnknownColumnError(InputError, KeyError):
@@ -21,13 +24,21 @@ class UnknownColumnError(InputError, KeyError):
     __str__ = Exception.__str__  # a KeyError shows its sentence in quotes
 
 
-class History(dict[str, FloatArray]):
-    """Column name -> one value a step, shape (steps,)."""
+class Named(dict[str, Value]):
+    """Name of a column -> what is known of it; the nearest name is told of one that is not there."""
 
-    def __missing__(self, name: str) -> FloatArray:
+    _says = "there is no column, field or table"
+
+    def __missing__(self, name: str) -> Value:
         near = get_close_matches(str(name), self, n=1)
         hint = f"did you mean '{near[0]}'?" if near else f"allowed: {', '.join(self)}"
-        raise UnknownColumnError(f"history has no column {name!r}; {hint}")
+        raise UnknownColumnError(f"{self._says} {name!r}; {hint}")
+
+
+class History(Named[FloatArray]):
+    """Column name -> one value a step, shape (steps,)."""
+
+    _says = "history has no column"
 
     def __repr__(self) -> str:
         steps = len(next(iter(self.values()), ()))

@@ -5,6 +5,7 @@ import operator
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
+from numbers import Real
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, SupportsIndex, TypeVar, overload
@@ -12,10 +13,10 @@ from typing import Any, Self, SupportsIndex, TypeVar, overload
 import h5py
 import numpy as np
 
-from warpwear.errors import InputError
+from warpwear.errors import OVERWRITE_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import FIELDS, UNITS
-from warpwear.history.rows import History
+from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
@@ -25,6 +26,8 @@ Derived = TypeVar("Derived")
 FILE_NAME = "result.h5"
 #: Heights that were given as an array, beside the file.
 SURFACE_FILE = "surface.npy"
+#: Attribute of a result whose study names the `SURFACE_FILE` beside it.
+OWN_SURFACE = "own_surface"
 #: Datasets beside the columns of the history: numbers of its patches.
 PATCH = "patch"
 #: Part of a distance asked for by which a snapshot's may differ and be the one.
@@ -42,8 +45,8 @@ def check_seal(path: Path) -> None:
             if sealed and words[2:] != [digest_of(file)]:
                 raise InputError(
                     f"{path} is damaged: it is not what was written, by a fault of the disk or because "
-                    "another program changed it; --overwrite runs the study again, and what is added to a "
-                    "result belongs in a file of its own."
+                    f"another program changed it; run the study again and {OVERWRITE_IT}; what is added to "
+                    "a result belongs in a file of its own."
                 )
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from error
@@ -138,7 +141,7 @@ class ResultFile:
     @property
     def units(self) -> dict[str, str]:
         """Name of a column, field or table -> its unit, such as "mm^2"."""
-        return dict(UNITS)
+        return Named(UNITS)
 
     @cached_property
     def load_share(self) -> FloatArray:
@@ -180,17 +183,21 @@ class ResultFile:
     def study(self) -> Study:
         """The study that was run. Heights given as an array are those in the run folder, wherever it is."""
         with self._reading() as file:
-            found = Study.stored(file.attrs["study"])
-            given = self.folder and self.folder / SURFACE_FILE
-            if given and given.is_file() and Path(found.disc.surface or "").name == SURFACE_FILE:
-                found = Study.stored(file.attrs["study"], surface=str(given.resolve()))
-        return found
+            own = self.folder / SURFACE_FILE if self.folder and self.owns_surface else None
+            surface = str(own.resolve()) if own and own.is_file() else None
+            return Study.stored(file.attrs["study"], surface=surface)
 
     @property
     def attributes(self) -> dict[str, Any]:
         """Version, device, threads, precision, finished."""
         with self._reading() as file:
-            return {k: v for k, v in file.attrs.items() if k != "study"}
+            return {k: v for k, v in file.attrs.items() if k not in ("study", OWN_SURFACE)}
+
+    @property
+    def owns_surface(self) -> bool:
+        """Whether the study names the heights that lie beside the result, in its folder."""
+        with self._reading() as file:
+            return OWN_SURFACE in file.attrs
 
     @property
     def finished(self) -> bool:
@@ -229,13 +236,14 @@ class ResultFile:
             return Snapshot(float(group.attrs["distance"]), row=row, **fields)
 
     def at(self, distance: str | float) -> Snapshot:
-        """The snapshot kept at a sliding distance, such as "30 mm", or a number [mm].
+        """The snapshot kept at a sliding distance: text with its unit, such as "30 mm", or a number [mm].
 
         Of a swept run, whose steps end where its track has them, one that was asked for there is the first at
         or after it. Raises InputError, naming those that are kept, for another distance.
         """
         try:
-            asked = float(distance) if isinstance(distance, int | float) else parse(distance, "mm")
+            number = isinstance(distance, Real) and not isinstance(distance, bool)
+            asked = float(distance) if number else parse(distance, "mm")
         except ValueError as error:
             raise InputError(f"at = {distance!r}: {error}.") from error
         kept, slack = self.snapshot_distances, SAME_DISTANCE * abs(asked)

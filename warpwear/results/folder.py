@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from warpwear.errors import InputError
+from warpwear.errors import OTHER_FOLDER, InputError
 
 
 def check_folder(folder: Path, marks: Sequence[str], *, what: str, overwrite: bool) -> None:
@@ -22,7 +22,7 @@ def check_folder(folder: Path, marks: Sequence[str], *, what: str, overwrite: bo
         if not all((folder / mark).is_file() for mark in marks):
             raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected")
         if not overwrite:
-            raise InputError(f"out = {folder} already holds {what}; give another --out, or --overwrite it")
+            raise InputError(f"out = {folder} already holds {what}; {OTHER_FOLDER}")
     try:
         with tempfile.TemporaryFile(dir=_inside(folder)):
             pass

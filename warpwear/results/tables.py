@@ -26,7 +26,7 @@ def _write_table(path: Path, columns: Sequence[Quantity], table: Mapping[str, Fl
 def write_tables(folder: Path, study: Study, result: ResultFile) -> None:
     """Write study.toml, history.csv, surface.csv and summary.json into a folder."""
     sections = study.to_toml()
-    if (folder / SURFACE_FILE).is_file():  # beside it, wherever the folder is moved
+    if result.owns_surface:  # beside it, wherever the folder is moved
         content = tomllib.loads(sections)
         content["disc"]["surface"] = SURFACE_FILE
         sections = tomli_w.dumps(content)

@@ -24,7 +24,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from warpwear.errors import InputError
+from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
 from warpwear.results.seal import HEADER, digest_of, has_mark, read_header, seal
@@ -132,13 +132,13 @@ class StoredCheckpoint:
         changed = changed_keys(Study.stored(self._about["study"]), study)
         if changed:
             raise InputError(
-                f"{self._path} is of another study ({', '.join(changed)}); --resume needs the study as it "
-                "was, --overwrite starts anew."
+                f"{self._path} is of another study ({', '.join(changed)}); {RESUME_IT} with the study as it "
+                f"was, or {OVERWRITE_IT}."
             )
         if study.checks.strict and (failed := self._about["reported_violations"]):
             raise InputError(
                 f"{self._path} was made after a check failed ({', '.join(failed)}). "
-                "To continue anyway: --resume --set checks.strict=false; to start anew: --overwrite."
+                f"To continue anyway, set checks.strict=false and {RESUME_IT}; to start anew, {OVERWRITE_IT}."
             )
         if self._about["device"].split(":")[0] != device.split(":")[0]:
             raise InputError(
@@ -169,7 +169,7 @@ def opened(path: Path) -> Iterator[StoredCheckpoint | None]:
     if not path.exists():
         yield None
         return
-    damaged = f"{path} is damaged: it is not what was written; --overwrite starts anew."
+    damaged = f"{path} is damaged: it is not what was written; {OVERWRITE_IT}."
     with path.open("rb") as whole:
         words = read_header(whole)
         if len(words) != 4 or " ".join(words[:2]) != MAGIC:
@@ -177,7 +177,7 @@ def opened(path: Path) -> Iterator[StoredCheckpoint | None]:
         if words[2] != str(FORMAT):
             raise InputError(
                 f"{path} was written by another version of warpwear (format {words[2]}, this one reads "
-                f"{FORMAT}); resume it with that version, or --overwrite it."
+                f"{FORMAT}); resume it with that version, or {OVERWRITE_IT}."
             )
         if words[3] != digest_of(whole):
             raise InputError(damaged)

@@ -4,11 +4,13 @@ import signal
 import sys
 import threading
 import time
+import warnings
 from types import FrameType
 from typing import Any, Self
 
 from tqdm import tqdm
 
+from warpwear.errors import StudyWarning
 from warpwear.study.study import Study
 
 #: Longest silence of a run that writes plain lines [s].
@@ -57,6 +59,15 @@ class Progress:
         """A line for the user."""
         if not self._quiet:
             tqdm.write(line, file=sys.stderr)
+
+    def note(self, sentence: str) -> None:
+        """What misleads: a line for the user, or a warning of Python where nothing is printed."""
+        self.say(f"note: {sentence}")
+        if self._quiet:
+            caller, level = sys._getframe(), 1
+            while caller.f_back and caller.f_globals["__name__"].startswith("warpwear."):
+                caller, level = caller.f_back, level + 1
+            warnings.warn(sentence, StudyWarning, stacklevel=level)
 
     def end(self) -> None:
         """The run is over, one way or another."""

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from warpwear.errors import InputError
+from warpwear.errors import OTHER_FOLDER, OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.lazy import resolve
 from warpwear.result import PLOTTER, Result
 from warpwear.results import file as results
-from warpwear.results.file import FILE_NAME, MAGIC
+from warpwear.results.file import FILE_NAME, MAGIC, SURFACE_FILE
 from warpwear.results.seal import seal
 from warpwear.runs import checkpoint
 from warpwear.runs import lock as run_lock
@@ -41,14 +41,13 @@ def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
     if checkpoint.is_one(kept):
         if not (overwrite or resume):
             raise InputError(
-                f"out = {folder} holds the checkpoint of an unfinished run; --resume goes on with it, "
-                "--overwrite starts anew."
+                f"out = {folder} holds the checkpoint of an unfinished run; {RESUME_IT}, or {OVERWRITE_IT}."
             )
     elif resume and kept.exists():
-        raise InputError(f"{kept} is no checkpoint of warpwear or is damaged; --overwrite or delete it.")
+        raise InputError(f"{kept} is no checkpoint of warpwear or is damaged; delete or {OVERWRITE_IT}.")
     elif _holds_a_run(folder):
         if not (overwrite or resume):
-            raise InputError(f"out = {folder} already holds a run; give another --out, or --overwrite it.")
+            raise InputError(f"out = {folder} already holds a run; {OTHER_FOLDER}.")
     elif results.is_one(folder / FILE_NAME):  # and is damaged
         if not overwrite:
             Result.open(folder)
@@ -72,8 +71,7 @@ def is_finished(folder: Path, study: Study) -> bool:
         changed = checkpoint.changed_keys(result.study, study, free=free)
         if changed:
             raise InputError(
-                f"out = {folder} holds a run of another study ({', '.join(changed)}); --overwrite it, or "
-                "give another --out."
+                f"out = {folder} holds a run of another study ({', '.join(changed)}); {OTHER_FOLDER}."
             )
     if finished and (folder / run_lock.NAME).exists():  # killed when all was in place
         with run_lock.held(folder):
@@ -109,7 +107,7 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
         if "memory allocation failed" in why:  # HDF5 says it so
             raise MemoryError from error
         kept = checkpoint.is_one(folder / checkpoint.FILE_NAME)
-        what = "a checkpoint, with which --resume goes on" if kept else "no run"
+        what = f"a checkpoint; {RESUME_IT}" if kept else "no run"
         raise InputError(f"out = {folder} could not be written and holds {what}: {why}.") from error
     finally:
         for path in made:
@@ -118,7 +116,11 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
 
 
 def move_into_place(work: Path, folder: Path) -> None:
-    """Seal the result and move all files of the run, one by one, the result last; others are left alone."""
+    """Seal the result and move all files of the run, one by one, the result last; others are left alone.
+
+    Heights that belonged to the run that is replaced go, unless the new one names them.
+    """
+    owned = (folder / SURFACE_FILE).is_file() and _owns_surface(folder)
     there = list((folder / "figures").glob("*"))
     known = resolve(PLOTTER).NAMES if there else ()
     for figure in there:
@@ -128,6 +130,8 @@ def move_into_place(work: Path, folder: Path) -> None:
         seal(file, MAGIC)
     for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
         item.replace(folder / item.name)
+    if owned and not _owns_surface(folder):
+        (folder / SURFACE_FILE).unlink()
 
 
 def _log_so_far(folder: Path) -> bytes:
@@ -151,6 +155,12 @@ def _holds_a_run(folder: Path) -> bool:
     except InputError:
         return False
     return True
+
+
+def _owns_surface(folder: Path) -> bool:
+    with suppress(InputError), Result.open(folder) as result:
+        return result.owns_surface
+    return False
 
 
 def _nearest_folder(path: Path) -> Path:

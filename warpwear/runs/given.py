@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.errors import InputError
+from warpwear.errors import OTHER_FOLDER, InputError
 from warpwear.grid import FloatArray
 from warpwear.results.file import SURFACE_FILE
 from warpwear.study.bodies import Disc
@@ -39,9 +39,7 @@ class GivenSurface:
         """Raises InputError unless the heights that a finished run's folder holds are these."""
         path = folder / SURFACE_FILE
         if not (path.is_file() and np.array_equal(np.load(path), self.heights)):
-            raise InputError(
-                f"out = {folder} holds a run on another surface; --overwrite it, or give another --out."
-            )
+            raise InputError(f"out = {folder} holds a run on another surface; {OTHER_FOLDER}.")
 
 
 def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurface:
@@ -51,7 +49,8 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurfac
     the methods of `Surface`, which is sampled there. Heights count from their mean, as measured ones do: an
     approach is over their mean plane. folder: where `save` is to put them; None for a run in memory.
 
-    Raises InputError for another shape, for values that are no finite numbers and for the macro model.
+    Raises InputError for another shape, for values that are no finite real numbers or are masked, and for the
+    macro model.
     """
     if study.study.model == "macro":
         raise InputError(
@@ -60,7 +59,7 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurfac
         )
     cells, cell = study.cells, study.grid.cell
     x = study.track.x if study.is_swept else cells.x
-    if hasattr(surface, "heights"):
+    if callable(getattr(surface, "heights", None)):
         surface = surface.heights(x, cells.y)
     heights = _numbers(surface)
     shape = (x.size, cells.ny)
@@ -86,7 +85,11 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurfac
 
 def _numbers(surface: Any) -> FloatArray:
     try:
-        return np.array(surface, dtype=np.float64)
+        if np.iscomplexobj(values := np.asanyarray(surface)) or np.ma.is_masked(values):
+            raise InputError("surface has to hold real numbers, none of them masked.")
+        return np.array(values, dtype=np.float64)
+    except InputError:
+        raise
     except (TypeError, ValueError) as error:
         raise InputError(
             f"surface is a {type(surface).__name__}; an array of heights in mm is expected, or an object "

@@ -57,7 +57,7 @@ def refuse_if_held(folder: Path) -> None:
 
 
 def _in_use(folder: Path, who: str) -> str:
-    return f"out = {folder} is in use by another run ({who}); give another --out, or wait for it."
+    return f"out = {folder} is in use by another run ({who}); give another folder (out), or wait for it."
 
 
 def _alive(pid: int, started: float) -> bool:

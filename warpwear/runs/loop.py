@@ -9,7 +9,7 @@ from pathlib import Path
 
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
-from warpwear.errors import ConvergenceError, InputError, InvariantError
+from warpwear.errors import RESUME_IT, ConvergenceError, InputError, InvariantError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
@@ -264,11 +264,11 @@ class StepLoop:
         plan = self.study.stepping
         if isinstance(error, InvariantError):
             to_do = "continue anyway" if self._checkpoints.path.exists() else "begin again and go on anyway"
-            kept += f" To {to_do}: --resume --set checks.strict=false."
+            kept += f" To {to_do}, set checks.strict=false and {RESUME_IT}."
         elif not self.study.is_swept and self.study.sliding.total:  # the same step would end the same way
             names = ("first", "largest") if plan.increment is None else ("increment",)
-            halves = (f"--set stepping.{name}='{getattr(plan, name) / 2.0:g} mm'" for name in names)
-            kept += f" A new run may get further with smaller increments: {' '.join(halves)}."
+            halves = (f"stepping.{name}='{getattr(plan, name) / 2.0:g} mm'" for name in names)
+            kept += f" A new run may get further with smaller increments: {', '.join(halves)}."
         self.failed = type(error)(f"{str(error).removesuffix('.')}. {kept}")
 
     def _check_results(self, history: dict[str, FloatArray]) -> None:
@@ -291,4 +291,4 @@ class StepLoop:
 
     def _warn(self, sentence: str) -> None:
         LOG.warning(sentence)
-        self._progress.say(f"note: {sentence}")
+        self._progress.note(sentence)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from warpwear.engine.device import find_device, report_out_of_memory
 from warpwear.errors import InputError
 from warpwear.result import Result
-from warpwear.results.file import FILE_NAME
+from warpwear.results.file import FILE_NAME, OWN_SURFACE, SURFACE_FILE
 from warpwear.results.seal import HEADER
 from warpwear.results.tables import write_tables
 from warpwear.results.writer import ResultWriter
@@ -55,15 +55,21 @@ def run(
     the result lives in memory. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
     result depends on it. overwrite: replace a run that is there already. resume: go on from the checkpoint
     that an unfinished run left in `out`, from the start where there is none; a finished run is returned as it
-    is. progress: report on standard error. callback: is called with every step, see `steps`, whose exception
-    stops the run as an interrupt does: what there is so far is kept, with a checkpoint, and it is raised.
+    is. progress: report on standard error. callback: is called with every step, see `steps`, so
+    that on a GPU each is made alone, slower and with other rounding; an exception of it stops the run as an
+    interrupt does: what there is so far is kept, with a checkpoint, and it is raised.
+
+    What misleads (keys that are not used, a contact of few cells) is a warning of Python (StudyWarning), in
+    `result.summary["warnings"]` too; with progress it is a note on standard error instead.
 
     Raises InputError, and leaves no folder behind, for anything that cannot be computed. A step that is wrong
     raises InvariantError (the contact at the domain's edge, say) or ConvergenceError (an unbalanced contact)
     and leaves an unfinished run with the last checkpoint, as does KeyboardInterrupt, raised at the end of a
-    step.
+    step. What a surface's own `heights` raises is raised.
     """
     folder = None if out is None else Path(out)
+    if callback is not None and not callable(callback):
+        raise InputError(f"callback = {callback!r}: a function is expected, which is called with every step.")
     if resume and (folder is None or overwrite):
         raise InputError(f"resume needs out, a run folder{', and excludes overwrite' if overwrite else ''}.")
     study, given = _prepare(study, surface, folder)
@@ -87,6 +93,8 @@ def run(
                 writer = ResultWriter(
                     file, study, study.cells, device=str(executor.device), threads=executor.threads
                 )
+                if folder and study.disc.surface == str(folder.resolve() / SURFACE_FILE):
+                    file.attrs[OWN_SURFACE] = True
                 loop = StepLoop(
                     study,
                     executor,

@@ -10,6 +10,7 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import UNITS, columns_of
+from warpwear.history.rows import Named
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws import friction
 from warpwear.study.study import Study
@@ -35,7 +36,8 @@ class RunStep:
         The coefficient of friction is NaN where no friction.shear_strength is given: what it is calibrated
         with is the whole run.
         """
-        row = {column.name: self._booked.get(column.name, np.nan) for column in columns_of(self._study)}
+        names = [column.name for column in columns_of(self._study)]
+        row = Named((name, self._booked.get(name, np.nan)) for name in names)
         law = self._study.friction
         if law.shear_strength is not None:
             history = {name: np.array([value]) for name, value in row.items()}
@@ -47,7 +49,7 @@ class RunStep:
     @property
     def units(self) -> dict[str, str]:
         """Name of a column or field -> its unit, such as "mm^2"."""
-        return dict(UNITS)
+        return Named(UNITS)
 
     @property
     def fields(self) -> dict[str, FloatArray]:

@@ -8,6 +8,7 @@ one key can change a kind.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from functools import cache
 from types import MappingProxyType
 from typing import Annotated, Any, Self
@@ -132,6 +133,20 @@ class Section(BaseModel):
 def all_keys(model: type[BaseModel]) -> list[str]:
     """Return the dotted names of all keys and sections."""
     return list(declarations(model))
+
+
+def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
+    """Return the sentence about a name that no key has, with one so called elsewhere or a near one beside.
+
+    now: the name under the section's new name, where it was typed under an old one.
+    """
+    section, _, last = (now or name).rpartition(".")
+    parts = {key: key.rpartition(".") for key in all_keys(model)}
+    siblings = {end: key for key, (above, _, end) in parts.items() if above == section}
+    near = [key for key, (_, _, end) in parts.items() if end == last]
+    near += [siblings[end] for end in get_close_matches(last, siblings, n=1)]
+    hint = f"did you mean '{near[0]}'?" if near else f"allowed are {', '.join(siblings.values())}."
+    return f"'{name}' is no key of a study; {hint}"
 
 
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from warpwear.errors import InputError
 from warpwear.study.content import Content
-from warpwear.study.keys import alternatives_of, declarations, value_of
+from warpwear.study.keys import alternatives_of, declarations, no_such_key, value_of
 from warpwear.study.materials import material
 from warpwear.study.units import text
 
@@ -114,10 +114,13 @@ def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[st
         elif moved:
             notices.append(_renamed(old, new))
     for old, new in _former_names().items():
-        if "." not in old and old in found:  # what is left in a section: no keys, but the new one can say so
+        if "." not in old and old in found:  # what is left in a section that has another name
             left = found.pop(old)
-            keys = found.setdefault(new, {} if isinstance(left, dict) else left)
-            found[new] = left | keys if isinstance(left, dict) and isinstance(keys, dict) else keys
+            if not isinstance(left, dict):
+                raise InputError(f"{old} = {left!r} is not a section; write [{new}] and its keys below it.")
+            for key in left:
+                raise InputError(no_such_key(Content, f"{old}.{key}", now=f"{new}.{key}"))
+            found.setdefault(new, {})
     return found, notices
 
 

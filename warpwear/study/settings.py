@@ -78,7 +78,7 @@ class Run(Section):
     """[run]"""
 
     checkpoint: Interval = key(
-        "2 min", "time between checkpoints, from which --resume goes on; 0 s is after every step, inf s never"
+        "2 min", "time between checkpoints, from which a run is resumed; 0 s is after every step, inf s never"
     )
 
 

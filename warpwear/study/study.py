@@ -57,6 +57,16 @@ class Study(Content):
     def __hash__(self) -> int:
         return hash(self.to_toml())
 
+    def __repr__(self) -> str:
+        about, cells = self.study, self.cells
+        return (
+            f"<Study '{about.name}': {about.model} model, {self.contact.law} law, {self.sliding.kinematics}, "
+            f"{cells.nx} × {cells.ny} cells of {1e3 * cells.cell:g} µm, {self.contact.load:g} N over "
+            f"{self.sliding.total:g} mm>"
+        )
+
+    __str__ = __repr__
+
     def notices(self) -> list[str]:
         """Return a sentence about each old name, each unused key, and each number that misleads."""
         total = self.sliding.total
@@ -98,8 +108,12 @@ class Study(Content):
         is dropped: a new sphere.diameter replaces sphere.radius. The description tells what has changed,
         unless it is set itself.
         """
+        if not isinstance(changes or {}, Mapping) or not all(isinstance(name, str) for name in changes or ()):
+            raise InputError(f"{changes!r} is no change of a study; write {{'contact.load': '4 N'}}.")
         flat = dict(changes or {})
         for section, keys in sections.items():
+            if not isinstance(keys, Mapping):
+                raise InputError(f"{section} = {keys!r} is not a section; write {{'contact.load': '4 N'}}.")
             flat |= {f"{section}.{k}": v for k, v in keys.items()}
         flat, old_names = changes_with_new_names(flat)
         nested = self.model_dump(exclude_unset=True)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,15 @@ import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from warpwear.study.content import Content
-from warpwear.study.keys import Declared, all_keys, declarations, given_keys, inapplicable, key_of, section_in
+from warpwear.study.keys import (
+    Declared,
+    declarations,
+    given_keys,
+    inapplicable,
+    key_of,
+    no_such_key,
+    section_in,
+)
 from warpwear.study.loading import CONSTANTS
 from warpwear.study.materials import material
 from warpwear.study.units import is_quantity
@@ -139,11 +146,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     kind, value = first["type"], first.get("input")
     value = str(value) if is_quantity(value) else value
     if kind == "extra_forbidden":
-        near = get_close_matches(name, all_keys(model), n=1, cutoff=0.5)
-        hint = (
-            f"; did you mean '{near[0]}'?" if near else f"; allowed are {', '.join(_siblings(model, name))}."
-        )
-        return f"'{name}' is no key of a study{hint}"
+        return no_such_key(model, name)
     if kind == "missing":
         return f"{name} is missing{_expected(model, name)}."
     if kind in ("tuple_type", "list_type"):
@@ -167,12 +170,6 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     if kind == "string_pattern_mismatch":  # of study.name, which names a folder
         message = "allowed are up to 100 letters, digits, spaces and the signs . _ + -"
     return f"{name} = {value!r}: {message[:1].lower()}{message[1:]}."
-
-
-def _siblings(model: type[BaseModel], name: str) -> list[str]:
-    depth = name.count(".")
-    parent = name.rpartition(".")[0]
-    return [k for k in all_keys(model) if k.count(".") == depth and k.rpartition(".")[0] == parent]
 
 
 def _expected(model: type[BaseModel], name: str) -> str:

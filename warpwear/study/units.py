@@ -61,7 +61,9 @@ def parse(value: Any, unit: str) -> float:
     found = _NUMBER_AND_UNIT.fullmatch(value)
     if found is None:
         raise ValueError(f"is not one number with one unit: {EXAMPLES[unit]} is expected")
-    asked = found["unit"] or "dimensionless"
+    asked = found["unit"]
+    if not asked:
+        raise ValueError(f"needs its unit: {EXAMPLES[unit]}")
     try:
         quantity = _registry().Quantity(float(found["number"]), f"1{asked}" if asked[0] == "/" else asked)
     except Exception:  # pint raises whatever its parser meets, AttributeError and tokenize errors included

@@ -3,6 +3,7 @@
 import math
 import sys
 import time
+import warnings
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warpwear.calibration.wear import diameter_of_cap
-from warpwear.errors import InputError
+from warpwear.errors import InputError, StudyWarning
 from warpwear.result import Result
 from warpwear.runs.run import run
 from warpwear.study.study import Study
@@ -98,7 +99,9 @@ def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False
         def compute(label: str, study: Study) -> Result:
             nonlocal done
             started = time.perf_counter()
-            result = run(study, device=device, threads=threads, plots=False)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", StudyWarning)  # the report tells of them
+                result = run(study, device=device, threads=threads, plots=False)
             stack.callback(result.close)
             done += 1
             if not quiet:
