@@ -69,20 +69,11 @@ class Iterate:
         self._arguments = self._for_parts()
         for module in (passes, half_space_setup):
             wp.load_module(module, device=executor.device)
-        self.pressure = executor.zeros()
-        self.gradient = executor.zeros()
-        self._trial = executor.zeros()
-        self._step = executor.zeros()
-        self._response = executor.zeros()
-        self._fields = arguments(
-            passes.Fields,
-            pressure=self.pressure,
-            gradient=self.gradient,
-            trial=self._trial,
-            step=self._step,
-            response=self._response,
-            cap=min(hardness, NO_CAP),
-        )
+        names = "pressure", "gradient", "trial", "step", "response"
+        made = [executor.zeros() for _ in names]
+        self.pressure, self.gradient, self._trial, self._step, self._response = made
+        fields = dict(zip(names, made, strict=True))
+        self._fields = arguments(passes.Fields, cap=min(hardness, NO_CAP), **fields)
         self._sums = executor.partials(len(Products._fields) - 2)
         self._maxima = executor.partials(2)
         #: On a GPU, where tables of many slots are reduced before they are read.

@@ -28,7 +28,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import contact, wear
-from warpwear.kernels.cells import LANES, WearMost, WearSum, names_of
+from warpwear.kernels.cells import WearMost, WearSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.wear_loops import Increment, Tables
 from warpwear.laws.archard import removals_of
@@ -210,6 +210,6 @@ class OneScaleModel(Model):
         if stiffness not in self._stiffnesses:
             while len(self._stiffnesses) > 1:
                 del self._stiffnesses[next(iter(self._stiffnesses))]
-            row = np.full((1, self._executor.vectors * LANES), stiffness)
-            self._stiffnesses[stiffness] = self._executor.field(row)
+            row = self._executor.field(np.full((1, 1), stiffness), padding=stiffness)
+            self._stiffnesses[stiffness] = row
         return self._stiffnesses[stiffness]
