@@ -157,8 +157,14 @@ def solve_contact(
             )
     mean = mean_pressure if load is None else load / grid.area
     if mean is not None and hardness is not None:
-        name, area = ("mean_pressure", 1.0) if load is None else ("load", grid.area)
-        mean = _within_capacity(name, mean, hardness * float(np.isfinite(gap).mean()), area)
+        most = hardness * float(np.isfinite(gap).mean())
+        if mean > most * (1.0 + ROUNDING):
+            name, area = ("mean_pressure", 1.0) if load is None else ("load", grid.area)
+            raise InputError(
+                f"{name} = {mean * area:g} is not possible; with all cells at the hardness it is "
+                f"{most * area:g}."
+            )
+        mean = min(mean, most)  # larger by rounding
     if approach is not None and approach >= 0.0 and edge == "periodic" and hardness is None:
         raise InputError(
             f"approach = {approach:g} is not possible; a periodic half-space without a hardness is in full "
@@ -169,9 +175,7 @@ def solve_contact(
     _check_memory(surface.shape, device)
     with Executor(Grid(*surface.shape, 1.0), device=device, threads=threads) as executor:
         try:
-            found = (
-                _solve_cells(task, executor) if edge is None else _solve_half_space(task, executor, tolerance)
-            )
+            found = _solve_half_space(task, executor, tolerance) if edge else _solve_cells(task, executor)
         except ConvergenceError as error:
             raise ConvergenceError(
                 f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "
@@ -413,18 +417,6 @@ def _boundary_of(boundary: str | None, modulus: float | None, sphere_radius: flo
             'it must be "free".'
         )
     return "free"
-
-
-def _within_capacity(name: str, mean: float, most: float, area: float) -> float:
-    """A mean pressure, not larger by rounding than what the hardness carries.
-
-    name, area: of the argument that it was given by, and its value over the mean pressure.
-    """
-    if mean > most * (1.0 + ROUNDING):
-        raise InputError(
-            f"{name} = {mean * area:g} is not possible; with all cells at the hardness it is {most * area:g}."
-        )
-    return min(mean, most)
 
 
 def _check_memory(shape: tuple[int, ...], device: str) -> None:

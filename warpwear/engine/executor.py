@@ -74,7 +74,7 @@ class Executor:
         self.grid = grid
         self.device = find_device(device)
         self.threads = check_threads(threads)
-        check_memory(grid, self.device, fields_needed)
+        check_memory(grid, device, fields_needed)
         self.vectors = -(-grid.ny // LANES)
         self.tiles_per_row = -(-self.vectors // int(TILE_VECTORS))
         on_cpu = self.device.is_cpu

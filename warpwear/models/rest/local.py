@@ -91,7 +91,9 @@ class OneScaleModel(Model):
 
     def worn(self) -> tuple[FloatArray, FloatArray]:
         """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""
-        return self.state.worn(self._executor)
+        both = self._executor.to_numpy(self.state.gap) - self._executor.to_numpy(self.state.unworn)
+        of_sphere, of_disc = self.state.fractions
+        return of_sphere * both, of_disc * both
 
     @property
     def in_blocks(self) -> bool:

@@ -105,15 +105,8 @@ class SlidingHalfSpace:
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
         cap = min(task.hardness, NO_CAP)
-        made = arguments(
-            Increment,
-            wear_per_pressure_sphere=of_sphere,
-            wear_per_pressure_disc=wear_per_pressure_disc,
-            shift=shift,
-            cap=cap,
-            approach=contact.approach,
-            reference=reference,
-        )
+        made = arguments(Increment, shift=shift, cap=cap, approach=contact.approach, reference=reference)
+        made.wear_per_pressure_sphere, made.wear_per_pressure_disc = of_sphere, wear_per_pressure_disc
         passing = self._mean_along(contact.pressure_field, window)
         fields = [contact.pressure_field, passing, contact.gradient_field]
         executor.launch(
