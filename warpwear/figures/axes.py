@@ -90,10 +90,8 @@ def draw_map(
         ticks = MaxNLocator(5) if norm is None else None
         bar = axes.figure.colorbar(image, ax=axes, label=label, shrink=0.9, ticks=ticks)
         if norm is not None:
-            bar.ax.yaxis.set_major_formatter(fs.PlainNumbers())
-            bar.ax.yaxis.set_minor_formatter(fs.PlainNumbers(minor_thresholds=(1.2, 0.5)))
-    axes.set_xlabel(ALONG)
-    axes.set_ylabel(ACROSS)
+            fs.plain_numbers(bar.ax.yaxis)
+    axes.set(xlabel=ALONG, ylabel=ACROSS)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(4))
     return image
@@ -116,8 +114,7 @@ def finish_3d(axes: Any, window: Window, label: str, title: str) -> None:
     """Set extents, labels and the view of a box; its z limits must be set before."""
     x0, x1, y0, y1 = window.extent
     side = max(x1 - x0, y1 - y0)
-    axes.set_xlim(x0, x1)
-    axes.set_ylim(y0, y1)
+    axes.set(xlim=(x0, x1), ylim=(y0, y1))
     axes.set_box_aspect(((x1 - x0) / side, (y1 - y0) / side, BOX), zoom=1.17)
     axes.view_init(elev=ELEVATION, azim=AZIMUTH)
     with fs.style():
