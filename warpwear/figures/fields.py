@@ -41,9 +41,8 @@ def pressure_map(data: FigureData) -> Figure:
             # A uniform pressure gets the middle of the colours; their end is for the hardness.
             if scatter < UNIFORM * mean and not (view.state == State.AT_HARDNESS).any():
                 top *= 2.0
-            draw_map(
-                panel, positive(view.pressure), data.window, fs.PRESSURES, "pressure, MPa", low=0.0, high=top
-            )
+            pressure = positive(view.pressure)
+            draw_map(panel, pressure, data.window, fs.PRESSURES, "pressure, MPa", low=0.0, high=top)
             panel.set_title(f"{fs.after(view.distance)}\n{fs.with_scatter(mean, scatter)} MPa")
 
     return map_figure(draw, len(views))

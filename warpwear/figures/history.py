@@ -57,12 +57,12 @@ def _finish_cof(axes: Axes, data: FigureData) -> None:
 def areas(axes: Axes, data: FigureData) -> None:
     """The four areas and the nominal one over the distance slid."""
     distance = data.course["distance"]
-    values = {name: data.course[f"area_{name}"] for name in AREAS}
-    for name, (label, line) in AREAS.items():
-        if (values[name] > 0.0).any():
-            fs.over_distance(axes, distance, positive(values[name]), label=label, **line)
+    values = [data.course[f"area_{name}"] for name in AREAS]
+    for area, (label, line) in zip(values, AREAS.values(), strict=True):
+        if (area > 0.0).any():
+            fs.over_distance(axes, distance, positive(area), label=label, **line)
     fs.scale_distance(axes, distance)
-    fs.scale_values(axes, *values.values())
+    fs.scale_values(axes, *values)
     axes.set_ylabel("area, mm²")
     fs.legend_above(axes, columns=3)
 

@@ -48,14 +48,10 @@ def islands(axes: Any, data: FigureData) -> None:
     shades = np.linspace(0.1, 0.9, len(evolution.island_areas))
     for index, (areas, shade) in enumerate(zip(evolution.island_areas, shades, strict=True)):
         falling = np.sort(areas)[::-1]
-        sizes.step(
-            falling,
-            np.arange(1, falling.size + 1),
-            where="post",  # islands at least as large: between two areas, those of the larger
-            color=fs.PRESSURES(shade),
-            ls=("-", "--", "-.", ":")[index % 4],
-            label=f"{table['distance'][index]:.4g} mm",
-        )
+        label = f"{table['distance'][index]:.4g} mm"
+        line = {"color": fs.PRESSURES(shade), "ls": ("-", "--", "-.", ":")[index % 4], "label": label}
+        # Islands at least as large: between two areas, those of the larger.
+        sizes.step(falling, np.arange(1, falling.size + 1), where="post", **line)
     sizes.set(xscale="log", yscale="log")
     sizes.set(xlabel="area of an island, mm²", ylabel="islands at least as large, –")
     # To a whole decade, and only decades labelled: labels between them would run into each other.
@@ -84,9 +80,8 @@ def junctions(axes: Axes, data: FigureData) -> None:
         diameters = 1e3 * diameters_of(np.sort(areas))
         shares = np.cumsum(np.sort(areas)) / areas.sum()
         # From nothing below the smallest island.
-        axes.step(
-            np.append(diameters[0], diameters), np.append(0.0, shares), where="post", label=label, **line
-        )
+        places, steps = np.append(diameters[0], diameters), np.append(0.0, shares)
+        axes.step(places, steps, where="post", label=label, **line)
     mesh = 1e3 * float(diameters_of(np.array([data.result.study.cells.cell_area]))[0])
     axes.axvline(mesh, color=fs.NOMINAL, lw=0.6, label="one cell (mesh limit)")
     if critical is not None:

@@ -41,26 +41,9 @@ DEPTHS = matplotlib.colormaps["magma_r"]
 #: Formats of files, each with the metadata of them in which Matplotlib would write the date.
 FORMATS: dict[str, dict[str, None]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
-STYLE: dict[Any, Any] = {
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "axes.titlesize": 8,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "legend.handlelength": 2.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.linewidth": 0.6,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "lines.linewidth": 1.2,
-    "grid.color": "#DDDDDD",
-    "figure.dpi": 300,
-    "pdf.fonttype": 42,  # TrueType: publishers refuse Type 3
-    "svg.hashsalt": "warpwear",
-}
+STYLE = matplotlib.rc_params_from_file(
+    Path(__file__).parent / "warpwear.mplstyle", use_default_template=False
+)
 
 
 def style() -> Any:
