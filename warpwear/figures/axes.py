@@ -1,6 +1,6 @@
 """Panels: maps with real extents, and boxes in 3-D that are true to scale in x and y."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -46,9 +46,14 @@ def map_figure(draw: Callable[[Any], None], panels: int, *, above: float = 0.0) 
     return fs.new_figure(draw_and_tidy, columns=panels, height=height)
 
 
-def panels_of(axes: Any, shown: Sequence[Shown]) -> Iterator[tuple[Axes, Shown]]:
-    """Give each panel with what it shows."""
-    return zip(np.atleast_1d(axes), shown, strict=True)
+def maps_of(shown: Sequence[Shown], draw: Callable[[Any, Shown], None], *, above: float = 0.0) -> Figure:
+    """Draw each of what is shown in a panel of its own, which `draw` gets with it; see `map_figure`."""
+
+    def draw_all(axes: Any) -> None:
+        for panel, thing in zip(np.atleast_1d(axes), shown, strict=True):
+            draw(panel, thing)
+
+    return map_figure(draw_all, len(shown), above=above)
 
 
 def finish_sections(axes: Any) -> None:
