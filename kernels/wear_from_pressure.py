@@ -3,7 +3,8 @@
 While a disc moves under the sphere, its asperities and the pressure move with it during a step. A cell of the
 disc is worn by its own pressure, one of the sphere by the mean of those that pass over it along x.
 
-A row of the fields is a row of a grid, or a patch with its lines one after another.
+A row of the fields is a row of a grid, which is one line of a `Layout`, or a patch with its lines one after
+another.
 """
 
 import warp as wp
@@ -20,17 +21,9 @@ from warpwear.kernels.cells import (
     sum_of,
 )
 from warpwear.kernels.sliding import Bodies, beneath
+from warpwear.kernels.wear_loops import Layout
 
 wp.set_module_options({"enable_backward": False})
-
-
-@wp.struct
-class Places:
-    """Where on the domain the cells of a row lie."""
-
-    vectors: wp.int32  # of a line: a row of a grid is one line
-    first_row: wp.array(dtype=wp.int32)  # of the domain's cells, of each row
-    first_column: wp.array(dtype=wp.int32)
 
 
 @wp.struct
@@ -114,7 +107,7 @@ def wear(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     increment: Increment,
-    places: Places,
+    layout: Layout,
     pressure_in: wp.array2d(dtype=Cells),
     passing_in: wp.array2d(dtype=Cells),
     gradient_in: wp.array2d(dtype=Cells),
@@ -138,9 +131,9 @@ def wear(
     cap = increment.cap
     approach = increment.approach
     reference = increment.reference
-    vectors = places.vectors
-    domain_row = places.first_row[row]
-    domain_column = places.first_column[row]
+    vectors = layout.vectors
+    domain_row = layout.first_row[row]
+    domain_column = layout.first_column[row]
     has_disc = bodies.disc.shape[0] > 0
     under = beneath(row, increment.shift, bodies.disc.shape[0])
     passing_row = wp.min(row, passing_in.shape[0] - 1)

@@ -410,8 +410,8 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
 
     base = 1e-5 * target * (1.0 - 1e-6) - 1e-4
     start = load_shares.Shares(base, 0.0 * target, 0.0, 0.0, target, 0.0, 0.0, 0)
-    options = {"step": 1e-4, "first": 1e-5, "common": 0.0, "area": area, "load": load}
-    found = prescribed_loads.press(response, target, 0.0 * target, start, **options)
+    task = prescribed_loads.SharingTask(load, area, 0.0, np.inf, 0.0 * target)
+    found = prescribed_loads.press(response, task, target, start, step=1e-4, first=1e-5, common=0.0)
     assert abs(found.load_residual) < 0.6e-12 * load
 
 

@@ -1,20 +1,17 @@
 """The command group `warpwear calibrate`: wear coefficients, shear strength and energy from a test."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import click
 
-from warpwear.cli.places import heavy
+from warpwear.cli.options import AS_JSON, PATH
+from warpwear.cli.places import coefficients, energy_of_test, friction_command, printed, wear_command
 from warpwear.cli.surface import prepared, with_preparation
 
-AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 LOAD = click.option("--load", metavar="F", help="Normal load, e.g. '8 N'.")
 DISTANCE = click.option("--distance", metavar="L", help="Total sliding distance, e.g. '2400 mm'.")
-RESULT = click.option(
-    "--result", metavar="DIR", type=click.Path(path_type=Path), help="Run folder of `warpwear run`."
-)
+RESULT = click.option("--result", metavar="DIR", type=PATH, help="Run folder of `warpwear run`.")
 
 #: The form of a track is that of the unworn part.
 LEVEL = "--track: none, plane or a degree, taken off beside it. [default: plane]"
@@ -24,8 +21,8 @@ REPEATED = {
     "--scar": ("D", str, "Diameter of a flat scar on a ball. Needs --radius."),
     "--width": ("D", str, "Width of a circular track. Needs --radius and --track-radius."),
     "--section": ("A", str, "Cross-section of a groove, e.g. '812.8 um^2'. Needs --length."),
-    "--track": ("FILE", click.Path(path_type=Path), "Topography of a worn track. Needs --length."),
-    "--ball": ("FILE", click.Path(path_type=Path), "Topography of a worn ball, with or without --radius."),
+    "--track": ("FILE", PATH, "Topography of a worn track. Needs --length."),
+    "--ball": ("FILE", PATH, "Topography of a worn ball, with or without --radius."),
 }
 
 
@@ -82,8 +79,8 @@ def wear(**options: Any) -> None:
     warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
         --load "8 N" --distance "2400 mm"
     """
-    calibrate_wear, wear_options = heavy("calibrate_wear"), heavy("WearOptions")
-    click.echo(calibrate_wear(wear_options(preparation=prepared(options), **options)))
+    asked = wear_command.WearOptions(preparation=prepared(options), **options)
+    click.echo(wear_command.calibrate_wear(asked))
 
 
 @calibrate.command()
@@ -95,7 +92,7 @@ def wear(**options: Any) -> None:
 @click.option(
     "--experiment",
     metavar="FILE",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="Measured coefficient over distance: fits τ0 and μ_p with the areas of --result.",
 )
 @click.option("--columns", metavar="NAMES", help="--experiment: which of its columns to take.")
@@ -107,7 +104,7 @@ def friction(**options: Any) -> None:
 
     The areas of a run are contact, touched, cumulative and nominal; a fit uses contact unless told otherwise.
     """
-    click.echo(heavy("calibrate_friction")(**options))
+    click.echo(friction_command.calibrate_friction(**options))
 
 
 @calibrate.command()
@@ -125,11 +122,11 @@ def friction(**options: Any) -> None:
 @AS_JSON
 def energy(**options: Any) -> None:
     """Dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""
-    click.echo(heavy("calibrate_energy")(**options, usual_speeds=heavy("thesis_speeds")))
+    click.echo(energy_of_test.calibrate_energy(**options, usual_speeds=printed.SPEEDS))
 
 
 @calibrate.command()
 @AS_JSON
 def thesis(**options: Any) -> None:
     """Wear coefficients that the thesis prints, and the worn patch that does not go with them."""
-    click.echo(heavy("calibrate_thesis")(**options))
+    click.echo(coefficients.calibrate_thesis(**options))

@@ -1,10 +1,12 @@
 """The command `warpwear report`."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from warpwear.cli.places import heavy
+from warpwear.cli.options import DEVICE, PATH, THREADS
+from warpwear.cli.places import thesis_page
 
 
 @click.group()
@@ -14,22 +16,15 @@ def report() -> None:
 
 @report.command()
 @click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("thesis-report"),
-    show_default=True,
-    help="Folder of the report.",
+    "--out", type=PATH, default=Path("thesis-report"), show_default=True, help="Folder of the report."
 )
 @click.option("--quick", is_flag=True, help="The fine rough model with cells of 5 µm instead of 1 µm.")
-@click.option("--threads", type=int, help="Threads of the CPU; changes no result. [default: all cores]")
-@click.option("--device", default="cpu", show_default=True, help="cpu, or cuda:0 for the first GPU.")
+@THREADS
+@DEVICE
 @click.option("--overwrite", is_flag=True, help="Replace the report that the folder holds.")
-def thesis(out: Path, quick: bool, threads: int | None, device: str, overwrite: bool) -> None:
+def thesis(out: Path, **options: Any) -> None:
     """Set the thesis's printed results beside ours, with a verdict on each.
 
     The folder gets report.html, one page that needs nothing else, and numbers.json, all that is compared.
     """
-    thesis_report = heavy("thesis_report")
-
-    page = thesis_report(out, quick=quick, threads=threads, device=device, overwrite=overwrite, quiet=False)
-    click.echo(f"written to {page}")
+    click.echo(f"written to {thesis_page.thesis_report(out, quiet=False, **options)}")

@@ -4,22 +4,21 @@ from pathlib import Path
 
 import click
 
-from warpwear.cli.places import heavy
+from warpwear.cli.options import FOLDER, FORMAT, PATH
+from warpwear.cli.places import exported, film, results
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@FOLDER
 @click.option("--only", "names", metavar="NAME", multiple=True, help="Only this, e.g. cof. Repeatable.")
-@click.option("--format", "file_format", default="png", show_default=True, help="png, pdf or svg.")
+@FORMAT
 def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
     """Draw the figures of the run in DIR.
 
     They go into DIR/figures and replace those that are there. Figures that make no sense for the run are
     left out, and the reason is said.
     """
-    Result = heavy("Result")
-
-    with Result.open(folder) as result:
+    with results.Result.open(folder) as result:
         plotter, where = result.plot, (result.folder or folder) / "figures"
         plotter.check(names, file_format=file_format)
         left_out = {} if names else plotter.left_out
@@ -32,10 +31,8 @@ def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), help=".mp4 or .gif file. [default: DIR/animation.mp4 or .gif]"
-)
+@FOLDER
+@click.option("--out", type=PATH, help=".mp4 or .gif file. [default: DIR/animation.mp4 or .gif]")
 @click.option("--fps", default=5.0, show_default=True, help="Frames a second.")
 @click.option("--overwrite", is_flag=True, help="Replace a file that is there.")
 def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None:
@@ -45,16 +42,13 @@ def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None
     so the run needs two at least (key output.snapshots). mp4 needs ffmpeg; where it is
     not installed the default is gif.
     """
-    animate_result = heavy("animate_result")
-    Result = heavy("Result")
-
-    with Result.open(folder) as result:
-        click.echo(animate_result(result, out, frames_per_second=fps, overwrite=overwrite))
+    with results.Result.open(folder) as result:
+        click.echo(film.animate(result, out, frames_per_second=fps, overwrite=overwrite))
 
 
 @click.command("export")
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), help="Folder to write. [default: DIR/export]")
+@FOLDER
+@click.option("--out", type=PATH, help="Folder to write. [default: DIR/export]")
 @click.option("--format", "formats", multiple=True, help="sdf, xyz or npy; repeatable. [default: all]")
 @click.option("--snapshot", default=-1, show_default=True, help="Number of the snapshot; -1 is the end.")
 @click.option("--overwrite", is_flag=True, help="Replace files that are there.")
@@ -66,12 +60,8 @@ def export_command(
     The files hold heights for other software: sdf is ASCII after ISO 25178-71, xyz has a line a point in
     mm, npy is an array of heights in mm.
     """
-    Result = heavy("Result")
-    WRITERS = heavy("WRITERS")
-    export = heavy("export")
-
-    with Result.open(folder) as result:
+    with results.Result.open(folder) as result:
         where = out if out is not None else (result.folder or folder) / "export"
-        chosen = formats or tuple(WRITERS)
-        for path in export(result, where, snapshot=snapshot, formats=chosen, overwrite=overwrite):
+        chosen = formats or tuple(exported.WRITERS)
+        for path in exported.export(result, where, snapshot=snapshot, formats=chosen, overwrite=overwrite):
             click.echo(path)

@@ -1,51 +1,43 @@
 """The commands `warpwear studies`, `show` and `materials`, and how a command reads its study."""
 
 import tomllib
-from collections.abc import Callable
 from typing import Any
 
 import click
 
-from warpwear.cli.places import heavy
+from warpwear.cli.places import materials, study_files, study_text, study_types
 from warpwear.errors import InputError
 
 STUDY = "STUDY is a TOML file, a run folder or the name of a preset (see 'warpwear studies')."
 
 
-def with_changes(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the option --set to a command."""
-    return click.option(
-        "--set",
-        "changes",
-        metavar="KEY=VALUE",
-        multiple=True,
-        help="Change a key of the study by its dotted name, e.g. --set grid.cell='2 um'. Repeatable.",
-    )(command)
+CHANGES = click.option(
+    "--set",
+    "changes",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Change a key of the study by its dotted name, e.g. --set grid.cell='2 um'. Repeatable.",
+)
 
 
 @click.command()
 def studies() -> None:
     """List the presets, studies with a name."""
-    presets = heavy("presets")
-    Study = heavy("Study")
-
-    for name in presets():
-        click.echo(f"{name:<10} {Study.load(name).study.description}")
+    for name in study_files.presets():
+        click.echo(f"{name:<10} {study_types.Study.load(name).study.description}")
 
 
 @click.command(epilog=STUDY)
 @click.argument("study")
-@with_changes
+@CHANGES
 def show(study: str, changes: tuple[str, ...]) -> None:
     """Print the whole STUDY after defaults.
 
     Each assumed value is marked. What is printed is itself a study; notes on keys that do not apply go to
     standard error.
     """
-    to_marked_toml = heavy("to_marked_toml")
-
     loaded = load_study(study, changes)
-    click.echo(to_marked_toml(loaded))
+    click.echo(study_text.to_marked_toml(loaded))
     for notice in loaded.notices():
         click.echo(f"note: {notice}", err=True)
 
@@ -56,11 +48,8 @@ def list_materials() -> None:
 
     Each has elastic constants and a hardness, and each value its source.
     """
-    material = heavy("material")
-    names = heavy("names")
-
-    for name in names():
-        known = material(name)
+    for name in materials.names():
+        known = materials.material(name)
         click.echo(
             f"{known.name}, {known.condition}: E {1e-3 * known.young:g} GPa, ν {known.poisson:g}, "
             f"hardness {1e-3 * known.hardness:.3g} GPa"
@@ -71,15 +60,13 @@ def list_materials() -> None:
 
 def load_study(study: str, changes: tuple[str, ...]) -> Any:
     """Return the Study of a file, folder or preset, changed by texts KEY=VALUE. InputError for bad ones."""
-    Study = heavy("Study")
-
     parsed = {}
     for change in changes:
         key, equals, value = change.partition("=")
         if not equals:
             raise InputError(f"--set {change!r}: KEY=VALUE is expected, such as grid.cell='2 um'.")
         parsed[key.strip()] = _value(value.strip())
-    return Study.load(study).replace(parsed)
+    return study_types.Study.load(study).replace(parsed)
 
 
 def _value(text: str) -> Any:

@@ -6,7 +6,8 @@ from typing import Any
 
 import click
 
-from warpwear.cli.places import heavy
+from warpwear.cli.options import PATH
+from warpwear.cli.places import surface_command
 
 #: Keys of [disc] as options: how a measured file is read and what is done to it.
 PREPARATION = {
@@ -37,12 +38,12 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 
 
 @click.command()
-@click.argument("file", required=False, type=click.Path(path_type=Path))
+@click.argument("file", required=False, type=PATH)
 @with_preparation
 @click.option("--lambda-c", default="2.5 mm", show_default=True, help="Cut-off λc of Ra profiles.")
 @click.option("--lambda-s", default="8 um", show_default=True, help="Cut-off λs of Ra profiles.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON; a figure only with --figure.")
-@click.option("--figure", type=click.Path(path_type=Path), help="[default: FILE's name + -surface.png, here]")
+@click.option("--figure", type=PATH, help="[default: FILE's name + -surface.png, here]")
 @click.option("--overwrite", is_flag=True, help="Replace the figure that is there.")
 @click.option("--track", is_flag=True, help="FILE is a worn track along the sliding axis: its volume.")
 @click.option("--track-width", help="Width of the track with its pile-up, when it is not found.")
@@ -57,5 +58,5 @@ def surface(file: Path | None, **options: Any) -> None:
 
     With --track the volume of a worn track, with --ball that of a worn ball.
     """
-    describe, surface_options = heavy("describe"), heavy("SurfaceOptions")
-    click.echo(describe(file, surface_options(preparation=prepared(options), **options)))
+    asked = surface_command.SurfaceOptions(preparation=prepared(options), **options)
+    click.echo(surface_command.describe(file, asked))

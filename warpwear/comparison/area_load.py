@@ -44,25 +44,20 @@ def area_load(comparison: Comparison) -> Figure:
     def draw(axes: Axes) -> None:
         for (name, runs), (colour, marker) in zip(series.items(), STYLES * len(series), strict=False):
             runs.sort(key=lambda run: run.study.contact.load)
+            forces = [run.study.contact.load for run in runs]
             areas = [1.0e3 * run.history["area_contact"][0] for run in runs]
-            axes.plot(
-                [run.study.contact.load for run in runs], areas, color=colour, marker=marker, ms=4, label=name
-            )
-        axes.set_xscale("log")
-        axes.set_xlim(line[0], line[-1])
+            axes.plot(forces, areas, color=colour, marker=marker, ms=4, label=name)
+        axes.set(xscale="log", xlim=(line[0], line[-1]))
         fs.logarithmic(axes)
         low, high = axes.get_ylim()
-        for (name, theory), style in zip(
-            _theories(comparison, line).items(), ("--", ":", "-."), strict=False
-        ):
+        theories = _theories(comparison, line)
+        for (name, theory), style in zip(theories.items(), ("--", ":", "-."), strict=False):
             values = 1.0e3 * theory
             if np.any((values > low) & (values < high)):
                 axes.plot(line, values, color=fs.NEUTRAL, ls=style, lw=0.9, label=name)
         axes.set_ylim(low / MARGIN, high * MARGIN)
-        axes.xaxis.set_major_formatter(fs.PlainNumbers())
-        axes.xaxis.set_minor_formatter(fs.PlainNumbers(minor_thresholds=(1.2, 0.5)))
-        axes.set_xlabel("normal load, N")
-        axes.set_ylabel("area in contact at first, 10⁻³ mm²")
+        fs.plain_numbers(axes.xaxis)
+        axes.set(xlabel="normal load, N", ylabel="area in contact at first, 10⁻³ mm²")
         fs.legend_above(axes, columns=1)
 
     return fs.new_figure(draw, height=3.4)

@@ -1,6 +1,7 @@
 """Figures of a comparison: the courses of runs and experiments, and worn profiles, laid over each other."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,113 +29,112 @@ MARKED = 30
 LEGEND_ROW = 0.15
 
 
-def cof(comparison: Comparison) -> Figure:
+def cof(axes: Any, comparison: Comparison) -> None:
     """Draw the coefficient of friction over the distance slid, and over its mean in the last tenth of it.
 
     A swept run has the means of its passes, if it made more than one.
     """
-
-    def draw(axes: Any) -> None:
-        for experiment, line in _experiments(comparison):
-            for panel, end in zip(axes, (1.0, experiment.final_cof), strict=True):
-                if end > 0.0:
-                    _measured(panel, experiment, end, line)
-        for run, line in _runs(comparison):
-            if run.cof is not None:
-                distance, values = run.course
-                if values.size < run.cof.size and values.size < 2:
-                    distance, values = run.history["distance"], run.cof
-                fs.over_distance(axes[0], distance, values, **line)
-                end = mean_of_last_tenth(distance, values)
-                if values.size > 1 and end > 0.0:
-                    fs.over_distance(axes[1], distance, values / end, **line)
-        axes[0].set_ylabel("coefficient of friction, –")
-        axes[1].set_ylabel("relative coefficient, –")
-        axes[1].set_title("over its mean in the last tenth of the distance")
-        for panel in axes:
-            panel.set_xlabel("sliding distance, mm")
-            panel.set_xlim(left=0.0)
-            panel.set_ylim(bottom=0.0)
-
-    return _figure(draw, [*(e.name for e in comparison.experiments), *_names(comparison)], panels=2)
+    for experiment, line in _experiments(comparison):
+        for panel, end in zip(axes, (1.0, experiment.final_cof), strict=True):
+            if end > 0.0:
+                _measured(panel, experiment, end, line)
+    for run, line in _runs(comparison):
+        if run.cof is not None:
+            distance, values = run.course
+            if values.size < run.cof.size and values.size < 2:
+                distance, values = run.history["distance"], run.cof
+            fs.over_distance(axes[0], distance, values, **line)
+            end = mean_of_last_tenth(distance, values)
+            if values.size > 1 and end > 0.0:
+                fs.over_distance(axes[1], distance, values / end, **line)
+    axes[0].set_ylabel("coefficient of friction, –")
+    axes[1].set_ylabel("relative coefficient, –")
+    axes[1].set_title("over its mean in the last tenth of the distance")
+    for panel in axes:
+        panel.set(xlabel="sliding distance, mm", xlim=(0.0, None), ylim=(0.0, None))
 
 
-def area(comparison: Comparison) -> Figure:
+def area(axes: Axes, comparison: Comparison) -> None:
     """Draw the area in contact over the distance slid, both logarithmic."""
-
-    def draw(axes: Axes) -> None:
-        for run, line in _runs(comparison):
-            distance, values = run.history["distance"], run.history["area_contact"]
-            fs.over_distance(axes, distance, np.where(values > 0.0, values, np.nan), **line)
-        if _longest(comparison)[-1] > 0.0:  # not static contacts alone
-            axes.set_xscale("log")
-        fs.logarithmic(axes)
-        axes.set_ylabel("area in contact, mm²")
-
-    return _figure(draw, _names(comparison))
+    for run, line in _runs(comparison):
+        distance, values = run.history["distance"], run.history["area_contact"]
+        fs.over_distance(axes, distance, np.where(values > 0.0, values, np.nan), **line)
+    if _longest(comparison)[-1] > 0.0:  # not static contacts alone
+        axes.set_xscale("log")
+    fs.logarithmic(axes)
+    axes.set_ylabel("area in contact, mm²")
 
 
-def pressure(comparison: Comparison) -> Figure:
+def pressure(axes: Axes, comparison: Comparison) -> None:
     """Draw the mean pressure of the cells in contact over the distance slid."""
-
-    def draw(axes: Axes) -> None:
-        for run, line in _runs(comparison):
-            fs.over_distance(axes, run.history["distance"], run.history["pressure_mean"], **line)
-        fs.scale_distance(axes, _longest(comparison))
-        fs.scale_values(axes, *(run.history["pressure_mean"] for run in comparison.runs))
-        axes.set_ylabel("mean pressure in contact, MPa")
-
-    return _figure(draw, _names(comparison))
+    for run, line in _runs(comparison):
+        fs.over_distance(axes, run.history["distance"], run.history["pressure_mean"], **line)
+    fs.scale_distance(axes, _longest(comparison))
+    fs.scale_values(axes, *(run.history["pressure_mean"] for run in comparison.runs))
+    axes.set_ylabel("mean pressure in contact, MPa")
 
 
-def volumes(comparison: Comparison) -> Figure:
+def volumes(axes: Any, comparison: Comparison) -> None:
     """Draw the worn volume of sphere and disc over the distance slid."""
-
-    def draw(axes: Any) -> None:
-        for run, line in _runs(comparison):
-            for panel, body in zip(axes, BODIES, strict=True):
-                volume = 1.0e3 * run.history[f"wear_volume_{body}"]
-                fs.over_distance(panel, run.history["distance"], volume, **line)
+    for run, line in _runs(comparison):
         for panel, body in zip(axes, BODIES, strict=True):
-            panel.set_title(body)
-            panel.set_ylabel("worn volume, 10⁻³ mm³")
-            panel.set_xlim(left=0.0)
-            panel.set_ylim(bottom=0.0)
+            volume = 1.0e3 * run.history[f"wear_volume_{body}"]
+            fs.over_distance(panel, run.history["distance"], volume, **line)
+    for panel, body in zip(axes, BODIES, strict=True):
+        panel.set_title(body)
+        panel.set(ylabel="worn volume, 10⁻³ mm³", xlim=(0.0, None), ylim=(0.0, None))
 
-    return _figure(draw, _names(comparison), panels=2)
 
-
-def profiles(comparison: Comparison) -> Figure:
+def profiles(axes: Any, comparison: Comparison) -> None:
     """Draw the wear of sphere and disc across sliding at each run's end, mean of the scar's middle eighth."""
-
-    def draw(axes: Any) -> None:
-        reach = 0.0
-        for run, line in _runs(comparison):
-            for panel, body in zip(axes, BODIES, strict=True):
-                if run.wear:
-                    depth = run.wear[body]
-                    panel.plot(run.across, -1.0e3 * depth, **(line | {"marker": ""}))
-                    reach = max(reach, float(np.abs(run.across[depth > 0.0]).max(initial=0.0)))
+    reach = 0.0
+    for run, line in _runs(comparison):
         for panel, body in zip(axes, BODIES, strict=True):
-            panel.set_title(f"{body}, at the end")
-            panel.set_xlabel(ACROSS)
-            panel.set_ylabel("height lost by wear, µm")
-            panel.xaxis.set_major_locator(MaxNLocator(6))
-            panel.set_ylim(top=0.0)
-            if reach > 0.0:
-                panel.set_xlim(-1.15 * reach, 1.15 * reach)
+            if run.wear:
+                depth = run.wear[body]
+                panel.plot(run.across, -1.0e3 * depth, **(line | {"marker": ""}))
+                reach = max(reach, float(np.abs(run.across[depth > 0.0]).max(initial=0.0)))
+    for panel, body in zip(axes, BODIES, strict=True):
+        panel.set_title(f"{body}, at the end")
+        panel.set(xlabel=ACROSS, ylabel="height lost by wear, µm", ylim=(None, 0.0))
+        panel.xaxis.set_major_locator(MaxNLocator(6))
+        if reach > 0.0:
+            panel.set_xlim(-1.15 * reach, 1.15 * reach)
 
-    return _figure(draw, _names(comparison), panels=2)
+
+def _laid_over(
+    draw: Callable[[Any, Comparison], None],
+    comparison: Comparison,
+    *,
+    panels: int = 1,
+    measured: bool = False,
+) -> Figure:
+    """Make a figure with the legend over it, which makes the figure higher, not its panels lower.
+
+    draw: gets the axes, one or an array of them. measured: the legend names the experiments, too.
+    """
+    lines: list[Experiment | RunData] = [*(comparison.experiments if measured else ()), *comparison.runs]
+    width = fs.PAGE if panels > 1 else fs.COLUMN
+    # The width holds this many names beside each other, a character some 0.055 inch and a line 0.45.
+    longest = max(len(line.name) for line in lines)
+    beside = max(1, min(len(lines), int(width / (0.055 * longest + 0.45))))
+
+    def draw_all(axes: Any) -> None:
+        draw(axes, comparison)
+        fs.legend_above(*np.atleast_1d(axes), columns=beside)
+
+    rows = -(-len(lines) // beside)
+    return fs.new_figure(draw_all, columns=panels, height=fs.ROW + LEGEND_ROW * (rows - 1))
 
 
 #: Name of the file -> how it is drawn.
 FIGURES: dict[str, Callable[[Comparison], Figure]] = {
-    "cof": cof,
-    "area": area,
+    "cof": partial(_laid_over, cof, panels=2, measured=True),
+    "area": partial(_laid_over, area),
     "area_load": area_load,
-    "pressure": pressure,
-    "volumes": volumes,
-    "profiles": profiles,
+    "pressure": partial(_laid_over, pressure),
+    "volumes": partial(_laid_over, volumes, panels=2),
+    "profiles": partial(_laid_over, profiles, panels=2),
 }
 
 
@@ -181,23 +181,5 @@ def _measured(panel: Axes, experiment: Experiment, end: float, line: dict[str, A
     panel.plot(distance, values, markevery=max(1, distance.size // MARKED), **line)
 
 
-def _names(comparison: Comparison) -> list[str]:
-    return [run.name for run in comparison.runs]
-
-
 def _longest(comparison: Comparison) -> FloatArray:
     return max((run.history["distance"] for run in comparison.runs), key=lambda d: d[-1])
-
-
-def _figure(draw: Callable[[Any], None], names: Sequence[str], *, panels: int = 1) -> Figure:
-    """Make a figure with the legend over it, which makes the figure higher, not its panels lower."""
-    width = fs.PAGE if panels > 1 else fs.COLUMN
-    # The width holds this many names beside each other, a character some 0.055 inch and a line 0.45.
-    beside = max(1, min(len(names), int(width / (0.055 * max(map(len, names)) + 0.45))))
-
-    def draw_all(axes: Any) -> None:
-        draw(axes)
-        fs.legend_above(*np.atleast_1d(axes), columns=beside)
-
-    rows = -(-len(names) // beside)
-    return fs.new_figure(draw_all, columns=panels, height=fs.ROW + LEGEND_ROW * (rows - 1))

@@ -5,20 +5,16 @@ from pathlib import Path
 from warpwear.comparison.figures import FIGURES, drawn
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.table import write_csv, write_json
-from warpwear.errors import InputError
 from warpwear.figures import style as fs
 from warpwear.results.folder import check_folder, whole_folder
 
-#: Format -> what is said in a file beside the figure: no date, so that equal runs give equal files.
-FORMATS: dict[str, dict[str, None]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 #: Every comparison has it, and no other folder.
 MARK = "comparison.json"
 
 
 def check_out(folder: Path, *, file_format: str = "png", overwrite: bool = False) -> None:
     """Raise InputError for what `write` would refuse, before anything is read."""
-    if file_format not in FORMATS:
-        raise InputError(f"format = '{file_format}' is not known; allowed: {', '.join(FORMATS)}")
+    fs.check_format(file_format)
     check_folder(folder, [MARK], what="a comparison", overwrite=overwrite)
 
 
@@ -31,11 +27,10 @@ def write(
     alone.
     """
     check_out(folder, file_format=file_format, overwrite=overwrite)
-    older = [f"{name}.{kind}" for name in FIGURES for kind in FORMATS]
+    older = [f"{name}.{kind}" for name in FIGURES for kind in fs.FORMATS]
     with whole_folder(folder, [MARK], stale=older) as work:
-        with fs.style():
-            for name, figure in drawn(comparison):
-                figure.savefig(work / f"{name}.{file_format}", metadata=FORMATS[file_format])
+        for name, figure in drawn(comparison):
+            fs.write_figure(figure, work / f"{name}.{file_format}")
         write_csv(comparison, work / "table.csv")
         write_json(comparison, work / MARK)
         names = sorted((path.name for path in work.iterdir()), key=lambda name: (name == MARK, name))

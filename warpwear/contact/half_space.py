@@ -5,7 +5,7 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -208,23 +208,10 @@ def _worst(violation: FloatArray, scale: FloatArray) -> float:
 class HalfSpace(BoundedPressure):
     """Solves contacts of one grid, as `BoundedPressure` says.
 
-    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free".
+    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free". options: of `BoundedPressure`.
     """
 
     def __init__(
-        self,
-        executor: Executor,
-        *,
-        modulus: float,
-        boundary: str = "periodic",
-        hardness: float = math.inf,
-        tolerance: float = TOLERANCE,
-        max_iterations: int = MAX_ITERATIONS,
+        self, executor: Executor, *, modulus: float, boundary: str = "periodic", **options: Any
     ) -> None:
-        super().__init__(
-            executor,
-            Influence(executor, modulus=modulus, boundary=boundary),
-            hardness=hardness,
-            tolerance=tolerance,
-            max_iterations=max_iterations,
-        )
+        super().__init__(executor, Influence(executor, modulus=modulus, boundary=boundary), **options)

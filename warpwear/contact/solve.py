@@ -21,12 +21,12 @@ from warpwear.contact.half_space import TOLERANCE, HalfSpace
 from warpwear.contact.half_space_window import WindowedHalfSpace
 from warpwear.contact.influence import Influence
 from warpwear.engine.device import free_memory
-from warpwear.engine.executor import Executor, arguments
+from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.tiles import Tiles
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import contact as kernels
-from warpwear.kernels.cells import LANES, PADDING
+from warpwear.kernels.cells import PADDING
 from warpwear.kernels.contact import Law
 from warpwear.surfaces.sphere import sag
 
@@ -134,11 +134,12 @@ def solve_contact(
     Johnson, Contact Mechanics, 1985, section 4.3 (springs).
     """
     surface = _checked_heights(heights)
-    cell, tolerance = _positive("cell", cell), _positive("tolerance", tolerance)
-    load, mean_pressure = _optional("load", load), _optional("mean_pressure", mean_pressure)
-    approach = _optional("approach", approach, any_sign=True)
-    modulus, stiffness = _optional("modulus", modulus), _optional("stiffness", stiffness)
-    hardness, sphere_radius = _optional("hardness", hardness), _optional("sphere_radius", sphere_radius)
+    cell = _number("cell", cell, optional=False)
+    tolerance = _number("tolerance", tolerance, optional=False)
+    load, mean_pressure = _number("load", load), _number("mean_pressure", mean_pressure)
+    approach = _number("approach", approach, any_sign=True)
+    modulus, stiffness = _number("modulus", modulus), _number("stiffness", stiffness)
+    hardness, sphere_radius = _number("hardness", hardness), _number("sphere_radius", sphere_radius)
     _check_choice("exactly one", load=load, mean_pressure=mean_pressure, approach=approach)
     _check_choice("at most one", modulus=modulus, stiffness=stiffness)
     if hardness is modulus is stiffness is None:
@@ -146,7 +147,7 @@ def solve_contact(
             "hardness = None is not possible without modulus or stiffness; the bearing area needs a hardness."
         )
     edge = _boundary_of(boundary, modulus, sphere_radius)
-    grid = _grid_of(surface, cell)
+    grid = Grid(*surface.shape, cell)
     gap = surface.mean() - surface
     if sphere_radius is not None:
         gap += sag(grid.x, grid.y, radius=sphere_radius)
@@ -156,8 +157,14 @@ def solve_contact(
             )
     mean = mean_pressure if load is None else load / grid.area
     if mean is not None and hardness is not None:
-        name, area = ("mean_pressure", 1.0) if load is None else ("load", grid.area)
-        mean = _within_capacity(name, mean, hardness * float(np.isfinite(gap).mean()), area)
+        most = hardness * float(np.isfinite(gap).mean())
+        if mean > most * (1.0 + ROUNDING):
+            name, area = ("mean_pressure", 1.0) if load is None else ("load", grid.area)
+            raise InputError(
+                f"{name} = {mean * area:g} is not possible; with all cells at the hardness it is "
+                f"{most * area:g}."
+            )
+        mean = min(mean, most)  # larger by rounding
     if approach is not None and approach >= 0.0 and edge == "periodic" and hardness is None:
         raise InputError(
             f"approach = {approach:g} is not possible; a periodic half-space without a hardness is in full "
@@ -166,11 +173,9 @@ def solve_contact(
     response = cell / modulus if modulus else 1.0 / stiffness if stiffness else 0.0
     task = _Task.scaled(gap, mean, approach, hardness, response=response, edge=edge)
     _check_memory(surface.shape, device)
-    with Executor(_grid_of(surface, 1.0), device=device, threads=threads) as executor:
+    with Executor(Grid(*surface.shape, 1.0), device=device, threads=threads) as executor:
         try:
-            found = (
-                _solve_cells(task, executor) if edge is None else _solve_half_space(task, executor, tolerance)
-            )
+            found = _solve_half_space(task, executor, tolerance) if edge else _solve_cells(task, executor)
         except ConvergenceError as error:
             raise ConvergenceError(
                 f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "
@@ -263,7 +268,9 @@ def _solve_half_space(task: _Task, executor: Executor, tolerance: float) -> _Fou
     if task.mean is None and reached.any():
         window = (slice(None), slice(None)) if task.edge == "periodic" else _box(reached)
         part = task.gap[window]
-        with Executor(_grid_of(part, 1.0), device=str(executor.device), threads=executor.threads) as smaller:
+        with Executor(
+            Grid(*part.shape, 1.0), device=str(executor.device), threads=executor.threads
+        ) as smaller:
             found = HalfSpace(smaller, **options).solve(_field(part, smaller), approach=approach)
             pressure[window], transforms = found.pressure, found.transforms
     field = executor.zeros()
@@ -284,8 +291,8 @@ def _box(cells: npt.NDArray[np.bool_]) -> tuple[slice, slice]:
 
 def _solve_cells(task: _Task, executor: Executor) -> _Found:
     """Solve with springs, or the bearing area: to rounding."""
-    gap, ones = _field(task.gap, executor), np.ones((1, executor.vectors * LANES))
-    stiffness = executor.field(ones * (1.0 if task.response else RIGID))
+    gap, stiffest = _field(task.gap, executor), 1.0 if task.response else RIGID
+    stiffness = executor.field(np.full((1, 1), stiffest), padding=stiffest)
     load = (task.mean or 0.0) * task.gap.size
     tiles = Tiles(executor, gap, gap, least=SPARE * load / task.cap)
     law, evaluations = arguments(Law, offset=0.0), 1
@@ -342,16 +349,9 @@ def _contact_of(task: _Task, found: _Found, cell: float, hardness: float | None)
     )
 
 
-def _grid_of(values: FloatArray, cell: float) -> Grid:
-    nx, ny = values.shape
-    return Grid(nx, ny, cell)
-
-
-def _field(gap: FloatArray, executor: Executor) -> Any:
+def _field(gap: FloatArray, executor: Executor) -> Field:
     """A field of a gap, with no surface beyond the sphere's edge and in the padding."""
-    padded = np.full((gap.shape[0], executor.vectors * LANES), PADDING)
-    padded[:, : gap.shape[1]] = np.minimum(gap, PADDING)
-    return executor.field(padded)
+    return executor.field(np.minimum(gap, PADDING), padding=PADDING)
 
 
 def _checked_heights(heights: npt.ArrayLike) -> FloatArray:
@@ -379,22 +379,15 @@ def _checked_heights(heights: npt.ArrayLike) -> FloatArray:
     return values
 
 
-def _positive(name: str, value: Any) -> float:
-    return _number(name, value, any_sign=False, allowed="a positive, finite number")
-
-
-def _optional(name: str, value: Any, *, any_sign: bool = False) -> float | None:
-    if value is None:
+def _number(name: str, value: Any, *, any_sign: bool = False, optional: bool = True) -> Any:
+    """An argument as a float, None where it is left out. Raises InputError for what is not allowed."""
+    if value is None and optional:
         return None
-    sign = "" if any_sign else "positive, "
-    return _number(name, value, any_sign=any_sign, allowed=f"a {sign}finite number, or left out")
-
-
-def _number(name: str, value: Any, *, any_sign: bool, allowed: str) -> float:
     is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
     if not is_number or not math.isfinite(value) or not (any_sign or value > 0.0):
         shown = f"{float(value):g}" if is_number else repr(value)
-        raise InputError(f"{name} = {shown} is not possible; it must be {allowed}.")
+        allowed = f"{'' if any_sign else 'positive, '}finite number{', or left out' if optional else ''}"
+        raise InputError(f"{name} = {shown} is not possible; it must be a {allowed}.")
     return float(value)
 
 
@@ -424,18 +417,6 @@ def _boundary_of(boundary: str | None, modulus: float | None, sphere_radius: flo
             'it must be "free".'
         )
     return "free"
-
-
-def _within_capacity(name: str, mean: float, most: float, area: float) -> float:
-    """A mean pressure, not larger by rounding than what the hardness carries.
-
-    name, area: of the argument that it was given by, and its value over the mean pressure.
-    """
-    if mean > most * (1.0 + ROUNDING):
-        raise InputError(
-            f"{name} = {mean * area:g} is not possible; with all cells at the hardness it is {most * area:g}."
-        )
-    return min(mean, most)
 
 
 def _check_memory(shape: tuple[int, ...], device: str) -> None:

@@ -36,9 +36,9 @@ class Transforms(ABC):
         self._shape = shape
         self.transforms = 0
 
-    @abstractmethod
     def table(self, values: FloatArray) -> Any:
         """A table for `filter` where the transforms are done, from one of shape (n, m//2 + 1)."""
+        return values
 
     def added(self, table: Any, own: float, line: FloatArray) -> Any:
         """A table and what adds to it: own everywhere, and line by row, shape (n,)."""
@@ -84,9 +84,6 @@ class ScipyTransforms(Transforms):
         self._rows = _blocks(0, nx, -(-nx // ROW_BLOCKS))
         self._columns = _blocks(0, self._held, COLUMNS) + _blocks(self._held, modes, COLUMNS)
         self._pool = pool_for(executor, nx * modes)
-
-    def table(self, values: FloatArray) -> FloatArray:
-        return values
 
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         self.transforms += 1

@@ -51,13 +51,9 @@ def free_memory(device: str) -> dict[str, int]:
 
     Raises InputError for a device that is not there.
     """
-    return _free_memory(find_device(device))
-
-
-def _free_memory(device: Any) -> dict[str, int]:
-    free = {"the host": psutil.virtual_memory().available}
-    if device.is_cuda:
-        free[str(device)] = device.free_memory
+    free, found = {"the host": psutil.virtual_memory().available}, find_device(device)
+    if found.is_cuda:
+        free[str(found)] = found.free_memory
     return free
 
 
@@ -78,10 +74,9 @@ def _native_messages_hidden() -> Iterator[None]:
         os.close(stderr)
 
 
-def check_memory(grid: Grid, device: Any, fields_needed: float) -> None:
-    free = _free_memory(device)
+def check_memory(grid: Grid, device: str, fields_needed: float) -> None:
     needed = fields_needed * 8 * grid.cells
-    for place, there in free.items():
+    for place, there in free_memory(device).items():
         if needed > there:
             raise InputError(
                 f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, which need "

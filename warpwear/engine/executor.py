@@ -85,7 +85,7 @@ class Executor:
         self.grid = grid
         self.device = find_device(device)
         self.threads = check_threads(threads)
-        check_memory(grid, self.device, fields_needed)
+        check_memory(grid, device, fields_needed)
         self.vectors = -(-grid.ny // LANES)
         self.tiles_per_row = -(-self.vectors // int(TILE_VECTORS))
         on_cpu = self.device.is_cpu
@@ -184,15 +184,15 @@ class Executor:
             return wp.zeros(shape, dtype=Cells, device=self.device)
         return wp.array(np.zeros((*shape, LANES)), dtype=Cells, device=self.device, copy=False)
 
-    def field(self, values: FloatArray) -> Field:
+    def field(self, values: FloatArray, *, padding: float = 0.0) -> Field:
         """Make a field from an array of shape (nx, ny), (1, ny) (every row the same) or (1, 1).
 
-        On a CPU it shares the memory of an array that needs no padding. Padding is 0.
+        padding: value beyond the last column. On a CPU it shares the memory of an array that needs none.
         """
         rows = values.shape[0]
         padded = values
         if values.shape[1] != self.vectors * LANES:
-            padded = np.zeros((rows, self.vectors * LANES))
+            padded = np.full((rows, self.vectors * LANES), padding)
             padded[:, : self.grid.ny] = values
         vectors = np.ascontiguousarray(padded, dtype=np.float64).reshape(rows, self.vectors, LANES)
         return wp.array(vectors, dtype=Cells, device=self.device, copy=not self.device.is_cpu)

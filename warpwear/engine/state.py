@@ -62,11 +62,8 @@ def _put(value: Any, path: str, arrays: dict[str, np.ndarray]) -> Any:
     """Enter the arrays of a value; return its numbers, None for what is an array."""
     if hasattr(value, "STATE"):
         return _saved(value, f"{path}.", arrays)
-    if isinstance(value, wp.array):
-        arrays[path] = value.numpy()
-        return None
-    if isinstance(value, np.ndarray):
-        arrays[path] = value
+    if isinstance(value, wp.array | np.ndarray):
+        arrays[path] = value.numpy() if isinstance(value, wp.array) else value
         return None
     if is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in fields(value)}

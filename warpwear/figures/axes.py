@@ -1,6 +1,6 @@
 """Panels: maps with real extents, and boxes in 3-D that are true to scale in x and y."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -46,9 +46,14 @@ def map_figure(draw: Callable[[Any], None], panels: int, *, above: float = 0.0) 
     return fs.new_figure(draw_and_tidy, columns=panels, height=height)
 
 
-def panels_of(axes: Any, shown: Sequence[Shown]) -> Iterator[tuple[Axes, Shown]]:
-    """Give each panel with what it shows."""
-    return zip(np.atleast_1d(axes), shown, strict=True)
+def maps_of(shown: Sequence[Shown], draw: Callable[[Any, Shown], None], *, above: float = 0.0) -> Figure:
+    """Draw each of what is shown in a panel of its own, which `draw` gets with it; see `map_figure`."""
+
+    def draw_all(axes: Any) -> None:
+        for panel, thing in zip(np.atleast_1d(axes), shown, strict=True):
+            draw(panel, thing)
+
+    return map_figure(draw_all, len(shown), above=above)
 
 
 def finish_sections(axes: Any) -> None:
@@ -90,10 +95,8 @@ def draw_map(
         ticks = MaxNLocator(5) if norm is None else None
         bar = axes.figure.colorbar(image, ax=axes, label=label, shrink=0.9, ticks=ticks)
         if norm is not None:
-            bar.ax.yaxis.set_major_formatter(fs.PlainNumbers())
-            bar.ax.yaxis.set_minor_formatter(fs.PlainNumbers(minor_thresholds=(1.2, 0.5)))
-    axes.set_xlabel(ALONG)
-    axes.set_ylabel(ACROSS)
+            fs.plain_numbers(bar.ax.yaxis)
+    axes.set(xlabel=ALONG, ylabel=ACROSS)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(4))
     return image
@@ -116,8 +119,7 @@ def finish_3d(axes: Any, window: Window, label: str, title: str) -> None:
     """Set extents, labels and the view of a box; its z limits must be set before."""
     x0, x1, y0, y1 = window.extent
     side = max(x1 - x0, y1 - y0)
-    axes.set_xlim(x0, x1)
-    axes.set_ylim(y0, y1)
+    axes.set(xlim=(x0, x1), ylim=(y0, y1))
     axes.set_box_aspect(((x1 - x0) / side, (y1 - y0) / side, BOX), zoom=1.17)
     axes.view_init(elev=ELEVATION, azim=AZIMUTH)
     with fs.style():

@@ -8,15 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from warpwear.figures import style as fs
-from warpwear.figures.axes import (
-    draw_map,
-    finish_3d,
-    finish_sections,
-    map_figure,
-    new_3d_figure,
-    panels_of,
-)
-from warpwear.figures.data import FigureData, State, coarsen, positive
+from warpwear.figures.axes import draw_map, finish_3d, finish_sections, maps_of, new_3d_figure
+from warpwear.figures.data import FigureData, State, View, coarsen, positive
 
 STATES = {
     State.UNTOUCHED: ("never touched", "#FFFFFF"),
@@ -32,21 +25,18 @@ BARS = 45
 
 def pressure_map(data: FigureData) -> Figure:
     """Pressure on the cells in contact at the snapshots, with its mean ± standard deviation."""
-    views = data.views
 
-    def draw(axes: Any) -> None:
-        for panel, view in panels_of(axes, views):
-            mean, scatter = data.pressure_at(view.row)
-            top = float(data.history["pressure_max"][view.row])
-            # A uniform pressure gets the middle of the colours; their end is for the hardness.
-            if scatter < UNIFORM * mean and not (view.state == State.AT_HARDNESS).any():
-                top *= 2.0
-            draw_map(
-                panel, positive(view.pressure), data.window, fs.PRESSURES, "pressure, MPa", low=0.0, high=top
-            )
-            panel.set_title(f"{fs.after(view.distance)}\n{fs.with_scatter(mean, scatter)} MPa")
+    def draw(panel: Any, view: View) -> None:
+        mean, scatter = data.pressure_at(view.row)
+        top = float(data.history["pressure_max"][view.row])
+        # A uniform pressure gets the middle of the colours; their end is for the hardness.
+        if scatter < UNIFORM * mean and not (view.state == State.AT_HARDNESS).any():
+            top *= 2.0
+        pressure = positive(view.pressure)
+        draw_map(panel, pressure, data.window, fs.PRESSURES, "pressure, MPa", low=0.0, high=top)
+        panel.set_title(f"{fs.after(view.distance)}\n{fs.with_scatter(mean, scatter)} MPa")
 
-    return map_figure(draw, len(views))
+    return maps_of(data.views, draw)
 
 
 def pressure_3d(data: FigureData) -> Figure:
@@ -98,12 +88,12 @@ def contact_map(data: FigureData) -> Figure:
         if state in present
     ]
 
-    def draw(axes: Any) -> None:
-        for panel, view in panels_of(axes, views):
-            draw_map(panel, view.state, data.window, colours, None, low=-0.5, high=3.5)
-            area = float(data.history["area_contact"][view.row])
-            panel.set_title(f"{fs.after(view.distance)}\n{area:.3g} mm² in contact")
-        columns = 4 if len(views) > 1 else 2
-        panel.figure.legend(handles=handles, loc="outside upper center", ncols=columns)
+    def draw(panel: Any, view: View) -> None:
+        draw_map(panel, view.state, data.window, colours, None, low=-0.5, high=3.5)
+        area = float(data.history["area_contact"][view.row])
+        panel.set_title(f"{fs.after(view.distance)}\n{area:.3g} mm² in contact")
 
-    return map_figure(draw, len(views), above=0.25)
+    figure = maps_of(views, draw, above=0.25)
+    with fs.style():
+        figure.legend(handles=handles, loc="outside upper center", ncols=4 if len(views) > 1 else 2)
+    return figure

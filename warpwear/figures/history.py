@@ -42,9 +42,7 @@ def cof_time(axes: Axes, data: FigureData) -> None:
 
 def _finish_cof(axes: Axes, data: FigureData) -> None:
     """Label the coefficient, with a second scale relative to its end on the right."""
-    axes.set_ylabel("coefficient of friction, –")
-    axes.set_ylim(bottom=0.0)
-    axes.set_xlim(left=0.0)
+    axes.set(ylabel="coefficient of friction, –", xlim=(0.0, None), ylim=(0.0, None))
     lap = data.study.lap
     end = mean_over(data.history, data.history["cof"], "end", lap)
     if end > 0.0:
@@ -59,12 +57,12 @@ def _finish_cof(axes: Axes, data: FigureData) -> None:
 def areas(axes: Axes, data: FigureData) -> None:
     """The four areas and the nominal one over the distance slid."""
     distance = data.course["distance"]
-    values = {name: data.course[f"area_{name}"] for name in AREAS}
-    for name, (label, line) in AREAS.items():
-        if (values[name] > 0.0).any():
-            fs.over_distance(axes, distance, positive(values[name]), label=label, **line)
+    values = [data.course[f"area_{name}"] for name in AREAS]
+    for area, (label, line) in zip(values, AREAS.values(), strict=True):
+        if (area > 0.0).any():
+            fs.over_distance(axes, distance, positive(area), label=label, **line)
     fs.scale_distance(axes, distance)
-    fs.scale_values(axes, *values.values())
+    fs.scale_values(axes, *values)
     axes.set_ylabel("area, mm²")
     fs.legend_above(axes, columns=3)
 
@@ -117,6 +115,5 @@ def volumes(axes: Any, data: FigureData) -> None:
     axes[0].set_ylabel("worn volume, 10⁻³ mm³")
     axes[1].set_ylabel("wear depth (deepest cell), µm")
     for panel in axes:
-        panel.set_ylim(bottom=0.0)
-        panel.set_xlim(left=0.0)
+        panel.set(xlim=(0.0, None), ylim=(0.0, None))
     fs.legend_above(axes[0], columns=2)

@@ -41,19 +41,19 @@ def load_share(data: FigureData) -> Figure:
     def draw(axes: Any) -> None:
         for place, panel in enumerate(np.atleast_1d(axes)):
             line, column = divmod(place, columns)
-            name = [*found][line]
-            top = max(float(of[column].max()) for of in found.values()) / patches.area
-            _draw_macro(panel, found[name][column] / patches.area, patches, shown, top)
-            title = fs.after(float(data.history["distance"][rows[column]]))
-            if line == 1:
-                apart = load_share_error(found[name][column], found["patches"][column])
+            name, loads = [*found][line], [of[column] for of in found.values()]
+            top = max(float(load.max()) for load in loads) / patches.area
+            _draw_macro(panel, loads[line] / patches.area, patches, shown, top)
+            if line == 0:
+                title = fs.after(float(data.history["distance"][rows[column]]))
+            elif data.study.patches.coupling == "load":
+                title = "as prescribed"
+            else:
+                apart = load_share_error(loads[line], loads[0])
                 title = f"{100.0 * apart:.2g} % of the load\non other patches"
-                if data.study.patches.coupling == "load":
-                    title = "as prescribed"
-            panel.set_title(title)
             below = line == len(found) - 1 or columns == 1
-            panel.set_xlabel("x, mm" if below else "")
-            panel.set_ylabel(f"{name}\ny, mm" if column == 0 else "")
+            labels = {"xlabel": "x, mm" if below else "", "ylabel": f"{name}\ny, mm" if column == 0 else ""}
+            panel.set(title=title, **labels)
             panel.tick_params(labelleft=column == 0, labelbottom=below)
 
     if columns == 1:  # beside each other

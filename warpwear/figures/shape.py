@@ -13,9 +13,8 @@ from warpwear.figures.axes import (
     exaggeration,
     finish_3d,
     finish_sections,
-    map_figure,
+    maps_of,
     new_3d_figure,
-    panels_of,
 )
 from warpwear.figures.data import SURFACE_BLOCKS, FigureData, Profile, coarsen, positive, sag_or_nan
 from warpwear.grid import FloatArray
@@ -74,13 +73,12 @@ def wear_map(data: FigureData) -> Figure:
     last = data.last
     deepest = 1.0e3 * max(last.wear_sphere.max(), last.wear_disc.max())
 
-    def draw(axes: Any) -> None:
-        for panel, body in panels_of(axes, [*COLOURS]):
-            depth = positive(1.0e3 * getattr(last, f"wear_{body}"))
-            draw_map(panel, depth, data.window, fs.DEPTHS, "wear depth, µm", low=0.0, high=deepest)
-            panel.set_title(f"{data.name_of(body)} {fs.after(last.distance)}")
+    def draw(panel: Any, body: str) -> None:
+        depth = positive(1.0e3 * getattr(last, f"wear_{body}"))
+        draw_map(panel, depth, data.window, fs.DEPTHS, "wear depth, µm", low=0.0, high=deepest)
+        panel.set_title(f"{data.name_of(body)} {fs.after(last.distance)}")
 
-    return map_figure(draw, 2)
+    return maps_of([*COLOURS], draw)
 
 
 def sphere_map(data: FigureData) -> Figure:
@@ -127,14 +125,16 @@ def _maps(data: FigureData, body: str) -> Figure:
         scaled, extend = [field[:, field.shape[1] // 2] for field in fields], "min"
     low = min(float(np.nanmin(field)) for field in scaled)
 
-    def draw(axes: Any) -> None:
-        for panel, (title, field) in panels_of(axes, list(zip(titles, fields, strict=True))):
-            image = draw_map(panel, field, data.window, fs.HEIGHTS, None, low=low, high=high)
-            panel.set_title(title)
-        # One scale for all: what changes is the disc, not the colours.
-        axes[0].figure.colorbar(image, ax=list(axes), label=label, shrink=0.8, extend=extend)
+    def draw(panel: Any, shown: tuple[str, FloatArray]) -> None:
+        title, field = shown
+        draw_map(panel, field, data.window, fs.HEIGHTS, None, low=low, high=high)
+        panel.set_title(title)
 
-    return map_figure(draw, len(fields))
+    figure = maps_of([*zip(titles, fields, strict=True)], draw)
+    panels = figure.axes
+    with fs.style():  # one scale for all: what changes is the disc, not the colours
+        figure.colorbar(panels[0].images[0], ax=panels, label=label, shrink=0.8, extend=extend)
+    return figure
 
 
 def _surfaces(data: FigureData, body: str) -> Figure:

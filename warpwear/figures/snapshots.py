@@ -27,8 +27,7 @@ def roughness(axes: Axes, data: FigureData) -> None:
     for name, (label, line) in PARAMETERS.items():
         fs.over_distance(axes, table["distance"], table[name], label=label, ms=3, **line)
     fs.scale_distance(axes, table["distance"])
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel("roughness inside the scar, µm")
+    axes.set(ylabel="roughness inside the scar, µm", ylim=(0.0, None))
     fs.legend_above(axes, columns=5)
 
 
@@ -44,26 +43,21 @@ def islands(axes: Any, data: FigureData) -> None:
     ):
         fs.over_distance(number, table["distance"], table[name], label=label, ms=3, **line)
     fs.scale_distance(number, table["distance"])
-    number.set_ylim(bottom=0.0)
-    number.set_ylabel("islands of contact, –")
+    number.set(ylabel="islands of contact, –", ylim=(0.0, None))
     number.legend()
     shades = np.linspace(0.1, 0.9, len(evolution.island_areas))
     for index, (areas, shade) in enumerate(zip(evolution.island_areas, shades, strict=True)):
         falling = np.sort(areas)[::-1]
-        sizes.step(
-            falling,
-            np.arange(1, falling.size + 1),
-            where="post",  # islands at least as large: between two areas, those of the larger
-            color=fs.PRESSURES(shade),
-            ls=("-", "--", "-.", ":")[index % 4],
-            label=f"{table['distance'][index]:.4g} mm",
-        )
-    sizes.set(xscale="log", yscale="log", xlabel="area of an island, mm²")
+        label = f"{table['distance'][index]:.4g} mm"
+        line = {"color": fs.PRESSURES(shade), "ls": ("-", "--", "-.", ":")[index % 4], "label": label}
+        # Islands at least as large: between two areas, those of the larger.
+        sizes.step(falling, np.arange(1, falling.size + 1), where="post", **line)
+    sizes.set(xscale="log", yscale="log")
+    sizes.set(xlabel="area of an island, mm²", ylabel="islands at least as large, –")
     # To a whole decade, and only decades labelled: labels between them would run into each other.
     everything = np.log10(np.concatenate(evolution.island_areas))
     sizes.set_xlim(0.8 * 10.0 ** everything.min(), 10.0 ** np.floor(everything.max() + 1.0))
     sizes.tick_params(axis="x", which="minor", labelbottom=False)
-    sizes.set_ylabel("islands at least as large, –")
     fs.legend_above(sizes, columns=5)
 
 
@@ -86,20 +80,17 @@ def junctions(axes: Axes, data: FigureData) -> None:
         diameters = 1e3 * diameters_of(np.sort(areas))
         shares = np.cumsum(np.sort(areas)) / areas.sum()
         # From nothing below the smallest island.
-        axes.step(
-            np.append(diameters[0], diameters), np.append(0.0, shares), where="post", label=label, **line
-        )
+        places, steps = np.append(diameters[0], diameters), np.append(0.0, shares)
+        axes.step(places, steps, where="post", label=label, **line)
     mesh = 1e3 * float(diameters_of(np.array([data.result.study.cells.cell_area]))[0])
     axes.axvline(mesh, color=fs.NOMINAL, lw=0.6, label="one cell (mesh limit)")
     if critical is not None:
         axes.axvline(1e3 * critical, color=fs.HARDNESS, lw=1.4, label=f"d* = {1e3 * critical:.3g} µm")
     axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(fs.PlainNumbers())
-    axes.xaxis.set_minor_formatter(fs.PlainNumbers(minor_thresholds=(1.2, 0.3)))
+    fs.plain_numbers(axes.xaxis, decades=0.3)
     axes.tick_params(axis="x", which="minor", pad=5.0)  # its labels in line with those of decades
+    axes.set(xlabel="diameter of an island, µm", ylabel="cumulative share of contact area, –")
     axes.set_ylim(0.0, 1.02)
-    axes.set_xlabel("diameter of an island, µm")
-    axes.set_ylabel("cumulative share of contact area, –")
     fs.legend_above(axes, columns=2)
 
 

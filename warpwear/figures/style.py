@@ -2,16 +2,19 @@
 
 from collections.abc import Callable
 from functools import partial, update_wrapper
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter, MaxNLocator
 
+from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
 Data = TypeVar("Data")
@@ -35,31 +38,29 @@ PRESSURES = LinearSegmentedColormap.from_list(
 HEIGHTS = matplotlib.colormaps["cividis"]
 DEPTHS = matplotlib.colormaps["magma_r"]
 
-STYLE: dict[Any, Any] = {
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "axes.titlesize": 8,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "legend.handlelength": 2.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.linewidth": 0.6,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "lines.linewidth": 1.2,
-    "grid.color": "#DDDDDD",
-    "figure.dpi": 300,
-    "pdf.fonttype": 42,  # TrueType: publishers refuse Type 3
-    "svg.hashsalt": "warpwear",
-}
+#: Formats of files, each with the metadata of them in which Matplotlib would write the date.
+FORMATS: dict[str, dict[str, None]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
+
+STYLE = matplotlib.rc_params_from_file(
+    Path(__file__).parent / "warpwear.mplstyle", use_default_template=False
+)
 
 
 def style() -> Any:
     """Open the context in which figures are made and written."""
     return matplotlib.rc_context(STYLE)
+
+
+def check_format(file_format: str) -> None:
+    """Raise InputError for a format of files that is not in FORMATS."""
+    if file_format not in FORMATS:
+        raise InputError(f"format = '{file_format}' is not known; allowed: {', '.join(FORMATS)}")
+
+
+def write_figure(figure: Figure, path: Path) -> None:
+    """Write a figure as its path ends, without a date: the same run gives the same file."""
+    with style():
+        figure.savefig(path, metadata=FORMATS[path.suffix.removeprefix(".")])
 
 
 class Sheet(Figure):
@@ -157,8 +158,16 @@ def logarithmic(axes: Axes) -> None:
     axes.set_yscale("log")
     low, high = axes.get_ylim()
     if low > 1e-3 and high < 1e4:
-        axes.yaxis.set_major_formatter(PlainNumbers())
-        axes.yaxis.set_minor_formatter(PlainNumbers(minor_thresholds=(1.2, 0.5)))
+        plain_numbers(axes.yaxis)
+
+
+def plain_numbers(axis: Axis, *, decades: float = 0.5) -> None:
+    """Write 0.1 instead of 1e-01 along a logarithmic axis, between decades where it spans few.
+
+    decades: span of the axis up to which all ticks are labelled, see `minor_thresholds` of LogFormatter.
+    """
+    axis.set_major_formatter(PlainNumbers())
+    axis.set_minor_formatter(PlainNumbers(minor_thresholds=(1.2, decades)))
 
 
 class PlainNumbers(LogFormatter):

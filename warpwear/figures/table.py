@@ -12,11 +12,8 @@ from matplotlib.figure import Figure
 from warpwear.errors import InputError
 from warpwear.figures import fields, history, macro, patches, shape, snapshots, track, when
 from warpwear.figures.data import FigureData
-from warpwear.figures.style import Panels, style
+from warpwear.figures.style import Panels, check_format, style, write_figure
 from warpwear.results.file import ResultFile
-
-#: Formats of files, each with the metadata of them in which Matplotlib would write the date.
-FORMATS = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
 
 class Entry(NamedTuple):
@@ -127,8 +124,7 @@ class Plotter:
         path = folder / f"{name}.{file_format}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            with style():  # without a date the same run gives the same file
-                figure.savefig(path, metadata=FORMATS[file_format])
+            write_figure(figure, path)
         except OSError as error:
             raise InputError(f"{path} cannot be written: {error.strerror}.") from error
         return path
@@ -142,8 +138,7 @@ class Plotter:
 
     def check(self, names: Sequence[str], *, file_format: str = "png") -> None:
         """Raise InputError for a name or a format that is not known, before anything is drawn."""
-        if file_format not in FORMATS:
-            raise InputError(f"format = '{file_format}' is not known; allowed: {', '.join(FORMATS)}")
+        check_format(file_format)
         for name in names:
             if name not in FIGURES:
                 raise InputError(_unknown(name))

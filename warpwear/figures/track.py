@@ -119,9 +119,7 @@ def cof_stroke(axes: Axes, data: FigureData) -> None:
     for at, line in zip(passes[places], fs.in_time(fs.NEUTRAL, places.size), strict=True):
         inside = number == at
         axes.plot(history["position"][inside], history["cof"][inside], label=f"pass {at}", **line)
-    axes.set_xlabel("position along the track, mm")
-    axes.set_ylabel("coefficient of friction, –")
-    axes.set_ylim(bottom=0.0)
+    axes.set(xlabel="position along the track, mm", ylabel="coefficient of friction, –", ylim=(0.0, None))
     axes.xaxis.set_major_locator(MaxNLocator(6))
     fs.legend_above(axes, columns=4)
 
@@ -133,8 +131,7 @@ def track_roughness(axes: Axes, data: FigureData) -> None:
     for name, (label, line) in PARAMETERS.items():
         axes.plot(table["passes"], table[name], label=label, ms=3, **line)
     _passes_from_none(axes, table["passes"])
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel("roughness in the groove, µm")
+    axes.set(ylabel="roughness in the groove, µm", ylim=(0.0, None))
     fs.legend_above(axes, columns=5)
 
 
@@ -148,5 +145,4 @@ def _passes_from_none(axes: Axes, passes: FloatArray) -> None:
     axes.set_xticks([0.0, *(tick for tick in ticks if tick <= 1.05 * passes[-1])])
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}" if value else "unworn")
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_xlim(0.0, 1.15 * passes[-1])
-    axes.set_xlabel("passes, –")
+    axes.set(xlabel="passes, –", xlim=(0.0, 1.15 * passes[-1]))

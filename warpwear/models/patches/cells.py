@@ -33,19 +33,6 @@ class Lookahead:
     response: PatchResponse
 
 
-def layout_of(patches: Patches, executor: Executor) -> Arguments:
-    """Where the patches lie, as kernels read it, with the lowest gap of their tiles still to be found."""
-    device = executor.device
-    tiles = patches.side * -(-patches.vectors // int(TILE_VECTORS))
-    return arguments(
-        kernels.Layout,
-        vectors=patches.vectors,
-        first_row=wp.array(patches.first_row, dtype=wp.int32, device=device),
-        first_column=wp.array(patches.first_column, dtype=wp.int32, device=device),
-        lowest=wp.zeros((patches.count, tiles), dtype=wp.float64, device=device),
-    )
-
-
 def unworn(
     patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float
 ) -> tuple[Field, Arguments]:
@@ -53,8 +40,16 @@ def unworn(
 
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
-    wp.load_module(kernels, device=executor.device)
-    domain, layout = patches.domain, layout_of(patches, executor)
+    domain, device = patches.domain, executor.device
+    wp.load_module(kernels, device=device)
+    tiles = patches.side * -(-patches.vectors // int(TILE_VECTORS))
+    layout = arguments(
+        kernels.Layout,
+        vectors=patches.vectors,
+        first_row=wp.array(patches.first_row, dtype=wp.int32, device=device),
+        first_column=wp.array(patches.first_column, dtype=wp.int32, device=device),
+        lowest=wp.zeros((patches.count, tiles), dtype=wp.float64, device=device),
+    )
     ball = arguments(
         kernels.Ball,
         cell=domain.cell,
@@ -97,12 +92,8 @@ class PatchContact:
         zeros = {name: wp.zeros(count, dtype=wp.float64, device=device) for name in names}
         self._at = arguments(kernels.Approaches, **zeros)
         self._law, self._increment = arguments(kernels.Law, cap=hardness), arguments(kernels.Increment)
-        self._tables = arguments(
-            kernels.Tables,
-            sums=executor.partials(len(PATCH_SUMS)),
-            maxima=executor.partials(len(PATCH_MAXIMA)),
-            ahead=executor.partials(3),
-        )
+        sums, maxima = executor.partials(len(PATCH_SUMS)), executor.partials(len(PATCH_MAXIMA))
+        self._tables = arguments(kernels.Tables, sums=sums, maxima=maxima, ahead=executor.partials(3))
         #: 1/c of the cells [N/mm³].
         self.stiffness = np.inf
         #: Of the step to come, where its approaches were foreseen.

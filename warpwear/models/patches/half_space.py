@@ -25,7 +25,7 @@ from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_from_pressure
 from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
 from warpwear.kernels.sliding import Bodies
-from warpwear.kernels.wear_from_pressure import Increment, Places
+from warpwear.kernels.wear_from_pressure import Increment
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
@@ -77,18 +77,12 @@ class HalfSpacePatches(Model):
             first_column=patches.first_column[self._order],
         )
         self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
-        self.gap, layout = unworn(self.patches, heights, executor, curvature=curvature)
+        self.gap, self._layout = unworn(self.patches, heights, executor, curvature=curvature)
         self.worn = executor.zeros()  # by both bodies [mm]
         there = (executor.to_numpy(self.gap) < PADDING).sum(axis=1)
         #: Cells where there is a surface, summed over the patches up to each.
         self._cells = np.cumsum(there)
         self._bodies = arguments(Bodies, sphere=self.gap, wear_sphere=self.worn)
-        self._places = arguments(
-            Places,
-            vectors=self.patches.vectors,
-            first_row=layout.first_row,
-            first_column=layout.first_column,
-        )
         assert task.modulus is not None  # checked with the study
         self._influence = PatchInfluence(executor, self.patches, modulus=task.modulus, boundary=task.boundary)
         self._solver = BoundedPressure(executor, self._influence, hardness=task.hardness)
@@ -163,7 +157,7 @@ class HalfSpacePatches(Model):
         pressure = contact.pressure_field
         self._executor.launch(
             wear_from_pressure.wear,
-            inputs=[made, self._places, pressure, pressure, contact.gradient_field],
+            inputs=[made, self._layout, pressure, pressure, contact.gradient_field],
             outputs=[self._bodies, self._sums, self._maxima],
             chunks=self._influence.chunks,
         )

@@ -39,10 +39,6 @@ class PatchTransforms(Transforms):
         self._block = max(1, BLOCK // modes)
         self._pool = pool_for(executor, self.patches * modes)
 
-    def table(self, values: FloatArray) -> FloatArray:
-        """Table for `filter`, from one of shape (n, m//2 + 1)."""
-        return values
-
     def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
         """field_out = inverse(forward(field_in) × table), patch by patch; may be the same field.
 

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from warpwear.contact.balance import RIGID
+from warpwear.contact.balance import stiffness_of
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
@@ -92,41 +92,25 @@ class TwoScaleModel(Model):
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial)
 
     def _share(self, removal: float) -> Shares:
-        task, row = self.task, self._ledger.row
+        task, last, response = self.task, self._last, self.contact.response
         foundation = self._ledger.foundation
         step, steps = self._foresight.expected(removal)
         if step is None:
-            step = removal * row["pressure_mean"]
-        load = task.load
+            step = removal * self._ledger.row["pressure_mean"]
+        sharing = SharingTask(
+            task.load, self.patches.area, 1.0 / foundation, task.hardness, self.contact.lowest
+        )
         if self._smooth is not None:
             target = self._smooth.press(foundation=foundation, removal=removal)
-            return press(
-                self.contact.response,
-                target,
-                self.contact.lowest,
-                self._last,
-                step=step,
-                first=self._first,
-                common=self._smooth.approach,
-                area=self.patches.area,
-                load=load,
-            )
-        sharing = SharingTask(
-            load=load,
-            area=self.patches.area,
-            flexibility=1.0 / foundation,
-            hardness=task.hardness,
-            lowest=self.contact.lowest,
-        )
-        if self._last is None:
-            return share_load(self.contact.response, sharing, None, step=self._first)
-        return share_load(self.contact.response, sharing, self._last, step=step, steps=steps)
+            common = self._smooth.approach
+            return press(response, sharing, target, last, step=step, first=self._first, common=common)
+        if last is None:
+            return share_load(response, sharing, None, step=self._first)
+        return share_load(response, sharing, last, step=step, steps=steps)
 
     def _stiffness(self, removal: float) -> float:
         """1/c [N/mm³] of a step that wears both bodies by K ΔL = removal [mm³/N]."""
-        implicit = self.task.implicit
-        compliance = self.task.compliance + (removal if implicit else 0.0)
-        return 1.0 / compliance if compliance else RIGID
+        return stiffness_of(self.task.compliance + (removal if self.task.implicit else 0.0))
 
     @property
     def _first(self) -> float:

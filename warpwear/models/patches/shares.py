@@ -149,12 +149,10 @@ def share_load(
     Raises ConvergenceError, with what is left, never returns unbalanced shares.
     """
     if start is None:
-        lowest = float(task.lowest.min())
+        lowest, low = float(task.lowest.min()), 0.0
         search = _Search(response, task, np.full(task.lowest.size, lowest), lowest)
-        low = 0.0
     else:
-        search = _Search(response, task, start.bases, start.approach)
-        low = -math.inf
+        search, low = _Search(response, task, start.bases, start.approach), -math.inf
     evaluations = 0
     for number in range(MOST_SEARCHES):
         if number:  # down to neighbouring numbers: from bases at the solution the offsets have digits again
@@ -295,39 +293,28 @@ class _Search:
         return apart
 
     def _found(self, p: FloatArray, common: float) -> Shares:
-        return Shares(
-            self.base,
-            self.offset,
-            self.common_base,
-            common,
-            p,
-            self.residual,
-            self.spring_residual,
-            self.evaluations,
-        )
+        left = self.residual, self.spring_residual
+        return Shares(self.base, self.offset, self.common_base, common, p, *left, self.evaluations)
 
 
 def press(
     response: Response,
+    task: SharingTask,
     target: FloatArray,
-    lowest: FloatArray,
     start: Shares | None,
     *,
     step: float,
     first: float,
     common: float,
-    area: float,
-    load: float,
 ) -> Shares:
     """Approaches at which patches carry target [MPa], each to half of `TOLERANCE` of it.
 
-    lowest: below that approach a patch carries nothing [mm]. start: of the step before; step: how far beyond
-    it [mm]; first: first step of a patch that did not touch [mm]. common: approach of the bodies, for the
-    record [mm]; area: that a patch stands for [mm²]; load: of all [N]. Raises ConvergenceError.
+    start: of the step before; step: how far beyond it [mm]; first: first step of a patch that did not touch
+    [mm]. common: approach of the bodies, for the record [mm]. Raises ConvergenceError.
     """
     asked = target > 0.0
     touched = np.zeros(target.size, dtype=bool) if start is None else asked & (start.pressure > 0.0)
-    base = lowest.copy() if start is None else np.where(touched, start.approaches, lowest)
+    base = task.lowest.copy() if start is None else np.where(touched, start.approaches, task.lowest)
     offset = np.where(touched, step, np.where(asked, first, 0.0))
     allowed = PART * TOLERANCE * target
     evaluations = 0
@@ -341,7 +328,8 @@ def press(
         offset, p, done = find_offsets(carried, target, allowed, offset, reach)
         evaluations += done
         if np.all(np.abs(p - target) <= allowed):
-            return Shares(base, offset, common, 0.0, p, area * float(p.sum()) - load, 0.0, evaluations)
+            residual = task.area * float(p.sum()) - task.load
+            return Shares(base, offset, common, 0.0, p, residual, evaluations=evaluations)
         base, offset = base + offset, np.zeros_like(offset)
     worst = int(np.argmax(np.abs(p - target) - allowed))
     raise ConvergenceError(

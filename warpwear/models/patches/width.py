@@ -7,20 +7,11 @@ from warpwear.grid import FloatArray
 from warpwear.laws.patches import Patches
 from warpwear.study.rules_track import worn_patch
 from warpwear.study.study import Study
-from warpwear.surfaces.spectrum import RollOff, autocorrelation_length, power_spectrum, suggested_roll_off
+from warpwear.surfaces.spectrum import autocorrelation_length, power_spectrum, suggested_roll_off
 
 #: Width below which a patch is too narrow, over the estimated roll-off length: the estimate scatters by 6 %
 #: between surfaces of the same spectrum.
 CERTAIN = 0.9
-
-
-def roll_off_of(heights: FloatArray, *, cell: float) -> "RollOff":
-    """Roll-off of the roughness on a grid, as `warpwear surface` estimates it. heights, cell: [mm]."""
-    pixel = (cell, cell)
-    correlation = autocorrelation_length(heights, pixel=pixel)
-    return suggested_roll_off(
-        power_spectrum(heights, pixel=pixel), correlation=correlation, resolved=2.0 * cell
-    )
 
 
 def refuse_unsuitable(study: "Study", patches: Patches, heights: FloatArray) -> None:
@@ -55,7 +46,9 @@ def _refuse_wide(study: "Study", heights: FloatArray) -> None:
 def _refuse_narrow(patches: Patches, heights: FloatArray) -> None:
     """A patch that does not hold the longest waves sees a part of a hill or valley, not the roughness."""
     cell = patches.domain.cell
-    found = roll_off_of(heights, cell=cell)
+    pixel = cell, cell
+    spectrum, correlation = power_spectrum(heights, pixel=pixel), autocorrelation_length(heights, pixel=pixel)
+    found = suggested_roll_off(spectrum, correlation=correlation, resolved=2.0 * cell)
     width = patches.side * cell
     if found.wavelength is None:
         raise InputError(

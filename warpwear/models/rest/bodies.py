@@ -31,8 +31,3 @@ class RestingBodies:
         place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
         executor.launch(gap.gap, inputs=[*place, executor.field(heights)], outputs=[made.gap, made.unworn])
         return made
-
-    def worn(self, executor: Executor) -> tuple[FloatArray, FloatArray]:
-        """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""
-        both = executor.to_numpy(self.gap) - executor.to_numpy(self.unworn)
-        return self.fractions[0] * both, self.fractions[1] * both

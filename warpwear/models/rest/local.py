@@ -28,7 +28,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import contact, wear
-from warpwear.kernels.cells import LANES, WearMost, WearSum, names_of
+from warpwear.kernels.cells import WearMost, WearSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.wear_loops import Increment, Tables
 from warpwear.laws.archard import removals_of
@@ -91,7 +91,9 @@ class OneScaleModel(Model):
 
     def worn(self) -> tuple[FloatArray, FloatArray]:
         """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""
-        return self.state.worn(self._executor)
+        both = self._executor.to_numpy(self.state.gap) - self._executor.to_numpy(self.state.unworn)
+        of_sphere, of_disc = self.state.fractions
+        return of_sphere * both, of_disc * both
 
     @property
     def in_blocks(self) -> bool:
@@ -210,6 +212,6 @@ class OneScaleModel(Model):
         if stiffness not in self._stiffnesses:
             while len(self._stiffnesses) > 1:
                 del self._stiffnesses[next(iter(self._stiffnesses))]
-            row = np.full((1, self._executor.vectors * LANES), stiffness)
-            self._stiffnesses[stiffness] = self._executor.field(row)
+            row = self._executor.field(np.full((1, 1), stiffness), padding=stiffness)
+            self._stiffnesses[stiffness] = row
         return self._stiffnesses[stiffness]

@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-import numpy as np
-
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.state import Columns
 from warpwear.grid import FloatArray
 from warpwear.kernels import gap
-from warpwear.kernels.cells import LANES, PADDING
+from warpwear.kernels.cells import PADDING
 from warpwear.laws.task import ContactTask
 
 
@@ -48,8 +46,8 @@ class SlidingBodies:
             raise ValueError(f"a disc of {disc.shape} cells does not fit under a grid of {grid.shape}")
         wears = task.wear[0].fastest > 0.0
         return cls(
-            _sphere(task, executor) if sphere is None else _padded(executor, sphere, PADDING),
-            _padded(executor, disc, -PADDING),
+            _sphere(task, executor) if sphere is None else executor.field(sphere.copy(), padding=PADDING),
+            executor.field(disc.copy(), padding=-PADDING),
             executor.zeros(),
             executor.zeros(rows),
             executor.zeros(rows if task.keeps_dents else 1),
@@ -75,10 +73,3 @@ def _sphere(task: ContactTask, executor: Executor) -> Field:
     place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
     executor.launch(gap.gap, inputs=[*place, executor.zeros()], outputs=[heights, heights])
     return heights
-
-
-def _padded(executor: Executor, heights: FloatArray, padding: float) -> Field:
-    """A field of its own, with a height beyond the last column that never touches."""
-    values = np.full((heights.shape[0], executor.vectors * LANES), padding)
-    values[:, : heights.shape[1]] = heights
-    return executor.field(values)

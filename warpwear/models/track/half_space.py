@@ -14,7 +14,8 @@ from warpwear.history.recorder import Step, TrackLedger
 from warpwear.kernels import wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
 from warpwear.kernels.sliding import Bodies
-from warpwear.kernels.wear_from_pressure import Increment, Places
+from warpwear.kernels.wear_from_pressure import Increment
+from warpwear.kernels.wear_loops import Layout
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.bodies import SlidingBodies
 
@@ -68,8 +69,8 @@ class SlidingHalfSpace:
         self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if moves else 1)
         self._bodies = arguments(Bodies, **self.state.fields)
         rows: Field = wp.array(np.arange(executor.grid.nx, dtype=np.int32), device=executor.device)
-        self._places = arguments(
-            Places, vectors=executor.vectors, first_row=rows, first_column=wp.zeros_like(rows)
+        self._layout = arguments(
+            Layout, vectors=executor.vectors, first_row=rows, first_column=wp.zeros_like(rows)
         )
         self._sums, self._maxima = executor.partials(len(PressureSum)), executor.partials(len(MAXIMA))
         #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
@@ -104,20 +105,13 @@ class SlidingHalfSpace:
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
         cap = min(task.hardness, NO_CAP)
-        made = arguments(
-            Increment,
-            wear_per_pressure_sphere=of_sphere,
-            wear_per_pressure_disc=wear_per_pressure_disc,
-            shift=shift,
-            cap=cap,
-            approach=contact.approach,
-            reference=reference,
-        )
+        made = arguments(Increment, shift=shift, cap=cap, approach=contact.approach, reference=reference)
+        made.wear_per_pressure_sphere, made.wear_per_pressure_disc = of_sphere, wear_per_pressure_disc
         passing = self._mean_along(contact.pressure_field, window)
         fields = [contact.pressure_field, passing, contact.gradient_field]
         executor.launch(
             wear_from_pressure.wear,
-            inputs=[made, self._places, *fields],
+            inputs=[made, self._layout, *fields],
             outputs=[self._bodies, self._sums, self._maxima],
         )
         total = self._totals(shift)

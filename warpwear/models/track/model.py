@@ -1,7 +1,7 @@
 """A sphere that slides over a track: one contact, displaced step by step along the way of `track.Track`."""
 
 from collections.abc import Iterator, Sequence
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
@@ -39,22 +39,13 @@ class SweptModel(Model):
         bearing_curve: Logistic | None = None,
     ) -> None:
         self._track, self._executor = track, executor
-        periodic, fraction, moves = track.periodic, track.track_fraction, track.moves
+        options: dict[str, Any] = {"periodic": track.periodic, "moves": track.moves}
+        options["track_fraction"] = track.track_fraction
         self.contact: SlidingHalfSpace | SlidingContact
         if task.half_space:
-            self.contact = SlidingHalfSpace(
-                task, heights, executor, periodic=periodic, track_fraction=fraction, moves=moves
-            )
+            self.contact = SlidingHalfSpace(task, heights, executor, **options)
         else:
-            self.contact = SlidingContact(
-                task,
-                heights,
-                executor,
-                periodic=periodic,
-                track_fraction=fraction,
-                moves=moves,
-                bearing_curve=bearing_curve,
-            )
+            self.contact = SlidingContact(task, heights, executor, bearing_curve=bearing_curve, **options)
         self._keeps = self.contact.keeps_dents
         self._done = 0
 
