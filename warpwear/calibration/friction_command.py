@@ -9,7 +9,7 @@ from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
 from warpwear.errors import InputError
 from warpwear.laws import friction
 from warpwear.measured.course import read_experiment
-from warpwear.measured.options import optional, quantity
+from warpwear.measured.options import optional, quantity, refuse
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
 from warpwear.study.contact import Friction
@@ -43,24 +43,18 @@ def calibrate_friction(
     load, stroke, speed: text with a unit; area: one too with `load`, else the name of a run's area.
     Raises InputError.
     """
-    if result is not None and load is not None:
-        raise InputError("--load and --result exclude each other: the run has its load")
+    if result is not None:
+        refuse({"--load": load}, "and --result exclude each other: the run has its load")
     if experiment is not None:
         if result is None:
             raise InputError("--experiment needs --result, the run folder whose areas it is fitted with")
-        for name, value in (("--cof", cof), ("--ploughing", ploughing)):
-            if value is not None:
-                raise InputError(f"{name} and --experiment exclude each other: the fit finds it")
-        reading = {
-            "columns": columns,
-            "stroke": optional("--stroke", stroke, "mm"),
-            "speed": optional("--speed", speed, "mm/s"),
-        }
-        rows, text = _of_curve(experiment, result, _name(area or "contact"), reading)
+        fitted = {"--cof": cof, "--ploughing": ploughing}
+        refuse(fitted, "and --experiment exclude each other: the fit finds it")
+        motion = {"stroke": optional("--stroke", stroke, "mm"), "speed": optional("--speed", speed, "mm/s")}
+        rows, text = _of_curve(experiment, result, _name(area or "contact"), motion | {"columns": columns})
     else:
-        for option, given in (("--columns", columns), ("--stroke", stroke), ("--speed", speed)):
-            if given is not None:
-                raise InputError(f"{option} needs --experiment: it says how that file is read")
+        how = {"--columns": columns, "--stroke": stroke, "--speed": speed}
+        refuse(how, "needs --experiment: it says how that file is read")
         if cof is None:
             raise InputError("--cof is missing: a measured coefficient of friction, or --experiment")
         measured = options.number("--cof", cof, options.COF)
