@@ -7,6 +7,7 @@ under their names: both take one body as unworn, G99 the disc for its ball and t
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from warpwear.errors import InputError
 from warpwear.surfaces.worn.ball import cap_of_diagonals
@@ -114,9 +115,7 @@ def wear_coefficient(
 def volume_given(volume: float, *, error: float | None = None) -> WornVolume:
     """Take a volume [mm³] as it was measured elsewhere, with its standard uncertainty [mm³] or None."""
     _positive("volume", volume, "mm³")
-    return WornVolume(
-        volume=volume, error=_error(error), error_from=_given(error), measured=f"volume {volume:.6g} mm³"
-    )
+    return WornVolume(volume=volume, measured=f"volume {volume:.6g} mm³", **_uncertainty(error, 1.0))
 
 
 def cap(
@@ -134,18 +133,17 @@ def cap(
     for name, length in (("diameter", first), ("diameter", other), ("radius", radius)):
         _positive(name, length, "mm")
     found = cap_of_diagonals(first, other, radius=radius)
-    source = _given(error)
+    source = "as given"
     if error is None and other != first:
         error, source = 0.5 * abs(first - other), "half the difference of the two diameters"
     diameters = f"{first:.5g} mm" if second is None else f"{first:.5g} and {second:.5g} mm"
     flat = radius * radius - found.rim * found.rim
     if error is not None and flat <= 0.0:
         raise InputError(f"a scar as wide as the ball, {2 * radius:g} mm, has no finite uncertainty")
-    slope = 0.0 if error is None else 0.5 * math.pi * found.rim**3 / math.sqrt(flat)
+    slope = 0.5 * math.pi * found.rim**3 / math.sqrt(flat) if error is not None else 0.0
     return WornVolume(
         volume=found.volume,
-        error=None if error is None else slope * abs(_error(error) or 0.0),
-        error_from=source,
+        **_uncertainty(error, slope, source=source),
         approximate=math.pi * (2.0 * found.rim) ** 4 / (64.0 * radius),
         depth=found.height,
         measured=f"diameter {diameters}",
@@ -177,8 +175,7 @@ def circular_track(
     chord = math.sqrt(2.0 * radius - width) * math.sqrt(2.0 * radius + width)
     return WornVolume(
         volume=around * segment(width, radius=radius),
-        error=None if error is None else around * 0.5 * width**2 / chord * (_error(error) or 0.0),
-        error_from=_given(error),
+        **_uncertainty(error, around * 0.5 * width**2 / chord),
         approximate=math.pi * track_radius * width**3 / (6.0 * radius),
         depth=width**2 / (4.0 * radius + 2.0 * chord),
         measured=f"width {width:.5g} mm",
@@ -194,8 +191,7 @@ def groove(section: float, *, length: float, error: float | None = None) -> Worn
     _positive("length", length, "mm")
     return WornVolume(
         volume=section * length,
-        error=None if error is None else (_error(error) or 0.0) * length,
-        error_from=_given(error),
+        **_uncertainty(error, length),
         measured=f"section {1e6 * section:.6g} µm² × {length:g} mm",
     )
 
@@ -234,13 +230,13 @@ def _positive(name: str, value: float, unit: str) -> None:
         raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number up to {LARGEST:g}")
 
 
-def _error(error: float | None) -> float | None:
-    """Check a standard uncertainty. Raises InputError."""
-    if error is not None and not 0.0 <= error <= LARGEST:
+def _uncertainty(error: float | None, slope: float, *, source: str = "as given") -> dict[str, Any]:
+    """Return the uncertainty of a worn volume, and where it is from, as fields of `WornVolume`.
+
+    error: of what was measured, None where unknown; slope: of the volume over it. Raises InputError.
+    """
+    if error is None:
+        return {}
+    if not 0.0 <= error <= LARGEST:
         raise InputError(f"uncertainty is {error:g}: allowed is any number from 0 to {LARGEST:g}")
-    return error
-
-
-def _given(error: float | None) -> str:
-    """Say where a standard uncertainty is from."""
-    return "unknown" if error is None else "as given"
+    return {"error": slope * error, "error_from": source}
