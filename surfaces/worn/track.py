@@ -46,20 +46,15 @@ class Track:
         return self.below - self.above
 
     @property
-    def below_of_mean(self) -> float:
-        """Return the area of the mean section under the reference [mm²]: of the trough without roughness."""
-        return self._of_mean(-1.0)
+    def mean_section(self) -> tuple[float, float]:
+        """Return the areas [mm²] of the mean section under and over the reference.
 
-    @property
-    def above_of_mean(self) -> float:
-        """Return the area of the mean section over the reference [mm²]: of pile-up without roughness."""
-        return self._of_mean(1.0)
-
-    def _of_mean(self, sign: float) -> float:
-        """Return the area [mm²] of the mean section on one side of the reference: below for sign −1."""
+        They are those of the trough and of its pile-up without roughness.
+        """
         mean = self.levelled.mean(axis=0)[self.inside]
         pixel = (self.edges[1] - self.edges[0]) / mean.size
-        return float(np.maximum(sign * mean, 0.0).sum()) * pixel
+        below, above = (float(np.maximum(sign * mean, 0.0).sum()) * pixel for sign in (-1.0, 1.0))
+        return below, above
 
     @property
     def net_error(self) -> float:
