@@ -114,4 +114,4 @@ class RandomPart:
     def _points_along(self, side: float) -> FloatArray:
         """Return the even points of the reference grid along a side [mm], from 0, its end left out."""
         count = math.ceil(side / self.cut_off * POINTS_PER_CUT_OFF)
-        return np.arange(count) * (side / count)
+        return np.asarray(np.arange(count) * (side / count), dtype=np.float64)

@@ -93,9 +93,8 @@ def find_track(
     inside = _first_guess(start) if width is None else _span(start, start < 0.0, pixel=pixel[1], width=width)
     outside = ~inside
     for _ in range(ROUNDS):
-        levelled = without_polynomial(
-            heights, degree=degree, where=np.broadcast_to(outside[None, :], heights.shape)
-        )
+        where = np.broadcast_to(outside, heights.shape)
+        levelled = without_polynomial(heights, degree=degree, where=where)
         profile = levelled.mean(axis=0)
         found = _span(profile, outside, pixel=pixel[1], width=width)
         if np.array_equal(found, inside):
@@ -197,9 +196,7 @@ def _check(inside: BoolArray, *, width: float | None) -> None:
     columns = np.flatnonzero(inside)
     least = LEAST_OUTSIDE * inside.size
     if columns[0] < least or inside.size - 1 - columns[-1] < least:
-        advice = (
-            "a wider measurement is needed"
-            if width is not None
-            else "--track-width may say how wide it is, or a wider measurement is needed"
-        )
+        advice = "a wider measurement is needed"
+        if width is None:
+            advice = f"--track-width may say how wide it is, or {advice}"
         raise InputError(f"the track leaves too little surface beside it to level by: {advice}")

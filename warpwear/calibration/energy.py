@@ -1,6 +1,5 @@
 """Dissipated energy ∫ μ F dL, frictional power and PV at one or several sliding speeds."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,9 +44,9 @@ class Dissipation:
     pressures: dict[str, float]
 
     def __post_init__(self) -> None:
-        _check_positive("distance", self.distance, "mm")
-        _check_positive("load", self.load, "N")
-        _check_positive("energy", self.energy, "J")
+        options.check_positive("distance", self.distance, "mm")
+        options.check_positive("load", self.load, "N")
+        options.check_positive("energy", self.energy, "J")
 
     @property
     def cof(self) -> float:
@@ -56,7 +55,7 @@ class Dissipation:
 
     def at(self, speed: float) -> AtSpeed:
         """Find what depends on the speed [mm/s], which the energy does not. Raises InputError."""
-        _check_positive("speed", speed, "mm/s")
+        options.check_positive("speed", speed, "mm/s")
         return AtSpeed(
             speed=speed,
             time=self.distance / speed,
@@ -64,11 +63,6 @@ class Dissipation:
             power_end=1e-3 * self.cof_end * self.load * speed,
             pv={name: 1e-3 * pressure * speed for name, pressure in self.pressures.items()},
         )
-
-
-def _check_positive(name: str, value: float, unit: str) -> None:
-    if not 0.0 < value < math.inf:
-        raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number")
 
 
 def friction_work(distance: FloatArray, force: FloatArray) -> float:
