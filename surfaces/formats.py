@@ -71,13 +71,10 @@ def _read_npz(path: Path, name: str | None) -> Raw:
     try:
         with np.load(path, allow_pickle=False) as content:
             names = list(content.files)
+            usual = [n for n in names if n.lower() in HEIGHT_NAMES]
+            chosen = names[0] if len(names) == 1 else usual[0] if len(usual) == 1 else None
             if name is not None:
                 chosen = name if name in names else None
-            elif len(names) == 1:
-                chosen = names[0]
-            else:
-                usual = [n for n in names if n.lower() in HEIGHT_NAMES]
-                chosen = usual[0] if len(usual) == 1 else None
             array = None if chosen is None else content[chosen]
     except Exception as error:  # the reader is foreign: whatever it raises is a bad file
         raise refusal(path, f"cannot be read as .npz ({_first_line(error)})") from error

@@ -33,16 +33,14 @@ def without_polynomial(heights: FloatArray, *, degree: int, where: BoolArray | N
             valid = ~np.isnan(block)
             if where is not None:
                 valid &= where[start : start + ROWS]
-            rows = np.stack(
-                [np.multiply.outer(basis_x[start : start + ROWS, i], basis_y[:, j])[valid] for i, j in terms]
-            )
+            across = basis_x[start : start + ROWS]
+            rows = np.stack([np.multiply.outer(across[:, i], basis_y[:, j])[valid] for i, j in terms])
             matrix += rows @ rows.T
             right += rows @ block[valid]
         # least squares rather than a solution: few valid points do not fix every term
         solution = np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
         table = np.zeros((degree + 1, degree + 1))
-        for (i, j), value in zip(terms, solution, strict=True):
-            table[i, j] = value
+        table[tuple(zip(*terms, strict=True))] = solution
         levelled = levelled - basis_x @ table @ basis_y.T
     return levelled
 
@@ -95,14 +93,12 @@ def low_pass(
     """
     count = field.shape[axis]
     if edge == "grid-wrap":
-        frequency, shape = fft.rfftfreq(count, pixel), [1, 1]
-        waves = fft.rfft(field, axis=axis)
+        frequency, waves = fft.rfftfreq(count, pixel), fft.rfft(field, axis=axis)
     else:
         # the cosine transform is the Fourier transform of the field reflected at its outer edge
-        frequency, shape = np.arange(count) / (2.0 * count * pixel), [1, 1]
-        waves = fft.dct(field, type=2, axis=axis)
-    shape[axis] = frequency.size
-    waves *= np.exp2(-np.square(cut_off * frequency)).reshape(shape)
+        frequency, waves = np.arange(count) / (2.0 * count * pixel), fft.dct(field, type=2, axis=axis)
+    passed = np.exp2(-np.square(cut_off * frequency))
+    waves *= passed[:, None] if axis == 0 else passed
     if edge == "grid-wrap":
         smooth: FloatArray = fft.irfft(waves, n=count, axis=axis, overwrite_x=True)
     else:

@@ -9,7 +9,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BLOCK_VALUES, spacing
+from warpwear.surfaces.base import blocks_of_rows, spacing
 from warpwear.surfaces.levelling import low_pass
 from warpwear.surfaces.preparation import Preparation, prepare
 from warpwear.surfaces.reading import Reading, read
@@ -62,22 +62,26 @@ class Measured:
         are its pixels have the heights of these, to the last digit. Raises InputError, naming
         ``disc.extend``, where the points leave the measurement and `extend` is "refuse".
         """
-        self._check_reach(x, y)
+        reach = _reach(x, y)
+        if self.extend == "refuse" and self._is_exceeded(reach):
+            raise InputError(
+                f'disc.extend is "refuse" and the measurement, {_pair(self.size)} mm, is smaller than the '
+                f'{_pair(reach)} mm needed: allowed is "mirror", "periodic" or a smaller grid'
+            )
         pixels = [_pixels(p, n, d) for p, n, d in zip((x, y), self.levelled.shape, self.pixel, strict=True)]
         if pixels[0] is not None and pixels[1] is not None:
             return self.levelled[pixels[0], pixels[1]].copy()
         edge = "grid-wrap" if self.extend == "periodic" else "reflect"
         field = self.levelled
-        for axis, cut_off in enumerate(self._cut_offs(x, y)):
+        for axis, cut_off in enumerate(self._cut_offs((spacing(x), spacing(y)))):
             if cut_off is not None:
                 field = low_pass(field, axis=axis, pixel=self.pixel[axis], cut_off=cut_off, edge=edge)
         knots = ndimage.spline_filter(field, order=3, mode=edge)
         along = _spline_rows(x, count=knots.shape[0], pixel=self.pixel[0], edge=edge)
         across = _spline_rows(y, count=knots.shape[1], pixel=self.pixel[1], edge=edge)
         sampled = np.empty((x.size, y.size))
-        rows = max(1, BLOCK_VALUES // max(y.size, knots.shape[1]))
-        for start in range(0, x.size, rows):
-            sampled[start : start + rows] = (across @ (along[start : start + rows] @ knots).T).T
+        for block in blocks_of_rows(x.size, values=max(y.size, knots.shape[1])):
+            sampled[block] = (across @ (along[block] @ knots).T).T
         return sampled
 
     def notices(self, x: FloatArray, y: FloatArray) -> list[str]:
@@ -88,18 +92,14 @@ class Measured:
         """
         told = list(self.details.get("overrides", []))
         reach = _reach(x, y)
-        smaller = any(r > s * (1 + SLACK) for r, s in zip(reach, self.size, strict=True))
-        if smaller and self.extend != "refuse":
+        if self.extend != "refuse" and self._is_exceeded(reach):
             copies = " × ".join(f"{r / s:.1f}" for r, s in zip(reach, self.size, strict=True))
             told.append(
                 f"the measurement, {_pair(self.size)} mm, is smaller than the grid, {_pair(reach)} mm, and "
                 f"is {'mirrored' if self.extend == 'mirror' else 'repeated'}: {copies} copies"
             )
         cells = (spacing(x), spacing(y))
-        along, across = (
-            _sampling(pixel, cell, cut_off)
-            for pixel, cell, cut_off in zip(self.pixel, cells, self._cut_offs(x, y), strict=True)
-        )
+        along, across = map(_sampling, self.pixel, cells, self._cut_offs(cells))
         if along == across:
             told += along
         else:
@@ -149,23 +149,14 @@ class Measured:
             )
         return told
 
-    def _check_reach(self, x: FloatArray, y: FloatArray) -> None:
-        needed = _reach(x, y)
-        if self.extend == "refuse" and any(
-            n > s * (1 + SLACK) for n, s in zip(needed, self.size, strict=True)
-        ):
-            raise InputError(
-                f'disc.extend is "refuse" and the measurement, {_pair(self.size)} mm, is smaller than the '
-                f'{_pair(needed)} mm needed: allowed is "mirror", "periodic" or a smaller grid'
-            )
+    def _is_exceeded(self, reach: tuple[float, float]) -> bool:
+        """Return whether a reach [mm] is wider than the measurement."""
+        return any(r > s * (1 + SLACK) for r, s in zip(reach, self.size, strict=True))
 
-    def _cut_offs(self, x: FloatArray, y: FloatArray) -> tuple[float | None, float | None]:
-        """Return the cut-off wavelength [mm] of the filter along each axis, None where none is needed."""
-        along, across = (
-            CUT_OFF_CELLS * spacing(points) if pixel * (1 + SLACK) < spacing(points) else None
-            for points, pixel in zip((x, y), self.pixel, strict=True)
-        )
-        return along, across
+    def _cut_offs(self, cells: tuple[float, float]) -> list[float | None]:
+        """Return the cut-off [mm] of the filter along each axis for cells [mm], None where none is needed."""
+        pairs = zip(cells, self.pixel, strict=True)
+        return [CUT_OFF_CELLS * cell if pixel * (1 + SLACK) < cell else None for cell, pixel in pairs]
 
 
 def read_measured(
@@ -236,15 +227,11 @@ def _reach(x: FloatArray, y: FloatArray) -> tuple[float, float]:
 def _sampling(pixel: float, cell: float, cut_off: float | None) -> list[str]:
     """Say what the distances of pixels and of points [mm] along an axis make of the shortest waves."""
     if cut_off is not None:
-        return [
-            f"pixel {_um(pixel)} is finer than the cell {_um(cell)}: Gaussian low-pass (ISO 16610-61), "
-            f"cut-off {_um(cut_off)}, against aliasing"
-        ]
+        how = f"Gaussian low-pass (ISO 16610-61), cut-off {_um(cut_off)}, against aliasing"
+        return [f"pixel {_um(pixel)} is finer than the cell {_um(cell)}: {how}"]
     if 0.0 < cell * (1 + SLACK) < pixel:
-        return [
-            f"pixel {_um(pixel)} is coarser than the cell {_um(cell)}: nothing shorter than {_um(2 * pixel)} "
-            "is in the result"
-        ]
+        lost = f"nothing shorter than {_um(2 * pixel)} is in the result"
+        return [f"pixel {_um(pixel)} is coarser than the cell {_um(cell)}: {lost}"]
     return []
 
 

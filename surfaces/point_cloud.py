@@ -60,8 +60,8 @@ def gridded(points: FloatArray) -> Cloud:
     heights = np.full(nx * ny, np.nan)
     heights[cell] = z
     notes = []
-    count = np.bincount(cell, minlength=1)
-    if count.max() > 1:
+    repeated = x.size - np.count_nonzero(np.bincount(cell))
+    if repeated:
         same = (heights[cell] == z) | ~np.isfinite(z) & ~np.isfinite(heights[cell])
         if not same.all():
             bad = int(np.flatnonzero(~same)[0])
@@ -69,7 +69,7 @@ def gridded(points: FloatArray) -> Cloud:
                 f"{int((~same).sum())} points that are given twice with different heights, the first at "
                 f"x = {x[bad]:g}, y = {y[bad]:g}"
             )
-        notes.append(f"{int(x.size - np.count_nonzero(count))} repeated points dropped")
+        notes.append(f"{repeated} repeated points dropped")
     return Cloud(heights=heights.reshape(nx, ny), pixel=(px, py), notes=tuple(notes))
 
 
@@ -77,19 +77,8 @@ def units_in(header: Sequence[str]) -> tuple[str | None, str | None]:
     """Return the lateral unit and the unit of heights that a header states, None where not unambiguous."""
     found: dict[str, set[str]] = {"x": set(), "y": set(), "z": set(), "": set()}
     for line in header:
-        if names := AXIS_UNIT.findall(line):
-            for axis, unit in names:
-                found[axis.lower()].add(_canonical(unit))
-        elif match := HEIGHT_UNIT.search(line):
-            found["z"].add(_canonical(match[1]))
-        elif match := ANY_UNIT.search(line):
-            found[""].add(_canonical(match[1]))
-        else:  # perhaps a line of units alone, under the names of the columns
-            words = re.findall(rf"(?<![\w])({UNIT})(?![\w])", line)
-            rest = re.sub(rf"{UNIT}|[\[\]()#%;,\s]", "", line)
-            if len(words) == 3 and not rest:
-                for axis, unit in zip("xyz", words, strict=True):
-                    found[axis].add(_canonical(unit))
+        for axis, unit in _units_of_axes(line):
+            found[axis.lower()].add(_canonical(unit))
     lateral = found["x"] | found["y"] or found[""]
     height_units = found["z"] or found[""]
     return (
@@ -98,12 +87,23 @@ def units_in(header: Sequence[str]) -> tuple[str | None, str | None]:
     )
 
 
+def _units_of_axes(line: str) -> list[tuple[str, str]]:
+    """Return the axes and units that a line of a header states; "" is the axis of a unit for all."""
+    if named := AXIS_UNIT.findall(line):
+        return named
+    if match := HEIGHT_UNIT.search(line):
+        return [("z", match[1])]
+    if match := ANY_UNIT.search(line):
+        return [("", match[1])]
+    # perhaps a line of units alone, under the names of the columns
+    words = re.findall(rf"(?<![\w])({UNIT})(?![\w])", line)
+    rest = re.sub(rf"{UNIT}|[\[\]()#%;,\s]", "", line)
+    return list(zip("xyz", words, strict=True)) if len(words) == 3 and not rest else []
+
+
 def _canonical(unit: str) -> str:
-    lower = unit.lower()
-    for start, meant in WORDS.items():
-        if lower.startswith(start):
-            return meant
-    return unit.replace("μ", "µ").replace("um", "µm").replace("UM", "µm")
+    meant = (word for start, word in WORDS.items() if unit.lower().startswith(start))
+    return next(meant, unit.replace("μ", "µ").replace("um", "µm").replace("UM", "µm"))
 
 
 def _axis(places: FloatArray, name: str) -> tuple[np.ndarray, int, float]:

@@ -153,12 +153,10 @@ def _cropped(
 ) -> tuple[FloatArray, str]:
     """Return the part of the heights that a crop [mm] leaves, and what was done."""
     extent = tuple(n * p for n, p in zip(heights.shape, pixel, strict=True))
+    bounds = list(crop)
     if len(crop) == 2:
-        bounds = [
-            edge for size, e in zip(crop, extent, strict=True) for edge in ((e - size) / 2, (e + size) / 2)
-        ]
-    else:
-        bounds = list(crop)
+        pairs = zip(crop, extent, strict=True)
+        bounds = [edge for size, whole in pairs for edge in ((whole - size) / 2, (whole + size) / 2)]
     shown = ", ".join(f"{v:.6g}" for v in crop)
     allowed = (
         f"allowed is x0, x1, y0, y1 within the measurement, {extent[0]:.6g} × {extent[1]:.6g} mm, or a size "

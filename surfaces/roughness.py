@@ -169,11 +169,10 @@ def profile_roughness(
     if _sampling_lengths(length, cut_off) < 1:
         smaller = (c for c in CUT_OFFS if c < cut_off and _sampling_lengths(length, c) >= 1)
         used = next(smaller, None)
-        notes.append(
-            f"no λc: profiles of {length:.3g} mm are too short for any of ISO 3274"
-            if used is None
-            else f"λc reduced from {cut_off:g} to {used:g} mm: profiles are {length:.3g} mm long"
-        )
+        if used is None:
+            notes.append(f"no λc: profiles of {length:.3g} mm are too short for any of ISO 3274")
+        else:
+            notes.append(f"λc reduced from {cut_off:g} to {used:g} mm: profiles are {length:.3g} mm long")
     whole = 0 if used is None else _sampling_lengths(length, used)
     if 0 < whole < SAMPLING_LENGTHS:
         notes.append(f"{whole} sampling length{'s' if whole > 1 else ''} instead of {SAMPLING_LENGTHS}")

@@ -67,11 +67,9 @@ def power_spectrum(heights: FloatArray, *, pixel: tuple[float, float]) -> Spectr
     edges = np.geomspace(lowest * (1 - 1e-9), highest * (1 + 1e-9), count + 1)
     place = np.digitize(frequency, edges).ravel()
     weights = np.broadcast_to(weight, frequency.shape).ravel()
-    modes = np.bincount(place, weights, minlength=count + 2)[1:-1]
-    total = np.bincount(place, weights * power.ravel(), minlength=count + 2)[1:-1]
-    mean_log = np.bincount(place, weights * np.log(np.maximum(frequency.ravel(), lowest / 2)), count + 2)[
-        1:-1
-    ]
+    logarithm = np.log(np.maximum(frequency.ravel(), lowest / 2))
+    summed = (weights, weights * power.ravel(), weights * logarithm)
+    modes, total, mean_log = (np.bincount(place, sums, minlength=count + 2)[1:-1] for sums in summed)
     used = (modes > 0) & (total > 0)
     return Spectrum(
         wavelength=np.exp(-mean_log[used] / modes[used]),
@@ -169,11 +167,8 @@ def suggested_roll_off(spectrum: Spectrum, *, correlation: float | None, resolve
         tilt = np.polyfit(q[flat], c[flat], 1, w=np.sqrt(weight[flat]))[0]
         if tilt > -0.5 * best[2]:
             hurst = best[2] / 2.0 - 1.0
-            return RollOff(
-                wavelength=math.exp(-best[1]),
-                source="knee of the power spectrum",
-                hurst=hurst if 0.0 < hurst <= 1.2 else None,
-            )
+            sound = hurst if 0.0 < hurst <= 1.2 else None
+            return RollOff(math.exp(-best[1]), source="knee of the power spectrum", hurst=sound)
     # longer than a third of the field, a wave is seen too seldom to tell where the spectrum turns flat
     if correlation is not None and 4.0 * correlation <= float(spectrum.wavelength.max()) / 3.0:
         return RollOff(wavelength=4.0 * correlation, source="four autocorrelation lengths (no clear knee)")

@@ -62,10 +62,8 @@ class Sphere:
 
 def places(shape: tuple[int, int], pixel: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
     """Return the middles of pixels [mm] from the middle of a field of a shape (nx, ny): (nx,) and (ny,)."""
-    x, y = (
-        np.asarray((np.arange(n) - 0.5 * (n - 1)) * p, dtype=np.float64)
-        for n, p in zip(shape, pixel, strict=True)
-    )
+    pairs = zip(shape, pixel, strict=True)
+    x, y = (np.asarray((np.arange(n) - 0.5 * (n - 1)) * p, dtype=np.float64) for n, p in pairs)
     return x, y
 
 
@@ -94,7 +92,7 @@ def fit_sphere(
     z0, bx, by, bend = np.linalg.lstsq(design, z, rcond=None)[0]
     if radius is None and abs(bend) < 1e-9 * scale:
         raise NoSphere("no curvature")
-    kappa = 1.0 / radius if radius is not None else -2.0 * bend / scale**2
+    kappa = -2.0 * bend / scale**2 if radius is None else 1.0 / radius
     x0, y0 = bx / scale / kappa, by / scale / kappa
     apex = z0 + 0.5 * kappa * (x0**2 + y0**2)
 
@@ -102,17 +100,17 @@ def fit_sphere(
         k = kappa if radius is not None else p[3] / scale
         return np.asarray(p[2] * scale - _sag((px - p[0] * scale) ** 2 + (py - p[1] * scale) ** 2, k) - z)
 
+    def bounded(p: FloatArray) -> FloatArray:
+        return np.nan_to_num(rest(p), nan=1e3)
+
     start = [x0 / scale, y0 / scale, apex / scale] + ([] if radius is not None else [kappa * scale])
     with np.errstate(invalid="ignore"):
         if not np.isfinite(rest(np.array(start))).all():
             raise NoSphere("points beyond the equator of the sphere")
         try:
-            found = optimize.least_squares(
-                lambda p: np.nan_to_num(rest(p), nan=1e3), start, method="lm", xtol=1e-14, ftol=1e-14
-            )
+            p = optimize.least_squares(bounded, start, method="lm", xtol=1e-14, ftol=1e-14).x
         except ValueError as error:
             raise NoSphere(str(error)) from error
-    p = found.x
     fitted = radius if radius is not None else scale / p[3]
     if not math.isfinite(fitted):
         raise NoSphere("no curvature")

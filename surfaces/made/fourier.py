@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BLOCK_VALUES
+from warpwear.surfaces.base import blocks_of_rows
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -26,9 +26,7 @@ def fourier_blocks(
     np.cos(phase_y, out=basis_y[: wave_y.size])
     np.negative(np.sin(phase_y, out=phase_y), out=basis_y[wave_y.size :])
     del phase_y
-    rows = max(1, BLOCK_VALUES // max(y.size, 2 * wave_x.size, 2 * wave_y.size))
-    for start in range(0, x.size, rows):
-        block = slice(start, min(start + rows, x.size))
+    for block in blocks_of_rows(x.size, values=max(y.size, 2 * wave_x.size, 2 * wave_y.size)):
         product = np.exp(1j * np.multiply.outer(x[block], wave_x)) @ amplitudes
         yield block, np.concatenate([product.real, product.imag], axis=1) @ basis_y
 

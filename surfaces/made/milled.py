@@ -11,10 +11,10 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BLOCK_VALUES
+from warpwear.surfaces.base import blocks_of_rows
 from warpwear.surfaces.made.fourier import uniform_draws
 from warpwear.surfaces.made.self_affine import SelfAffine
-from warpwear.surfaces.made.synthetic import POINTS_PER_CUT_OFF, SLACK, RandomPart, points_along
+from warpwear.surfaces.made.synthetic import SLACK, RandomPart
 
 optimize = lazy.module("scipy.optimize")
 
@@ -43,7 +43,7 @@ class Milled(RandomPart):
         self._check("feed", self.feed > self.cut_off, f"more than cut_off ({self.cut_off:g} mm)")
         self._check("fine_ra", self.fine_ra >= 0.0, "0 or a positive length")
         self._check("lay", abs(self.lay) <= 180.0, "an angle from -180 to 180 degrees", unit="degrees")
-        if self.fine_ra >= (self.ra or self.sq or 0.0):  # Ra is below Sq, so this refuses nothing sound
+        if self.fine_ra >= self._asked[1]:  # Ra is below Sq, so this refuses nothing sound
             raise self._too_fine()
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -82,7 +82,7 @@ class Milled(RandomPart):
         }
 
     def _too_fine(self) -> InputError:
-        name, whole = ("ra", self.ra) if self.ra is not None else ("sq", self.sq)
+        name, whole = self._asked
         return InputError(
             f"disc.synthetic.fine_ra is {self.fine_ra:g} mm: the fine part alone is as rough as the whole "
             f"is to be ({name} = {whole:g} mm), allowed is a smaller fine_ra, or 0"
@@ -91,10 +91,8 @@ class Milled(RandomPart):
     @cached_property
     def _fine(self) -> SelfAffine | None:
         """Return the fine part, None where there is none."""
-        if self.fine_ra == 0.0:
-            return None
         shared = {field.name: getattr(self, field.name) for field in fields(RandomPart)}
-        return SelfAffine(**(shared | {"ra": self.fine_ra, "sq": None}))
+        return SelfAffine(**(shared | {"ra": self.fine_ra, "sq": None})) if self.fine_ra else None
 
     @cached_property
     def _orders(self) -> FloatArray:
@@ -122,9 +120,7 @@ class Milled(RandomPart):
         across = np.multiply.outer(self._orders, unit * self._normal[1] * y)
         left = np.concatenate([np.cos(along) * self._series, -np.sin(along) * self._series], axis=1)
         right = np.concatenate([np.cos(across), np.sin(across)])
-        rows = max(1, BLOCK_VALUES // y.size)
-        for first in range(0, x.size, rows):
-            block = slice(first, min(first + rows, x.size))
+        for block in blocks_of_rows(x.size, values=y.size):
             yield block, left[block] @ right
 
     def _reference(self) -> tuple[FloatArray, FloatArray]:
@@ -132,10 +128,7 @@ class Milled(RandomPart):
         steep = max(abs(part) for part in self._normal)
         whole = max(1, round(self.period * steep / self.feed)) * self.feed / steep
         sides = (whole, self.period) if abs(self._normal[0]) == steep else (self.period, whole)
-        x, y = (
-            points_along(side, count)
-            for side, count in ((side, math.ceil(side / self.cut_off * POINTS_PER_CUT_OFF)) for side in sides)
-        )
+        x, y = (self._points_along(side) for side in sides)
         marks = np.concatenate([values for _, values in self._marks(x, y)])
         fine = np.zeros((1, 1)) if self._fine is None else self._fine.heights(x, y)
         return marks, fine - fine.mean()
@@ -149,23 +142,22 @@ class Milled(RandomPart):
     def _scaled(self) -> tuple[float, float, float]:
         """Return the factor [mm] on unit feed marks that makes the whole as rough as asked; its Ra, Sq."""
         marks, fine = self._reference()
-        factor = self._factor_for_sq(marks, fine) if self.ra is None else self._factor_for_ra(marks, fine)
+        name, asked = self._asked
+        factor = (self._factor_for_sq if name == "sq" else self._factor_for_ra)(asked, marks, fine)
         marks *= factor
         marks += fine
         return factor, float(np.abs(marks).mean()), math.sqrt(float(np.square(marks).mean()))
 
-    def _factor_for_sq(self, marks: FloatArray, fine: FloatArray) -> float:
+    def _factor_for_sq(self, asked: float, marks: FloatArray, fine: FloatArray) -> float:
         # Sq² = s² <m²> + 2 s <m f> + <f²>, its positive root
-        assert self.sq is not None
         square, cross = float(np.square(marks).mean()), float((marks * fine).mean())
-        rest = float(np.square(fine).mean()) - self.sq**2
+        rest = float(np.square(fine).mean()) - asked**2
         if rest >= 0.0:
             raise self._too_fine()
         return (math.sqrt(cross**2 - square * rest) - cross) / square
 
-    def _factor_for_ra(self, marks: FloatArray, fine: FloatArray) -> float:
-        assert self.ra is not None
-        asked, alone = self.ra, float(np.abs(fine).mean())
+    def _factor_for_ra(self, asked: float, marks: FloatArray, fine: FloatArray) -> float:
+        alone = float(np.abs(fine).mean())
         if alone >= asked:
             raise self._too_fine()
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.surfaces.made.fourier import ComplexArray, fourier_blocks, fourier_sum, half_plane_draws
-from warpwear.surfaces.made.synthetic import POINTS_PER_CUT_OFF, SLACK, RandomPart, points_along
+from warpwear.surfaces.made.synthetic import SLACK, RandomPart
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,7 @@ class SelfAffine(RandomPart):
             "kind": "self-affine",
             **self._parameters(),
             "ra_um": self._scale * self._unscaled_ra * 1e3,
-            "sq_um": math.sqrt(0.5 * float(np.sum(np.abs(self._amplitudes) ** 2))) * 1e3,
+            "sq_um": _sq(self._amplitudes) * 1e3,
             "rms_slope": self.rms_slope,
         }
 
@@ -81,20 +81,22 @@ class SelfAffine(RandomPart):
     @cached_property
     def _unscaled_ra(self) -> float:
         """Return the Ra [mm] of the surface before it is scaled."""
-        count = math.ceil(self.period / self.cut_off * POINTS_PER_CUT_OFF)
-        points = points_along(self.period, count)
+        points = self._points_along(self.period)
         blocks = fourier_blocks(self._unscaled, *self._waves, points, points)
-        return sum(float(np.abs(values).sum()) for _, values in blocks) / count**2
+        return sum(float(np.abs(values).sum()) for _, values in blocks) / points.size**2
 
     @cached_property
     def _scale(self) -> float:
         """Return the factor on the unscaled surface that makes it as rough as asked."""
-        if self.sq is not None:
-            return self.sq / math.sqrt(0.5 * float(np.sum(np.abs(self._unscaled) ** 2)))
-        assert self.ra is not None
-        return self.ra / self._unscaled_ra
+        name, asked = self._asked
+        return asked / (_sq(self._unscaled) if name == "sq" else self._unscaled_ra)
 
     @cached_property
     def _amplitudes(self) -> ComplexArray:
         """Return the amplitudes [mm] of the half plane of modes, c in z = Re Σ c exp(i q·r)."""
         return self._scale * self._unscaled
+
+
+def _sq(amplitudes: ComplexArray) -> float:
+    """Return the Sq over the period (Parseval), in the unit of the amplitudes of the half plane of modes."""
+    return math.sqrt(0.5 * float(np.sum(np.abs(amplitudes) ** 2)))

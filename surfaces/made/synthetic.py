@@ -55,24 +55,22 @@ class RandomPart:
                 f"disc.synthetic.ra and disc.synthetic.sq: {both or 'neither is given'}, "
                 "allowed is exactly one of the two, a positive length"
             )
-        for name in ("ra", "sq"):
-            if getattr(self, name) is not None:
-                self._check(name, getattr(self, name) > 0.0, "a positive length")
+        self._check(self._asked[0], self._asked[1] > 0.0, "a positive length")
         self._check("hurst", 0.0 < self.hurst <= 1.0, "more than 0 and at most 1", unit="")
         self._check("cut_off", self.cut_off > 0.0, "a positive length")
         self._check("period", self.period > 0.0, "a positive length")
-        self._check(
-            "roll_off",
-            self.cut_off < self.roll_off < self.period,
-            f"more than cut_off ({self.cut_off:g} mm) and less than period ({self.period:g} mm)",
-        )
-        self._check(
-            "cut_off",
-            self.period / self.cut_off <= LARGEST_MODE * (1 + SLACK),
-            f"at least period/{LARGEST_MODE} ({self.period / LARGEST_MODE:g} mm)",
-        )
+        between = f"more than cut_off ({self.cut_off:g} mm) and less than period ({self.period:g} mm)"
+        self._check("roll_off", self.cut_off < self.roll_off < self.period, between)
+        resolved = self.period / self.cut_off <= LARGEST_MODE * (1 + SLACK)
+        shortest = self.period / LARGEST_MODE
+        self._check("cut_off", resolved, f"at least period/{LARGEST_MODE} ({shortest:g} mm)")
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
             raise InputError(f"disc.synthetic.seed is {self.seed!r}: allowed is a whole number from 0")
+
+    @property
+    def _asked(self) -> tuple[str, float]:
+        """Return which roughness is asked for, "ra" or "sq", and its value [mm]."""
+        return ("ra", self.ra) if self.ra is not None else ("sq", self.sq or 0.0)
 
     def _check(self, name: str, allowed: bool, expected: str, *, unit: str = "mm") -> None:
         """Raise InputError unless the value of a parameter is finite and allowed."""
@@ -83,9 +81,9 @@ class RandomPart:
 
     def _parameters(self) -> dict[str, Any]:
         """Return the parameters for the record: the roughness asked for, the spectrum, the seed."""
-        given = {"ra_um": self.ra, "sq_um": self.sq}
+        name, asked = self._asked
         return {
-            "asked": {name: 1e3 * value for name, value in given.items() if value is not None},
+            "asked": {f"{name}_um": 1e3 * asked},
             "hurst": self.hurst,
             "roll_off_um": self.roll_off * 1e3,
             "cut_off_um": self.cut_off * 1e3,
@@ -113,9 +111,7 @@ class RandomPart:
             f"{self.cut_off * 1e3:.4g} µm: that takes cells of at most {self.cut_off * 500:.4g} µm"
         ]
 
-
-def points_along(side: float, count: int) -> FloatArray:
-    """Return `count` even points of a side [mm], the first at 0 and its end left out, shape (count,)."""
-    points = np.arange(count).astype(np.float64)
-    points *= side / count
-    return points
+    def _points_along(self, side: float) -> FloatArray:
+        """Return the even points of the reference grid along a side [mm], from 0, its end left out."""
+        count = math.ceil(side / self.cut_off * POINTS_PER_CUT_OFF)
+        return np.asarray(np.arange(count) * (side / count), dtype=np.float64)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,7 @@ RING_WIDTH = 0.03  # of the patch's mean radius
 RIM = 0.15  # of the patch's mean radius: the width beside it that is neither worn nor fitted
 BLOCKS = 8  # along each side of the field, whose means tell how far roughness averages out
 LEAST_BLOCK = 0.25  # of a block that must be unworn
+TOO_LITTLE = "too little of the ball is unworn to fit a sphere to it: a wider measurement is needed"
 NOT_TOLD = (
     "too little of the ball is unworn to tell its radius from: --radius gives it, or a wider measurement is "
     "needed"
@@ -112,6 +114,9 @@ def _find(
     x, y = places(heights.shape, pixel)
     area = pixel[0] * pixel[1]
     unworn, patch = start, ~start
+    terms, least, lacking = 4, LEAST_FOR_RADIUS, NOT_TOLD
+    if radius is not None:
+        terms, least, lacking = 3, LEAST_UNWORN, TOO_LITTLE
     for _ in range(ROUNDS):
         try:
             sphere = fit_sphere(heights, pixel=pixel, where=unworn, radius=radius)
@@ -134,31 +139,25 @@ def _find(
             raise InputError("nothing on the ball stands out as worn")
         sums = ndimage.sum_labels(np.maximum(lost, 0.0), labels, np.arange(1, pieces + 1))
         seed = ndimage.binary_fill_holes(labels == 1 + int(np.argmax(sums)))
-        density = _density(lost, unworn, area=area, terms=3 if radius is not None else 4)
+        density = _density(lost, unworn, area=area, terms=terms)
         found, rim = _grown(lost, seed, pixel=pixel, density=density)
         same = np.array_equal(found, patch)
         patch = found
         unworn = ~patch & ~rim & ((lost < limit) | ~start)
-        if unworn.mean() < (LEAST_UNWORN if radius is not None else LEAST_FOR_RADIUS):
-            raise InputError(
-                "too little of the ball is unworn to fit a sphere to it: a wider measurement is needed"
-                if radius is not None
-                else NOT_TOLD
-            )
+        if unworn.mean() < least:
+            raise InputError(lacking)
         if same:
             break
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
-    errors = [
-        _error(part, unworn, pixel=pixel, density=density, fitted=radius is None) for part in (patch, rim)
-    ]
+    fit: dict[str, Any] = {"pixel": pixel, "density": density, "fitted": radius is None}
     return WornBall(
         sphere=sphere,
         lost=lost,
         patch=patch,
         volume=float(lost[patch].sum()) * area,
-        volume_error=errors[0],
+        volume_error=_error(patch, unworn, **fit),
         piled_up=-float(lost[rim].sum()) * area,
-        piled_up_error=errors[1],
+        piled_up_error=_error(rim, unworn, **fit),
         depth=float(lost[patch].max()),
         along=float(rows[-1] - rows[0] + 1) * pixel[0],
         across=float(columns[-1] - columns[0] + 1) * pixel[1],

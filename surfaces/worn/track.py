@@ -46,20 +46,15 @@ class Track:
         return self.below - self.above
 
     @property
-    def below_of_mean(self) -> float:
-        """Return the area of the mean section under the reference [mm²]: of the trough without roughness."""
-        return self._of_mean(-1.0)
+    def mean_section(self) -> tuple[float, float]:
+        """Return the areas [mm²] of the mean section under and over the reference.
 
-    @property
-    def above_of_mean(self) -> float:
-        """Return the area of the mean section over the reference [mm²]: of pile-up without roughness."""
-        return self._of_mean(1.0)
-
-    def _of_mean(self, sign: float) -> float:
-        """Return the area [mm²] of the mean section on one side of the reference: below for sign −1."""
+        They are those of the trough and of its pile-up without roughness.
+        """
         mean = self.levelled.mean(axis=0)[self.inside]
         pixel = (self.edges[1] - self.edges[0]) / mean.size
-        return float(np.maximum(sign * mean, 0.0).sum()) * pixel
+        below, above = (float(np.maximum(sign * mean, 0.0).sum()) * pixel for sign in (-1.0, 1.0))
+        return below, above
 
     @property
     def net_error(self) -> float:
@@ -98,9 +93,8 @@ def find_track(
     inside = _first_guess(start) if width is None else _span(start, start < 0.0, pixel=pixel[1], width=width)
     outside = ~inside
     for _ in range(ROUNDS):
-        levelled = without_polynomial(
-            heights, degree=degree, where=np.broadcast_to(outside[None, :], heights.shape)
-        )
+        where = np.broadcast_to(outside, heights.shape)
+        levelled = without_polynomial(heights, degree=degree, where=where)
         profile = levelled.mean(axis=0)
         found = _span(profile, outside, pixel=pixel[1], width=width)
         if np.array_equal(found, inside):
@@ -202,9 +196,7 @@ def _check(inside: BoolArray, *, width: float | None) -> None:
     columns = np.flatnonzero(inside)
     least = LEAST_OUTSIDE * inside.size
     if columns[0] < least or inside.size - 1 - columns[-1] < least:
-        advice = (
-            "a wider measurement is needed"
-            if width is not None
-            else "--track-width may say how wide it is, or a wider measurement is needed"
-        )
+        advice = "a wider measurement is needed"
+        if width is None:
+            advice = f"--track-width may say how wide it is, or {advice}"
         raise InputError(f"the track leaves too little surface beside it to level by: {advice}")

@@ -1,12 +1,13 @@
 """Wear coefficients, shear strength and energy against closed forms and numerical integration."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy import integrate
 
-from warpwear.calibration.energy import dissipation, friction_work
+from warpwear.calibration.energy import Dissipation, friction_work
 from warpwear.calibration.friction import fit_friction
 from warpwear.calibration.wear import (
     cap,
@@ -287,32 +288,19 @@ def test_friction_work():
 
 
 def test_speed_changes_power_and_pv_and_not_the_energy():
-    found = dissipation(
-        energy=11.52,
-        distance=2400.0,
-        load=8.0,
-        cof_end=0.7,
-        pressures={"contact": 6.0},
-        speeds=[1 / 6, 5 / 3],
-    )
+    found = Dissipation(energy=11.52, distance=2400.0, load=8.0, cof_end=0.7, pressures={"contact": 6.0})
     assert found.cof == pytest.approx(0.6)
-    slow, fast = found.speeds
+    slow, fast = found.at(1 / 6), found.at(5 / 3)
     assert slow.time == pytest.approx(240 * 60)
     assert slow.power * slow.time == pytest.approx(11.52)
     assert fast.power * fast.time == pytest.approx(11.52)
     assert fast.power_end == pytest.approx(0.7 * 8.0 * 5 / 3 * 1e-3)
     assert fast.pv["contact"] == pytest.approx(0.01)
-    for bad in ({"speeds": [math.nan]}, {"distance": 0.0}, {"load": -1.0}, {"energy": math.inf}):
-        given = {
-            "energy": 1.0,
-            "distance": 1.0,
-            "load": 1.0,
-            "cof_end": 1.0,
-            "pressures": {},
-            "speeds": [1.0],
-        }
+    with pytest.raises(InputError):
+        found.at(math.nan)
+    for bad in ({"distance": 0.0}, {"load": -1.0}, {"energy": math.inf}):
         with pytest.raises(InputError):
-            dissipation(**(given | bad))
+            replace(found, **bad)
 
 
 def test_scientific():

@@ -1,6 +1,5 @@
 """Dissipated energy ∫ μ F dL, frictional power and PV at one or several sliding speeds."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 from warpwear.calibration import options
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.measured.options import optional, quantity
+from warpwear.measured.options import optional, quantity, refuse
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
 
@@ -34,17 +33,36 @@ class AtSpeed:
 class Dissipation:
     """An energy [J] that friction dissipates over a distance [mm] under a load [N].
 
-    cof, cof_end: coefficient, mean over the distance and at the end. pressures: name -> MPa, at the end.
-    speeds: what depends on the speed; the energy does not.
+    cof_end: coefficient at the end. pressures: name -> MPa, at the end. Raises InputError for an energy, a
+    distance or a load that is not positive.
     """
 
     energy: float
     distance: float
     load: float
-    cof: float
     cof_end: float
     pressures: dict[str, float]
-    speeds: tuple[AtSpeed, ...]
+
+    def __post_init__(self) -> None:
+        options.check_positive("distance", self.distance, "mm")
+        options.check_positive("load", self.load, "N")
+        options.check_positive("energy", self.energy, "J")
+
+    @property
+    def cof(self) -> float:
+        """Coefficient of friction, mean over the distance."""
+        return 1e3 * self.energy / (self.load * self.distance)
+
+    def at(self, speed: float) -> AtSpeed:
+        """Find what depends on the speed [mm/s], which the energy does not. Raises InputError."""
+        options.check_positive("speed", speed, "mm/s")
+        return AtSpeed(
+            speed=speed,
+            time=self.distance / speed,
+            power=self.energy * speed / self.distance,
+            power_end=1e-3 * self.cof_end * self.load * speed,
+            pv={name: 1e-3 * pressure * speed for name, pressure in self.pressures.items()},
+        )
 
 
 def friction_work(distance: FloatArray, force: FloatArray) -> float:
@@ -55,45 +73,6 @@ def friction_work(distance: FloatArray, force: FloatArray) -> float:
     """
     between = 0.5 * (force[1:] + force[:-1]) * np.diff(distance)
     return 1e-3 * (float(force[0] * distance[0]) + float(between.sum()))
-
-
-def dissipation(
-    *,
-    energy: float,
-    distance: float,
-    load: float,
-    cof_end: float,
-    pressures: dict[str, float],
-    speeds: Sequence[float],
-) -> Dissipation:
-    """Find what an energy [J] over a distance [mm] means at several speeds [mm/s].
-
-    load [N]; cof_end: coefficient at the end; pressures: name -> MPa. Raises InputError.
-    """
-    for name, value, unit in (("distance", distance, "mm"), ("load", load, "N"), ("energy", energy, "J")):
-        if not 0.0 < value < math.inf:
-            raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number")
-    for speed in speeds:
-        if not 0.0 < speed < math.inf:
-            raise InputError(f"speed is {speed:g} mm/s: allowed is any positive number")
-    return Dissipation(
-        energy=energy,
-        distance=distance,
-        load=load,
-        cof=1e3 * energy / (load * distance),
-        cof_end=cof_end,
-        pressures=dict(pressures),
-        speeds=tuple(
-            AtSpeed(
-                speed=speed,
-                time=distance / speed,
-                power=energy * speed / distance,
-                power_end=1e-3 * cof_end * load * speed,
-                pv={name: 1e-3 * pressure * speed for name, pressure in pressures.items()},
-            )
-            for speed in speeds
-        ),
-    )
 
 
 def calibrate_energy(
@@ -115,10 +94,9 @@ def calibrate_energy(
     texts = speed or tuple(f"{s.value:g} {s.unit}" for s in usual_speeds)
     speeds = [quantity("--speed", text, "mm/s") for text in texts]
     if result is not None:
-        for name, value in (("--load", load), ("--distance", distance), ("--cof", cof), ("--area", area)):
-            if value is not None:
-                raise InputError(f"{name} and --result exclude each other: the run has its own")
-        found, source = _of_run(result, speeds)
+        given = {"--load": load, "--distance": distance, "--cof": cof, "--area": area}
+        refuse(given, "and --result exclude each other: the run has its own")
+        found, source = _of_run(result)
     else:
         force = options.load_of(load)
         slid = options.distance_of(distance, None, None)
@@ -126,26 +104,21 @@ def calibrate_energy(
             raise InputError("--cof is missing: the coefficient of friction, such as 0.6, or --result")
         mu = options.number("--cof", cof, options.COF)
         size = optional("--area", area, "mm^2")
-        found = dissipation(
-            energy=1e-3 * mu * force * slid,
-            distance=slid,
-            load=force,
-            cof_end=mu,
-            pressures={} if size is None else {"given": force / size},
-            speeds=speeds,
-        )
+        pressures = {} if size is None else {"given": force / size}
+        work = 1e-3 * mu * force * slid
+        found = Dissipation(energy=work, distance=slid, load=force, cof_end=mu, pressures=pressures)
         source = f"a constant coefficient of {mu:g}"
     energy = Row("", "energy_J", found.energy, digits=5)
     rows = [Row("source", "source", source), energy, *_rows(found)]
-    at_speeds = [_at_speed(row) for row in found.speeds]
+    at_speeds = [_at_speed(found.at(speed)) for speed in speeds]
     if as_json:
         return to_json(record([*rows, Row("", "speeds", at_speeds)]))
     title = f"dissipated energy ∫ μ F dL = {energy.text}"
     return "\n".join([title, *lines(rows), *table(at_speeds)])
 
 
-def _of_run(folder: Path, speeds: list[float]) -> tuple[Dissipation, str]:
-    """Find what a run dissipates, and say where that is from. speeds [mm/s]. Raises InputError."""
+def _of_run(folder: Path) -> tuple[Dissipation, str]:
+    """Find what a run dissipates, and say where that is from. Raises InputError."""
     with Result.open(folder) as result:
         history, finished = result.history, result.finished
     slid, cof = float(history["distance"][-1]), history["cof"]
@@ -156,16 +129,12 @@ def _of_run(folder: Path, speeds: list[float]) -> tuple[Dissipation, str]:
             f"{folder} has no coefficient of friction: it was interrupted before its τ0 was fixed"
         )
     load = float(history["load"][-1])
-    found = dissipation(
+    found = Dissipation(
         energy=friction_work(history["distance"], cof * history["load"]),
         distance=slid,
         load=load,
         cof_end=float(cof[-1]),
-        pressures={
-            "nominal": load / float(history["area_nominal"][-1]),
-            "contact": load / float(history["area_contact"][-1]),
-        },
-        speeds=speeds,
+        pressures={name: load / float(history[f"area_{name}"][-1]) for name in ("nominal", "contact")},
     )
     return found, f"the run {folder}, {'whole' if finished else 'interrupted'}"
 

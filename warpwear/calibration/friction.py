@@ -5,6 +5,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -23,21 +24,30 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrictionFit:
-    """τ0 [MPa] and μ_p with their standard errors, and how well they fit.
+class ShearFit:
+    """τ0 [MPa] with its standard error, and how well it fits; alone, with μ_p = 0, or beside μ_p.
 
-    The errors allow for points that scatter together: they are those of `effective_points` independent ones.
-    rms: of the residuals; r_squared: None of a constant coefficient. first, last: distances used [mm];
-    points used, and left_out beyond the run's distances. condition: condition index of the two unknowns;
-    area_variation: standard deviation over mean of the areas used.
+    rms: of the residuals. r_squared compares with the mean coefficient, and may be negative of τ0 alone; None
+    of a constant coefficient.
     """
 
     shear_strength: float
     shear_strength_error: float
-    ploughing: float
-    ploughing_error: float
     rms: float
     r_squared: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionFit(ShearFit):
+    """τ0 [MPa] and μ_p with their standard errors, and how well they fit.
+
+    The errors allow for points that scatter together: they are those of `effective_points` independent ones.
+    first, last: distances used [mm]; points used, and left_out beyond the run's distances. condition:
+    condition index of the two unknowns; area_variation: standard deviation over mean of the areas used.
+    """
+
+    ploughing: float
+    ploughing_error: float
     first: float
     last: float
     points: int
@@ -45,7 +55,7 @@ class FrictionFit:
     effective_points: float
     condition: float
     area_variation: float
-    without_ploughing: "ShearFit"
+    without_ploughing: ShearFit
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -74,16 +84,6 @@ class FrictionFit:
         return tuple(found)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ShearFit:
-    """τ0 [MPa] alone, μ_p = 0. r_squared compares with the mean coefficient, and may be negative."""
-
-    shear_strength: float
-    shear_strength_error: float
-    rms: float
-    r_squared: float | None
-
-
 def fit_friction(
     distance: FloatArray,
     cof: FloatArray,
@@ -105,8 +105,8 @@ def fit_friction(
             f"measured distances and coefficients have shapes {distance.shape} and {cof.shape}: one "
             "coefficient a distance is needed"
         )
-    if not (np.isfinite(distance).all() and np.isfinite(cof).all()):
-        bad = int((~(np.isfinite(distance) & np.isfinite(cof))).sum())
+    bad = int((~(np.isfinite(distance) & np.isfinite(cof))).sum())
+    if bad:
         raise InputError(
             f"the measured curve holds {bad} points that are no finite numbers: allowed are none"
         )
@@ -124,26 +124,25 @@ def fit_friction(
     area_over_load = np.interp(where, run_distance, run_area) / load
     mean = float(area_over_load.mean())
     varying = area_over_load - mean
-    spread = math.sqrt(float(varying @ varying) / count) / mean
+    scatter = float(varying @ varying)
+    spread = math.sqrt(scatter / count) / mean
     condition = _condition(spread)
     if condition > HOPELESS:
         raise InputError(
             f"the area varies by {spread:.1g} of its mean over {where[0]:g} to {where[-1]:g} mm: τ0 and μ_p "
             "cannot be told apart; --cof with --ploughing fixes both instead"
         )
-    slope = float(varying @ (measured - measured.mean())) / float(varying @ varying)
+    slope = float(varying @ (measured - measured.mean())) / scatter
     offset = float(measured.mean()) - slope * mean
     residual = measured - offset - slope * area_over_load
     effective = _effective_points(residual)
     deviation = math.sqrt(float(residual @ residual) / (count - 2) * count / effective)
-    scatter = float(varying @ varying)
     return FrictionFit(
         shear_strength=slope,
         shear_strength_error=deviation / math.sqrt(scatter),
         ploughing=offset,
         ploughing_error=deviation * math.sqrt(1.0 / count + mean**2 / scatter),
-        rms=_rms(residual),
-        r_squared=_r_squared(residual, measured),
+        **_quality(residual, measured),
         first=float(where[0]),
         last=float(where[-1]),
         points=count,
@@ -161,12 +160,8 @@ def _shear_alone(area_over_load: FloatArray, measured: FloatArray) -> ShearFit:
     slope = float(area_over_load @ measured) / square
     residual = measured - slope * area_over_load
     variance = float(residual @ residual) / (measured.size - 1) * measured.size / _effective_points(residual)
-    return ShearFit(
-        shear_strength=slope,
-        shear_strength_error=math.sqrt(variance / square),
-        rms=_rms(residual),
-        r_squared=_r_squared(residual, measured),
-    )
+    error = math.sqrt(variance / square)
+    return ShearFit(shear_strength=slope, shear_strength_error=error, **_quality(residual, measured))
 
 
 def _within(value: float, error: float) -> str:
@@ -199,13 +194,8 @@ def _effective_points(residual: FloatArray) -> float:
     return max(count / (1.0 + 2.0 * together), 1.0)
 
 
-def _rms(residual: FloatArray) -> float:
-    """Find the root mean square of residuals, (n,)."""
-    return math.sqrt(float(residual @ residual) / residual.size)
-
-
-def _r_squared(residual: FloatArray, measured: FloatArray) -> float | None:
-    """Find R² of residuals about a measured coefficient, both (n,); None of a constant one."""
+def _quality(residual: FloatArray, measured: FloatArray) -> dict[str, Any]:
+    """Find rms and R² of residuals about a measured coefficient, both (n,), as fields of a fit."""
     about_mean = measured - measured.mean()
-    total = float(about_mean @ about_mean)
-    return 1.0 - float(residual @ residual) / total if total else None
+    total, left = float(about_mean @ about_mean), float(residual @ residual)
+    return {"rms": math.sqrt(left / residual.size), "r_squared": 1.0 - left / total if total else None}

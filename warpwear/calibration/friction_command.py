@@ -9,7 +9,7 @@ from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
 from warpwear.errors import InputError
 from warpwear.laws import friction
 from warpwear.measured.course import read_experiment
-from warpwear.measured.options import optional, quantity
+from warpwear.measured.options import optional, quantity, refuse
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
 from warpwear.study.contact import Friction
@@ -43,24 +43,18 @@ def calibrate_friction(
     load, stroke, speed: text with a unit; area: one too with `load`, else the name of a run's area.
     Raises InputError.
     """
-    if result is not None and load is not None:
-        raise InputError("--load and --result exclude each other: the run has its load")
+    if result is not None:
+        refuse({"--load": load}, "and --result exclude each other: the run has its load")
     if experiment is not None:
         if result is None:
             raise InputError("--experiment needs --result, the run folder whose areas it is fitted with")
-        for name, value in (("--cof", cof), ("--ploughing", ploughing)):
-            if value is not None:
-                raise InputError(f"{name} and --experiment exclude each other: the fit finds it")
-        reading = {
-            "columns": columns,
-            "stroke": optional("--stroke", stroke, "mm"),
-            "speed": optional("--speed", speed, "mm/s"),
-        }
-        rows, text = _of_curve(experiment, result, _name(area or "contact"), reading)
+        fitted = {"--cof": cof, "--ploughing": ploughing}
+        refuse(fitted, "and --experiment exclude each other: the fit finds it")
+        motion = {"stroke": optional("--stroke", stroke, "mm"), "speed": optional("--speed", speed, "mm/s")}
+        rows, text = _of_curve(experiment, result, _name(area or "contact"), motion | {"columns": columns})
     else:
-        for option, given in (("--columns", columns), ("--stroke", stroke), ("--speed", speed)):
-            if given is not None:
-                raise InputError(f"{option} needs --experiment: it says how that file is read")
+        how = {"--columns": columns, "--stroke": stroke, "--speed": speed}
+        refuse(how, "needs --experiment: it says how that file is read")
         if cof is None:
             raise InputError("--cof is missing: a measured coefficient of friction, or --experiment")
         measured = options.number("--cof", cof, options.COF)
@@ -110,15 +104,13 @@ def _of_run(folder: Path, cof: float, ploughing: float, area: str | None) -> tup
     with Result.open(folder) as result:
         study, history, finished = result.study, result.history, result.finished
     load, lap = study.contact.load, study.lap
-    taus = friction.calibrations(
-        Friction(coefficient=cof, ploughing=ploughing), history, load=load, hardness=study.hardness, lap=lap
-    )
+    law = Friction(coefficient=cof, ploughing=ploughing)
+    taus = friction.calibrations(law, history, load=load, hardness=study.hardness, lap=lap)
     slid = float(history["distance"][-1])
     sizes: dict[str, list[Row]] = {}
     for name in AREAS if area is None else (area,):
-        start, end = (
-            friction.mean_over(history, history[f"area_{name}"], when, lap) for when in friction.WHEN
-        )
+        size = history[f"area_{name}"]
+        start, end = (friction.mean_over(history, size, when, lap) for when in friction.WHEN)
         sizes[name] = [
             Row("area", "", WORDS[name]),
             Row("at the start", "area_initial_mm2", start),
@@ -150,13 +142,8 @@ def _of_curve(file: Path, folder: Path, area: str, reading: dict[str, Any]) -> t
     measured = read_experiment(file, load=load, **reading)
     if history["distance"].size < 2:
         raise InputError(f"{folder} is a static contact: one area is no course to fit")
-    fit = fit_friction(
-        measured.distance,
-        measured.cof,
-        run_distance=history["distance"],
-        run_area=history[f"area_{area}"],
-        load=load,
-    )
+    distance, size = history["distance"], history[f"area_{area}"]
+    fit = fit_friction(measured.distance, measured.cof, run_distance=distance, run_area=size, load=load)
     source = [
         Row("experiment", "experiment", str(file)),
         Row("note", "notes", [*measured.warnings, *measured.notes]),
@@ -165,22 +152,21 @@ def _of_curve(file: Path, folder: Path, area: str, reading: dict[str, Any]) -> t
         Row("area A", "", WORDS[area]),
         Row("load F", "load_N", load, digits=6),
     ]
-    rows = fit_rows(fit)
-    study = Row("in a study", "", in_study(fit, area=area))
-    title = "least squares of μ = μ_p + τ0 A/F"
-    return [*source, *rows], [title, *lines([*source, *rows, study])]
+    rows = [*source, *_fit_rows(fit)]
+    study = Row("in a study", "", _in_study(fit, area=area))
+    return rows, ["least squares of μ = μ_p + τ0 A/F", *lines([*rows, study])]
 
 
-def fit_rows(fit: FrictionFit) -> list[Row]:
+def _fit_rows(fit: FrictionFit) -> list[Row]:
     """Declare a fit."""
-    left_out = f", {fit.left_out} beyond the run's distances left out" if fit.left_out else ""
+    used = f"from {fit.first:g} to {fit.last:g} mm"
+    if fit.left_out:
+        used += f", {fit.left_out} beyond the run's distances left out"
     return [
         *_shear_rows(fit),
         Row("μ_p", "ploughing", fit.ploughing, error=("ploughing_error", fit.ploughing_error)),
         Row("", "distance_used_mm", [fit.first, fit.last]),
-        Row(
-            "points used", "points_used", fit.points, note=f"from {fit.first:g} to {fit.last:g} mm{left_out}"
-        ),
+        Row("points used", "points_used", fit.points, note=used),
         Row("", "points_left_out", fit.left_out),
         Row("independent", "points_effective", fit.effective_points, digits=3, note=INDEPENDENT),
         Row("condition index", "condition_index", fit.condition, digits=3),
@@ -200,7 +186,7 @@ def _shear_rows(fit: FrictionFit | ShearFit) -> list[Row]:
     ]
 
 
-def in_study(fit: FrictionFit, *, area: str) -> str | None:
+def _in_study(fit: FrictionFit, *, area: str) -> str | None:
     """Write a fit as keys of a study, without a negative ploughing; None for no positive shear strength."""
     tau, offset = fit.shear_strength, fit.ploughing
     if offset < 0.0:

@@ -4,10 +4,18 @@ from warpwear.errors import InputError
 from warpwear.measured.options import optional, quantity
 from warpwear.study.units import NOT_NEGATIVE, Range
 
+#: Largest number that may be given, in mm, N or MPa, and largest K [mm²/N] or 1/K: beyond it powers overflow.
+LARGEST = 1e30
 #: A coefficient of friction.
 COF = Range(most=3.0)
 #: The part of it that does not shear.
 PLOUGHING = Range(or_equal=True, most=3.0)
+
+
+def check_positive(name: str, value: float, unit: str) -> None:
+    """Raise InputError for a value that is not positive, or too large."""
+    if not 0.0 < value <= LARGEST:
+        raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number up to {LARGEST:g}")
 
 
 def number(option: str, value: float, allowed: Range) -> float:

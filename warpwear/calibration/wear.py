@@ -7,14 +7,14 @@ under their names: both take one body as unworn, G99 the disc for its ball and t
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
+from warpwear.calibration.options import LARGEST, check_positive
 from warpwear.errors import InputError
 from warpwear.surfaces.worn.ball import cap_of_diagonals
 
 #: Angle [rad] of a circular segment below which its area is summed as a series: φ − sin φ cancels.
 SMALL_ANGLE = 0.02
-#: Largest number that may be given, in mm, N or MPa, and largest K [mm²/N] or 1/K: beyond it powers overflow.
-LARGEST = 1e30
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,14 +93,14 @@ def wear_coefficient(
 
     InputError for a load, a distance, a hardness or a volume that is not positive, and for no volume.
     """
-    _positive("load", load, "N")
-    _positive("distance", distance, "mm")
+    check_positive("load", load, "N")
+    check_positive("distance", distance, "mm")
     if hardness is not None:
-        _positive("hardness", hardness, "MPa")
+        check_positive("hardness", hardness, "MPa")
     if not volumes:
         raise InputError("volumes is empty: a wear coefficient needs one or more")
     for worn in volumes:
-        _positive("worn volume", worn.volume, "mm³")
+        check_positive("worn volume", worn.volume, "mm³")
     found = WearCalibration(volumes=tuple(volumes), load=load, distance=distance, hardness=hardness)
     for value in found.values:
         if not 1.0 / LARGEST < value < LARGEST:
@@ -113,10 +113,8 @@ def wear_coefficient(
 
 def volume_given(volume: float, *, error: float | None = None) -> WornVolume:
     """Take a volume [mm³] as it was measured elsewhere, with its standard uncertainty [mm³] or None."""
-    _positive("volume", volume, "mm³")
-    return WornVolume(
-        volume=volume, error=_error(error), error_from=_given(error), measured=f"volume {volume:.6g} mm³"
-    )
+    check_positive("volume", volume, "mm³")
+    return WornVolume(volume=volume, measured=f"volume {volume:.6g} mm³", **_uncertainty(error, 1.0))
 
 
 def cap(
@@ -132,20 +130,19 @@ def cap(
     """
     other = first if second is None else second
     for name, length in (("diameter", first), ("diameter", other), ("radius", radius)):
-        _positive(name, length, "mm")
+        check_positive(name, length, "mm")
     found = cap_of_diagonals(first, other, radius=radius)
-    source = _given(error)
+    source = "as given"
     if error is None and other != first:
         error, source = 0.5 * abs(first - other), "half the difference of the two diameters"
     diameters = f"{first:.5g} mm" if second is None else f"{first:.5g} and {second:.5g} mm"
     flat = radius * radius - found.rim * found.rim
     if error is not None and flat <= 0.0:
         raise InputError(f"a scar as wide as the ball, {2 * radius:g} mm, has no finite uncertainty")
-    slope = 0.0 if error is None else 0.5 * math.pi * found.rim**3 / math.sqrt(flat)
+    slope = 0.5 * math.pi * found.rim**3 / math.sqrt(flat) if error is not None else 0.0
     return WornVolume(
         volume=found.volume,
-        error=None if error is None else slope * abs(_error(error) or 0.0),
-        error_from=source,
+        **_uncertainty(error, slope, source=source),
         approximate=math.pi * (2.0 * found.rim) ** 4 / (64.0 * radius),
         depth=found.height,
         measured=f"diameter {diameters}",
@@ -161,9 +158,9 @@ def circular_track(
     uncertainty of the width, by dA/dd = d²/(2 √(4r² − d²)). InputError for a track wider than the ball, or
     than the circle it runs on.
     """
-    _positive("width", width, "mm")
-    _positive("radius", radius, "mm")
-    _positive("track radius", track_radius, "mm")
+    check_positive("width", width, "mm")
+    check_positive("radius", radius, "mm")
+    check_positive("track radius", track_radius, "mm")
     if width >= 2.0 * radius:
         raise InputError(
             f"width is {width:g} mm: allowed is less than the ball's diameter, {2 * radius:g} mm"
@@ -177,8 +174,7 @@ def circular_track(
     chord = math.sqrt(2.0 * radius - width) * math.sqrt(2.0 * radius + width)
     return WornVolume(
         volume=around * segment(width, radius=radius),
-        error=None if error is None else around * 0.5 * width**2 / chord * (_error(error) or 0.0),
-        error_from=_given(error),
+        **_uncertainty(error, around * 0.5 * width**2 / chord),
         approximate=math.pi * track_radius * width**3 / (6.0 * radius),
         depth=width**2 / (4.0 * radius + 2.0 * chord),
         measured=f"width {width:.5g} mm",
@@ -190,12 +186,11 @@ def groove(section: float, *, length: float, error: float | None = None) -> Worn
 
     error: standard uncertainty of the section [mm²]. The ends, where the ball turns, are not in it.
     """
-    _positive("section", section, "mm²")
-    _positive("length", length, "mm")
+    check_positive("section", section, "mm²")
+    check_positive("length", length, "mm")
     return WornVolume(
         volume=section * length,
-        error=None if error is None else (_error(error) or 0.0) * length,
-        error_from=_given(error),
+        **_uncertainty(error, length),
         measured=f"section {1e6 * section:.6g} µm² × {length:g} mm",
     )
 
@@ -215,8 +210,8 @@ def diameter_of_cap(volume: float, *, radius: float) -> float:
 
     InputError for more than half the ball: its scar would shrink again.
     """
-    _positive("volume", volume, "mm³")
-    _positive("radius", radius, "mm")
+    check_positive("volume", volume, "mm³")
+    check_positive("radius", radius, "mm")
     if volume > 2.0 / 3.0 * math.pi * radius**3 * (1.0 + 1e-12):
         raise InputError(f"volume is {volume:g} mm³: allowed is up to half the ball of radius {radius:g} mm")
     low, high = 0.0, radius  # of the height
@@ -228,19 +223,13 @@ def diameter_of_cap(volume: float, *, radius: float) -> float:
     return 2.0 * math.sqrt(high * (2.0 * radius - high))
 
 
-def _positive(name: str, value: float, unit: str) -> None:
-    """Raise InputError for a value that is not positive, or too large."""
-    if not 0.0 < value <= LARGEST:
-        raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number up to {LARGEST:g}")
+def _uncertainty(error: float | None, slope: float, *, source: str = "as given") -> dict[str, Any]:
+    """Return the uncertainty of a worn volume, and where it is from, as fields of `WornVolume`.
 
-
-def _error(error: float | None) -> float | None:
-    """Check a standard uncertainty. Raises InputError."""
-    if error is not None and not 0.0 <= error <= LARGEST:
+    error: of what was measured, None where unknown; slope: of the volume over it. Raises InputError.
+    """
+    if error is None:
+        return {}
+    if not 0.0 <= error <= LARGEST:
         raise InputError(f"uncertainty is {error:g}: allowed is any number from 0 to {LARGEST:g}")
-    return error
-
-
-def _given(error: float | None) -> str:
-    """Say where a standard uncertainty is from."""
-    return "unknown" if error is None else "as given"
+    return {"error": slope * error, "error_from": source}

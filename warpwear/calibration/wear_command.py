@@ -37,26 +37,18 @@ class Source:
     may_have: tuple[str, ...] = ()
 
 
+_CAP = "two diameters of the worn patch; flat cap, a half their mean (thesis eq 3.1)"
+_SEGMENT = "width of a circular track; an unworn ball's circular section"
+_TRACK = "topography of the track; mean net section × length"
+_BALL = "topography of the ball; lost below the sphere through what is unworn"
 SOURCES = {
     "--volume": Source("a measured volume"),
-    "--diagonals": Source(
-        "two diameters of the worn patch; flat cap, a half their mean (thesis eq 3.1)",
-        "sphere",
-        ("--radius",),
-    ),
+    "--diagonals": Source(_CAP, "sphere", ("--radius",)),
     "--scar": Source("diameter of the worn patch; flat cap", "sphere", ("--radius",)),
-    "--width": Source(
-        "width of a circular track; an unworn ball's circular section", "disc", ("--radius", "--track-radius")
-    ),
+    "--width": Source(_SEGMENT, "disc", ("--radius", "--track-radius")),
     "--section": Source("cross-section of a groove × length", "disc", may_have=("--length",)),
-    "--track": Source(
-        "topography of the track; mean net section × length", "disc", may_have=("--length", "--track-width")
-    ),
-    "--ball": Source(
-        "topography of the ball; lost below the sphere through what is unworn",
-        "sphere",
-        may_have=("--radius",),
-    ),
+    "--track": Source(_TRACK, "disc", may_have=("--length", "--track-width")),
+    "--ball": Source(_BALL, "sphere", may_have=("--radius",)),
 }
 #: Sources whose volume is a section times a length.
 GROOVES = ("--section", "--track")
@@ -113,12 +105,9 @@ def calibrate_wear(options: WearOptions) -> str:
     load = given.load_of(options.load)
     distance = given.distance_of(options.distance, options.passes, options.stroke)
     lengths = _lengths(source, options)
-    found = wear_coefficient(
-        [_volume(source, value, lengths, options) for value in options[source]],
-        load=load,
-        distance=distance,
-        hardness=optional("--hardness", options.hardness, "MPa"),
-    )
+    volumes = [_volume(source, value, lengths, options) for value in options[source]]
+    hardness = optional("--hardness", options.hardness, "MPa")
+    found = wear_coefficient(volumes, load=load, distance=distance, hardness=hardness)
     relation = SOURCES[source].relation if options.standard is None else STANDARDS[options.standard][1]
     rows = wear_rows(found, relation=relation, worn=SOURCES[source].worn)
     if options.as_json:
@@ -196,10 +185,8 @@ def _volume(source: str, value: Any, lengths: dict[str, float | None], options: 
             return _of_ball(value, options.preparation, radius=lengths["--radius"])
     error = given.uncertainty(options.uncertainty, "mm")
     if source == "--width":
-        width = quantity(source, value, "mm")
-        return circular_track(
-            width, radius=radius, track_radius=lengths["--track-radius"] or 0.0, error=error
-        )
+        width, track = quantity(source, value, "mm"), lengths["--track-radius"] or 0.0
+        return circular_track(width, radius=radius, track_radius=track, error=error)
     across = [quantity(source, v, "mm") for v in ((value,) if source == "--scar" else value)]
     if max(across) > 2.0 * radius:
         raise InputError(
@@ -249,9 +236,8 @@ def _of_topography(
         raise InputError(
             f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a wear coefficient needs a loss"
         )
-    return WornVolume(
-        volume=volume, error=error, error_from=source, depth=depth, measured=f"{file}: {measured}"
-    )
+    measured = f"{file}: {measured}"
+    return WornVolume(volume=volume, error=error, error_from=source, depth=depth, measured=measured)
 
 
 def wear_rows(found: WearCalibration, *, relation: str, worn: str | None) -> list[Row]:
@@ -260,12 +246,12 @@ def wear_rows(found: WearCalibration, *, relation: str, worn: str | None) -> lis
     told = "; its uncertainty is unknown"
     if known is not None:
         told = f"(standard {'error' if count > 1 else 'uncertainty'}, {known / found.mean:.2g} of K)"
-    scatter = ""
+    scatter = by_hardness = ""
     if deviation is not None:
         scatter = f"standard deviation of {count} tests ({deviation / found.mean:.2g} of the mean)"
-    dimensionless = (
-        f"dimensionless, with the hardness {found.hardness:g} MPa (V = k F L/H)" if found.hardness else ""
-    )
+    if found.hardness:
+        by_hardness = f"dimensionless, with the hardness {found.hardness:g} MPa (V = k F L/H)"
+    spread, k = _times(1e3, deviation), found.dimensionless
     in_study = f'[wear] {worn or "sphere or disc"} = "{scientific(1e3 * found.mean)} mm^3/N/m"'
     return [
         Row("from", "relation", relation),
@@ -275,22 +261,9 @@ def wear_rows(found: WearCalibration, *, relation: str, worn: str | None) -> lis
         _k("K", 1e3 * found.mean, _times(1e3, known), note=told),
         Row("  or", "wear_coefficient_per_Pa", 1e-6 * found.mean, scientific=True),
         Row("", "hardness_MPa", found.hardness),
-        Row(
-            "  or",
-            "wear_coefficient_dimensionless",
-            found.dimensionless,
-            note=dimensionless,
-            scientific=True,
-        ),
+        Row("  or", "wear_coefficient_dimensionless", k, note=by_hardness, scientific=True),
         Row("", "count", count),
-        Row(
-            "scatter",
-            "standard_deviation_mm3_per_Nm",
-            _times(1e3, deviation),
-            digits=2,
-            note=scatter,
-            scientific=True,
-        ),
+        Row("scatter", "standard_deviation_mm3_per_Nm", spread, digits=2, note=scatter, scientific=True),
         Row("", "standard_error_mm3_per_Nm", _times(1e3, found.standard_error)),
         Row("", "uses", "exact"),
         Row("in a study", "", in_study),

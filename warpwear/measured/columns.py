@@ -26,16 +26,8 @@ NAMES = {
     "normal force": r"fz|fn|f[ _]?z|normal (?:force|load)|load|down ?force|normalkraft|anpresskraft|last",
     "position": r"(?:x[ -]?|stage |stroke |linear )?pos(?:ition|\.)?|x|displacement|auslenkung|hub",
 }
-#: Role -> unit that its numbers are converted to; None for numbers without a unit.
-TARGETS = {
-    "distance": "mm",
-    "time": "s",
-    "cycle": None,
-    "cof": None,
-    "friction force": "N",
-    "normal force": "N",
-    "position": "mm",
-}
+#: Role -> unit that its numbers are converted to; the other roles have numbers without a unit.
+TARGETS = {"distance": "mm", "time": "s", "friction force": "N", "normal force": "N", "position": "mm"}
 #: What a unit of each target measures.
 KINDS = {"mm": "length", "s": "time", "N": "force"}
 #: What stands for a unit of a plain number.
@@ -126,25 +118,18 @@ def _role(name: str, unit: str) -> str | None:
 
 def _factor(record: Record, role: str, name: str, unit: str) -> float:
     """Return the factor from a unit to that of a role. Raises InputError for another kind of unit."""
-    target = TARGETS[role]
+    target = TARGETS.get(role)
+    which = f"{record.path}: the {_spoken(role)} '{name}' has"
     if target is None:
         if unit.lower() not in WITHOUT_UNIT:
-            raise InputError(
-                f"{record.path}: the {_spoken(role)} '{name}' has the unit {unit}, where a plain number is "
-                "expected"
-            )
+            raise InputError(f"{which} the unit {unit}, where a plain number is expected")
         return 1.0
     if unit.lower() in WITHOUT_UNIT:
-        raise InputError(
-            f"{record.path}: the {_spoken(role)} '{name}' has no unit; write it in the header, such as "
-            f"'{name} [{target}]', or in --columns"
-        )
+        how = f"write it in the header, such as '{name} [{target}]', or in --columns"
+        raise InputError(f"{which} no unit; {how}")
     factor = _converted(unit, target)
     if factor is None:
-        raise InputError(
-            f"{record.path}: the {_spoken(role)} '{name}' has the unit {unit}, which is no unit of "
-            f"{KINDS[target]}"
-        )
+        raise InputError(f"{which} the unit {unit}, which is no unit of {KINDS[target]}")
     return factor
 
 
@@ -169,10 +154,10 @@ def _picked(record: Record, titles: list[tuple[str, str]], picks: str) -> dict[s
     found = {}
     for role, (index, given) in zip(PICKED[len(chosen)], chosen, strict=True):
         name, unit = titles[index][0], titles[index][1] or given
-        meant = role
-        if role == "distance" and _role(name, unit) == "cycle":
+        meant, named = role, _role(name, unit)
+        if role == "distance" and named == "cycle":
             meant = "cycle"
-        elif role == "distance" and (_role(name, unit) == "time" or _converted(unit, "s") is not None):
+        elif role == "distance" and (named == "time" or _converted(unit, "s") is not None):
             meant = "time"
         title = record.names[index] if record.names else f"column {index + 1}"
         found[meant] = Column(index, title, _factor(record, meant, title, unit))

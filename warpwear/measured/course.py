@@ -10,7 +10,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.columns import Column, choose
 from warpwear.measured.record import read_record
-from warpwear.measured.tribometer import Course, from_forces
+from warpwear.measured.tribometer import Course, averaged, from_forces
 
 #: A coefficient of friction beyond this is a mistake: a force, percent, or a load that is not yet on.
 LARGEST_COF = 3.0
@@ -174,13 +174,10 @@ def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> Course:
             )
         distance, cof = distance[order], cof[order]
         notes.append("Rows were out of order and were sorted by distance.")
-    places, which = np.unique(distance, return_inverse=True)
+    places, means = averaged(path, distance, cof)
     if places.size < distance.size:
         notes.append(f"Rows at the distance of another, averaged with it: {distance.size - places.size}.")
-        cof = np.bincount(which, weights=cof) / np.bincount(which)
-    if places.size < 2:
-        raise InputError(f"{path} has one distance only; two or more are expected")
-    return Course(places, cof, tuple(notes))
+    return Course(places, means, tuple(notes))
 
 
 def _covered_again(distance: FloatArray) -> int | None:

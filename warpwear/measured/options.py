@@ -1,5 +1,8 @@
 """Options of commands as text with a unit: to numbers, with a sentence for bad ones."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from warpwear.errors import InputError
 from warpwear.study.units import POSITIVE, Range, parse
 
@@ -15,3 +18,13 @@ def quantity(option: str, value: str, unit: str, *, allowed: Range = POSITIVE) -
 def optional(option: str, value: str | None, unit: str, *, allowed: Range = POSITIVE) -> float | None:
     """Turn an option's text into a number in a unit; None, where it was left out, stays None."""
     return None if value is None else quantity(option, value, unit, allowed=allowed)
+
+
+def refuse(given: Mapping[str, Any], why: str) -> None:
+    """Raise InputError for the first option that was given; given: option -> value, None where left out.
+
+    why: what is wrong with it, to go on after its name.
+    """
+    for option, value in given.items():
+        if value is not None:
+            raise InputError(f"{option} {why}")

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from pydantic import ValidationError
 
 from warpwear.errors import InputError
-from warpwear.measured.options import optional, quantity
+from warpwear.measured.options import optional, quantity, refuse
 from warpwear.measured.surface_figure import ball_figure, save, surface_figure, track_figure
 from warpwear.measured.surface_report import ball_rows, cap_rows, examine, file_lines, track_rows
 from warpwear.results.report import Row, lines, record, to_json
@@ -86,10 +86,8 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
 
 def _roughness(surface: Measured, options: SurfaceOptions) -> Outcome:
     """Examine a surface as it is."""
-    cut_off, short = (
-        quantity("--lambda-c", options.lambda_c, "mm"),
-        quantity("--lambda-s", options.lambda_s, "mm"),
-    )
+    cut_off = quantity("--lambda-c", options.lambda_c, "mm")
+    short = quantity("--lambda-s", options.lambda_s, "mm")
     report = examine(surface, cut_off=cut_off, short=short)
     text = [*file_lines(record(report.rows)), *lines(report.rows)]
     return Outcome(report.rows, text, lambda: surface_figure(report))
@@ -176,17 +174,16 @@ def _check_together(file: Path | None, options: SurfaceOptions) -> None:
     o = options
     if o.track and o.ball:
         raise InputError("--track and --ball exclude each other")
-    if o.diagonals is not None and not o.ball:
-        raise InputError("--diagonals needs --ball")
+    if not o.ball:
+        refuse({"--diagonals": o.diagonals}, "needs --ball")
     if o.diagonals is not None and file is not None:
         raise InputError("--diagonals are for a ball without a FILE: leave one of them out")
     if o.diagonals is None and file is None:
         raise InputError("FILE is missing: a measured surface, or --ball with --radius and --diagonals")
-    for name, value in (("--track-width", o.track_width), ("--track-length", o.track_length)):
-        if value is not None and not o.track:
-            raise InputError(f"{name} needs --track")
-    if o.radius is not None and not o.ball:
-        raise InputError("--radius needs --ball")
+    if not o.track:
+        refuse({"--track-width": o.track_width, "--track-length": o.track_length}, "needs --track")
+    if not o.ball:
+        refuse({"--radius": o.radius}, "needs --ball")
 
 
 def _check_figure(path: Path, *, overwrite: bool) -> None:

@@ -1,21 +1,22 @@
 """Figures of measured surfaces, worn tracks and worn balls: panels of one column's width in a stack."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from warpwear.figures.style import DEPTHS, DISC, HEIGHTS, NEUTRAL, SPHERE, new_figure, style
+from warpwear.grid import FloatArray
 from warpwear.measured.surface_report import SurfaceReport
+from warpwear.surfaces.roughness import material_ratio_curve
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.ball import WornBall
 from warpwear.surfaces.worn.track import Track
 
-FloatArray = npt.NDArray[np.float64]
+Pair: TypeAlias = tuple[float, float]
 
 #: Largest number of pixels along a side of a map: more than its width on paper holds.
 PIXELS = 700
@@ -36,8 +37,7 @@ def surface_figure(report: SurfaceReport) -> Figure:
 
     def draw(panels: Any) -> None:
         heights, size = report.surface.levelled, report.surface.size
-        low, high = (1e3 * v for v in np.quantile(heights, [0.002, 0.998]))
-        _map(panels[0], 1e3 * heights, size, label="height, µm", colours=HEIGHTS, low=low, high=high)
+        _map_of_heights(panels[0], heights, size)
         _bearing(panels[1], report)
         spectrum = report.spectrum
         if spectrum.density.size:
@@ -47,16 +47,12 @@ def surface_figure(report: SurfaceReport) -> Figure:
             panels[2].set_ylim(bottom=max(bottom / 2, 1e-12 * top), top=4 * top)
         else:
             panels[2].text(0.5, 0.5, "a flat: no waves", transform=panels[2].transAxes, ha="center")
-        if report.roll_off.wavelength is not None:
-            panels[2].axvline(
-                1e3 * report.roll_off.wavelength, color=NEUTRAL, ls="--", lw=0.8, label="suggested roll-off"
-            )
+        if (knee := report.roll_off.wavelength) is not None:
+            panels[2].axvline(1e3 * knee, color=NEUTRAL, ls="--", lw=0.8, label="suggested roll-off")
             _legend(panels[2])
-        panels[2].set_xlabel("wavelength, µm")
-        panels[2].set_ylabel("power spectral density, µm⁴")
+        panels[2].set(xlabel="wavelength, µm", ylabel="power spectral density, µm⁴")
         panels[3].semilogx(1e3 * report.cut_offs, report.slopes, color=DISC)
-        panels[3].set_xlabel("shortest wavelength (S-filter), µm")
-        panels[3].set_ylabel("rms slope, 1")
+        panels[3].set(xlabel="shortest wavelength (S-filter), µm", ylabel="rms slope, 1")
         panels[3].set_ylim(bottom=0.0)
 
     return new_figure(draw, rows=4, height=ROW)
@@ -68,8 +64,7 @@ def track_figure(track: Track) -> Figure:
     def draw(panels: Any) -> None:
         nx, ny = track.levelled.shape
         size = (track.length, float(track.y[-1] - track.y[0]) * ny / max(ny - 1, 1))
-        low, high = (1e3 * v for v in np.quantile(track.levelled, [0.002, 0.998]))
-        _map(panels[0], 1e3 * track.levelled, size, label="height, µm", colours=HEIGHTS, low=low, high=high)
+        _map_of_heights(panels[0], track.levelled, size)
         for edge in track.edges:
             panels[0].axhline(edge, color="white", lw=1.6)
             panels[0].axhline(edge, color="black", lw=0.8, ls="--")
@@ -78,18 +73,15 @@ def track_figure(track: Track) -> Figure:
         inside = track.inside
         below, above = inside & (profile < 0), inside & (profile > 0)
         panels[1].fill_between(y, profile, 0.0, where=below, color=SPHERE, alpha=0.35, lw=0, label="below")
-        panels[1].fill_between(
-            y, profile, 0.0, where=above, facecolor="none", edgecolor=DISC, hatch="////", lw=0, label="above"
-        )
+        hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": DISC, "hatch": "////"}
+        panels[1].fill_between(y, profile, 0.0, where=above, lw=0, label="above", **hatched)
         panels[1].axhline(0.0, color=NEUTRAL, lw=0.6)
-        panels[1].set_xlabel("across, y, mm")
-        panels[1].set_ylabel("height over the reference, µm")
+        panels[1].set(xlabel="across, y, mm", ylabel="height over the reference, µm")
         _legend(panels[1])
         x = (np.arange(nx) + 0.5) * track.length / nx - 0.5 * track.length
         panels[2].plot(x, 1e6 * track.net, color=DISC, lw=0.6, label="each section")
         panels[2].axhline(1e6 * float(track.net.mean()), color=NEUTRAL, ls="--", lw=1.0, label="mean")
-        panels[2].set_xlabel("along sliding, x, mm")
-        panels[2].set_ylabel("section lost, µm²")
+        panels[2].set(xlabel="along sliding, x, mm", ylabel="section lost, µm²")
         top = 1e6 * float(track.net.max())
         panels[2].set_ylim(min(0.0, 1e6 * float(track.net.min())), 1.1 * top if top > 0 else None)
         _legend(panels[2])
@@ -101,8 +93,8 @@ def ball_figure(ball: WornBall, *, size: tuple[float, float]) -> Figure:
     """Draw the depth below the unworn sphere: a map, profiles through the patch. size: of the field [mm]."""
 
     def draw(panels: Any) -> None:
-        deepest = 1e3 * ball.depth
-        _map(panels[0], 1e3 * ball.lost, size, label="depth worn, µm", colours=DEPTHS, low=0.0, high=deepest)
+        span = (0.0, 1e3 * ball.depth)
+        _map(panels[0], 1e3 * ball.lost, size, label="depth worn, µm", colours=DEPTHS, span=span)
         nx, ny = ball.lost.shape
         x, y = places((nx, ny), (size[0] / nx, size[1] / ny))
         rows, columns = np.nonzero(ball.patch)
@@ -111,8 +103,7 @@ def ball_figure(ball: WornBall, *, size: tuple[float, float]) -> Figure:
         panels[1].plot(y, 1e3 * ball.lost[i, :], color=DISC, ls="--", label="across, y")
         panels[1].axhline(0.0, color=NEUTRAL, lw=0.6)
         panels[1].invert_yaxis()
-        panels[1].set_xlabel("place, mm")
-        panels[1].set_ylabel("depth worn, µm")
+        panels[1].set(xlabel="place, mm", ylabel="depth worn, µm")
         _legend(panels[1])
 
     return new_figure(draw, rows=2, height=ROW)
@@ -123,16 +114,15 @@ def _legend(axes: Axes) -> None:
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, borderaxespad=0.2)
 
 
-def _map(
-    axes: Axes,
-    values: FloatArray,
-    size: tuple[float, float],
-    *,
-    label: str,
-    colours: Any,
-    low: float,
-    high: float,
-) -> None:
+def _map_of_heights(axes: Axes, heights: FloatArray, size: Pair) -> None:
+    """Draw heights [mm] over a field of a size [mm]; a few spikes and pits do not set the colours."""
+    low, high = 1e3 * np.quantile(heights, [0.002, 0.998])
+    _map(axes, 1e3 * heights, size, label="height, µm", colours=HEIGHTS, span=(low, high))
+
+
+def _map(axes: Axes, values: FloatArray, size: Pair, *, label: str, colours: Any, span: Pair) -> None:
+    """Draw values over a field of a size [mm], with colours that span a range of them."""
+    low, high = span
     step = [max(1, -(-n // PIXELS)) for n in values.shape]
     image = axes.imshow(
         values[:: step[0], :: step[1]].T,
@@ -146,28 +136,25 @@ def _map(
         aspect="auto" if max(size) > LONG * min(size) else "equal",
     )
     axes.figure.colorbar(image, ax=axes, label=label, extend="both", location="top", shrink=0.6, aspect=30)
-    axes.set_xlabel("along sliding, x, mm")
-    axes.set_ylabel("across, y, mm")
+    axes.set(xlabel="along sliding, x, mm", ylabel="across, y, mm")
     axes.xaxis.set_major_locator(MaxNLocator(4 if size[0] > 0.7 * size[1] else 2))
     axes.yaxis.set_major_locator(MaxNLocator(4))
 
 
 def _bearing(axes: Axes, report: SurfaceReport) -> None:
     b = report.bearing
-    axes.plot(report.ratio, 1e3 * report.height, color=DISC, label="surface")
-    axes.plot(
-        [0, 100], [1e3 * b.top, 1e3 * b.bottom], color=NEUTRAL, ls="--", lw=0.9, label="equivalent line"
-    )
-    for level, ratio in ((b.top, b.smr1), (b.bottom, b.smr2)):
-        axes.plot([0 if level == b.top else 100, ratio], [1e3 * level] * 2, color=NEUTRAL, lw=0.6, ls=":")
+    ratio, reached = material_ratio_curve(report.surface.levelled)
+    height, line = 1e3 * reached, [1e3 * b.top, 1e3 * b.bottom]
+    axes.plot(ratio, height, color=DISC, label="surface")
+    axes.plot([0, 100], line, color=NEUTRAL, ls="--", lw=0.9, label="equivalent line")
+    for end, level, core_end in zip((0, 100), line, (b.smr1, b.smr2), strict=True):
+        axes.plot([end, core_end], [level, level], color=NEUTRAL, lw=0.6, ls=":")
     axes.set_xlim(0, 100)
     # A few spikes and pits would squeeze the curve into a line: the ends are cut where they are far off.
-    height = 1e3 * report.height
-    core = height[(report.ratio >= 0.5) & (report.ratio <= 99.5)]
+    core = height[(ratio >= 0.5) & (ratio <= 99.5)]
     room = 0.35 * (core.max() - core.min()) or 1.0
     axes.set_ylim(max(height.min(), core.min() - room), min(height.max() + 0.1 * room, core.max() + room))
-    axes.set_xlabel("material ratio, %")
-    axes.set_ylabel("height, µm")
+    axes.set(xlabel="material ratio, %", ylabel="height, µm")
     text = f"Spk {1e3 * b.spk:.3g} µm\nSk {1e3 * b.sk:.3g} µm\nSvk {1e3 * b.svk:.3g} µm"
     axes.text(0.98, 0.97, text, transform=axes.transAxes, ha="right", va="top", fontsize=7)
     _legend(axes)

@@ -4,15 +4,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from warpwear.grid import FloatArray
 from warpwear.results.report import Row, lines
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.roughness import (
     Bearing,
     ProfileRoughness,
     bearing_parameters,
-    material_ratio_curve,
     profile_roughness,
     slope_along,
 )
@@ -27,8 +26,6 @@ from warpwear.surfaces.spectrum import (
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.ball import Cap, WornBall
 from warpwear.surfaces.worn.track import Track
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Cut-off of roughness profiles [mm], Table A.1 of the thesis.
 LAMBDA_C = 2.5
@@ -55,14 +52,11 @@ ROUGHNESS = {
 class SurfaceReport:
     """All that the page and the figure of a measured surface show.
 
-    ratio [%] and height [mm] of the bearing curve, (n,); cut_offs [mm] and the rms slope [-] after each,
-    (m,); rows: what people and JSON get.
+    cut_offs [mm] and the rms slope [-] after each, (m,); rows: what people and JSON get.
     """
 
     surface: Measured
     bearing: Bearing
-    ratio: FloatArray
-    height: FloatArray
     spectrum: Spectrum
     cut_offs: FloatArray
     slopes: FloatArray
@@ -76,11 +70,9 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     Raises InputError where short is not below cut_off, before anything long is computed.
     """
     heights, pixel = surface.levelled, surface.pixel
-    profiles = [
-        profile_roughness(heights, pixel=pixel, axis=axis, cut_off=cut_off, short=short) for axis in (0, 1)
-    ]
+    filters = {"cut_off": cut_off, "short": short}
+    profiles = [profile_roughness(heights, pixel=pixel, axis=axis, **filters) for axis in (0, 1)]
     bearing = bearing_parameters(heights)
-    ratio, height = material_ratio_curve(heights)
     spectrum = power_spectrum(heights, pixel=pixel)
     correlation = autocorrelation_length(heights, pixel=pixel)
     own = surface.record()
@@ -125,8 +117,6 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     return SurfaceReport(
         surface=surface,
         bearing=bearing,
-        ratio=ratio,
-        height=height,
         spectrum=spectrum,
         cut_offs=cut_offs,
         slopes=slopes,
@@ -159,29 +149,20 @@ def file_lines(surface: dict[str, Any], *then: str) -> list[str]:
 def track_rows(track: Track, *, length: float | None) -> list[Row]:
     """Declare what is said of a worn track. length: of the whole track [mm], None for the piece alone."""
     low, high = track.edges
+    below, above = track.mean_section
     mean_section = [
-        Row("below", "mean_section_below_um2", 1e6 * track.below_of_mean, digits=5),
-        Row("above", "mean_section_above_um2", 1e6 * track.above_of_mean, digits=3),
+        Row("below", "mean_section_below_um2", 1e6 * below, digits=5),
+        Row("above", "mean_section_above_um2", 1e6 * above, digits=3),
     ]
     net = [_spread(track.net), Row("", "error", 1e6 * track.net_error)]
     volume, error = track.volume()
-    measured = f"(standard error) over the measured {track.length:.4g} mm"
+    rough, measured = "with the roughness in it", f"(standard error) over the measured {track.length:.4g} mm"
     rows = [
         Row("track", "width_mm", high - low, note=f"wide with its pile-up (y {low:.4g} to {high:.4g} mm)"),
         Row("", "edges_mm", list(track.edges)),
         Row("mean profile", "depth_of_mean_profile_um", 1e3 * track.depth, note="deep"),
-        Row(
-            "single sections",
-            "section_below_um2",
-            [_spread(track.below)],
-            note="below, with the roughness in it",
-        ),
-        Row(
-            "single sections",
-            "section_above_um2",
-            [_spread(track.above)],
-            note="above, with the roughness in it",
-        ),
+        Row("single sections", "section_below_um2", [_spread(track.below)], note=f"below, {rough}"),
+        Row("single sections", "section_above_um2", [_spread(track.above)], note=f"above, {rough}"),
         Row("mean section", "", mean_section, note="(averaged along the track first: trough and pile-up)"),
         Row("single sections", "section_net_um2", net, note="below − above, ± standard deviation"),
         Row("", "sections", int(track.net.size)),
@@ -190,20 +171,11 @@ def track_rows(track: Track, *, length: float | None) -> list[Row]:
     ]
     if length is None:
         return rows
-    whole, whole_error = track.volume(length)
+    volume, error = track.volume(length)
+    whole_error = ("whole_volume_error_mm3", error)
     alike = f"over {length:.4g} mm, were it all like the measured piece"
-    return [
-        *rows,
-        Row("", "whole_length_mm", length),
-        Row(
-            "whole track",
-            "whole_volume_mm3",
-            whole,
-            digits=5,
-            error=("whole_volume_error_mm3", whole_error),
-            note=alike,
-        ),
-    ]
+    whole = Row("whole track", "whole_volume_mm3", volume, digits=5, error=whole_error, note=alike)
+    return [*rows, Row("", "whole_length_mm", length), whole]
 
 
 def ball_rows(ball: WornBall) -> list[Row]:

@@ -130,12 +130,20 @@ def _one_way(path: Path, table: Mapping[str, FloatArray], normal: FloatArray, sp
         raise InputError(f"{path}: the distance falls; an accumulated distance is expected")
     if not loaded.all():
         notes.append(f"Rows with less than half of the median normal force, left out: {(~loaded).sum()}.")
-    distance, which = np.unique(distance[loaded], return_inverse=True)
-    cof = np.bincount(which, weights=sign * friction[loaded] / normal[loaded]) / np.bincount(which)
-    if distance.size < 2:
-        raise InputError(f"{path} has one distance only; two or more are expected")
+    distance, cof = averaged(path, distance[loaded], sign * friction[loaded] / normal[loaded])
     notes.append("The coefficient is Fx/Fz of every row: sliding in one way.")
     return Course(distance, cof, tuple(notes))
+
+
+def averaged(path: Path, distance: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the distances, each once and rising, and the mean of the values at each, (points,).
+
+    distance and values have the same shape (rows,). Raises InputError for one distance only.
+    """
+    places, which = np.unique(distance, return_inverse=True)
+    if places.size < 2:
+        raise InputError(f"{path} has one distance only; two or more are expected")
+    return places, np.bincount(which, weights=values) / np.bincount(which)
 
 
 def _by_cycles(

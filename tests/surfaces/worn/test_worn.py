@@ -117,9 +117,10 @@ def test_the_mean_section_has_no_roughness_in_it():
     found = find_track(rough - 0.003 * np.maximum(1 - (2 * FIELD / 0.7) ** 2, 0.0), pixel=(0.005, 0.005))
     section = 2 / 3 * 0.7 * 0.003
     assert found.above.mean() > 0.05 * section
-    assert found.above_of_mean < 0.015 * section
-    assert found.below_of_mean == pytest.approx(section, rel=0.05)
-    assert found.below_of_mean - found.above_of_mean == pytest.approx(found.net.mean())
+    below, above = found.mean_section
+    assert above < 0.015 * section
+    assert below == pytest.approx(section, rel=0.05)
+    assert below - above == pytest.approx(found.net.mean())
     text = "\n".join(lines(track_rows(found, length=None)))
     assert "mean section" in text
     assert "averaged along the track first" in text
