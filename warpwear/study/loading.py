@@ -102,14 +102,14 @@ def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[st
         if moved:
             if _is_given(found, new):
                 raise InputError(_given_twice(old, new))
-            _insert(found, new, _remove(found, old))
+            insert(found, new, _remove(found, old))
         if isinstance(reasons, dict) and old != new and old in reasons:
             reasons.setdefault(new, reasons.pop(old))
             moved = True
         value, now = declared.former_value or ("", "")
         given = value_of(found, new)
         if value and isinstance(given, str) and given == value:
-            _insert(found, new, now)
+            insert(found, new, now)
             notices.append(_renamed(f"{old if moved else new} = '{value}'", f"{new} = '{now}'"))
         elif moved:
             notices.append(_renamed(old, new))
@@ -130,7 +130,7 @@ def changes_with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], lis
     notices: list[str] = []
     for old, value in flat.items():
         nested: dict[str, Any] = {}
-        _insert(nested, old, value)
+        insert(nested, old, value)
         nested, more = with_new_names(nested)
         new = _former_names().get(old, old)
         if new in found or (new != old and new in flat):
@@ -161,7 +161,7 @@ def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
     for name, value in flat.items():
         for other in _dropped_by(name) - set(flat):
             _remove(nested, other)
-        _insert(nested, name, value)
+        insert(nested, name, value)
         assumed = nested.get("assumed")
         if not isinstance(assumed, dict):
             continue
@@ -178,7 +178,8 @@ def _dropped_by(name: str) -> set[str]:
     return alternatives_of(Content, name)
 
 
-def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
+def insert(nested: dict[str, Any], name: str, value: Any) -> None:
+    """Set a dotted key in nested sections. Raises InputError where a value stands for one of these."""
     *parents, last = name.split(".")
     for depth, parent in enumerate(parents):
         nested = nested.setdefault(parent, {})
@@ -187,17 +188,22 @@ def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
     nested[last] = value
 
 
-def _is_given(nested: Any, name: str) -> bool:
-    parent, _, last = name.rpartition(".")
-    section = value_of(nested, parent) if parent else nested
-    return isinstance(section, dict) and last in section
+def _is_given(nested: dict[str, Any], name: str) -> bool:
+    section, last = _parent_of(nested, name)
+    return last in section
 
 
 def _remove(nested: dict[str, Any], name: str) -> Any:
     """Take a dotted key out and return its value; None where there is none."""
+    section, last = _parent_of(nested, name)
+    return section.pop(last, None)
+
+
+def _parent_of(nested: dict[str, Any], name: str) -> tuple[dict[str, Any], str]:
+    """Return the section that holds a dotted key, empty where there is none, and the key's name in it."""
     parent, _, last = name.rpartition(".")
     section = value_of(nested, parent) if parent else nested
-    return section.pop(last, None) if isinstance(section, dict) else None
+    return section if isinstance(section, dict) else {}, last
 
 
 #: Between a description and the keys changed since it was written.

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import ValidationError, model_validator
+from pydantic import ValidationError
 
 from warpwear.errors import InputError
 from warpwear.study import rules, rules_track, text
@@ -45,10 +45,8 @@ class Study(Content):
             getattr(self, section).model_fields_set.discard(key)
         self._old_names = tuple(old_names)
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
+    def _check(self) -> None:
         rules.check(self)
-        return self
 
     def __eq__(self, other: object) -> bool:
         """Two studies are equal where their resolved texts are: what they compute, assume and are called."""
