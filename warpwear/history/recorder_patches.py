@@ -92,8 +92,7 @@ class PatchLedger:
         """K_N of the next step [N/mm³], which may follow the scar; inf where it plays no part."""
         if not self._task.uses_bulk_stiffness:
             return math.inf
-        nominal = self.row.get("area_nominal", 0.0)
-        return self._task.bulk_stiffness_at(math.sqrt(nominal / math.pi) or None)
+        return self._task.bulk_stiffness_at(math.sqrt(self.row["area_nominal"] / math.pi) or None)
 
     def enter(
         self,

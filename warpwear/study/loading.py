@@ -213,10 +213,8 @@ NAMED = 4
 OTHERS = " and others"
 
 
-def is_described(key: str) -> bool:
-    """Tell whether a description speaks of a change of this key: not of names, checks, or what is written."""
-    section = key.partition(".")[0]
-    return key == "study.model" or section not in ("study", "checks", "output", "assumed")
+#: Sections of whose changes a description does not speak: names, checks, and what is written.
+NOT_DESCRIBED = ("study", "checks", "output", "assumed")
 
 
 def with_changes(description: str, changed: Sequence[str]) -> str:
@@ -224,7 +222,8 @@ def with_changes(description: str, changed: Sequence[str]) -> str:
     text, _, listed = description.partition(CHANGED)
     more = listed.endswith(OTHERS)
     known = [name for name in listed.removesuffix(OTHERS).split(", ") if name]
-    names = list(dict.fromkeys([*known, *changed]))
+    known += [n for n in changed if n == "study.model" or n.partition(".")[0] not in NOT_DESCRIBED]
+    names = list(dict.fromkeys(known))
     if not names:
         return description
     return f"{text}{CHANGED}{', '.join(names[:NAMED])}{OTHERS if more or len(names) > NAMED else ''}"

@@ -66,15 +66,8 @@ def _table() -> tuple[tuple[Material, ...], Mapping[str, int]]:
     entries: list[Material] = []
     aliases: dict[str, int] = {}
     for place, row in enumerate(rows):
-        entries.append(
-            Material(
-                name=row["name"],
-                condition=row["condition"],
-                young=parse(row["young"], "MPa"),
-                poisson=row["poisson"],
-                hardness=parse(row["hardness"], "MPa"),
-                sources=MappingProxyType(row["sources"]),
-            )
-        )
-        aliases |= {_key(alias): place for alias in (row["name"], *row["aliases"])}
+        aliases |= {_key(alias): place for alias in (row["name"], *row.pop("aliases"))}
+        row |= {name: parse(row[name], "MPa") for name in ("young", "hardness")}
+        row["sources"] = MappingProxyType(row["sources"])
+        entries.append(Material(**row))
     return tuple(entries), MappingProxyType(aliases)

@@ -3,13 +3,12 @@
 import math
 
 from warpwear.laws.elastic import MATCHES
+from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_track
 from warpwear.study.content import Content
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
-#: Lengths whose relative difference is smaller are equal.
-SAME = 1.0e-6
 
 
 def check(study: Content) -> None:
@@ -55,26 +54,26 @@ def _model(study: Content) -> None:
 def _patches(study: Content) -> None:
     patches, cell = study.patches, study.grid.cell
     for name, length in (("macro_cell", patches.macro_cell), ("width", patches.patch_width)):
-        if not _whole(length / cell):
+        if not is_whole(length / cell):
             near = max(round(length / cell), 1) * cell
             raise ValueError(
                 f"patches.{name} = {1e3 * length:g} µm is not a whole number of cells of {1e3 * cell:g} µm; "
                 f"the nearest that is, is {1e3 * near:.6g} µm"
             )
     named = f"patches.macro_cell = {1e3 * patches.macro_cell:g} µm"
-    if patches.patch_width > patches.macro_cell * (1.0 + SAME):
+    if patches.patch_width > patches.macro_cell * (1.0 + WHOLE):
         raise ValueError(
             f"patches.width = {1e3 * patches.patch_width:g} µm is larger than {named}: patches would "
             "overlap; allowed are a smaller patches.width (by default the macro cell) and a larger "
             "patches.macro_cell"
         )
-    if patches.macro_cell > 0.5 * study.grid.extent * (1.0 + SAME):
+    if patches.macro_cell > 0.5 * study.grid.extent * (1.0 + WHOLE):
         raise ValueError(
             f"{named} is larger than the contact's domain allows: grid.extent = {study.grid.extent:g} mm "
             "must hold two macro cells or more"
         )
     cells = study.grid.extent / patches.macro_cell
-    if not _whole(cells):
+    if not is_whole(cells):
         raise ValueError(
             f"grid.extent = {study.grid.extent:g} mm is not a whole number of cells of {named}; the nearest "
             f"extent that is, is {round(cells) * patches.macro_cell:.9g} mm"
@@ -129,10 +128,6 @@ def _foundation(study: Content) -> None:
         )
 
 
-def _whole(number: float) -> bool:
-    return abs(number - round(number)) <= SAME * number and round(number) >= 1
-
-
 def _half_space(study: Content) -> None:
     if study.contact.law != "half-space":
         return
@@ -152,20 +147,16 @@ def _half_space(study: Content) -> None:
             "'none'"
         )
     if study.study.model == "two-scale":
-        _half_space_patches(study)
+        shared = study.patches.coupling == "approach"
+        if shared and study.boundary == "free" and study.patches.bulk == "spring":
+            raise ValueError(
+                "contact.boundary = 'free' of patches needs patches.bulk = 'none': a free patch contains the "
+                "displacement of its mean, which a bulk behind it would count twice"
+            )
     elif study.boundary == "periodic" and study.sphere.curvature != 0.0:
         raise ValueError(
             "contact.boundary = 'periodic' would repeat the sphere beside itself: allowed is 'free', or a "
             "flat, sphere.radius = 'inf mm'"
-        )
-
-
-def _half_space_patches(study: Content) -> None:
-    shared = study.patches.coupling == "approach"
-    if shared and study.boundary == "free" and study.patches.bulk == "spring":
-        raise ValueError(
-            "contact.boundary = 'free' of patches needs patches.bulk = 'none': a free patch contains the "
-            "displacement of its mean, which a bulk behind it would count twice"
         )
 
 

@@ -2,7 +2,7 @@
 
 import math
 
-from warpwear.laws.track import WHOLE
+from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study.content import Content
 
 
@@ -34,23 +34,20 @@ def check(study: Content) -> None:
         length = float(sliding.track)
         step = sliding.shift * cell
         steps = length / step
-        if abs(steps - round(steps)) > WHOLE * steps or round(steps) < 1:
+        if not is_whole(steps):
             least, most = math.ceil(extent / step * (1.0 - WHOLE)), math.floor(lap / step * (1.0 + WHOLE))
-            allowed = f"{min(max(round(steps), least), most) * step:.9g} mm"
+            near = min(max(round(steps), least), most) * step
+            allowed = f"the nearest allowed is {near:.9g} mm"
             raise ValueError(
                 f"sliding.track = {length:g} mm is not a whole number of steps of sliding.shift = "
                 f"{sliding.shift} cells, {1e3 * step:g} µm; "
-                + (
-                    f"the nearest allowed is {allowed}"
-                    if least <= most
-                    else "a smaller sliding.shift is needed"
-                )
+                f"{allowed if least <= most else 'a smaller sliding.shift is needed'}"
             )
         if length > lap * (1.0 + WHOLE):
             raise ValueError(
                 f"sliding.track = {length:g} mm is longer than {named}: allowed are shorter ones, or 'full'"
             )
-    elif sliding.track_radius is None and not _is_whole(lap / cell):
+    elif sliding.track_radius is None and not is_whole(lap / cell):
         near = round(lap / cell) * cell
         raise ValueError(
             f"sliding.stroke = {lap:g} mm is not a whole number of cells of {1e3 * cell:g} µm; the nearest "
@@ -149,11 +146,7 @@ def _repeats(study: Content, length: float) -> bool:
         return False
     if disc.kind == "flat":
         return True
-    closes = _is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
+    closes = is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
     if disc.kind == "milled":
-        closes = closes and _is_whole(length * abs(math.sin(math.radians(disc.lay))) / disc.feed)
+        closes = closes and is_whole(length * abs(math.sin(math.radians(disc.lay))) / disc.feed)
     return closes
-
-
-def _is_whole(number: float) -> bool:
-    return abs(number - round(number)) <= WHOLE * max(number, 1.0) and round(number) >= 1

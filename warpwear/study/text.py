@@ -9,15 +9,7 @@ import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from warpwear.study.content import Content
-from warpwear.study.keys import (
-    Declared,
-    declarations,
-    given_keys,
-    inapplicable,
-    key_of,
-    no_such_key,
-    section_in,
-)
+from warpwear.study.keys import declarations, given_keys, inapplicable, key_of, no_such_key, section_in
 from warpwear.study.loading import CONSTANTS, insert
 from warpwear.study.materials import material
 from warpwear.study.units import is_quantity
@@ -62,13 +54,13 @@ def assumptions(study: Content) -> dict[str, str]:
         body, _, constant = name.partition(".")
         if name in study.assumed:
             found[name] = study.assumed[name]
-        elif name not in given and body != "contact" and constant in CONSTANTS:
+        elif name in given:
+            continue
+        elif body != "contact" and constant in CONSTANTS:
             known = material(getattr(study, body).material)
             found[name] = f"{known.name}, {known.condition}: {known.sources[constant]}"
-        elif name not in given:
-            assumed = declarations(type(study)).get(name, Declared()).assumed
-            if assumed is not None:
-                found[name] = assumed
+        elif assumed := declarations(type(study))[name].assumed:
+            found[name] = assumed
     return found
 
 
