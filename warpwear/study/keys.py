@@ -63,6 +63,8 @@ class Declared:
     formerly: str | None = None
     #: Old and new name of a value.
     former_value: tuple[str, str] | None = None
+    #: What pydantic knows of the key; set by `declarations`.
+    field: FieldInfo | None = None
 
     def __call__(self, schema: dict[str, Any]) -> None:
         """Pydantic calls it with the key's JSON schema, to which it adds why the default was assumed."""
@@ -125,14 +127,8 @@ def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
 
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
     """Return the field of a dotted key; None where there is no such key."""
-    info = None
-    current: type[BaseModel] | None = model
-    for part in name.split("."):
-        if current is None or part not in current.model_fields:
-            return None
-        info = current.model_fields[part]
-        current = section_in(info.annotation)
-    return info
+    declared = declarations(model).get(name)
+    return declared and declared.field
 
 
 def section_in(annotation: Any) -> type[BaseModel] | None:
@@ -156,7 +152,8 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Decla
     found: dict[str, Declared] = {}
     for name, info in model.model_fields.items():
         extra = info.json_schema_extra
-        found[prefix + name] = declared = extra if isinstance(extra, Declared) else Declared()
+        declared = replace(extra if isinstance(extra, Declared) else Declared(), field=info)
+        found[prefix + name] = declared
         section = section_in(info.annotation)
         if section is not None:
             for below, of_key in declarations(section, f"{prefix}{name}.").items():
@@ -168,9 +165,9 @@ def inapplicable(study: BaseModel) -> dict[str, str]:
     """Map keys that nothing uses under the choices made to the end of a sentence that says why."""
     found = {}
     for name, declared in declarations(type(study)).items():
-        why = next((why for rule in declared.applies if (why := rule.why_not(study))), None)
-        if why is not None:
-            found[name] = why
+        reasons = [why for rule in declared.applies if (why := rule.why_not(study))]
+        if reasons:
+            found[name] = reasons[0]
     return found
 
 

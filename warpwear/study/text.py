@@ -131,13 +131,8 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     if kind == "value_error" and (not name or (info and section_in(info.annotation))):
         return f"{message}."  # of a whole section, so it says its names itself
     if kind == "literal_error":
-        options = sorted(
-            {
-                str(e["ctx"]["expected"])
-                for e in error.errors()
-                if e["type"] == "literal_error" and e["loc"][:2] == first["loc"][:2]
-            }
-        )
+        branches = [e for e in error.errors() if e["type"] == kind and e["loc"][:2] == first["loc"][:2]]
+        options = sorted({str(e["ctx"]["expected"]) for e in branches})
         more = " or a degree from 0 to 12" if name == "disc.level" else ""
         return f"{name} = {value!r} is not allowed; allowed: {', '.join(options)}{more}."
     if kind == "string_pattern_mismatch":  # of study.name, which names a folder
