@@ -7,15 +7,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from warpwear.study.keys import Length, LengthOrZero, Pressure, Section, key, when
 from warpwear.study.materials import material
-from warpwear.study.units import (
-    POSITIVE_OR_INFINITE,
-    Number,
-    Quantity,
-    Range,
-    is_pair,
-    is_quantity,
-    one_by_one,
-)
+from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
 
 ROUGH = when("is_rough", otherwise="does not apply to the macro model, which has a smooth disc")
 FROM_A_FILE = when("disc.synthetic", None, otherwise="does not apply to a synthetic surface")
@@ -42,7 +34,7 @@ class Body(Section):
 class Sphere(Body):
     """[sphere]"""
 
-    radius: Annotated[float, Quantity("mm", POSITIVE_OR_INFINITE)] | None = key(
+    radius: Annotated[float, Quantity("mm", Range(infinite=True))] | None = key(
         None, "radius; 'inf mm' is a rigid flat", one_of="size"
     )
     diameter: Length | None = key(None, "diameter, instead of the radius", one_of="size")

@@ -9,7 +9,7 @@ from pydantic import PlainSerializer, PlainValidator
 
 from warpwear.laws.elastic import MATCHES
 from warpwear.study.keys import Length, Pressure, Section, key, when
-from warpwear.study.units import NOT_NEGATIVE, POSITIVE_OR_INFINITE, Number, Quantity, Range, parse, text
+from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
 
 #: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
 BULK = when("study.model", "macro", "two-scale", otherwise="does not apply to the micro model")
@@ -35,7 +35,7 @@ class Contact(Section):
     """[contact]"""
 
     load: Annotated[float, Quantity("N")] = key(..., "normal load")
-    hardness: Annotated[float, Quantity("MPa", POSITIVE_OR_INFINITE)] | None = key(
+    hardness: Annotated[float, Quantity("MPa", Range(infinite=True))] | None = key(
         None, "largest pressure of a cell; by default the softer body's, in the macro model none"
     )
     law: Literal["local", "half-space"] = key(
@@ -52,7 +52,7 @@ class Contact(Section):
         "two-scale model each patch",
         applies=when("contact.law", "half-space"),
     )
-    stiffness: Annotated[float, Quantity("N/mm^3", POSITIVE_OR_INFINITE)] = key(
+    stiffness: Annotated[float, Quantity("N/mm^3", Range(infinite=True))] = key(
         "inf N/mm^3",
         "micro and two-scale model: local foundation stiffness k",
         assumed="asperities do not deform elastically",

@@ -57,35 +57,31 @@ CONSTANTS = ("young", "poisson", "hardness")
 MACRO_CELL = "10 um"
 
 
-def fill(sections: dict[str, Any]) -> tuple[dict[str, Any], set[str]]:
-    """Return the sections with what follows from them, and the dotted names of the keys that were filled in.
+def fill(sections: dict[str, Any]) -> set[str]:
+    """Fill sections, in place, with what follows from them; return the dotted names of the keys filled in.
 
     A value that cannot be understood is left to the validation of the study.
     """
-    filled = {name: dict(keys) if isinstance(keys, dict) else keys for name, keys in sections.items()}
     names: set[str] = set()
     for body in ("sphere", "disc"):
-        keys = filled.get(body)
+        keys = sections.get(body)
         if not isinstance(keys, dict) or not isinstance(keys.get("material"), str):
             continue
         try:
             known = material(keys["material"])
         except ValueError:
             continue
-        values = {
-            "young": text(known.young, "MPa"),
-            "poisson": known.poisson,
-            "hardness": text(known.hardness, "MPa"),
-        }
+        young, hardness = text(known.young, "MPa"), text(known.hardness, "MPa")
+        values = {"young": young, "poisson": known.poisson, "hardness": hardness}
         missing = {name: value for name, value in values.items() if keys.get(name) is None}
         keys.update(missing)
         names |= {f"{body}.{name}" for name in missing}
-    about, grid = filled.get("study"), filled.get("grid")
+    about, grid = sections.get("study"), sections.get("grid")
     macro = isinstance(about, dict) and about.get("model") == "macro"
     if macro and isinstance(grid, dict) and grid.get("cell") is None:
         grid["cell"] = MACRO_CELL
         names.add("grid.cell")
-    return filled, names
+    return names
 
 
 def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:

@@ -24,11 +24,6 @@ class Material:
     hardness: float  # indentation hardness: hardness number × 9.807 [MPa]
     sources: Mapping[str, str]  # young, poisson, hardness -> document; † where it could not be read
 
-    @property
-    def shear_modulus(self) -> float:
-        """Shear modulus G = E / (2 (1 + ν)) [MPa]."""
-        return self.young / (2.0 * (1.0 + self.poisson))
-
 
 def names() -> tuple[str, ...]:
     """Return the names of the materials, in the order of the table."""

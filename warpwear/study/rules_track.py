@@ -1,6 +1,7 @@
 """Rules of a study whose sphere slides over a track."""
 
 import math
+from collections.abc import Iterator
 
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study.content import Content
@@ -112,31 +113,29 @@ def unstable(study: Content) -> str | None:
     )
 
 
-def doubts(study: Content) -> list[str]:
-    """Return a sentence about each thing that is computed as asked for, but whose numbers mislead."""
+def doubts(study: Content) -> Iterator[str]:
+    """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     if not study.is_swept:
-        return []
-    found = []
+        return
     sliding = study.sliding
     step = sliding.shift * study.grid.cell
     first = 2.0 * math.sqrt(study.contact.load / (math.pi * study.hardness))
     if step > first > 0.0:
-        found.append(
+        yield (
             f"sliding.shift = {sliding.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
             f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
         )
     radius = sliding.track_radius
     if radius is not None and radius < 2.0 * study.grid.extent:
-        found.append(
+        yield (
             f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
             "wide beside its radius."
         )
     if sliding.track != "full" and not _repeats(study, float(sliding.track)):
-        found.append(
+        yield (
             f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
             "seam where the lap closes."
         )
-    return found
 
 
 def _repeats(study: Content, length: float) -> bool:

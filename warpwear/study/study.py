@@ -26,9 +26,9 @@ class Study(Content):
 
     def __init__(self, **sections: Any) -> None:
         sections, old_names = loading.with_new_names(sections)
-        filled, names = loading.fill(sections)
+        names = loading.fill(sections)
         try:
-            super().__init__(**filled)
+            super().__init__(**sections)
         except ValidationError as error:
             raise InputError(text.sentence(error, type(self))) from error
         for name in names:  # so that they are told from what was given
