@@ -53,7 +53,12 @@ def _models(s: dict[str, Any]) -> list[Row]:
         stiffness = s["foundation_N_per_mm3"]
         rows.append(Row("foundation", "foundation_N_per_mm3", stiffness, note="to begin with"))
         if hertz := s["hertz"]:
-            rows.append(Row("Hertz, unworn", "", _hertz(hertz)))
+            of_unworn = [
+                Row("radius", "radius_um", hertz["radius_um"], digits=3),
+                Row("peak", "peak_pressure_MPa", hertz["peak_pressure_MPa"]),
+                Row("approach", "approach_um", hertz["approach_um"], digits=3),
+            ]
+            rows.append(Row("Hertz, unworn", "", of_unworn))
     return rows
 
 
@@ -66,15 +71,6 @@ def _patches(patches: dict[str, Any], *, of_half_space: bool) -> list[Row]:
     iterations = "" if of_half_space else f"; {p['evaluations']['median']:g} iterations in the median"
     cells = f"in macro cells of {p['macro_cell_um']:g} µm ({covered} of the area)"
     return [Row("patches", "", f"{p['number']} of {p['width_um']:g} µm {cells}, {shared}{iterations}")]
-
-
-def _hertz(hertz: dict[str, Any]) -> list[Row]:
-    """Declare the contact of the same bodies, smooth and unworn."""
-    return [
-        Row("radius", "radius_um", hertz["radius_um"], digits=3),
-        Row("peak", "peak_pressure_MPa", hertz["peak_pressure_MPa"]),
-        Row("approach", "approach_um", hertz["approach_um"], digits=3),
-    ]
 
 
 def _friction(s: dict[str, Any]) -> list[Row]:

@@ -39,7 +39,7 @@ class Rule:
         return None if value in self.values else self.otherwise.format(value)
 
 
-def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule]:
+def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule, ...]:
     """Return the rule that a key is used where `name` has one of the values; without any, where it is true.
 
     otherwise: what to say of the key elsewhere, by default "does not apply to NAME = 'VALUE'". Rules are
@@ -128,7 +128,7 @@ def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
     """Return the field of a dotted key; None where there is no such key."""
     declared = declarations(model).get(name)
-    return declared and declared.field
+    return declared.field if declared else None
 
 
 def section_in(annotation: Any) -> type[BaseModel] | None:

@@ -41,7 +41,7 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
         raise InputError(f"{path} is not text, which a study is.") from error
     except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, endless nesting
         raise InputError(f"{path} is not TOML: {error}.") from error
-    surface = sections.get("disc", {}).get("surface") if isinstance(sections.get("disc"), dict) else None
+    surface = value_of(sections, "disc.surface")
     if isinstance(surface, str):
         sections["disc"]["surface"] = str(path.parent.resolve() / surface)
     return sections

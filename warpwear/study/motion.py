@@ -99,14 +99,13 @@ class Sliding(Section):
 
     def _check(self) -> None:
         ways = {
-            "sliding.distance": self.distance is not None,
-            "sliding.passes": self.passes is not None,
-            "sliding.cycles": self.cycles is not None,
-            "sliding.duration with sliding.frequency": self.duration is not None
-            or self.frequency is not None,
-            "sliding.revolutions": self.revolutions is not None,
+            "sliding.distance": self.distance,
+            "sliding.passes": self.passes,
+            "sliding.cycles": self.cycles,
+            "sliding.duration with sliding.frequency": self.duration or self.frequency,
+            "sliding.revolutions": self.revolutions,
         }
-        given = [way for way, is_given in ways.items() if is_given]
+        given = [way for way, value in ways.items() if value is not None]
         if len(given) != 1:
             found = " and ".join(given) if given else "none"
             raise ValueError(f"the sliding distance needs one of {', '.join(ways)}; given: {found}")
