@@ -18,7 +18,7 @@ import warpwear
 from warpwear import ConvergenceError, InputError, Study
 from warpwear.cli.main import main
 from warpwear.laws.track import increments
-from warpwear.study.keys import all_keys
+from warpwear.study.keys import declarations
 from warpwear.study.loading import presets
 from warpwear.study.text import to_marked_toml
 
@@ -29,7 +29,7 @@ PRESETS = {
 #: Whole studies after defaults too: more keys to break.
 TEXTS = [*PRESETS.values(), *(Study.load(name).to_toml() for name in PRESETS)]
 TREES = [tomllib.loads(text) for text in TEXTS]
-KEYS = [*all_keys(Study), "contact.laod", "x", "study.name.x", "", ".", "sphere.", "a" * 300]
+KEYS = [*declarations(Study), "contact.laod", "x", "study.name.x", "", ".", "sphere.", "a" * 300]
 
 
 def examples(quick: int, slow: int) -> Any:

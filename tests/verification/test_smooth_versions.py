@@ -108,7 +108,7 @@ def test_a_foundation_that_follows_the_patch(device: str) -> None:
     history = result.history
     a = math.sqrt(history["area_contact"][-2] / math.pi)
     stiffness = 3.0 / math.pi * study.hertz.modulus / a
-    assert study.contact_law(radius=a).stiffness == pytest.approx(stiffness, rel=1e-12)
+    assert study.contact_task.bulk_stiffness_at(a) == pytest.approx(stiffness, rel=1e-12)
     # p = K_N (δ − g) before the step's own wear: with p, g and δ of the last step K_N can be read off.
     last = result.snapshot(-1)
     where = np.unravel_index(last.pressure.argmax(), last.pressure.shape)

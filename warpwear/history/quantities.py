@@ -138,19 +138,3 @@ UNITS = {quantity.name: quantity.units for quantity in QUANTITIES}
 def columns_of(study: Study) -> tuple[Quantity, ...]:
     """The columns of the history that a run of the study has."""
     return tuple(quantity for quantity in per("step") if quantity.applies_to(study))
-
-
-def markdown_table() -> str:
-    """The table of all quantities for the documentation, in Markdown."""
-    limits = {
-        None: "",
-        "track": "runs over a track",
-        "patches": "runs with patches",
-        "dents": "tracks that keep their dents",
-    }
-    values = {"step": "step", "patch": "step and patch", "cell": "snapshot and cell", "snapshot": "snapshot"}
-    rows = ["| name | unit | one value for each | only in | meaning |", "|---|---|---|---|---|"]
-    rows += [
-        f"| `{q.name}` | {q.units} | {values[q.per]} | {limits[q.only]} | {q.meaning} |" for q in QUANTITIES
-    ]
-    return "\n".join(rows).replace("^2", "²").replace("^3", "³") + "\n"

@@ -8,6 +8,7 @@ from typing import ClassVar
 from warpwear.contact.balance import Balance
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, Grid
+from warpwear.history.quantities import per
 from warpwear.kernels.cells import MAXIMA
 from warpwear.laws.task import ContactTask
 
@@ -35,25 +36,25 @@ class Ledger:
 
     row: columns of the last step, 0 before the first. most: by the names of `kernels.cells.MAXIMA`. weight:
     area that a cell stands for over its own. margin: cells along the edge that must not be touched.
+    track_fraction: of the stroke, that a disc that slides covers; the disc's volumes are those of the stroke.
     """
 
     STATE: ClassVar = {"most": dict, "row": dict}
 
-    def __init__(self, task: ContactTask, grid: Grid, *, weight: float = 1.0, margin: int = 1) -> None:
+    def __init__(
+        self,
+        task: ContactTask,
+        grid: Grid,
+        *,
+        weight: float = 1.0,
+        margin: int = 1,
+        track_fraction: float = 1.0,
+    ) -> None:
         self._task, self._grid, self._weight, self._margin = task, grid, weight, margin
+        self._track_fraction = track_fraction
         self._x, self._y = grid.x, grid.y
         self.most = dict.fromkeys(MAXIMA, -math.inf)
-        self.row = dict.fromkeys(
-            (
-                "distance",
-                "area_contact",
-                "area_cumulative",
-                "archard_volume_sphere",
-                "archard_volume_disc",
-                "pressure_mean",
-            ),
-            0.0,
-        )
+        self.row = {column.name: 0.0 for column in per("step")}
 
     @property
     def columns(self) -> tuple[int, int]:
@@ -77,6 +78,7 @@ class Ledger:
 
         total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
         which the squares count [MPa]. bearing: cells' area that bears, where not all that is in contact does.
+        The row has `plastic_volume_disc` where the totals have "pressed_disc".
 
         Raises ConvergenceError where nothing is in contact.
         """
@@ -111,7 +113,7 @@ class Ledger:
             "pressure_std": math.sqrt(max(variance, 0.0)),
             "pressure_max": most["pressure"],
             "wear_volume_sphere": total["wear_sphere"] * area,
-            "wear_volume_disc": total["wear_disc"] * area,
+            "wear_volume_disc": total["wear_disc"] / self._track_fraction * area,
             "wear_depth_sphere": self.most["wear_sphere"],
             "wear_depth_disc": self.most["wear_disc"],
             "cells_in_contact": count,
@@ -120,6 +122,8 @@ class Ledger:
             + removal[1] * total.get("pressure_times_factor", total["pressure"]) * area,
             "evaluations": float(balance.evaluations),
         }
+        if "pressed_disc" in total:
+            self.row["plastic_volume_disc"] = total["pressed_disc"] / self._track_fraction * area
         margin = self._margin
         at_edge = min(first_row, first_column) < margin
         at_edge |= last_row >= grid.nx - margin or last_column >= grid.ny - margin
@@ -127,35 +131,3 @@ class Ledger:
         reach = max(-self._x[first_row], self._x[last_row], -self._y[first_column], self._y[last_column])
         beyond_sphere = bool((reach + 1.5 * grid.cell) * self._task.curvature >= 1.0)
         return Step(balance, self.row, at_edge, beyond_sphere, pressure)
-
-
-class TrackLedger(Ledger):
-    """Books of a disc that slides, whose volumes count 1/track_fraction times, for the stroke it stands for.
-
-    Its rows have one column more, `plastic_volume_disc`, from the total "pressed_disc".
-    """
-
-    def __init__(self, task: ContactTask, grid: Grid, *, track_fraction: float) -> None:
-        super().__init__(task, grid)
-        self._track_fraction = track_fraction
-
-    def enter(
-        self,
-        balance: Balance,
-        increment: float,
-        removal: tuple[float, float],
-        reference: float,
-        total: Mapping[str, float],
-        most: Mapping[str, float],
-        *,
-        pressure: FloatArray | None = None,
-        bearing: float | None = None,
-    ) -> Step:
-        """Book a step, and what it displaced of the disc for good."""
-        of_stroke = {name: total[name] / self._track_fraction for name in ("wear_disc", "pressed_disc")}
-        total = {**total, **of_stroke}
-        step = super().enter(
-            balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
-        )
-        step.row["plastic_volume_disc"] = total["pressed_disc"] * self._grid.cell_area
-        return step

@@ -92,8 +92,7 @@ class PatchLedger:
         """K_N of the next step [N/mm³], which may follow the scar; inf where it plays no part."""
         if not self._task.uses_bulk_stiffness:
             return math.inf
-        nominal = self.row.get("area_nominal", 0.0)
-        return self._task.bulk_stiffness_at(math.sqrt(nominal / math.pi) or None)
+        return self._task.bulk_stiffness_at(math.sqrt(self.row["area_nominal"] / math.pi) or None)
 
     def enter(
         self,
@@ -111,11 +110,9 @@ class PatchLedger:
         reference: pressure from which the squares count [MPa]. pressure: on the domain [MPa], where it was
         asked for. Raises ConvergenceError where the pressures do not add up to the load.
         """
-        total, most = (
-            divided(found, self._fractions)
-            for found in ({name: float(values.sum()) for name, values in worn.sums.items()}, worn.most)
-        )
         sums = worn.sums
+        found = {name: float(values.sum()) for name, values in sums.items()}
+        total, most = (divided(both, self._fractions) for both in (found, worn.most))
         of_cell = self._patches.domain.cell_area * self._patches.weight
         carried = total["pressure"] * of_cell
         residual = residual_of(carried, self._task.load, approach=sum(approach))

@@ -62,10 +62,7 @@ def removals_of(
     """
     sphere, disc = laws
     starts = itertools.accumulate(increments, initial=start)
-    return [
-        (sphere.removal(at, increment), disc.removal(at, increment))
-        for at, increment in zip(starts, increments, strict=False)
-    ]
+    return [(sphere.removal(*slid), disc.removal(*slid)) for slid in zip(starts, increments, strict=False)]
 
 
 def _of_decay(start: float, increment: float, length: float) -> float:

@@ -19,33 +19,13 @@ WHEN: tuple[Literal["initial"], Literal["end"]] = ("initial", "end")
 class FrictionLaw(Protocol):
     """The numbers that friction follows from; the section [friction] of a study has them."""
 
-    @property
-    def shear_strength(self) -> float | None:
-        """τ0 [MPa]; None where `coefficient` fixes it."""
-
-    @property
-    def coefficient(self) -> float:
-        """The measured coefficient that fixes τ0."""
-
-    @property
-    def calibrate(self) -> Literal["initial", "end"]:
-        """When that coefficient holds."""
-
-    @property
-    def ploughing(self) -> float:
-        """The part μ_p of the coefficient that does not shear."""
-
-    @property
-    def initial_ratio(self) -> float | None:
-        """τ at the start over τ0, where it runs in."""
-
-    @property
-    def running_in(self) -> float | None:
-        """The length L_τ [mm] of that."""
-
-    @property
-    def area(self) -> str:
-        """Which area shears: contact, touched, cumulative or nominal."""
+    shear_strength: float | None  # τ0 [MPa]; None where `coefficient` fixes it
+    coefficient: float  # the measured one that fixes τ0
+    calibrate: Literal["end", "initial"]  # when that coefficient holds
+    ploughing: float  # the part μ_p of the coefficient that does not shear
+    initial_ratio: float | None  # τ at the start over τ0, where it runs in
+    running_in: float | None  # the length L_τ of that [mm]
+    area: Literal["contact", "touched", "cumulative", "nominal"]  # which area shears
 
 
 def shear_strength(

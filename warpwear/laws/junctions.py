@@ -24,11 +24,8 @@ def critical_junction(
     γ G / σ_j² times a factor of shape; for the comparison of energies Pham-Ba, Brink, Molinari (arXiv
     1907.08183, 2019) and Pham-Ba, Molinari (Tribology Letters, 2021, doi 10.1007/s11249-021-01471-5).
     """
-    for name, value in (
-        ("surface energy", surface_energy),
-        ("shear modulus", shear_modulus),
-        ("strength", strength),
-    ):
+    positive = {"surface energy": surface_energy, "shear modulus": shear_modulus, "strength": strength}
+    for name, value in positive.items():
         if not (value > 0.0 and math.isfinite(value)):
             raise ValueError(f"the {name} of a junction is {value:g}; it must be positive and finite")
     if not 0.0 <= poisson <= 0.5:

@@ -20,9 +20,8 @@ class ContactTask:
     implicit: bool = True  # whether the wear of a step adds to its compliance
     rigid: bool = False  # whether there is no compliance at all: a bearing area
     load_tolerance: float = 0.0  # that a bearing area may leave unbalanced [N]
-    distance_factor: Literal["none", "across", "radial"] = (
-        "none"  # of the disc's cells, see `archard.distance_factor`
-    )
+    #: Of the disc's cells, see `archard.distance_factor`.
+    distance_factor: Literal["none", "across", "radial"] = "none"
     keeps_dents: bool = False  # whether a disc cell at the hardness stays as deep as it was pressed
     bulk_stiffness: float | str = math.inf  # K_N of the macro contact [N/mm³], or what it follows from
     bulk_updated: bool = False  # whether it follows the contact as it grows

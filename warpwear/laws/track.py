@@ -11,6 +11,7 @@ revolution, whose length is rounded to whole steps: the rounding goes into the f
 A disc at rest is a track of no cells, on which the sphere stays where it is.
 """
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -22,6 +23,11 @@ from warpwear.grid import FloatArray, Grid
 
 #: Largest error of a length that should be a whole number of cells, relative.
 WHOLE = 1.0e-6
+
+
+def is_whole(number: float) -> bool:
+    """Tell whether a number of cells, steps or waves is 1 or more, and whole but for rounding."""
+    return abs(number - round(number)) <= WHOLE * number and round(number) >= 1
 
 
 @dataclass(frozen=True)
@@ -111,13 +117,11 @@ class Track:
             yield 0.0, 0.0
             return
         per_cell = self.stroke / self.cells
-        done, step = 0.0, 0
-        while True:
-            number, segment = divmod(step, self.steps_of_pass)
-            cells = self._covered(step)[1]
-            slid = min((segment + 1) * self.shift, self.cells)
-            if self.reverses and number % 2:  # the short step is the first on the way back
-                slid = self.cells - (self.steps_of_pass - 1 - segment) * self.shift
+        done = 0.0
+        for step in itertools.count():
+            number = step // self.steps_of_pass
+            start, cells = self._covered(step)
+            slid = self.cells - start if self.reverses and number % 2 else start + cells
             # Counted from the start, not added up: passes end where they should.
             end = (number + slid / self.cells) * self.stroke
             increment = cells * per_cell
@@ -126,7 +130,7 @@ class Track:
                 yield (increment if abs(left - increment) <= WHOLE * increment else left), distance
                 return
             yield increment, end
-            done, step = end, step + 1
+            done = end
 
     def steps(self, distance: float) -> float:
         """Return the number of steps, about, that a distance [mm] takes."""

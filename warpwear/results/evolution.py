@@ -43,13 +43,8 @@ def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
         islands = island_areas(result, snapshot)
         # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
         one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area
-        rows.append(
-            {
-                "distance": snapshot.distance,
-                **_roughness_in_scar(result, snapshot),
-                **_count_islands(islands, one_cell),
-            }
-        )
+        row = {"distance": snapshot.distance} | _roughness_in_scar(result, snapshot)
+        rows.append(row | _count_islands(islands, one_cell))
         areas.append(islands)
     table = {column.name: np.array([row[column.name] for row in rows]) for column in EVOLUTION}
     return SurfaceEvolution(table, tuple(areas))

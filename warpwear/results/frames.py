@@ -43,12 +43,9 @@ def to_xarray(result: ResultFile) -> Any:
         tables = {table.name: table for table in PATCH_TABLES}
         data |= {name: _described(tables, name, ("step", "patch"), getattr(result, name)) for name in tables}
         places = np.meshgrid(result.macro_x, result.macro_y, indexing="ij")
+        about_places = {"units": "mm", "long_name": "centre of the patch"}
         for name, centres in zip(("patch_x", "patch_y"), places, strict=True):
-            coordinates[name] = (
-                "patch",
-                centres.ravel(),
-                {"units": "mm", "long_name": "centre of the patch"},
-            )
+            coordinates[name] = ("patch", centres.ravel(), about_places)
     snapshots = list(result.snapshots)
     if snapshots:
         axes = {"distance": result.snapshot_distances, "x": result.x, "y": result.y}

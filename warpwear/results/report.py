@@ -114,13 +114,8 @@ def table(groups: Sequence[Sequence[Row]]) -> list[str]:
 def aligned(cells: Sequence[Sequence[str]]) -> list[str]:
     """Write the lines of a table: the first column begins at the left, the others end at the right."""
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    return [
-        "  ".join(
-            cell.rjust(width) if column else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
-        ).rstrip()
-        for line in cells
-    ]
+    form = "  ".join(f"{{:{'>' if column else '<'}{width}}}" for column, width in enumerate(widths))
+    return [form.format(*line).rstrip() for line in cells]
 
 
 def shown(value: Any, digits: int = 4) -> str:

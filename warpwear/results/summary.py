@@ -18,7 +18,7 @@ OF_A_PASS = ("approach", "area_contact", "area_plastic", "pressure_mean", "press
 WHOLE = 0.9
 
 
-def summarise(result: "ResultFile") -> dict[str, Any]:
+def summarise(result: ResultFile) -> dict[str, Any]:
     """Scar, depths, volumes, areas, friction, residuals, conservation, assumptions. JSON-ready.
 
     What goes up and down along a track (approach, cof, areas in contact and at hardness, pressures) is of the
@@ -31,14 +31,12 @@ def summarise(result: "ResultFile") -> dict[str, Any]:
     end["pressure_max"] = float(history["pressure_max"][friction.within(history, "end", study.lap)].max())
     sphere, disc = study.wear_coefficients
     load = study.contact.load
+    asked = disc * load * end["distance"]
+    stiffness = study.bulk_stiffness() if study.uses_bulk_stiffness else study.contact_law().stiffness
     return {
         "name": study.study.name,
         "model": study.study.model,
-        **{
-            k: v.item() if isinstance(v, np.generic) else v
-            for k, v in result.attributes.items()
-            if k != "record"
-        },
+        **{name: np.asarray(value).item() for name, value in result.attributes.items() if name != "record"},
         "steps": int(history["distance"].size),
         "cell_um": 1.0e3 * study.grid.cell,
         "distance_mm": end["distance"],
@@ -71,9 +69,7 @@ def summarise(result: "ResultFile") -> dict[str, Any]:
             study.friction, history, load=load, hardness=study.hardness, lap=study.lap
         ),
         "hertz": _elastic(study),
-        "foundation_N_per_mm3": _finite(
-            study.bulk_stiffness() if study.uses_bulk_stiffness else study.contact_law().stiffness
-        ),
+        "foundation_N_per_mm3": _finite(stiffness),
         "half_space": _half_space(result),
         "patches": _patches(result),
         "junctions": {
@@ -88,14 +84,14 @@ def summarise(result: "ResultFile") -> dict[str, Any]:
             body: _relative(end[f"wear_volume_{body}"], end[f"archard_volume_{body}"])
             for body in ("sphere", "disc")
         },
-        "disc_volume_over_KFL": _ratio(end["wear_volume_disc"], disc * load * end["distance"]),
+        "disc_volume_over_KFL": end["wear_volume_disc"] / asked if asked else None,
         **({"track": _track(result)} if study.is_swept else {}),
         **result.record,
         "assumptions": render.assumptions(study),
     }
 
 
-def _track(result: "ResultFile") -> dict[str, Any]:
+def _track(result: ResultFile) -> dict[str, Any]:
     """Groove, passes and what was displaced, of a swept run."""
     study, history, track = result.study, result.history, result.study.track
     areas = history["area_contact"]
@@ -146,13 +142,11 @@ def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float
     return {"exponent_m": exponent, "levelling_lambda": secant(0.5, 1.0) / early if early else math.nan}
 
 
-def course(result: "ResultFile", name: str) -> tuple[FloatArray, FloatArray]:
+def course(result: ResultFile, name: str) -> tuple[FloatArray, FloatArray]:
     """Distance [mm] and values of a column: of a swept run the means of its whole passes, whose ends differ
     from their middles, at the middles."""
     history, stroke = result.history, result.study.lap
-    if stroke is None:
-        return history["distance"], history[name]
-    if history["distance"][-1] == 0.0:  # a static contact
+    if stroke is None or history["distance"][-1] == 0.0:  # at rest, or a static contact
         return history["distance"], history[name]
     passes = by_pass(result, name)
     slid = passes["distance"]
@@ -174,7 +168,7 @@ def _shape(distance: FloatArray, values: FloatArray) -> dict[str, float] | None:
     return {k: v for k, v in found.items() if math.isfinite(v)}
 
 
-def _elastic(study: "Study") -> dict[str, float] | None:
+def _elastic(study: Study) -> dict[str, float] | None:
     """Hertz's contact of the same bodies before wear, if their elastic constants are known."""
     hertz = study.hertz
     if hertz is None:
@@ -188,7 +182,7 @@ def _elastic(study: "Study") -> dict[str, float] | None:
     }
 
 
-def _patches(result: "ResultFile") -> dict[str, Any] | None:
+def _patches(result: ResultFile) -> dict[str, Any] | None:
     """What the patches of a two-scale run are; None for another."""
     study = result.study
     if study.study.model != "two-scale":
@@ -206,7 +200,7 @@ def _patches(result: "ResultFile") -> dict[str, Any] | None:
     }
 
 
-def _half_space(result: "ResultFile") -> dict[str, Any] | None:
+def _half_space(result: ResultFile) -> dict[str, Any] | None:
     """What contacts of half-spaces were solved with; None for another law."""
     study = result.study
     if study.contact.law != "half-space":
@@ -220,10 +214,6 @@ def _half_space(result: "ResultFile") -> dict[str, Any] | None:
 
 def _relative(value: float, expected: float) -> float:
     return (value - expected) / expected if expected else value
-
-
-def _ratio(value: float, expected: float) -> float | None:
-    return value / expected if expected else None
 
 
 def _finite(value: float) -> float | None:

@@ -16,18 +16,14 @@ def _contact(s: dict[str, Any]) -> list[Row]:
     """Declare scar, areas, pressures and wear. s: the summary."""
     of_pass, of_steps = ("(mean of the last pass), ", ", of the last pass") if "track" in s else (", ", "")
     nominal = f"{of_pass}{s['area_real_over_nominal']:.3g} of the nominal area (the scar as an ellipse)"
-    areas, pressures = s["area_mm2"], s["pressure_MPa"]
+    areas = s["area_mm2"]
+    pressures = {"mean": s["pressure_MPa"]["mean"], "largest": s["pressure_MPa"]["max"]}
     names = {"at hardness": "plastic", "ever touched": "touched", "running sum": "cumulative"}
     return [
         Row("scar", "scar_mm", list(s["scar_mm"].values()), note="(along × across)"),
         Row("area in contact", "area_mm2", areas["contact"], note=nominal),
         Row("other areas", "area_mm2", {name: areas[key] for name, key in names.items()}),
-        Row(
-            "pressure",
-            "pressure_MPa",
-            {"mean": pressures["mean"], "largest": pressures["max"]},
-            note=of_steps,
-        ),
+        Row("pressure", "pressure_MPa", pressures, note=of_steps),
         Row("deepest wear", "depth_um", s["depth_um"]),
         Row("worn volume", "volume_mm3", s["volume_mm3"], digits=5),
     ]
@@ -39,29 +35,30 @@ def _models(s: dict[str, Any]) -> list[Row]:
     if "track" in s:
         track = s["track"]
         areas = Row("", "", track["area_contact_mm2_of_passes"], unit="mm²")
+        depth = track.get("groove", {}).get("mean_depth_um")
         rows += [
             Row("passes", "", track["passes"], note=f", area in contact {areas.text}"),
-            Row(
-                "groove", "mean_depth_um", track.get("groove", {}).get("mean_depth_um"), digits=3, note="deep"
-            ),
+            Row("groove", "mean_depth_um", depth, digits=3, note="deep"),
             Row("displaced", "plastic_volume_mm3", track["plastic_volume_mm3"]),
         ]
     if half_space := s["half_space"]:
-        transforms = (
-            f"{half_space['transforms']['median']:g} pairs of Fourier transforms a step in the median"
-        )
+        transforms = half_space["transforms"]["median"]
         modulus = 1e-3 * half_space["effective_modulus_MPa"]
-        told = f", {half_space['boundary']}; {transforms}"
+        told = f", {half_space['boundary']}; {transforms:g} pairs of Fourier transforms a step in the median"
         rows.append(Row("half-space", "", [Row("E*", "", modulus, unit="GPa")], note=told))
     patches = s["patches"]
     if patches:
         rows += _patches(patches, of_half_space=half_space is not None)
     if s["model"] == "macro" or (patches and patches["bulk"] == "spring"):
-        rows.append(
-            Row("foundation", "foundation_N_per_mm3", s["foundation_N_per_mm3"], note="to begin with")
-        )
+        stiffness = s["foundation_N_per_mm3"]
+        rows.append(Row("foundation", "foundation_N_per_mm3", stiffness, note="to begin with"))
         if hertz := s["hertz"]:
-            rows.append(Row("Hertz, unworn", "", _hertz(hertz)))
+            of_unworn = [
+                Row("radius", "radius_um", hertz["radius_um"], digits=3),
+                Row("peak", "peak_pressure_MPa", hertz["peak_pressure_MPa"]),
+                Row("approach", "approach_um", hertz["approach_um"], digits=3),
+            ]
+            rows.append(Row("Hertz, unworn", "", of_unworn))
     return rows
 
 
@@ -74,15 +71,6 @@ def _patches(patches: dict[str, Any], *, of_half_space: bool) -> list[Row]:
     iterations = "" if of_half_space else f"; {p['evaluations']['median']:g} iterations in the median"
     cells = f"in macro cells of {p['macro_cell_um']:g} µm ({covered} of the area)"
     return [Row("patches", "", f"{p['number']} of {p['width_um']:g} µm {cells}, {shared}{iterations}")]
-
-
-def _hertz(hertz: dict[str, Any]) -> list[Row]:
-    """Declare the contact of the same bodies, smooth and unworn."""
-    return [
-        Row("radius", "radius_um", hertz["radius_um"], digits=3),
-        Row("peak", "peak_pressure_MPa", hertz["peak_pressure_MPa"]),
-        Row("approach", "approach_um", hertz["approach_um"], digits=3),
-    ]
 
 
 def _friction(s: dict[str, Any]) -> list[Row]:

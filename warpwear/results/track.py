@@ -128,17 +128,13 @@ def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
     half = 0.5 * MIDDLE * float(result.history["patch_across"][-1])
     columns = np.flatnonzero(np.abs(result.y) <= half)
     unworn = result.track_heights(part)[:, columns]
-    stroke = result.study.track.stroke
-    table: dict[str, list[float]] = {name: [] for name in ("passes", *LENGTHS)}
-    for index in range(-1, result.snapshot_distances.size):
-        heights = unworn
-        if index >= 0:
-            heights = unworn - np.add(*result.track_loss(index, part))[:, columns]
-        table["passes"].append(float(result.snapshot_distances[index]) / stroke if index >= 0 else 0.0)
-        found = roughness_without_form(heights, np.ones(heights.shape, dtype=bool))
-        for name in LENGTHS:
-            table[name].append(found[name])
-    return {name: np.array(values) for name, values in table.items()}
+    everywhere = np.ones(unworn.shape, dtype=bool)
+    found = [roughness_without_form(unworn, everywhere)]
+    for index in range(result.snapshot_distances.size):
+        worn = unworn - np.add(*result.track_loss(index, part))[:, columns]
+        found.append(roughness_without_form(worn, everywhere))
+    passes = np.append(0.0, result.snapshot_distances) / result.study.track.stroke
+    return {"passes": passes} | {name: np.array([row[name] for row in found]) for name in LENGTHS}
 
 
 def pass_numbers(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":

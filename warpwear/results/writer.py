@@ -29,7 +29,6 @@ SPACE_FOR_THE_REST = 2 * 2**20
 CHUNK = 256
 #: Errors of a file system that cannot set room aside.
 NO_PREALLOCATION = (errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL, errno.EPERM)
-TABLE: dict[str, Any] = {"compression": "gzip", "shuffle": True, "chunks": True}
 
 
 class ResultWriter:
@@ -60,10 +59,7 @@ class ResultWriter:
             group.attrs["row"] = snapshot.row
         for name, values in snapshot.fields.items():
             chunks = tuple(min(CHUNK, n) for n in values.shape)
-            dataset = group.create_dataset(
-                name, data=values, chunks=chunks, compression="gzip", compression_opts=1, shuffle=True
-            )
-            _describe(dataset, FIELDS[name])
+            _add(group, FIELDS[name], values, chunks=chunks, compression_opts=1)
 
     def add_track(self, x: FloatArray, heights: FloatArray) -> None:
         """Keep the disc of a swept run: places of its rows [mm], heights before any wear [mm]."""
@@ -106,8 +102,7 @@ class ResultWriter:
         self._require_space(sum(values.nbytes for values in history.values()))
         group = self._file.create_group("history")
         for column in columns_of(self._study):
-            dataset = group.create_dataset(column.name, data=history[column.name], **TABLE)
-            _describe(dataset, column)
+            _add(group, column, history[column.name])
         group["distance"].make_scale("distance")
         for name in group.keys() - {"distance"}:
             _label(group[name], group, "distance")
@@ -125,12 +120,11 @@ class ResultWriter:
     def _add_patches(self, book: PatchBook) -> None:
         """Keep what each patch did, and where the macro cells lie."""
         self._add_axis(f"history/{PATCH}", np.arange(book.patches.count), units="1")
+        history = self._file["history"]
         for quantity in PATCH_TABLES:
             table = book.table(quantity.name)
             self._require_space(table.nbytes)
-            dataset = self._file.create_dataset(f"history/{quantity.name}", data=table, **TABLE)
-            _describe(dataset, quantity)
-            _label(dataset, self._file["history"], "distance", PATCH)
+            _label(_add(history, quantity, table), history, "distance", PATCH)
         for name, centres in zip(("x", "y"), book.patches.centres, strict=True):
             self._file.create_dataset(f"macro/{name}", data=centres).attrs["units"] = "mm"
 
@@ -148,10 +142,19 @@ class ResultWriter:
             require_free_space(path.parent, nbytes + SPACE_FOR_THE_REST, offset=path.stat().st_size)
 
 
-def _describe(dataset: h5py.Dataset, quantity: Quantity) -> None:
-    """Give a dataset the unit and the meaning of its quantity, under the names that xarray plots by."""
-    dataset.attrs["units"] = quantity.units
-    dataset.attrs["long_name"] = quantity.meaning
+def _add(
+    group: h5py.Group,
+    quantity: Quantity,
+    values: FloatArray,
+    *,
+    chunks: tuple[int, ...] | bool = True,
+    compression_opts: int | None = None,
+) -> h5py.Dataset:
+    """Keep a quantity, compressed, with its unit and meaning under the names that xarray plots by."""
+    how = {"chunks": chunks, "compression": "gzip", "compression_opts": compression_opts, "shuffle": True}
+    dataset = group.create_dataset(quantity.name, data=values, **how)
+    dataset.attrs.update(units=quantity.units, long_name=quantity.meaning)
+    return dataset
 
 
 def _label(dataset: h5py.Dataset, scales: h5py.Group, *names: str) -> None:

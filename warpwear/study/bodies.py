@@ -1,41 +1,28 @@
 """[sphere] and [disc]: the bodies, what they are made of, and the disc's surface."""
 
 from functools import partial
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field
 
-from warpwear.study.keys import (
-    Angle,
-    Deviations,
-    HurstExponent,
-    Length,
-    LengthOrInfinite,
-    LengthOrZero,
-    PoissonRatio,
-    Pressure,
-    Section,
-    key,
-    when,
-)
+from warpwear.study.keys import Length, LengthOrZero, Pressure, Section, key, when
 from warpwear.study.materials import material
-from warpwear.study.units import is_pair, is_quantity, one_by_one
+from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
 
 ROUGH = when("is_rough", otherwise="does not apply to the macro model, which has a smooth disc")
 FROM_A_FILE = when("disc.synthetic", None, otherwise="does not apply to a synthetic surface")
 RANDOM = when("disc.synthetic.kind", "self-affine", "milled", otherwise="does not apply to kind = '{}'")
 MILLED = when("disc.synthetic.kind", "milled", otherwise="does not apply to kind = '{}'")
 random_key, milled_key = partial(key, applies=RANDOM), partial(key, applies=MILLED)
-file_key = partial(key, applies=(ROUGH, FROM_A_FILE))
+file_key = partial(key, applies=ROUGH + FROM_A_FILE)
 
 
 class Body(Section):
     material: Annotated[str, AfterValidator(lambda name: material(name).name)] | None = key(
-        None,
-        "name of a known material (see 'warpwear materials'), for constants that are not given",
+        None, "name of a known material (see 'warpwear materials'), for constants that are not given"
     )
     young: Pressure | None = key(None, "Young's modulus")
-    poisson: PoissonRatio | None = key(None, "Poisson's ratio")
+    poisson: Annotated[float, Number(Range(or_equal=True, most=0.5))] | None = key(None, "Poisson's ratio")
     hardness: Pressure | None = key(None, "indentation hardness")
 
     @property
@@ -47,14 +34,14 @@ class Body(Section):
 class Sphere(Body):
     """[sphere]"""
 
-    radius: LengthOrInfinite | None = key(None, "radius; 'inf mm' is a rigid flat", one_of="size")
+    radius: Annotated[float, Quantity("mm", Range(infinite=True))] | None = key(
+        None, "radius; 'inf mm' is a rigid flat", one_of="size"
+    )
     diameter: Length | None = key(None, "diameter, instead of the radius", one_of="size")
 
-    @model_validator(mode="after")
-    def _one_size(self) -> Self:
+    def _check(self) -> None:
         if (self.radius is None) == (self.diameter is None):
             raise ValueError("sphere.radius or sphere.diameter must be given, and not both")
-        return self
 
     @property
     def curvature(self) -> float:
@@ -71,7 +58,9 @@ class Synthetic(Section):
     kind: Literal["self-affine", "milled", "flat"] = key(..., "which surface")
     ra: Length | None = random_key(None, "arithmetic mean height Ra", one_of="height")
     sq: Length | None = random_key(None, "root mean square height Sq, instead of Ra", one_of="height")
-    hurst: HurstExponent = random_key(0.8, "Hurst exponent", assumed="typical of machined steel")
+    hurst: Annotated[float, Number(Range(most=1.0))] = random_key(
+        0.8, "Hurst exponent", assumed="typical of machined steel"
+    )
     roll_off: Length = random_key(
         "100 um", "wavelength above which the spectrum is flat", assumed="not measured"
     )
@@ -84,17 +73,13 @@ class Synthetic(Section):
     fine_ra: LengthOrZero = milled_key(
         "0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra"
     )
-    lay: Angle = milled_key(
+    lay: Annotated[float, Quantity("deg", Range(least=-360.0, or_equal=True, most=360.0))] = milled_key(
         "90 deg", "milled: angle between feed marks and sliding", assumed="sliding across the marks"
     )
 
-    @model_validator(mode="after")
-    def _one_height(self) -> Self:
-        if self.kind == "flat":
-            return self
-        if (self.ra is None) == (self.sq is None):
+    def _check(self) -> None:
+        if self.kind != "flat" and (self.ra is None) == (self.sq is None):
             raise ValueError("disc.synthetic.ra or disc.synthetic.sq must be given, and not both")
-        return self
 
 
 def _pixel(value: Any) -> Any:
@@ -124,7 +109,7 @@ class Disc(Body):
         None, "part of the file used: x0, x1, y0, y1 from its corner, or a size around its middle"
     )
     sliding_axis: Literal["x", "y"] = file_key("x", "axis of the file along which the sphere slides")
-    outliers: Deviations | None = file_key(
+    outliers: Annotated[float, Number(Range(least=3.0, or_equal=True))] | None = file_key(
         None, "points farther than so many robust standard deviations from the local median are removed"
     )
     level: Literal["none", "plane", "sphere"] | Annotated[int, Field(ge=0, le=12)] = file_key(
@@ -144,8 +129,6 @@ class Disc(Body):
     )
     array: str | None = file_key(None, "which array of a .npz that holds several")
 
-    @model_validator(mode="after")
-    def _one_surface(self) -> Self:
+    def _check(self) -> None:
         if self.surface is not None and self.synthetic is not None:
             raise ValueError("disc.surface (a file) and [disc.synthetic] exclude each other")
-        return self

@@ -5,31 +5,15 @@ from functools import partial
 from numbers import Real
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import PlainSerializer, PlainValidator, model_validator
+from pydantic import PlainSerializer, PlainValidator
 
 from warpwear.laws.elastic import MATCHES
-from warpwear.study.keys import (
-    Force,
-    FrictionCoefficient,
-    FrictionOffset,
-    Length,
-    PerLength,
-    Pressure,
-    PressureOrInfinite,
-    Ratio,
-    Section,
-    Stiffness,
-    SurfaceEnergy,
-    key,
-    when,
-)
-from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, parse, text
+from warpwear.study.keys import Length, Pressure, Section, key, when
+from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
 
 #: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
-BULK = (
-    when("study.model", "macro", "two-scale", otherwise="does not apply to the micro model"),
-    when("uses_bulk_stiffness", otherwise="does not apply to patches.bulk = 'none'"),
-)
+BULK = when("study.model", "macro", "two-scale", otherwise="does not apply to the micro model")
+BULK += when("uses_bulk_stiffness", otherwise="does not apply to patches.bulk = 'none'")
 ROUGH = when(
     "study.model",
     "micro",
@@ -50,8 +34,8 @@ running_in_key = partial(key, applies=when("wear.law", "running-in"))
 class Contact(Section):
     """[contact]"""
 
-    load: Force = key(..., "normal load")
-    hardness: PressureOrInfinite | None = key(
+    load: Annotated[float, Quantity("N")] = key(..., "normal load")
+    hardness: Annotated[float, Quantity("MPa", Range(infinite=True))] | None = key(
         None, "largest pressure of a cell; by default the softer body's, in the macro model none"
     )
     law: Literal["local", "half-space"] = key(
@@ -68,11 +52,11 @@ class Contact(Section):
         "two-scale model each patch",
         applies=when("contact.law", "half-space"),
     )
-    stiffness: Stiffness = key(
+    stiffness: Annotated[float, Quantity("N/mm^3", Range(infinite=True))] = key(
         "inf N/mm^3",
         "micro and two-scale model: local foundation stiffness k",
         assumed="asperities do not deform elastically",
-        applies=(ROUGH, LOCAL),
+        applies=ROUGH + LOCAL,
     )
     bulk_stiffness: Annotated[
         float | Literal["area", "pressure", "approach"], Quantity("N/mm^3", words=tuple(MATCHES))
@@ -132,7 +116,7 @@ class Wear(Section):
     law: Literal["archard", "exponential", "running-in", "bearing-curve"] = key(
         "archard", "depth = K × pressure × distance, K constant or by an empirical law of the distance slid"
     )
-    decay: PerLength | None = key(
+    decay: Annotated[float, Quantity("1/mm")] | None = key(
         None,
         "exponential: α of V = K F (1 − e^(−αL))/α, an empirical fit",
         applies=when("wear.law", "exponential"),
@@ -150,34 +134,33 @@ class Wear(Section):
         applies=AT_REST,
     )
 
-    @model_validator(mode="after")
-    def _law_has_its_keys(self) -> Self:
+    def _check(self) -> None:
         if self.law == "exponential" and self.decay is None:
             raise ValueError("wear.law = 'exponential' needs wear.decay, such as '0.1 1/m'")
         if self.law == "running-in" and self.running_in is None:
             raise ValueError("wear.law = 'running-in' needs wear.running_in, a length such as '100 mm'")
         if self.law == "running-in" and self.initial_sphere is None and self.initial_disc is None:
             raise ValueError("wear.law = 'running-in' needs wear.initial_sphere or wear.initial_disc")
-        return self
 
 
 class Friction(Section):
     """[friction]"""
 
     shear_strength: Pressure | None = key(None, "interfacial shear strength τ0", one_of="strength")
-    coefficient: FrictionCoefficient = fitted_key(
+    coefficient: Annotated[float, Number(Range(most=3.0))] = fitted_key(
         0.6, "measured coefficient that fixes τ0, instead", assumed="for want of a measured one"
     )
     calibrate: Literal["end", "initial"] = fitted_key("end", "when the measured coefficient holds")
-    ploughing: FrictionOffset = key(0.0, "part μ_p of the coefficient that does not shear")
-    initial_ratio: Ratio | None = key(
+    ploughing: Annotated[float, Number(Range(or_equal=True, most=3.0))] = key(
+        0.0, "part μ_p of the coefficient that does not shear"
+    )
+    initial_ratio: Annotated[float, Number(Range(or_equal=True, most=1000.0))] | None = key(
         None, "running-in: τ at the start over τ0, with τ0 (1 + (ratio − 1) e^(−L/L_τ)); an empirical fit"
     )
     running_in: Length | None = key(None, "running-in: L_τ of the shear strength")
     area: Literal["contact", "touched", "cumulative", "nominal"] = key("contact", "area that shears")
 
-    @model_validator(mode="after")
-    def _one_strength(self) -> Self:
+    def _check(self) -> None:
         measured = {"coefficient", "calibrate"} & self.model_fields_set
         if self.shear_strength is not None and measured:
             raise ValueError(f"friction.shear_strength and friction.{max(measured)} exclude each other")
@@ -188,13 +171,12 @@ class Friction(Section):
                 f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
                 f"{self.ploughing:g}"
             )
-        return self
 
 
 class Junctions(Section):
     """[junctions]"""
 
-    surface_energy: SurfaceEnergy | None = key(
+    surface_energy: Annotated[float, Quantity("N/mm")] | None = key(
         None, "surface energy γ, for the critical size of junctions (thesis eq 2.3) beside the islands' sizes"
     )
     strength: Pressure | None = key(

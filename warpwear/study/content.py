@@ -167,22 +167,20 @@ class Content(Section):
             surface_energy=energy, shear_modulus=shear_modulus, poisson=poisson, strength=strength
         )
 
-    def contact_law(self, *, radius: float | None = None) -> CappedFoundation:
-        """Return the law of a cell. radius: of the area in contact [mm], for a stiffness that follows it."""
-        macro = self.study.model == "macro"
-        stiffness = self.bulk_stiffness(radius=radius) if macro else self.contact.stiffness
+    def contact_law(self) -> CappedFoundation:
+        """Return the law of a cell before any wear."""
+        stiffness = self.bulk_stiffness() if self.study.model == "macro" else self.contact.stiffness
         if self.contact.law == "half-space":
             stiffness = math.inf  # what yields is the half-space
         return CappedFoundation(stiffness=stiffness, hardness=self.hardness)
 
-    def bulk_stiffness(self, *, radius: float | None = None) -> float:
-        """Return K_N [N/mm³] of both bodies' bulk. radius: of the contact [mm], for a K_N that follows it."""
+    def bulk_stiffness(self) -> float:
+        """Return K_N [N/mm³] of both bodies' bulk before any wear."""
         stiffness = self.contact.bulk_stiffness
-        if isinstance(stiffness, str):
-            assert self.hertz is not None  # checked with the study
-            follows = self.contact.bulk_update == "updated"
-            stiffness = self.hertz.foundation(stiffness, radius=radius if follows else None)
-        return stiffness
+        if not isinstance(stiffness, str):
+            return stiffness
+        assert self.hertz is not None  # checked with the study
+        return self.hertz.foundation(stiffness)
 
     @property
     def contact_task(self) -> ContactTask:

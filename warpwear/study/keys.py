@@ -13,33 +13,14 @@ from functools import cache
 from types import MappingProxyType
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
-from warpwear.study.units import NOT_NEGATIVE, POSITIVE_OR_INFINITE, Number, Quantity, Range
+from warpwear.study.units import NOT_NEGATIVE, Quantity
 
 Length = Annotated[float, Quantity("mm")]
 LengthOrZero = Annotated[float, Quantity("mm", NOT_NEGATIVE)]
-LengthOrInfinite = Annotated[float, Quantity("mm", POSITIVE_OR_INFINITE)]
-Force = Annotated[float, Quantity("N")]
 Pressure = Annotated[float, Quantity("MPa")]
-PressureOrInfinite = Annotated[float, Quantity("MPa", POSITIVE_OR_INFINITE)]
-Stiffness = Annotated[float, Quantity("N/mm^3", POSITIVE_OR_INFINITE)]
-Angle = Annotated[float, Quantity("deg", Range(least=-360.0, or_equal=True, most=360.0))]
-Time = Annotated[float, Quantity("s")]
-Interval = Annotated[float, Quantity("s", Range(or_equal=True, infinite=True))]
-Frequency = Annotated[float, Quantity("Hz")]
-Speed = Annotated[float, Quantity("mm/s")]
-PoissonRatio = Annotated[float, Number(Range(or_equal=True, most=0.5))]
-HurstExponent = Annotated[float, Number(Range(most=1.0))]
-Growth = Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))]
-Deviations = Annotated[float, Number(Range(least=3.0, or_equal=True))]
-FrictionCoefficient = Annotated[float, Number(Range(most=3.0))]
-Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
-FrictionOffset = Annotated[float, Number(Range(or_equal=True, most=3.0))]
-Ratio = Annotated[float, Number(Range(or_equal=True, most=1000.0))]
-PerLength = Annotated[float, Quantity("1/mm")]
-SurfaceEnergy = Annotated[float, Quantity("N/mm")]
 
 
 @dataclass(frozen=True)
@@ -58,23 +39,32 @@ class Rule:
         return None if value in self.values else self.otherwise.format(value)
 
 
-def when(name: str, *values: Any, otherwise: str | None = None) -> Rule:
+def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule, ...]:
     """Return the rule that a key is used where `name` has one of the values; without any, where it is true.
 
-    otherwise: what to say of the key elsewhere, by default "does not apply to NAME = 'VALUE'".
+    otherwise: what to say of the key elsewhere, by default "does not apply to NAME = 'VALUE'". Rules are
+    tuples, which add up.
     """
-    return Rule(name, values or (True,), otherwise or f"does not apply to {name} = '{{}}'")
+    return (Rule(name, values or (True,), otherwise or f"does not apply to {name} = '{{}}'"),)
 
 
 @dataclass(frozen=True)
 class Declared:
-    """A key declares this beside its type, default and meaning; see the arguments of `key`."""
+    """A key declares this beside its type, default and meaning."""
 
+    #: Why this default was chosen, where it is a physical assumption.
     assumed: str | None = None
+    #: When the key is used; the first rule that does not hold says why it is not. Those of a section hold for
+    #: its keys too.
     applies: tuple[Rule, ...] = ()
+    #: "THING" that keys of the section say in different ways; "THING: WAY" where some say it together.
     one_of: str | None = None
+    #: Dotted name before the key was renamed.
     formerly: str | None = None
+    #: Old and new name of a value.
     former_value: tuple[str, str] | None = None
+    #: What pydantic knows of the key; set by `declarations`.
+    field: FieldInfo | None = None
 
     def __call__(self, schema: dict[str, Any]) -> None:
         """Pydantic calls it with the key's JSON schema, to which it adds why the default was assumed."""
@@ -82,35 +72,26 @@ class Declared:
             schema["assumed"] = self.assumed
 
 
-def key(
-    default: Any = ...,
-    meaning: str = "",
-    *,
-    assumed: str | None = None,
-    applies: Rule | tuple[Rule, ...] = (),
-    one_of: str | None = None,
-    formerly: str | None = None,
-    former_value: tuple[str, str] | None = None,
-) -> Any:
-    """Declare a key of a section, with all that is known of it.
-
-    assumed: why this default was chosen, where it is a physical assumption. applies: when the key is used;
-    the first rule that does not hold says why it is not; those of a section hold for its keys too.
-    one_of: "THING" that keys of the section say in different ways; "THING: WAY" where some say it together.
-    formerly: dotted name before it was renamed. former_value: old and new name of a value.
-    """
-    rules = (applies,) if isinstance(applies, Rule) else applies
-    declared = Declared(assumed, rules, one_of, formerly, former_value)
-    return Field(default, description=meaning, json_schema_extra=declared)
+def key(default: Any = ..., meaning: str = "", **declared: Any) -> Any:
+    """Declare a key of a section, with all that is known of it. declared: see the fields of `Declared`."""
+    return Field(default, description=meaning, json_schema_extra=Declared(**declared))
 
 
 class Section(BaseModel):
-    """A section is frozen and takes no key that is not declared.
+    """A section is frozen and takes no key that is not declared; `_check` says whether its keys agree.
 
     Copies and pickles hold its keys alone: what a `cached_property` keeps would be stale in a changed copy.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+    @model_validator(mode="after")
+    def _checked(self) -> Self:
+        self._check()
+        return self
+
+    def _check(self) -> None:
+        """Refuse keys that do not go together: raises ValueError with one sentence."""
 
     def __getstate__(self) -> dict[Any, Any]:
         return super().__getstate__() | {"__dict__": self._keys_of(self)}
@@ -130,18 +111,13 @@ class Section(BaseModel):
         return {name: value for name, value in vars(section).items() if name in type(section).model_fields}
 
 
-def all_keys(model: type[BaseModel]) -> list[str]:
-    """Return the dotted names of all keys and sections."""
-    return list(declarations(model))
-
-
 def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
     """Return the sentence about a name that no key has, with one so called elsewhere or a near one beside.
 
     now: the name under the section's new name, where it was typed under an old one.
     """
     section, _, last = (now or name).rpartition(".")
-    parts = {key: key.rpartition(".") for key in all_keys(model)}
+    parts = {key: key.rpartition(".") for key in declarations(model)}
     siblings = {end: key for key, (above, _, end) in parts.items() if above == section}
     near = [key for key, (_, _, end) in parts.items() if end == last]
     near += [siblings[end] for end in get_close_matches(last, siblings, n=1)]
@@ -151,14 +127,8 @@ def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
 
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
     """Return the field of a dotted key; None where there is no such key."""
-    info = None
-    current: type[BaseModel] | None = model
-    for part in name.split("."):
-        if current is None or part not in current.model_fields:
-            return None
-        info = current.model_fields[part]
-        current = section_in(info.annotation)
-    return info
+    declared = declarations(model).get(name)
+    return declared.field if declared else None
 
 
 def section_in(annotation: Any) -> type[BaseModel] | None:
@@ -182,7 +152,8 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Decla
     found: dict[str, Declared] = {}
     for name, info in model.model_fields.items():
         extra = info.json_schema_extra
-        found[prefix + name] = declared = extra if isinstance(extra, Declared) else Declared()
+        declared = replace(extra if isinstance(extra, Declared) else Declared(), field=info)
+        found[prefix + name] = declared
         section = section_in(info.annotation)
         if section is not None:
             for below, of_key in declarations(section, f"{prefix}{name}.").items():
@@ -194,9 +165,9 @@ def inapplicable(study: BaseModel) -> dict[str, str]:
     """Map keys that nothing uses under the choices made to the end of a sentence that says why."""
     found = {}
     for name, declared in declarations(type(study)).items():
-        why = next((why for rule in declared.applies if (why := rule.why_not(study))), None)
-        if why is not None:
-            found[name] = why
+        reasons = [why for rule in declared.applies if (why := rule.why_not(study))]
+        if reasons:
+            found[name] = reasons[0]
     return found
 
 

@@ -41,7 +41,7 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
         raise InputError(f"{path} is not text, which a study is.") from error
     except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, endless nesting
         raise InputError(f"{path} is not TOML: {error}.") from error
-    surface = sections.get("disc", {}).get("surface") if isinstance(sections.get("disc"), dict) else None
+    surface = value_of(sections, "disc.surface")
     if isinstance(surface, str):
         sections["disc"]["surface"] = str(path.parent.resolve() / surface)
     return sections
@@ -57,35 +57,31 @@ CONSTANTS = ("young", "poisson", "hardness")
 MACRO_CELL = "10 um"
 
 
-def fill(sections: dict[str, Any]) -> tuple[dict[str, Any], set[str]]:
-    """Return the sections with what follows from them, and the dotted names of the keys that were filled in.
+def fill(sections: dict[str, Any]) -> set[str]:
+    """Fill sections, in place, with what follows from them; return the dotted names of the keys filled in.
 
     A value that cannot be understood is left to the validation of the study.
     """
-    filled = {name: dict(keys) if isinstance(keys, dict) else keys for name, keys in sections.items()}
     names: set[str] = set()
     for body in ("sphere", "disc"):
-        keys = filled.get(body)
+        keys = sections.get(body)
         if not isinstance(keys, dict) or not isinstance(keys.get("material"), str):
             continue
         try:
             known = material(keys["material"])
         except ValueError:
             continue
-        values = {
-            "young": text(known.young, "MPa"),
-            "poisson": known.poisson,
-            "hardness": text(known.hardness, "MPa"),
-        }
+        young, hardness = text(known.young, "MPa"), text(known.hardness, "MPa")
+        values = {"young": young, "poisson": known.poisson, "hardness": hardness}
         missing = {name: value for name, value in values.items() if keys.get(name) is None}
         keys.update(missing)
         names |= {f"{body}.{name}" for name in missing}
-    about, grid = filled.get("study"), filled.get("grid")
+    about, grid = sections.get("study"), sections.get("grid")
     macro = isinstance(about, dict) and about.get("model") == "macro"
     if macro and isinstance(grid, dict) and grid.get("cell") is None:
         grid["cell"] = MACRO_CELL
         names.add("grid.cell")
-    return filled, names
+    return names
 
 
 def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
@@ -102,14 +98,14 @@ def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[st
         if moved:
             if _is_given(found, new):
                 raise InputError(_given_twice(old, new))
-            _insert(found, new, _remove(found, old))
+            insert(found, new, _remove(found, old))
         if isinstance(reasons, dict) and old != new and old in reasons:
             reasons.setdefault(new, reasons.pop(old))
             moved = True
         value, now = declared.former_value or ("", "")
         given = value_of(found, new)
         if value and isinstance(given, str) and given == value:
-            _insert(found, new, now)
+            insert(found, new, now)
             notices.append(_renamed(f"{old if moved else new} = '{value}'", f"{new} = '{now}'"))
         elif moved:
             notices.append(_renamed(old, new))
@@ -130,7 +126,7 @@ def changes_with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], lis
     notices: list[str] = []
     for old, value in flat.items():
         nested: dict[str, Any] = {}
-        _insert(nested, old, value)
+        insert(nested, old, value)
         nested, more = with_new_names(nested)
         new = _former_names().get(old, old)
         if new in found or (new != old and new in flat):
@@ -161,7 +157,7 @@ def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
     for name, value in flat.items():
         for other in _dropped_by(name) - set(flat):
             _remove(nested, other)
-        _insert(nested, name, value)
+        insert(nested, name, value)
         assumed = nested.get("assumed")
         if not isinstance(assumed, dict):
             continue
@@ -178,7 +174,8 @@ def _dropped_by(name: str) -> set[str]:
     return alternatives_of(Content, name)
 
 
-def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
+def insert(nested: dict[str, Any], name: str, value: Any) -> None:
+    """Set a dotted key in nested sections. Raises InputError where a value stands for one of these."""
     *parents, last = name.split(".")
     for depth, parent in enumerate(parents):
         nested = nested.setdefault(parent, {})
@@ -187,17 +184,22 @@ def _insert(nested: dict[str, Any], name: str, value: Any) -> None:
     nested[last] = value
 
 
-def _is_given(nested: Any, name: str) -> bool:
-    parent, _, last = name.rpartition(".")
-    section = value_of(nested, parent) if parent else nested
-    return isinstance(section, dict) and last in section
+def _is_given(nested: dict[str, Any], name: str) -> bool:
+    section, last = _parent_of(nested, name)
+    return last in section
 
 
 def _remove(nested: dict[str, Any], name: str) -> Any:
     """Take a dotted key out and return its value; None where there is none."""
+    section, last = _parent_of(nested, name)
+    return section.pop(last, None)
+
+
+def _parent_of(nested: dict[str, Any], name: str) -> tuple[dict[str, Any], str]:
+    """Return the section that holds a dotted key, empty where there is none, and the key's name in it."""
     parent, _, last = name.rpartition(".")
     section = value_of(nested, parent) if parent else nested
-    return section.pop(last, None) if isinstance(section, dict) else None
+    return section if isinstance(section, dict) else {}, last
 
 
 #: Between a description and the keys changed since it was written.
@@ -207,10 +209,8 @@ NAMED = 4
 OTHERS = " and others"
 
 
-def is_described(key: str) -> bool:
-    """Tell whether a description speaks of a change of this key: not of names, checks, or what is written."""
-    section = key.partition(".")[0]
-    return key == "study.model" or section not in ("study", "checks", "output", "assumed")
+#: Sections of whose changes a description does not speak: names, checks, and what is written.
+NOT_DESCRIBED = ("study", "checks", "output", "assumed")
 
 
 def with_changes(description: str, changed: Sequence[str]) -> str:
@@ -218,7 +218,8 @@ def with_changes(description: str, changed: Sequence[str]) -> str:
     text, _, listed = description.partition(CHANGED)
     more = listed.endswith(OTHERS)
     known = [name for name in listed.removesuffix(OTHERS).split(", ") if name]
-    names = list(dict.fromkeys([*known, *changed]))
+    known += [n for n in changed if n == "study.model" or n.partition(".")[0] not in NOT_DESCRIBED]
+    names = list(dict.fromkeys(known))
     if not names:
         return description
     return f"{text}{CHANGED}{', '.join(names[:NAMED])}{OTHERS if more or len(names) > NAMED else ''}"

@@ -24,11 +24,6 @@ class Material:
     hardness: float  # indentation hardness: hardness number × 9.807 [MPa]
     sources: Mapping[str, str]  # young, poisson, hardness -> document; † where it could not be read
 
-    @property
-    def shear_modulus(self) -> float:
-        """Shear modulus G = E / (2 (1 + ν)) [MPa]."""
-        return self.young / (2.0 * (1.0 + self.poisson))
-
 
 def names() -> tuple[str, ...]:
     """Return the names of the materials, in the order of the table."""
@@ -66,15 +61,8 @@ def _table() -> tuple[tuple[Material, ...], Mapping[str, int]]:
     entries: list[Material] = []
     aliases: dict[str, int] = {}
     for place, row in enumerate(rows):
-        entries.append(
-            Material(
-                name=row["name"],
-                condition=row["condition"],
-                young=parse(row["young"], "MPa"),
-                poisson=row["poisson"],
-                hardness=parse(row["hardness"], "MPa"),
-                sources=MappingProxyType(row["sources"]),
-            )
-        )
-        aliases |= {_key(alias): place for alias in (row["name"], *row["aliases"])}
+        aliases |= {_key(alias): place for alias in (row["name"], *row.pop("aliases"))}
+        row |= {name: parse(row[name], "MPa") for name in ("young", "hardness")}
+        row["sources"] = MappingProxyType(row["sources"])
+        entries.append(Material(**row))
     return tuple(entries), MappingProxyType(aliases)

@@ -2,27 +2,17 @@
 
 import math
 from functools import partial
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from warpwear.study.keys import (
-    Frequency,
-    Growth,
-    Length,
-    LengthOrZero,
-    Section,
-    Speed,
-    Strokes,
-    Time,
-    key,
-    when,
-)
-from warpwear.study.units import Number, Quantity
+from warpwear.study.keys import Length, LengthOrZero, Section, key, when
+from warpwear.study.units import Number, Quantity, Range
 
 #: Most cells along a side: a million squared is more than any memory holds.
 MOST_CELLS = 1_000_000
 
+Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 
 SWEPT = when("sliding.kinematics", "swept")
 ON_A_CIRCLE = when(
@@ -38,7 +28,7 @@ FIXED = when("stepping.increment", None, otherwise="does not apply to a fixed st
 NO_COMPLIANCE = when(
     "uses_bearing_area", otherwise="does not apply: with compliance the balance holds to 1e-12"
 )
-growing_key = partial(key, applies=(STEPS, FIXED), one_of="plan: growing")
+growing_key = partial(key, applies=STEPS + FIXED, one_of="plan: growing")
 
 
 class GridSection(Section):
@@ -47,8 +37,7 @@ class GridSection(Section):
     cell: Length = key(..., "size of a cell; 10 um in the macro model, if not given")
     extent: Length = key(..., "side of the square domain")
 
-    @model_validator(mode="after")
-    def _whole_cells(self) -> Self:
+    def _check(self) -> None:
         cells = self.extent / self.cell
         if cells > MOST_CELLS:
             raise ValueError(
@@ -61,7 +50,6 @@ class GridSection(Section):
                 f"grid.extent = {self.extent:g} mm is not a whole number (4 or more) of cells of "
                 f"{1e3 * self.cell:g} µm; the nearest that is, is {near!r} mm"
             )
-        return self
 
 
 class Sliding(Section):
@@ -70,10 +58,12 @@ class Sliding(Section):
     distance: LengthOrZero | None = key(None, "total sliding distance; 0 is a static contact", one_of="total")
     passes: Strokes | None = key(None, "instead of distance: number of strokes", one_of="total")
     cycles: Strokes | None = key(None, "instead of distance: number of pairs of strokes", one_of="total")
-    duration: Time | None = key(
+    duration: Annotated[float, Quantity("s")] | None = key(
         None, "instead of distance, with frequency: time of the test", one_of="total: duration"
     )
-    frequency: Frequency | None = key(None, "cycles in a second", one_of="total: duration")
+    frequency: Annotated[float, Quantity("Hz")] | None = key(
+        None, "cycles in a second", one_of="total: duration"
+    )
     revolutions: Annotated[float, Number()] | None = key(
         None, "instead of distance: revolutions of a rotating disc", one_of="total"
     )
@@ -84,7 +74,7 @@ class Sliding(Section):
         applies=ON_A_CIRCLE,
         one_of="lap",
     )
-    speed: Speed | None = key(None, "sliding speed, for the time axis only")
+    speed: Annotated[float, Quantity("mm/s")] | None = key(None, "sliding speed, for the time axis only")
     kinematics: Literal["stationary", "swept"] = key(
         "stationary",
         "stationary: the same disc cells stay under the sphere; swept: it slides along a track on the disc",
@@ -104,20 +94,18 @@ class Sliding(Section):
         "forget",
         "swept: a disc cell at the hardness springs back, or keeps the depth it was pressed to",
         assumed="Archard's wear alone; 'keep' is the other end",
-        applies=(SWEPT, CAPPED),
+        applies=SWEPT + CAPPED,
     )
 
-    @model_validator(mode="after")
-    def _one_distance(self) -> Self:
+    def _check(self) -> None:
         ways = {
-            "sliding.distance": self.distance is not None,
-            "sliding.passes": self.passes is not None,
-            "sliding.cycles": self.cycles is not None,
-            "sliding.duration with sliding.frequency": self.duration is not None
-            or self.frequency is not None,
-            "sliding.revolutions": self.revolutions is not None,
+            "sliding.distance": self.distance,
+            "sliding.passes": self.passes,
+            "sliding.cycles": self.cycles,
+            "sliding.duration with sliding.frequency": self.duration or self.frequency,
+            "sliding.revolutions": self.revolutions,
         }
-        given = [way for way, is_given in ways.items() if is_given]
+        given = [way for way, value in ways.items() if value is not None]
         if len(given) != 1:
             found = " and ".join(given) if given else "none"
             raise ValueError(f"the sliding distance needs one of {', '.join(ways)}; given: {found}")
@@ -130,7 +118,6 @@ class Sliding(Section):
                 raise ValueError("sliding.revolutions needs sliding.track_radius, a length such as '5 mm'")
         elif self.distance is None and self.stroke is None:
             raise ValueError(f"{given[0]} needs sliding.stroke, a length such as '30 mm'")
-        return self
 
     @property
     def uses_track_radius(self) -> bool:
@@ -162,7 +149,7 @@ class Stepping(Section):
     scheme: Literal["explicit", "implicit"] = key("implicit", "pressure of the step's start, or of its end")
     increment: Length | None = key(None, "fixed sliding increment", applies=STEPS, one_of="plan")
     first: Length = growing_key("3 um", "growing increments: the first", assumed="nanometres of wear")
-    growth: Growth = growing_key(
+    growth: Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))] = growing_key(
         1.02, "ratio of an increment to the last", assumed="grow with the distance slid"
     )
     largest: Length = growing_key(
@@ -173,8 +160,7 @@ class Stepping(Section):
     )
     force: bool = key(False, "go on beyond the explicit stability limit")
 
-    @model_validator(mode="after")
-    def _one_plan(self) -> Self:
+    def _check(self) -> None:
         growing = {"first", "growth", "largest"} & self.model_fields_set
         if self.increment is not None and growing:
             raise ValueError(f"stepping.increment and stepping.{min(growing)} exclude each other")
@@ -182,7 +168,6 @@ class Stepping(Section):
             raise ValueError(
                 f"stepping.first = {self.first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
             )
-        return self
 
     @property
     def plan(self) -> tuple[float, float, float]:

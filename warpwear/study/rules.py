@@ -1,15 +1,15 @@
 """Rules that the sections of a study must keep together before anything is computed."""
 
 import math
+from collections.abc import Iterator
 
 from warpwear.laws.elastic import MATCHES
+from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_track
 from warpwear.study.content import Content
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
-#: Lengths whose relative difference is smaller are equal.
-SAME = 1.0e-6
 
 
 def check(study: Content) -> None:
@@ -55,26 +55,26 @@ def _model(study: Content) -> None:
 def _patches(study: Content) -> None:
     patches, cell = study.patches, study.grid.cell
     for name, length in (("macro_cell", patches.macro_cell), ("width", patches.patch_width)):
-        if not _whole(length / cell):
+        if not is_whole(length / cell):
             near = max(round(length / cell), 1) * cell
             raise ValueError(
                 f"patches.{name} = {1e3 * length:g} µm is not a whole number of cells of {1e3 * cell:g} µm; "
                 f"the nearest that is, is {1e3 * near:.6g} µm"
             )
     named = f"patches.macro_cell = {1e3 * patches.macro_cell:g} µm"
-    if patches.patch_width > patches.macro_cell * (1.0 + SAME):
+    if patches.patch_width > patches.macro_cell * (1.0 + WHOLE):
         raise ValueError(
             f"patches.width = {1e3 * patches.patch_width:g} µm is larger than {named}: patches would "
             "overlap; allowed are a smaller patches.width (by default the macro cell) and a larger "
             "patches.macro_cell"
         )
-    if patches.macro_cell > 0.5 * study.grid.extent * (1.0 + SAME):
+    if patches.macro_cell > 0.5 * study.grid.extent * (1.0 + WHOLE):
         raise ValueError(
             f"{named} is larger than the contact's domain allows: grid.extent = {study.grid.extent:g} mm "
             "must hold two macro cells or more"
         )
     cells = study.grid.extent / patches.macro_cell
-    if not _whole(cells):
+    if not is_whole(cells):
         raise ValueError(
             f"grid.extent = {study.grid.extent:g} mm is not a whole number of cells of {named}; the nearest "
             f"extent that is, is {round(cells) * patches.macro_cell:.9g} mm"
@@ -129,10 +129,6 @@ def _foundation(study: Content) -> None:
         )
 
 
-def _whole(number: float) -> bool:
-    return abs(number - round(number)) <= SAME * number and round(number) >= 1
-
-
 def _half_space(study: Content) -> None:
     if study.contact.law != "half-space":
         return
@@ -152,20 +148,16 @@ def _half_space(study: Content) -> None:
             "'none'"
         )
     if study.study.model == "two-scale":
-        _half_space_patches(study)
+        shared = study.patches.coupling == "approach"
+        if shared and study.boundary == "free" and study.patches.bulk == "spring":
+            raise ValueError(
+                "contact.boundary = 'free' of patches needs patches.bulk = 'none': a free patch contains the "
+                "displacement of its mean, which a bulk behind it would count twice"
+            )
     elif study.boundary == "periodic" and study.sphere.curvature != 0.0:
         raise ValueError(
             "contact.boundary = 'periodic' would repeat the sphere beside itself: allowed is 'free', or a "
             "flat, sphere.radius = 'inf mm'"
-        )
-
-
-def _half_space_patches(study: Content) -> None:
-    shared = study.patches.coupling == "approach"
-    if shared and study.boundary == "free" and study.patches.bulk == "spring":
-        raise ValueError(
-            "contact.boundary = 'free' of patches needs patches.bulk = 'none': a free patch contains the "
-            "displacement of its mean, which a bulk behind it would count twice"
         )
 
 
@@ -212,12 +204,11 @@ def _tolerance(study: Content) -> None:
         )
 
 
-def doubts(study: Content) -> list[str]:
-    """Return a sentence about each thing that is computed as asked for, but whose numbers mislead."""
-    found = []
+def doubts(study: Content) -> Iterator[str]:
+    """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     unstable = _unstable(study)
     if unstable is not None:
-        found.append(
+        yield (
             f"{unstable}: areas, pressures and friction scatter from step to step and mean nothing, though "
             "volumes and depths look right."
         )
@@ -225,18 +216,17 @@ def doubts(study: Content) -> list[str]:
         by_them = ["friction.area = 'nominal'"] if study.friction.area == "nominal" else []
         if study.uses_bulk_stiffness and study.contact.bulk_update == "updated":
             by_them.append("contact.bulk_update = 'updated'")
-        found.append(
+        yield (
             f"patches.width = {1e3 * study.patches.patch_width:g} µm stands for patches.macro_cell = "
             f"{1e3 * study.patches.macro_cell:g} µm: the scar's extents and its nominal area are those of "
             "what touched in patches, off by up to a macro cell on each side"
             f"{', and ' + ' and '.join(by_them) + ' with them' if by_them else ''}."
         )
     if study.wear.law == "bearing-curve":
-        found.append(
+        yield (
             "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
             "pressures are means over whole cells, and no hardness caps those of the share."
         )
-    return found
 
 
 def _stability(study: Content) -> None:
@@ -257,9 +247,8 @@ def _unstable(study: Content) -> str | None:
     limit = study.contact_law().stable_increment(sum(law.fastest for law in study.wear_laws))
     if min(study.stepping.plan[2], study.sliding.total) < limit:
         return None
-    name = "largest" if study.stepping.increment is None else "increment"
     return (
-        f"stepping.{name} = {study.stepping.plan[2]:g} mm is beyond the explicit stability limit "
+        f"stepping.{_largest(study)} = {study.stepping.plan[2]:g} mm is beyond the explicit stability limit "
         f"2/(k K) = {limit:.3g} mm"
     )
 
@@ -282,24 +271,24 @@ def too_small(study: Content) -> str | None:
 
 
 def _steps(study: Content) -> None:
+    total, (first, growth, largest) = study.sliding.total, study.stepping.plan
     if study.is_swept:
-        steps = study.track.steps(study.sliding.total)
-        if steps > MOST_STEPS:
-            raise ValueError(
-                f"sliding.distance = {study.sliding.total:g} mm takes {steps:.3g} steps by sliding.shift = "
-                f"{study.sliding.shift} cells; allowed are {MOST_STEPS:,}, so a larger sliding.shift or "
-                "grid.cell is needed"
-            )
-        return
-    first, growth, largest = study.stepping.plan
-    final = first if growth == 1.0 else largest
-    growing = math.log(largest / first) / math.log(growth) if growth > 1.0 else 0.0
-    # Growing steps cover first growth^n/(growth − 1); at most all of the distance is left for the largest.
-    covered = (largest - first) / (growth - 1.0) if growth > 1.0 else 0.0
-    steps = growing + max(0.0, study.sliding.total - covered) / final
+        steps = study.track.steps(total)
+        by, larger = f"sliding.shift = {study.sliding.shift} cells", "sliding.shift or grid.cell"
+    elif growth > 1.0:
+        # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.
+        covered = (largest - first) / (growth - 1.0)
+        steps = math.log(largest / first) / math.log(growth) + max(0.0, total - covered) / largest
+        by, larger = "this [stepping]", "stepping.largest"
+    else:
+        steps, by, larger = total / first, "this [stepping]", f"stepping.{_largest(study)}"
     if steps > MOST_STEPS:
-        name = "largest" if study.stepping.increment is None else "increment"
         raise ValueError(
-            f"sliding.distance = {study.sliding.total:g} mm takes {steps:.3g} steps by this [stepping]; "
-            f"allowed are {MOST_STEPS:,}, so a larger stepping.{name} is needed"
+            f"sliding.distance = {total:g} mm takes {steps:.3g} steps by {by}; allowed are {MOST_STEPS:,}, "
+            f"so a larger {larger} is needed"
         )
+
+
+def _largest(study: Content) -> str:
+    """Name the key that says how large a step may be."""
+    return "largest" if study.stepping.increment is None else "increment"

@@ -1,8 +1,9 @@
 """Rules of a study whose sphere slides over a track."""
 
 import math
+from collections.abc import Iterator
 
-from warpwear.laws.track import WHOLE
+from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study.content import Content
 
 
@@ -34,23 +35,20 @@ def check(study: Content) -> None:
         length = float(sliding.track)
         step = sliding.shift * cell
         steps = length / step
-        if abs(steps - round(steps)) > WHOLE * steps or round(steps) < 1:
+        if not is_whole(steps):
             least, most = math.ceil(extent / step * (1.0 - WHOLE)), math.floor(lap / step * (1.0 + WHOLE))
-            allowed = f"{min(max(round(steps), least), most) * step:.9g} mm"
+            near = min(max(round(steps), least), most) * step
+            allowed = f"the nearest allowed is {near:.9g} mm"
             raise ValueError(
                 f"sliding.track = {length:g} mm is not a whole number of steps of sliding.shift = "
                 f"{sliding.shift} cells, {1e3 * step:g} µm; "
-                + (
-                    f"the nearest allowed is {allowed}"
-                    if least <= most
-                    else "a smaller sliding.shift is needed"
-                )
+                f"{allowed if least <= most else 'a smaller sliding.shift is needed'}"
             )
         if length > lap * (1.0 + WHOLE):
             raise ValueError(
                 f"sliding.track = {length:g} mm is longer than {named}: allowed are shorter ones, or 'full'"
             )
-    elif sliding.track_radius is None and not _is_whole(lap / cell):
+    elif sliding.track_radius is None and not is_whole(lap / cell):
         near = round(lap / cell) * cell
         raise ValueError(
             f"sliding.stroke = {lap:g} mm is not a whole number of cells of {1e3 * cell:g} µm; the nearest "
@@ -115,31 +113,29 @@ def unstable(study: Content) -> str | None:
     )
 
 
-def doubts(study: Content) -> list[str]:
-    """Return a sentence about each thing that is computed as asked for, but whose numbers mislead."""
+def doubts(study: Content) -> Iterator[str]:
+    """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     if not study.is_swept:
-        return []
-    found = []
+        return
     sliding = study.sliding
     step = sliding.shift * study.grid.cell
     first = 2.0 * math.sqrt(study.contact.load / (math.pi * study.hardness))
     if step > first > 0.0:
-        found.append(
+        yield (
             f"sliding.shift = {sliding.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
             f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
         )
     radius = sliding.track_radius
     if radius is not None and radius < 2.0 * study.grid.extent:
-        found.append(
+        yield (
             f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
             "wide beside its radius."
         )
     if sliding.track != "full" and not _repeats(study, float(sliding.track)):
-        found.append(
+        yield (
             f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
             "seam where the lap closes."
         )
-    return found
 
 
 def _repeats(study: Content, length: float) -> bool:
@@ -149,11 +145,7 @@ def _repeats(study: Content, length: float) -> bool:
         return False
     if disc.kind == "flat":
         return True
-    closes = _is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
+    closes = is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
     if disc.kind == "milled":
-        closes = closes and _is_whole(length * abs(math.sin(math.radians(disc.lay))) / disc.feed)
+        closes = closes and is_whole(length * abs(math.sin(math.radians(disc.lay))) / disc.feed)
     return closes
-
-
-def _is_whole(number: float) -> bool:
-    return abs(number - round(number)) <= WHOLE * max(number, 1.0) and round(number) >= 1

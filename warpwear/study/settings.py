@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
-from warpwear.study.keys import Interval, Length, LengthOrZero, Section, key, when
-from warpwear.study.units import one_by_one
+from warpwear.study.keys import Length, LengthOrZero, Section, key, when
+from warpwear.study.units import Quantity, Range, one_by_one
 
 ONE_APPROACH = when(
     "patches.coupling",
@@ -77,7 +77,7 @@ class PatchesSection(Section):
 class Run(Section):
     """[run]"""
 
-    checkpoint: Interval = key(
+    checkpoint: Annotated[float, Quantity("s", Range(or_equal=True, infinite=True))] = key(
         "2 min", "time between checkpoints, from which a run is resumed; 0 s is after every step, inf s never"
     )
 

@@ -5,21 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import ValidationError, model_validator
+from pydantic import ValidationError
 
 from warpwear.errors import InputError
-from warpwear.study import rules, rules_track, text
+from warpwear.study import loading, rules, rules_track, text
 from warpwear.study.content import Content
 from warpwear.study.keys import unused_key_notices, value_of
-from warpwear.study.loading import (
-    change,
-    changes_with_new_names,
-    fill,
-    is_described,
-    read_sections,
-    with_changes,
-    with_new_names,
-)
 
 
 class Study(Content):
@@ -34,10 +25,10 @@ class Study(Content):
     _old_names: tuple[str, ...] = ()
 
     def __init__(self, **sections: Any) -> None:
-        sections, old_names = with_new_names(sections)
-        filled, names = fill(sections)
+        sections, old_names = loading.with_new_names(sections)
+        names = loading.fill(sections)
         try:
-            super().__init__(**filled)
+            super().__init__(**sections)
         except ValidationError as error:
             raise InputError(text.sentence(error, type(self))) from error
         for name in names:  # so that they are told from what was given
@@ -45,10 +36,8 @@ class Study(Content):
             getattr(self, section).model_fields_set.discard(key)
         self._old_names = tuple(old_names)
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
+    def _check(self) -> None:
         rules.check(self)
-        return self
 
     def __eq__(self, other: object) -> bool:
         """Two studies are equal where their resolved texts are: what they compute, assume and are called."""
@@ -83,7 +72,7 @@ class Study(Content):
     @classmethod
     def load(cls, path_or_preset: str | Path) -> Self:
         """Return the study in a TOML file or a run folder, or the preset of that name. Raises InputError."""
-        found = cls(**read_sections(path_or_preset))
+        found = cls(**loading.read_sections(path_or_preset))
         if Path(path_or_preset).is_dir():  # whose study.toml no person wrote
             found._old_names = ()
         return found
@@ -115,16 +104,14 @@ class Study(Content):
             if not isinstance(keys, Mapping):
                 raise InputError(f"{section} = {keys!r} is not a section; write {{'contact.load': '4 N'}}.")
             flat |= {f"{section}.{k}": v for k, v in keys.items()}
-        flat, old_names = changes_with_new_names(flat)
+        flat, old_names = loading.changes_with_new_names(flat)
         nested = self.model_dump(exclude_unset=True)
-        change(nested, flat)
+        loading.change(nested, flat)
         found = type(self)(**nested)
         found._old_names = tuple(dict.fromkeys([*self._old_names, *old_names]))
         if not self.study.description or "study.description" in flat:
             return found
         before, after = self.model_dump(), found.model_dump()
-        changed = [
-            name for name in flat if is_described(name) and value_of(before, name) != value_of(after, name)
-        ]
-        description = with_changes(self.study.description, changed)
+        changed = [name for name in flat if value_of(before, name) != value_of(after, name)]
+        description = loading.with_changes(self.study.description, changed)
         return found.model_copy(update={"study": found.study.model_copy(update={"description": description})})

@@ -67,14 +67,8 @@ def surface_of(disc: Disc) -> Surface:
     made = disc.synthetic
     if made is None:
         preparation = Preparation(**{field.name: getattr(disc, field.name) for field in fields(Preparation)})
-        return read_measured(
-            str(disc.surface),
-            preparation,
-            extend=disc.extend,
-            pixel=disc.pixel,
-            height_unit=disc.height_unit,
-            array=disc.array,
-        )
+        how = {name: getattr(disc, name) for name in ("extend", "pixel", "height_unit", "array")}
+        return read_measured(str(disc.surface), preparation, **how)
     if made.kind == "flat":
         return Flat()
     kind = SelfAffine if made.kind == "self-affine" else Milled

@@ -9,16 +9,8 @@ import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from warpwear.study.content import Content
-from warpwear.study.keys import (
-    Declared,
-    declarations,
-    given_keys,
-    inapplicable,
-    key_of,
-    no_such_key,
-    section_in,
-)
-from warpwear.study.loading import CONSTANTS
+from warpwear.study.keys import declarations, given_keys, inapplicable, key_of, no_such_key, section_in
+from warpwear.study.loading import CONSTANTS, insert
 from warpwear.study.materials import material
 from warpwear.study.units import is_quantity
 
@@ -31,13 +23,8 @@ def to_toml(study: Content) -> str:
     nested: dict[str, Any] = {}
     left_open = study.resolved
     for name, value in _applicable(study):
-        if name in left_open:
-            continue
-        *parents, key = name.split(".")
-        section = nested
-        for parent in parents:
-            section = section.setdefault(parent, {})
-        section[key] = str(Path(value).absolute()) if name == "disc.surface" else value
+        if name not in left_open:
+            insert(nested, name, str(Path(value).absolute()) if name == "disc.surface" else value)
     assumed = assumptions(study)  # of defaults too, which look like given values in this text
     return tomli_w.dumps(nested | ({"assumed": assumed} if assumed else {}))
 
@@ -67,13 +54,13 @@ def assumptions(study: Content) -> dict[str, str]:
         body, _, constant = name.partition(".")
         if name in study.assumed:
             found[name] = study.assumed[name]
-        elif name not in given and body != "contact" and constant in CONSTANTS:
+        elif name in given:
+            continue
+        elif body != "contact" and constant in CONSTANTS:
             known = material(getattr(study, body).material)
             found[name] = f"{known.name}, {known.condition}: {known.sources[constant]}"
-        elif name not in given:
-            assumed = declarations(type(study)).get(name, Declared()).assumed
-            if assumed is not None:
-                found[name] = assumed
+        elif assumed := declarations(type(study))[name].assumed:
+            found[name] = assumed
     return found
 
 
@@ -82,24 +69,21 @@ def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
     skipped = inapplicable(study)
     content = study.model_dump(exclude={"assumed"})
     for name, value in study.resolved.items():
-        section, _, key = name.partition(".")
-        content[section][key] = value
-    nested = _without_nothing(content)
+        insert(content, name, value)
 
     def walk(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         for key, value in sorted(content.items(), key=lambda item: isinstance(item[1], dict)):
             if isinstance(value, dict):
                 yield from walk(f"{prefix}{key}.", value)
-            elif prefix + key not in skipped:
+            elif value is not None and prefix + key not in skipped:
                 yield prefix + key, value
 
-    for name, content in nested.items():
-        yield from walk(f"{name}.", content)
+    yield from walk("", content)
 
 
 def _readable(value: Any) -> Any:
     """Return text with units as a person would write it: 3 um for 0.003 mm, 20 mm/min for 0.333 mm/s."""
-    if isinstance(value, list):
+    if isinstance(value, tuple):
         return [_readable(v) for v in value]
     if not isinstance(value, str):
         return value
@@ -122,17 +106,6 @@ def _short(number: float, unit: str, *, back: float) -> str | None:
     text = f"{number:g} {unit}"
     exact = abs(float(f"{number:g}") * back - number * back) <= 1e-15 * abs(number * back)
     return text if exact or number == float(f"{number:g}") else None
-
-
-def _without_nothing(nested: dict[str, Any]) -> dict[str, Any]:
-    """Return the keys that TOML can say: those that are None are left out, tuples become lists."""
-    kept: dict[str, Any] = {}
-    for key, value in nested.items():
-        if isinstance(value, dict):
-            kept[key] = _without_nothing(value)
-        elif value is not None:
-            kept[key] = list(value) if isinstance(value, tuple) else value
-    return kept
 
 
 def sentence(error: ValidationError, model: type[BaseModel]) -> str:
@@ -158,13 +131,8 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     if kind == "value_error" and (not name or (info and section_in(info.annotation))):
         return f"{message}."  # of a whole section, so it says its names itself
     if kind == "literal_error":
-        options = sorted(
-            {
-                str(e["ctx"]["expected"])
-                for e in error.errors()
-                if e["type"] == "literal_error" and e["loc"][:2] == first["loc"][:2]
-            }
-        )
+        branches = [e for e in error.errors() if e["type"] == kind and e["loc"][:2] == first["loc"][:2]]
+        options = sorted({str(e["ctx"]["expected"]) for e in branches})
         more = " or a degree from 0 to 12" if name == "disc.level" else ""
         return f"{name} = {value!r} is not allowed; allowed: {', '.join(options)}{more}."
     if kind == "string_pattern_mismatch":  # of study.name, which names a folder

@@ -138,7 +138,6 @@ class Range:
 
 POSITIVE = Range()
 NOT_NEGATIVE = Range(or_equal=True)
-POSITIVE_OR_INFINITE = Range(infinite=True)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from warpwear.contact.half_space_passes import NO_CAP
 from warpwear.contact.half_space_window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Step, TrackLedger
+from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
 from warpwear.kernels.sliding import Bodies
@@ -39,7 +39,7 @@ class SlidingHalfSpace:
         "state": SlidingBodies,
         "_of_rows": dict,
         "_half_space": WindowedHalfSpace,
-        "_ledger": TrackLedger,
+        "_ledger": Ledger,
     }
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
@@ -75,7 +75,7 @@ class SlidingHalfSpace:
         self._sums, self._maxima = executor.partials(len(PressureSum)), executor.partials(len(MAXIMA))
         #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
         self._of_rows = {name: np.zeros(disc.shape[0]) for name in ("wear_disc", "pressed_disc")}
-        self._ledger = TrackLedger(task, executor.grid, track_fraction=track_fraction)
+        self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.

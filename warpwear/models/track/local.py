@@ -12,7 +12,7 @@ from warpwear.contact.balance import RIGID, Balance, Balancer, Foundation, stiff
 from warpwear.contact.bearing_area import BearingArea
 from warpwear.engine.executor import Executor, Field, arguments, set_numbers
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Step, TrackLedger
+from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, sliding
 from warpwear.kernels.cells import LANES, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.contact import Law
@@ -64,7 +64,7 @@ class SlidingContact:
         "_approach": float,
         "_changes": deque,
         "_recession": Recession,
-        "_ledger": TrackLedger,
+        "_ledger": Ledger,
     }
 
     def __init__(
@@ -101,7 +101,7 @@ class SlidingContact:
         self._stiffness: tuple[tuple[float, ...], Field] | None = None  # with what it was made for
         self._approach: float | None = None
         self._changes: deque[float] = deque(maxlen=CHANGES)
-        self._ledger = TrackLedger(task, executor.grid, track_fraction=track_fraction)
+        self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         self._loop: DeviceSliding | None = None
         self._moves, self._highest = moves, math.inf
         if not moves and task.rigid:

@@ -1,0 +1,23 @@
+"""Print the table of all quantities of a result, which stands in docs/results.md."""
+
+from warpwear.history.quantities import QUANTITIES
+
+
+def markdown_table() -> str:
+    """The table of all quantities for the documentation, in Markdown."""
+    limits = {
+        None: "",
+        "track": "runs over a track",
+        "patches": "runs with patches",
+        "dents": "tracks that keep their dents",
+    }
+    values = {"step": "step", "patch": "step and patch", "cell": "snapshot and cell", "snapshot": "snapshot"}
+    rows = ["| name | unit | one value for each | only in | meaning |", "|---|---|---|---|---|"]
+    rows += [
+        f"| `{q.name}` | {q.units} | {values[q.per]} | {limits[q.only]} | {q.meaning} |" for q in QUANTITIES
+    ]
+    return "\n".join(rows).replace("^2", "²").replace("^3", "³") + "\n"
+
+
+if __name__ == "__main__":
+    print(markdown_table(), end="")
