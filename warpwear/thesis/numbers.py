@@ -222,9 +222,9 @@ def _patches(runs: Runs) -> Numbers:
         "surfaces.farthest_smallest_mm": min(p.farthest for p in patches),
         "surfaces.farthest_largest_mm": max(p.farthest for p in patches),
         "surfaces.prediction_error_mm": np.abs(measured - predicted).max(),
-        "surfaces.bound_smallest_mm": min(p.largest for p in patches),
-        "surfaces.bound_largest_mm": max(p.largest for p in patches),
-        "surfaces.bound_exceeded_mm": max(max(p.along, p.across) - p.largest for p in patches),
+        "surfaces.bound_smallest_mm": min(p.bound for p in patches),
+        "surfaces.bound_largest_mm": max(p.bound for p in patches),
+        "surfaces.bound_exceeded_mm": max(max(p.along, p.across) - p.bound for p in patches),
         "surfaces.peak_smallest_um": 1e3 * min(p.peak for p in patches),
         "surfaces.peak_largest_um": 1e3 * max(p.peak for p in patches),
         "surfaces.peak_asked_um": 1e3
@@ -240,7 +240,7 @@ def _patches(runs: Runs) -> Numbers:
             "predicted_along_mm": p.predicted_along,
             "predicted_across_mm": p.predicted_across,
             "peak_um": 1e3 * p.peak,
-            "bound_mm": p.largest,
+            "bound_mm": p.bound,
             "farthest_mm": p.farthest,
         }
         found |= {f"surface_{p.seed}.{key}": value for key, value in each.items()}

@@ -66,7 +66,7 @@ class RoughPatch:
     predicted_along: float  # extents of the surface cut by the sphere that V1's patch belongs to
     predicted_across: float
     peak: float  # highest point over the mean plane near the rim, R_p
-    largest: float  # 2√(z(2R − z)), z = R − √(R² − a²) + R_p: both ends of a diameter on such a peak
+    bound: float  # 2√(z(2R − z)), z = R − √(R² − a²) + R_p: both ends of a diameter on such a peak
     farthest: float  # twice the distance of the farthest touched cell from the middle
     disc_volume: float  # [mm³]
 
@@ -172,7 +172,7 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
         predicted_along=_extent(touched, 1, study.grid.cell),
         predicted_across=_extent(touched, 0, study.grid.cell),
         peak=peak,
-        largest=2.0 * rim_at(depth_of_rim(smooth, radius=radius) + max(peak, 0.0), radius=radius),
+        bound=2.0 * rim_at(depth_of_rim(smooth, radius=radius) + max(peak, 0.0), radius=radius),
         farthest=2.0 * float(np.sqrt(square[result.snapshot(-1).wear_sphere > 0.0].max())),
         disc_volume=float(result.history["wear_volume_disc"][-1]),
     )
