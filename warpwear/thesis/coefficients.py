@@ -3,17 +3,17 @@
 import math
 from dataclasses import dataclass
 
-from warpwear.calibration.wear import WearCalibration, cap, diameter_of_cap, volume_given, wear_coefficient
-from warpwear.results.report import Row, lines, record, table, to_json
-from warpwear.thesis.printed import (
-    DISTANCE,
-    LOAD,
-    PATCH_DIAMETERS,
-    SPHERE_RADIUS,
-    STROKE,
-    WEAR_COEFFICIENTS,
-    Printed,
+from warpwear.calibration.wear import (
+    WearCalibration,
+    WornVolume,
+    cap,
+    diameter_of_cap,
+    volume_given,
+    wear_coefficient,
 )
+from warpwear.results.report import Row, lines, record, table, to_json
+from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import Printed
 
 #: Digits to which the volumes are rounded before they are turned back into Table 4.1.
 DIGITS = 4
@@ -39,36 +39,35 @@ class Patch:
     asked_small: float
 
 
+def _of_test(worn: WornVolume) -> WearCalibration:
+    """Find K of a worn volume after the printed test."""
+    return wear_coefficient([worn], load=thesis.LOAD.value, distance=thesis.DISTANCE.value)
+
+
 def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
     """List rows of Table 4.1: what is printed, and K of the volume that it implies, rounded to four digits.
 
     The text prints no volume: they are K F L, so that this checks units and arithmetic, not the measurement.
     """
-    load, distance = LOAD.value, DISTANCE.value
     found = {}
-    for name, printed in WEAR_COEFFICIENTS.items():
-        volume = float(f"{1e-3 * printed.value * load * distance:.{DIGITS}g}")
-        found[name] = (printed, wear_coefficient([volume_given(volume)], load=load, distance=distance))
+    for name, printed in thesis.WEAR_COEFFICIENTS.items():
+        volume = 1e-3 * printed.value * thesis.LOAD.value * thesis.DISTANCE.value
+        found[name] = (printed, _of_test(volume_given(float(f"{volume:.{DIGITS}g}"))))
     return found
 
 
 def patch() -> Patch:
     """Turn the 0.80 mm of figure 4.36 and Table 4.1's K of the ball each into the other."""
-    radius, diameter = SPHERE_RADIUS.value, PATCH_DIAMETERS["experiment"].value
-    load, distance = LOAD.value, DISTANCE.value
-    printed = 1e-3 * WEAR_COEFFICIENTS["sphere"].value
+    radius, diameter = thesis.SPHERE_RADIUS.value, thesis.PATCH_DIAMETERS["experiment"].value
+    printed = 1e-3 * thesis.WEAR_COEFFICIENTS["sphere"].value
+    volume = printed * thesis.LOAD.value * thesis.DISTANCE.value
     flat = cap(diameter, radius=radius)
     ellipsoid = volume_given(4.0 / 3.0 * math.pi * (0.5 * diameter) ** 2 * (flat.depth or 0.0))
-    volume = printed * load * distance
-    by_cap, by_ellipsoid, by_mean = (
-        wear_coefficient([worn], load=load, distance=distance)
-        for worn in (flat, ellipsoid, cap(2.0 * diameter, radius=radius))
-    )
     return Patch(
         diameter=diameter,
-        by_cap=by_cap,
-        by_ellipsoid=by_ellipsoid,
-        by_mean_as_rim=by_mean,
+        by_cap=_of_test(flat),
+        by_ellipsoid=_of_test(ellipsoid),
+        by_mean_as_rim=_of_test(cap(2.0 * diameter, radius=radius)),
         printed=printed,
         asked=diameter_of_cap(volume, radius=radius),
         asked_small=(64.0 * radius * volume / math.pi) ** 0.25,
@@ -77,7 +76,7 @@ def patch() -> Patch:
 
 def calibrate_thesis(*, as_json: bool = False) -> str:
     """Set Table 4.1 beside the patch that does not go with it: the text for people, or JSON."""
-    load, distance, radius = LOAD.value, DISTANCE.value, SPHERE_RADIUS.value
+    load, distance = thesis.LOAD.value, thesis.DISTANCE.value
     groups = {name: _row_of_table(printed, found) for name, (printed, found) in table_4_1().items()}
     head = [
         Row("load", "load_N", load, digits=6),
@@ -98,7 +97,7 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
             "  is no check of the measurement.",
             "",
             f"The ball's patch of {worn.diameter:.2f} mm and Table 4.1's {_k(1e3 * worn.printed)} do not "
-            f"agree (radius {radius:g} mm):",
+            f"agree (radius {thesis.SPHERE_RADIUS.value:g} mm):",
             *lines(rows),
             "  That it is the ellipsoid is an inference: the thesis prints no relation of volume to depth.",
             f"  Table 4.1's K of the ball is {ratio:.2f} times what the cap of the patch says.",
@@ -109,7 +108,7 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
 def _row_of_table(printed: Printed, found: WearCalibration) -> list[Row]:
     """Declare a row of Table 4.1. found: of the volume that it implies."""
     volume, again = found.volumes[0].volume, 1e3 * found.mean
-    section = 1e6 * volume / STROKE.value
+    section = 1e6 * volume / thesis.STROKE.value
     return [
         Row("of", "of", printed.note),
         Row("printed", "", _k(printed.value)),
@@ -118,7 +117,7 @@ def _row_of_table(printed: Printed, found: WearCalibration) -> list[Row]:
         Row("", "volume_from", "K F L, rounded; the text prints no volume"),
         Row("K of it", "", _k(again)),
         Row("", "wear_coefficient_mm3_per_Nm", again),
-        Row(f"section over {STROKE.value:g} mm", "section_um2", section),
+        Row(f"section over {thesis.STROKE.value:g} mm", "section_um2", section),
     ]
 
 
@@ -129,7 +128,7 @@ def _patch_rows(worn: Patch) -> list[Row]:
     asked = f"by the cap, {worn.asked_small:.3f} mm by π d⁴/(64 R)"
     return [
         Row("diameter", "diameter_mm", worn.diameter),
-        Row("printed in", "place", PATCH_DIAMETERS["experiment"].place),
+        Row("printed in", "place", thesis.PATCH_DIAMETERS["experiment"].place),
         _coefficient("flat cap", "by_cap", worn.by_cap.mean, cap_told),
         _coefficient("full ellipsoid", "by_ellipsoid", worn.by_ellipsoid.mean, ELLIPSOID),
         _coefficient("wide cap", "by_mean_diagonal_as_rim", worn.by_mean_as_rim.mean, WIDE_CAP),

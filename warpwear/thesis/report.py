@@ -9,14 +9,16 @@ from typing import Any
 import warp
 
 from warpwear.result import Result
+from warpwear.results.folder import check_folder
 from warpwear.results.report import to_json
+from warpwear.study.keys import value_of
 from warpwear.thesis import curves, maps
 from warpwear.thesis.figures import CAPTIONS, OF_RUNS
 from warpwear.thesis.items import ALL_ITEMS, FINDINGS, OF_THESIS, SUMMARY, Row
 from warpwear.thesis.numbers import Numbers, collect
-from warpwear.thesis.page import Picture, check_report, embedded, render, write_report
+from warpwear.thesis.page import Picture, embedded, render, write_report
 from warpwear.thesis.printed import TOLERANCES
-from warpwear.thesis.runs import VERSIONS, Plan, Runs, published, running
+from warpwear.thesis.runs import SURFACE, VERSIONS, Plan, Runs, published, running
 from warpwear.thesis.verdicts import Kind, Verdict, as_printed, number
 from warpwear.version import __version__
 
@@ -45,7 +47,7 @@ def thesis_report(
     and leaves nothing behind then.
     """
     folder = Path(out)
-    check_report(folder, (PAGE, NUMBERS), overwrite=overwrite)
+    check_folder(folder, (PAGE, NUMBERS), what="a report", overwrite=overwrite)
     started = time.perf_counter()
     with running(plan or published(quick=quick), device=device, threads=threads, quiet=quiet) as runs:
         numbers = collect(runs)
@@ -129,7 +131,8 @@ def render_page(
         captions=CAPTIONS,
         pictures=pictures,
         n=numbers,
-        runs=_runs_table(runs),
+        # The other surfaces have one line together.
+        runs=[_how(name, result) for name, result in runs.results.items() if SURFACE not in name],
         refusal=runs.refusal,
         increments=runs.plan.increments,
         patches=runs.patches,
@@ -154,15 +157,7 @@ def _count(verdicts: Mapping[str, Verdict]) -> dict[Kind, int]:
     return {kind: of_thesis.count(kind) for kind in Kind if kind in of_thesis}
 
 
-def _runs_table(runs: Runs) -> list[dict[str, Any]]:
-    """List every run: its name, how it was computed, and what it warned of."""
-    found = {VERSIONS[name]: result for name, result in runs.versions.items()}
-    found |= {f"V1 implicit, {increment:g} mm": result for increment, result in runs.implicit.items()}
-    found |= {"V1, Hertz's area, explicit, forced": runs.beyond, "V1, Hertz's area, implicit": runs.steady}
-    return [{"name": name, **_how(result)} for name, result in found.items()]
-
-
-def _how(result: Result) -> dict[str, Any]:
+def _how(name: str, result: Result) -> dict[str, Any]:
     """Say in words how a run was computed."""
     study = result.study
     first, growth, largest = study.stepping.plan
@@ -173,6 +168,7 @@ def _how(result: Result) -> dict[str, Any]:
         else f"hardness {study.hardness:g} MPa"
     )
     return {
+        "name": VERSIONS.get(name, name),
         "cell": f"{1e3 * study.grid.cell:g} µm",
         "law": law,
         "stepping": f"{study.stepping.scheme}, {steps}",
@@ -195,13 +191,12 @@ def _short(value: Any) -> str:
 def _assumptions(runs: Runs) -> list[dict[str, Any]]:
     """List each assumed key with its value and reason, and the studies that assume it."""
     found: dict[tuple[str, str, str], list[str]] = {}
-    for name, result in runs.versions.items():
-        for key, reason in result.summary["assumptions"].items():
-            value: Any = result.study.model_dump()
-            for part in key.split("."):
-                value = value.get(part) if isinstance(value, dict) else None
+    for name, told in VERSIONS.items():
+        study = runs[name].study.model_dump()
+        for key, reason in runs[name].summary["assumptions"].items():
+            value = value_of(study, key)
             shown = "" if value is None else _short(value)
-            found.setdefault((key, shown, reason), []).append(VERSIONS[name])
+            found.setdefault((key, shown, reason), []).append(told)
     return [
         {"key": key, "value": value, "reason": reason, "studies": ", ".join(studies)}
         for (key, value, reason), studies in sorted(found.items())
