@@ -15,6 +15,10 @@ from warpwear.results.report import Row, lines, record, table, to_json
 from warpwear.thesis import printed as thesis
 from warpwear.thesis.printed import Printed
 
+#: Diameter of the worn patch of the ball [mm].
+DIAMETER = thesis.PATCH_DIAMETERS["experiment"]
+#: K of the ball in Table 4.1 [mm²/N].
+K_OF_BALL = 1e-3 * thesis.WEAR_COEFFICIENTS["sphere"].value
 #: Digits to which the volumes are rounded before they are turned back into Table 4.1.
 DIGITS = 4
 ELLIPSOID = "by (4/3) π a² h: Table 4.1's number looks like this one"
@@ -30,11 +34,9 @@ class Patch:
     diameter that the printed K needs, by the cap and by π d⁴/(64 R).
     """
 
-    diameter: float
     by_cap: WearCalibration
     by_ellipsoid: WearCalibration
     by_mean_as_rim: WearCalibration
-    printed: float
     asked: float
     asked_small: float
 
@@ -58,17 +60,14 @@ def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
 
 def patch() -> Patch:
     """Turn the 0.80 mm of figure 4.36 and Table 4.1's K of the ball each into the other."""
-    radius, diameter = thesis.SPHERE_RADIUS.value, thesis.PATCH_DIAMETERS["experiment"].value
-    printed = 1e-3 * thesis.WEAR_COEFFICIENTS["sphere"].value
-    volume = printed * thesis.LOAD.value * thesis.DISTANCE.value
+    radius, diameter = thesis.SPHERE_RADIUS.value, DIAMETER.value
+    volume = K_OF_BALL * thesis.LOAD.value * thesis.DISTANCE.value
     flat = cap(diameter, radius=radius)
     ellipsoid = volume_given(4.0 / 3.0 * math.pi * (0.5 * diameter) ** 2 * (flat.depth or 0.0))
     return Patch(
-        diameter=diameter,
         by_cap=_of_test(flat),
         by_ellipsoid=_of_test(ellipsoid),
         by_mean_as_rim=_of_test(cap(2.0 * diameter, radius=radius)),
-        printed=printed,
         asked=diameter_of_cap(volume, radius=radius),
         asked_small=(64.0 * radius * volume / math.pi) ** 0.25,
     )
@@ -87,7 +86,7 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
     rows = _patch_rows(worn)
     if as_json:
         return to_json(record([*head, Row("", "table_4_1", groups), Row("", "patch", rows)]))
-    ratio = worn.printed / worn.by_cap.mean
+    ratio = K_OF_BALL / worn.by_cap.mean
     return "\n".join(
         [
             "Table 4.1 of the thesis, K in mm³/(N·m)",
@@ -96,7 +95,7 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
             "  The text prints no volumes: these are K F L to four digits. Units and arithmetic agree; it",
             "  is no check of the measurement.",
             "",
-            f"The ball's patch of {worn.diameter:.2f} mm and Table 4.1's {_k(1e3 * worn.printed)} do not "
+            f"The ball's patch of {DIAMETER.value:.2f} mm and Table 4.1's {_k(1e3 * K_OF_BALL)} do not "
             f"agree (radius {thesis.SPHERE_RADIUS.value:g} mm):",
             *lines(rows),
             "  That it is the ellipsoid is an inference: the thesis prints no relation of volume to depth.",
@@ -127,12 +126,12 @@ def _patch_rows(worn: Patch) -> list[Row]:
     cap_told = f"by π h² (3R − h)/3: {flat.volume:.4g} mm³, {1e3 * (flat.depth or 0.0):.3g} µm deep"
     asked = f"by the cap, {worn.asked_small:.3f} mm by π d⁴/(64 R)"
     return [
-        Row("diameter", "diameter_mm", worn.diameter),
-        Row("printed in", "place", thesis.PATCH_DIAMETERS["experiment"].place),
+        Row("diameter", "diameter_mm", DIAMETER.value),
+        Row("printed in", "place", DIAMETER.place),
         _coefficient("flat cap", "by_cap", worn.by_cap.mean, cap_told),
         _coefficient("full ellipsoid", "by_ellipsoid", worn.by_ellipsoid.mean, ELLIPSOID),
         _coefficient("wide cap", "by_mean_diagonal_as_rim", worn.by_mean_as_rim.mean, WIDE_CAP),
-        _coefficient("printed", "printed", worn.printed, "in Table 4.1"),
+        _coefficient("printed", "printed", K_OF_BALL, "in Table 4.1"),
         Row("patch asked for", "diameter_asked_for_mm", worn.asked, note=asked),
         Row("", "diameter_asked_for_small_scar_mm", worn.asked_small),
         Row("", "agree", False),

@@ -97,10 +97,7 @@ def cof_of_all(axes: Any, runs: Runs, numbers: Numbers) -> None:
 @figure(columns=2, legend=4, ylabel="coefficient over its end value, –")
 def relative_cof(axes: Any, runs: Runs, numbers: Numbers) -> None:
     for panel in axes:
-        for name, told in VERSIONS.items():
-            history = runs[name].history
-            relative = history["cof"] / history["cof"][-1]
-            fs.over_distance(panel, history["distance"], relative, label=told, **LINES[name])
+        versions(panel, runs, "cof", *VERSIONS, relative=True)
     axes[0].set_ylim(0.0, 1.05)
     axes[1].set(xscale="log", yscale="log", ylim=(1e-3, 1.5))
 

@@ -72,10 +72,15 @@ def over_distance(axes: Axes, history: Mapping[str, FloatArray], column: str, **
     fs.over_distance(axes, history["distance"], history[column], **line)
 
 
-def versions(axes: Axes, runs: Runs, column: str, *names: str) -> None:
-    """Draw a column of the history of versions over the distance slid, each in its own colour and line."""
+def versions(axes: Axes, runs: Runs, column: str, *names: str, relative: bool = False) -> None:
+    """Draw a column of the history of versions over the distance slid, each in its own colour and line.
+
+    relative: to its end value.
+    """
     for name in names:
-        over_distance(axes, runs[name].history, column, label=VERSIONS[name], **LINES[name])
+        history = runs[name].history
+        values = history[column] / history[column][-1] if relative else history[column]
+        fs.over_distance(axes, history["distance"], values, label=VERSIONS[name], **LINES[name])
 
 
 #: Figures of single runs, which their results draw themselves.

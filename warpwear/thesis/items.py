@@ -92,17 +92,12 @@ def _line(item: str, tolerance: str = "", **row: Any) -> Line:
     return Line(_row(**row), item, TOLERANCES[tolerance] if tolerance else 0.0)
 
 
-def _rule(kind: str, yes: str, no: str = "", **others: Any) -> Rule:
-    """Make a rule from its entry; a reason that stands alone is both."""
-    others |= {"condition": others.pop("if")} if "if" in others else {}
-    return Rule(kind=Kind(kind), yes=yes, no=no or yes, **others)
-
-
 def _item(says: str, verdict: dict[str, Any], **entry: Any) -> Item:
     """Make an item from its entry."""
+    rule = Rule(**verdict | {"kind": Kind(verdict["kind"])})
     rows = tuple(_row(**row) for row in entry.pop("rows", ()))
     figures = tuple(entry.pop("figures", ()))
-    return Item(says=folded(says), rule=_rule(**verdict), rows=rows, figures=figures, **entry)
+    return Item(says=folded(says), rule=rule, rows=rows, figures=figures, **entry)
 
 
 _CONTENT = read("items.toml")

@@ -15,7 +15,7 @@ from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results.summary import shape_of_growth
 from warpwear.thesis import printed as thesis
-from warpwear.thesis.coefficients import patch
+from warpwear.thesis.coefficients import DIAMETER, K_OF_BALL, patch
 from warpwear.thesis.runs import (
     BEYOND,
     EXTENTS,
@@ -289,9 +289,9 @@ def calibration() -> Numbers:
     return {
         "experiment.K_by_cap": by_cap,
         "experiment.K_by_ellipsoid": by_ellipsoid,
-        "experiment.K_over_cap": 1e3 * worn.printed / by_cap,
+        "experiment.K_over_cap": 1e3 * K_OF_BALL / by_cap,
         "experiment.patch_of_printed_K_mm": worn.asked,
         # A groove with the profile of a parabola, as wide as the patch and as long as the stroke.
-        "experiment.groove_depth_um": 1e3 * 1.5 * groove / (worn.diameter * thesis.STROKE.value),
+        "experiment.groove_depth_um": 1e3 * 1.5 * groove / (DIAMETER.value * thesis.STROKE.value),
         "experiment.distance_by_strokes_mm": thesis.STROKE.value * thesis.PASSES.value,
     }
