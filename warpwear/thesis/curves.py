@@ -9,7 +9,7 @@ from warpwear.figures import style as fs
 from warpwear.thesis.figures import EXPERIMENT, LINES, PRINTED, Gallery, over_distance, versions
 from warpwear.thesis.numbers import Numbers
 from warpwear.thesis.printed import PATCH_DIAMETERS, SLOWS_AFTER
-from warpwear.thesis.runs import BEYOND, STEADY, VERSIONS, Runs, worn_radius
+from warpwear.thesis.runs import VERSIONS, Runs, worn_radius
 
 FIGURES = Gallery()
 figure = FIGURES.figure
@@ -131,7 +131,7 @@ def areas_of_all(axes: Any, runs: Runs, numbers: Numbers) -> None:
 
 @figure(columns=2, legend=2, ylabel=AREA)
 def stability(axes: Any, runs: Runs, numbers: Numbers) -> None:
-    beyond, steady = runs[BEYOND].history, runs[STEADY].history
+    beyond, steady = runs["beyond"].history, runs["steady"].history
     middle = 0.5 * beyond["distance"][-1]
     near = np.abs(beyond["distance"] - middle) <= 15.0
     stable, unstable = {"color": LINES["v1"]["color"]}, {"color": LINES["v3"]["color"]}

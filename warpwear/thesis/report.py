@@ -20,7 +20,7 @@ from warpwear.thesis.items import ALL_ITEMS, FINDINGS, OF_THESIS, SUMMARY, Row
 from warpwear.thesis.numbers import Numbers, collect
 from warpwear.thesis.page import embedded, render, write_report
 from warpwear.thesis.printed import TOLERANCES
-from warpwear.thesis.runs import SURFACE, VERSIONS, Plan, Runs, published, running
+from warpwear.thesis.runs import LABELS, SURFACE, VERSIONS, Plan, Runs, published, running
 from warpwear.thesis.verdicts import Kind, Verdict, as_printed, number
 from warpwear.version import __version__
 
@@ -155,7 +155,7 @@ def _how(name: str, result: Result) -> dict[str, Any]:
         else f"hardness {study.hardness:g} MPa"
     )
     return {
-        "name": VERSIONS.get(name, name),
+        "name": LABELS.get(name, name),
         "cell": f"{1e3 * study.grid.cell:g} µm",
         "law": law,
         "stepping": f"{study.stepping.scheme}, {steps}",

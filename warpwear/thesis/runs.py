@@ -27,8 +27,11 @@ VERSIONS = {"v1": "V1", "v2": "V2", "v3": "V3", "fine": "V3 fine"}
 HERTZ_AREA = {"contact.bulk_stiffness": "area"}
 #: Names of the other runs: of V1 by its increment [mm], and of V3 before the seed of its surface.
 IMPLICIT, SURFACE = "V1 implicit, {:g} mm", "V3, surface "
-BEYOND = "V1, Hertz's area, explicit, forced"
-STEADY = "V1, Hertz's area, implicit"
+#: Names for people of the runs whose own are short.
+LABELS = VERSIONS | {
+    "beyond": "V1, Hertz's area, explicit, forced",
+    "steady": "V1, Hertz's area, implicit",
+}
 
 
 @dataclass(frozen=True)
@@ -56,8 +59,8 @@ class Plan:
         return (
             self.studies
             | {IMPLICIT.format(increment): _implicit(smooth, increment) for increment in self.increments}
-            | {BEYOND: smooth.replace(HERTZ_AREA | {"stepping.force": True})}
-            | {STEADY: _implicit(smooth, step).replace(HERTZ_AREA)}
+            | {"beyond": smooth.replace(HERTZ_AREA | {"stepping.force": True})}
+            | {"steady": _implicit(smooth, step).replace(HERTZ_AREA)}
             | {
                 f"{SURFACE}{seed}": rough.replace({"disc.synthetic.seed": seed})
                 for seed in self.seeds
@@ -89,10 +92,6 @@ class RoughPatch:
     disc_volume: float  # [mm³]
 
 
-#: Lengths of a `RoughPatch` along the surface.
-EXTENTS = ("along", "across", "predicted_along", "predicted_across", "bound", "farthest")
-
-
 @dataclass(frozen=True)
 class Runs:
     """Open results; closed with `running`."""
@@ -122,7 +121,7 @@ def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False
                 result = run(study, device=device, threads=threads, plots=False)
             results[name] = stack.enter_context(result)
             if not quiet:
-                label, took = VERSIONS.get(name, name), time.perf_counter() - started
+                label, took = LABELS.get(name, name), time.perf_counter() - started
                 line = f"report: run {done} of {len(studies)}, {label}: {took:.1f} s"
                 print(line, file=sys.stderr, flush=True)
         rough = (results.get(f"{SURFACE}{seed}", results["v3"]) for seed in plan.seeds)
@@ -155,7 +154,7 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
     over_rim = sag(result.x, result.y, radius=radius) - depth_of_rim(smooth, radius=radius)
     touched = heights >= over_rim
     near_rim = (over_rim >= 0.0) & (over_rim <= heights.max())
-    peak = float(heights[near_rim].max(initial=0.0))
+    peak = float(heights[near_rim].max()) if near_rim.any() else 0.0
     return RoughPatch(
         seed,
         along=float(result.history["patch_along"][-1]),
