@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
+from warpwear.figures.axes import ACROSS
 from warpwear.thesis.figures import EXPERIMENT, LINES, PRINTED, Gallery, over_distance, versions
 from warpwear.thesis.numbers import Numbers
 from warpwear.thesis.printed import PATCH_DIAMETERS, SLOWS_AFTER
@@ -51,7 +52,7 @@ def cof_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     axes.set(xlim=(0.0, None), ylim=(0.0, None))
 
 
-@figure(columns=2, legend=3, xlabel="across sliding, y, mm", ylabel="relative distance, –")
+@figure(columns=2, legend=3, xlabel=ACROSS, ylabel="relative distance, –")
 def distance_factor(axes: Any, runs: Runs, numbers: Numbers) -> None:
     study = runs["v2"].study
     edge = worn_radius(study)
@@ -171,9 +172,8 @@ def _bars(axes: Axes, labels: list[str], values: list[float], text: str = "{:.3g
 
     text: format of the values.
     """
-    bars = axes.bar(range(len(values)), values, color=[*COLOURS, EXPERIMENT][: len(values)], width=0.65)
+    bars = axes.bar(labels, values, color=[*COLOURS, EXPERIMENT][: len(values)], width=0.65)
     axes.bar_label(bars, [text.format(v) for v in values], fontsize=7, padding=2)
-    axes.set_xticks(range(len(values)), labels)
     axes.margins(y=0.12)
 
 

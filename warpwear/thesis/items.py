@@ -75,16 +75,11 @@ class Item:
     figures: tuple[str, ...] = ()  # names of figures
 
 
-def _row(
-    quantity: str,
-    unit: str,
-    of_all: str = "",
-    ours: Mapping[str, str] | None = None,
-    printed: Mapping[str, str] | None = None,
-) -> Row:
+def _row(quantity: str, unit: str, *, of_all: str = "", **columns: Mapping[str, str]) -> Row:
     """Make a row from its entry. of_all: name of a number of every version, without the version."""
-    columns = ours or {told: f"{version}.{of_all}" for version, told in VERSIONS.items()}
-    return Row(quantity, unit, columns, {told: PRINTED[name] for told, name in (printed or {}).items()})
+    ours = {told: f"{version}.{of_all}" for version, told in VERSIONS.items()} if of_all else {}
+    printed = {told: PRINTED[name] for told, name in columns.pop("printed", {}).items()}
+    return Row(quantity, unit, printed=printed, **{"ours": ours} | columns)
 
 
 def _line(item: str, tolerance: str = "", **row: Any) -> Line:

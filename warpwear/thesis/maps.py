@@ -8,7 +8,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Circle
 
 from warpwear.figures import style as fs
-from warpwear.figures.axes import draw_map, panels_of
+from warpwear.figures.axes import ACROSS, draw_map, panels_of
 from warpwear.figures.data import Window, positive
 from warpwear.grid import FloatArray
 from warpwear.result import Result
@@ -20,6 +20,9 @@ from warpwear.thesis.runs import VERSIONS, Runs
 
 FIGURES = Gallery()
 figure = FIGURES.figure
+HEIGHT = "height of the disc, µm"
+#: Labels of two panels, of which the second is plain from the first.
+PRESSURE = ("pressure, MPa", "")
 #: Blocks along a side of a map.
 BLOCKS = 300
 
@@ -52,7 +55,7 @@ def _start_of(axes: Axes, result: Result, axis: int) -> None:
     axes.set_title("start")
 
 
-@figure(columns=2, legend=2, xlabel=("along sliding, µm", "along sliding, mm"), ylabel=("pressure, MPa", ""))
+@figure(columns=2, legend=2, xlabel=("along sliding, µm", "along sliding, mm"), ylabel=PRESSURE)
 def pressure_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v1 = runs["v1"]
     _start_of(axes[0], v1, 0)
@@ -61,12 +64,7 @@ def pressure_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     axes[1].set(title=fs.after(last.distance), ylim=(0.0, 1.3 * float(last.pressure.max())))
 
 
-@figure(
-    columns=2,
-    legend=5,
-    xlabel=("across sliding, µm", "across or along sliding, mm"),
-    ylabel=("pressure, MPa", ""),
-)
+@figure(columns=2, legend=5, xlabel=("across sliding, µm", "across or along sliding, mm"), ylabel=PRESSURE)
 def pressure_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v2 = runs["v2"]
     last = v2.snapshot(-1)
@@ -86,12 +84,7 @@ def pressure_of_v2(axes: Any, runs: Runs, numbers: Numbers) -> None:
     axes[1].set_title(f"{fs.after(last.distance)} (axis not from zero)")
 
 
-@figure(
-    columns=2,
-    legend=3,
-    xlabel="across sliding, y, mm",
-    ylabel=("height of the disc, µm", "depth of the disc, µm"),
-)
+@figure(columns=2, legend=3, xlabel=ACROSS, ylabel=(HEIGHT, "depth of the disc, µm"))
 def disc_of_v1(axes: Any, runs: Runs, numbers: Numbers) -> None:
     v1 = runs["v1"]
     distance, depth = v1.history["distance"], 1e3 * v1.history["wear_depth_disc"]
@@ -126,9 +119,7 @@ def sphere_patches(axes: Any, runs: Runs, numbers: Numbers) -> None:
         panel.set_title(f"{told}: {along:.3g} × {across:.3g} mm")
 
 
-@figure(
-    rows=2, columns=2, height=2.3, legend=2, xlabel="across sliding, y, mm", ylabel="height of the disc, µm"
-)
+@figure(rows=2, columns=2, height=2.3, legend=2, xlabel=ACROSS, ylabel=HEIGHT)
 def disc_profiles(axes: Any, runs: Runs, numbers: Numbers) -> None:
     for panel, (name, told) in panels_of(axes, list(VERSIONS.items())):
         result = runs[name]
@@ -148,13 +139,14 @@ def contact_areas(axes: Any, runs: Runs, numbers: Numbers) -> None:
     assert hertz is not None
     window = window_of(v1)
     colours = ListedColormap(["#FFFFFF", fs.CONTACT])
-    shown = [v1.snapshot(0), snapshot_at(v1, STROKE.value), v1.snapshot(-1)]
-    for panel, snapshot, title in zip(axes, shown, ("start", "", ""), strict=True):
+    shown = (v1.snapshot(0), snapshot_at(v1, STROKE.value), v1.snapshot(-1))
+    for panel, snapshot in panels_of(axes, shown):
         contact = (snapshot.pressure > 0.0).astype(float)
         draw_map(panel, window.largest(contact), window, colours, None, low=0.0, high=1.0)
         panel.add_patch(Circle((0.0, 0.0), hertz.radius, fill=False, ls="--", lw=0.8, ec=fs.HARDNESS))
         area = contact.sum() * v1.study.cells.cell_area
-        panel.set_title(f"{title or fs.after(snapshot.distance)}: {area:.3g} mm²")
+        when = "start" if snapshot is shown[0] else fs.after(snapshot.distance)
+        panel.set_title(f"{when}: {area:.3g} mm²")
 
 
 @figure(
