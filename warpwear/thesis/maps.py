@@ -102,8 +102,8 @@ def pressure_maps(axes: Any, runs: Runs, numbers: Numbers) -> None:
     for panel, (name, told) in panels_of(axes, list(VERSIONS.items())):
         window = window_of(runs[name])
         pressure = positive(window.largest(runs[name].snapshot(-1).pressure))
-        mean = np.nanmean(pressure)
-        low, high = (0.0, np.nanmax(pressure)) if name == "v3" else (0.98 * mean, 1.02 * mean)
+        mean, most = float(np.nanmean(pressure)), float(np.nanmax(pressure))
+        low, high = (0.0, most) if name == "v3" else (0.98 * mean, 1.02 * mean)
         draw_map(panel, pressure, window, fs.PRESSURES, "pressure, MPa", low=low, high=high)
         scatter = float(runs[name].history["pressure_std"][-1])
         panel.set_title(f"{told}: {fs.with_scatter(numbers[f'{name}.pressure_end_MPa'], scatter)} MPa")

@@ -213,7 +213,7 @@ def _patches(runs: Runs) -> Numbers:
     asked = depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)
     found: Numbers = {
         "surfaces": len(patches),
-        "surfaces.patch_mean_mm": np.mean(0.5 * (of("along") + of("across"))),
+        "surfaces.patch_mean_mm": float(np.mean(0.5 * (of("along") + of("across")))),
         "surfaces.prediction_error_mm": np.abs(measured - predicted).max(),
         "surfaces.bound_exceeded_mm": (measured - of("bound")).max(),
         "surfaces.peak_asked_um": 1e3 * asked,

@@ -156,18 +156,16 @@ def _how(name: str, result: Result) -> dict[str, Any]:
     )
     return {
         "name": LABELS.get(name, name),
-        "cell": f"{1e3 * study.grid.cell:g} µm",
         "law": law,
         "stepping": f"{study.stepping.scheme}, {steps}",
         "steps": result.history["distance"].size,
-        "distance": study.sliding.total,
-        "factor": study.wear.distance_factor,
+        "study": study,
         "warnings": result.record["warnings"],
     }
 
 
-def _assumptions(runs: Runs) -> list[dict[str, Any]]:
-    """List each assumed key with its value and reason, and the studies that assume it."""
+def _assumptions(runs: Runs) -> list[tuple[tuple[str, str, str], list[str]]]:
+    """List each assumed key with its value and reason, and the names of the studies that assume it."""
     found: dict[tuple[str, str, str], list[str]] = defaultdict(list)
     for name, told in VERSIONS.items():
         study = runs[name].study.model_dump()
@@ -175,7 +173,4 @@ def _assumptions(runs: Runs) -> list[dict[str, Any]]:
             value = value_of(study, key)
             shown = "" if value is None else str(readable(value))
             found[key, shown, reason].append(told)
-    return [
-        {"key": key, "value": value, "reason": reason, "studies": ", ".join(studies)}
-        for (key, value, reason), studies in sorted(found.items())
-    ]
+    return sorted(found.items())
