@@ -40,7 +40,7 @@ def to_marked_toml(study: Content) -> str:
         if parent != section:
             section = parent
             lines += ["", f"[{section}]"]
-        text = tomli_w.dumps({key: _readable(value)}, indent=0).strip().replace("\n", " ")
+        text = tomli_w.dumps({key: readable(value)}, indent=0).strip().replace("\n", " ")
         mark = f"ASSUMED: {reasons[name]}" if name in reasons else "" if name in given else "default"
         lines.append(f"{text:<38}# {mark}" if mark else text)
     return "\n".join(lines[1:])
@@ -81,10 +81,10 @@ def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
     yield from walk("", content)
 
 
-def _readable(value: Any) -> Any:
+def readable(value: Any) -> Any:
     """Return text with units as a person would write it: 3 um for 0.003 mm, 20 mm/min for 0.333 mm/s."""
-    if isinstance(value, tuple):
-        return [_readable(v) for v in value]
+    if isinstance(value, tuple | list):
+        return [readable(v) for v in value]
     if not isinstance(value, str):
         return value
     first, _, unit = value.partition(" ")

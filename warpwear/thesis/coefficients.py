@@ -3,18 +3,22 @@
 import math
 from dataclasses import dataclass
 
-from warpwear.calibration.wear import WearCalibration, cap, diameter_of_cap, volume_given, wear_coefficient
-from warpwear.results.report import Row, lines, record, table, to_json
-from warpwear.thesis.printed import (
-    DISTANCE,
-    LOAD,
-    PATCH_DIAMETERS,
-    SPHERE_RADIUS,
-    STROKE,
-    WEAR_COEFFICIENTS,
-    Printed,
+from warpwear.calibration.wear import (
+    WearCalibration,
+    WornVolume,
+    cap,
+    diameter_of_cap,
+    volume_given,
+    wear_coefficient,
 )
+from warpwear.results.report import Row, lines, record, table, to_json
+from warpwear.thesis import printed as thesis
+from warpwear.thesis.printed import Printed
 
+#: Diameter of the worn patch of the ball [mm].
+DIAMETER = thesis.PATCH_DIAMETERS["experiment"]
+#: K of the ball in Table 4.1 [mm²/N].
+K_OF_BALL = 1e-3 * thesis.WEAR_COEFFICIENTS["sphere"].value
 #: Digits to which the volumes are rounded before they are turned back into Table 4.1.
 DIGITS = 4
 ELLIPSOID = "by (4/3) π a² h: Table 4.1's number looks like this one"
@@ -30,13 +34,16 @@ class Patch:
     diameter that the printed K needs, by the cap and by π d⁴/(64 R).
     """
 
-    diameter: float
     by_cap: WearCalibration
     by_ellipsoid: WearCalibration
     by_mean_as_rim: WearCalibration
-    printed: float
     asked: float
     asked_small: float
+
+
+def _of_test(worn: WornVolume) -> WearCalibration:
+    """Find K of a worn volume after the printed test."""
+    return wear_coefficient([worn], load=thesis.LOAD.value, distance=thesis.DISTANCE.value)
 
 
 def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
@@ -44,32 +51,23 @@ def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
 
     The text prints no volume: they are K F L, so that this checks units and arithmetic, not the measurement.
     """
-    load, distance = LOAD.value, DISTANCE.value
     found = {}
-    for name, printed in WEAR_COEFFICIENTS.items():
-        volume = float(f"{1e-3 * printed.value * load * distance:.{DIGITS}g}")
-        found[name] = (printed, wear_coefficient([volume_given(volume)], load=load, distance=distance))
+    for name, printed in thesis.WEAR_COEFFICIENTS.items():
+        volume = 1e-3 * printed.value * thesis.LOAD.value * thesis.DISTANCE.value
+        found[name] = (printed, _of_test(volume_given(float(f"{volume:.{DIGITS}g}"))))
     return found
 
 
 def patch() -> Patch:
     """Turn the 0.80 mm of figure 4.36 and Table 4.1's K of the ball each into the other."""
-    radius, diameter = SPHERE_RADIUS.value, PATCH_DIAMETERS["experiment"].value
-    load, distance = LOAD.value, DISTANCE.value
-    printed = 1e-3 * WEAR_COEFFICIENTS["sphere"].value
+    radius, diameter = thesis.SPHERE_RADIUS.value, DIAMETER.value
+    volume = K_OF_BALL * thesis.LOAD.value * thesis.DISTANCE.value
     flat = cap(diameter, radius=radius)
     ellipsoid = volume_given(4.0 / 3.0 * math.pi * (0.5 * diameter) ** 2 * (flat.depth or 0.0))
-    volume = printed * load * distance
-    by_cap, by_ellipsoid, by_mean = (
-        wear_coefficient([worn], load=load, distance=distance)
-        for worn in (flat, ellipsoid, cap(2.0 * diameter, radius=radius))
-    )
     return Patch(
-        diameter=diameter,
-        by_cap=by_cap,
-        by_ellipsoid=by_ellipsoid,
-        by_mean_as_rim=by_mean,
-        printed=printed,
+        by_cap=_of_test(flat),
+        by_ellipsoid=_of_test(ellipsoid),
+        by_mean_as_rim=_of_test(cap(2.0 * diameter, radius=radius)),
         asked=diameter_of_cap(volume, radius=radius),
         asked_small=(64.0 * radius * volume / math.pi) ** 0.25,
     )
@@ -77,7 +75,7 @@ def patch() -> Patch:
 
 def calibrate_thesis(*, as_json: bool = False) -> str:
     """Set Table 4.1 beside the patch that does not go with it: the text for people, or JSON."""
-    load, distance, radius = LOAD.value, DISTANCE.value, SPHERE_RADIUS.value
+    load, distance = thesis.LOAD.value, thesis.DISTANCE.value
     groups = {name: _row_of_table(printed, found) for name, (printed, found) in table_4_1().items()}
     head = [
         Row("load", "load_N", load, digits=6),
@@ -88,7 +86,7 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
     rows = _patch_rows(worn)
     if as_json:
         return to_json(record([*head, Row("", "table_4_1", groups), Row("", "patch", rows)]))
-    ratio = worn.printed / worn.by_cap.mean
+    ratio = K_OF_BALL / worn.by_cap.mean
     return "\n".join(
         [
             "Table 4.1 of the thesis, K in mm³/(N·m)",
@@ -97,8 +95,8 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
             "  The text prints no volumes: these are K F L to four digits. Units and arithmetic agree; it",
             "  is no check of the measurement.",
             "",
-            f"The ball's patch of {worn.diameter:.2f} mm and Table 4.1's {_k(1e3 * worn.printed)} do not "
-            f"agree (radius {radius:g} mm):",
+            f"The ball's patch of {DIAMETER.value:.2f} mm and Table 4.1's {_k(1e3 * K_OF_BALL)} do not "
+            f"agree (radius {thesis.SPHERE_RADIUS.value:g} mm):",
             *lines(rows),
             "  That it is the ellipsoid is an inference: the thesis prints no relation of volume to depth.",
             f"  Table 4.1's K of the ball is {ratio:.2f} times what the cap of the patch says.",
@@ -109,7 +107,7 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
 def _row_of_table(printed: Printed, found: WearCalibration) -> list[Row]:
     """Declare a row of Table 4.1. found: of the volume that it implies."""
     volume, again = found.volumes[0].volume, 1e3 * found.mean
-    section = 1e6 * volume / STROKE.value
+    section = 1e6 * volume / thesis.STROKE.value
     return [
         Row("of", "of", printed.note),
         Row("printed", "", _k(printed.value)),
@@ -118,7 +116,7 @@ def _row_of_table(printed: Printed, found: WearCalibration) -> list[Row]:
         Row("", "volume_from", "K F L, rounded; the text prints no volume"),
         Row("K of it", "", _k(again)),
         Row("", "wear_coefficient_mm3_per_Nm", again),
-        Row(f"section over {STROKE.value:g} mm", "section_um2", section),
+        Row(f"section over {thesis.STROKE.value:g} mm", "section_um2", section),
     ]
 
 
@@ -128,12 +126,12 @@ def _patch_rows(worn: Patch) -> list[Row]:
     cap_told = f"by π h² (3R − h)/3: {flat.volume:.4g} mm³, {1e3 * (flat.depth or 0.0):.3g} µm deep"
     asked = f"by the cap, {worn.asked_small:.3f} mm by π d⁴/(64 R)"
     return [
-        Row("diameter", "diameter_mm", worn.diameter),
-        Row("printed in", "place", PATCH_DIAMETERS["experiment"].place),
+        Row("diameter", "diameter_mm", DIAMETER.value),
+        Row("printed in", "place", DIAMETER.place),
         _coefficient("flat cap", "by_cap", worn.by_cap.mean, cap_told),
         _coefficient("full ellipsoid", "by_ellipsoid", worn.by_ellipsoid.mean, ELLIPSOID),
         _coefficient("wide cap", "by_mean_diagonal_as_rim", worn.by_mean_as_rim.mean, WIDE_CAP),
-        _coefficient("printed", "printed", worn.printed, "in Table 4.1"),
+        _coefficient("printed", "printed", K_OF_BALL, "in Table 4.1"),
         Row("patch asked for", "diameter_asked_for_mm", worn.asked, note=asked),
         Row("", "diameter_asked_for_small_scar_mm", worn.asked_small),
         Row("", "agree", False),

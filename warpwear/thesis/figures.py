@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -30,6 +31,8 @@ EXPERIMENT = "#000000"
 Drawing = Callable[[Runs, Numbers], Figure]
 #: Draws into axes, one or an array of shape (rows × columns,).
 Panels = Callable[[Any, Runs, Numbers], None]
+#: A label of all panels of a figure, or one for each.
+Labels = str | tuple[str, ...]
 #: Figure -> what stands below it.
 CAPTIONS = {name: folded(text) for name, text in read("captions.toml").items()}
 
@@ -37,16 +40,24 @@ CAPTIONS = {name: folded(text) for name, text in read("captions.toml").items()}
 class Gallery(dict[str, Drawing]):
     """Figures by name, each declared with `figure` above the function that draws it."""
 
-    def figure(self, *, maps: int = 0, **size: Any) -> Callable[[Panels], Panels]:
+    def figure(
+        self, *, maps: int = 0, legend: int = 0, xlabel: Labels = "", ylabel: Labels = "", **size: Any
+    ) -> Callable[[Panels], Panels]:
         """Add a figure under the name of the decorated function, which draws into its axes.
 
         maps: number of maps side by side; without them size is what `figures.style.new_figure` takes.
+        legend: columns of the legend of all panels, 0 for none. xlabel, ylabel: one for all panels or one for
+        each; what the function draws may set others.
         """
 
         def add(panels: Panels) -> Panels:
             def draw(runs: Runs, numbers: Numbers) -> Figure:
                 def draw_panels(axes: Any) -> None:
+                    for panel, *labels in np.broadcast(axes, xlabel, ylabel):
+                        panel.set(xlabel=labels[0], ylabel=labels[1])
                     panels(axes, runs, numbers)
+                    if legend:
+                        fs.legend_above(*np.ravel(axes)[0].figure.axes, columns=legend)
 
                 return map_figure(draw_panels, maps) if maps else fs.new_figure(draw_panels, **size)
 
@@ -56,36 +67,28 @@ class Gallery(dict[str, Drawing]):
         return add
 
 
-def of_run(version: str, name: str) -> Drawing:
-    """Declare a figure of one version that its result draws itself."""
-
-    def draw(runs: Runs, numbers: Numbers) -> Figure:
-        drawn: Figure = getattr(runs[version].plot, name)()
-        return drawn
-
-    return draw
-
-
 def over_distance(axes: Axes, history: Mapping[str, FloatArray], column: str, **line: Any) -> None:
     """Draw a column of a history over the distance slid."""
     fs.over_distance(axes, history["distance"], history[column], **line)
 
 
-def versions(axes: Axes, runs: Runs, column: str, *names: str) -> None:
-    """Draw a column of the history of versions over the distance slid, each in its own colour and line."""
+def versions(axes: Axes, runs: Runs, column: str, *names: str, relative: bool = False) -> None:
+    """Draw a column of the history of versions over the distance slid, each in its own colour and line.
+
+    relative: to its end value.
+    """
     for name in names:
-        over_distance(axes, runs[name].history, column, label=VERSIONS[name], **LINES[name])
+        history = runs[name].history
+        values = history[column] / history[column][-1] if relative else history[column]
+        fs.over_distance(axes, history["distance"], values, label=VERSIONS[name], **LINES[name])
 
 
-#: Figures of single runs.
-OF_RUNS = {
-    f"{plot}_of_{version}": of_run(version, method)
-    for version, plot, method in (
-        ("v1", "disc_3d", "disc_3d"),
-        ("v1", "sphere_3d", "sphere_3d"),
-        ("v1", "volumes", "volumes"),
-        ("v3", "disc_3d", "disc_3d"),
-        ("v3", "sphere_3d", "sphere_3d"),
-        ("v3", "disc_maps", "disc_map"),
-    )
+#: Figures of single runs, which their results draw themselves.
+OF_RUNS: dict[str, Drawing] = {
+    "disc_3d_of_v1": lambda runs, _: runs["v1"].plot.disc_3d(),
+    "sphere_3d_of_v1": lambda runs, _: runs["v1"].plot.sphere_3d(),
+    "volumes_of_v1": lambda runs, _: runs["v1"].plot.volumes(),
+    "disc_3d_of_v3": lambda runs, _: runs["v3"].plot.disc_3d(),
+    "sphere_3d_of_v3": lambda runs, _: runs["v3"].plot.sphere_3d(),
+    "disc_maps_of_v3": lambda runs, _: runs["v3"].plot.disc_map(),
 }

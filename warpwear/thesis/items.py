@@ -75,16 +75,11 @@ class Item:
     figures: tuple[str, ...] = ()  # names of figures
 
 
-def _row(
-    quantity: str,
-    unit: str,
-    of_all: str = "",
-    ours: Mapping[str, str] | None = None,
-    printed: Mapping[str, str] | None = None,
-) -> Row:
+def _row(quantity: str, unit: str, *, of_all: str = "", **columns: Mapping[str, str]) -> Row:
     """Make a row from its entry. of_all: name of a number of every version, without the version."""
-    columns = ours or {told: f"{version}.{of_all}" for version, told in VERSIONS.items()}
-    return Row(quantity, unit, columns, {told: PRINTED[name] for told, name in (printed or {}).items()})
+    ours = {told: f"{version}.{of_all}" for version, told in VERSIONS.items()} if of_all else {}
+    printed = {told: PRINTED[name] for told, name in columns.pop("printed", {}).items()}
+    return Row(quantity, unit, printed=printed, **{"ours": ours} | columns)
 
 
 def _line(item: str, tolerance: str = "", **row: Any) -> Line:
@@ -92,17 +87,12 @@ def _line(item: str, tolerance: str = "", **row: Any) -> Line:
     return Line(_row(**row), item, TOLERANCES[tolerance] if tolerance else 0.0)
 
 
-def _rule(kind: str, yes: str, no: str = "", **others: Any) -> Rule:
-    """Make a rule from its entry; a reason that stands alone is both."""
-    others |= {"condition": others.pop("if")} if "if" in others else {}
-    return Rule(kind=Kind(kind), yes=yes, no=no or yes, **others)
-
-
 def _item(says: str, verdict: dict[str, Any], **entry: Any) -> Item:
     """Make an item from its entry."""
+    rule = Rule(**verdict | {"kind": Kind(verdict["kind"])})
     rows = tuple(_row(**row) for row in entry.pop("rows", ()))
     figures = tuple(entry.pop("figures", ()))
-    return Item(says=folded(says), rule=_rule(**verdict), rows=rows, figures=figures, **entry)
+    return Item(says=folded(says), rule=rule, rows=rows, figures=figures, **entry)
 
 
 _CONTENT = read("items.toml")

@@ -4,30 +4,34 @@ Names are `version.quantity_unit`; what belongs to no version stands alone. NaN 
 """
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results.summary import shape_of_growth
-from warpwear.thesis.coefficients import patch
-from warpwear.thesis.printed import (
-    DISTANCE,
-    LOAD,
-    PASSES,
-    PATCH_DIAMETERS,
-    SLOWS_AFTER,
-    STROKE,
-    V3_PRESSURES,
-    WEAR_COEFFICIENTS,
+from warpwear.thesis import printed as thesis
+from warpwear.thesis.coefficients import DIAMETER, K_OF_BALL, patch
+from warpwear.thesis.printed import read
+from warpwear.thesis.runs import (
+    IMPLICIT,
+    VERSIONS,
+    Runs,
+    depth_of_rim,
+    rim_at,
+    worn_radius,
+    worn_radius_of_paraboloid,
 )
-from warpwear.thesis.runs import VERSIONS, Runs, depth_of_rim, rim_at, worn_radius, worn_radius_of_paraboloid
 
 Numbers = dict[str, float]
 #: Distance after which relative differences of areas no longer show single cells [mm].
 SETTLED = 30.0
+#: Numbers that are values of columns.
+COLUMNS = read("numbers.toml")
+#: Lengths of a patch along the surface.
+EXTENTS = ("along", "across", "predicted_along", "predicted_across", "bound", "farthest")
 
 
 def collect(runs: Runs) -> Numbers:
@@ -35,6 +39,7 @@ def collect(runs: Runs) -> Numbers:
     found: Numbers = {}
     for name in VERSIONS:
         found |= {f"{name}.{key}": value for key, value in _of_version(runs[name]).items()}
+    found |= {name: _change(runs, **entry) for name, entry in COLUMNS["change"].items()}
     found |= _smooth(runs) | _factor(runs) | _rough(runs) | _patches(runs)
     found |= _increments(runs) | _stability(runs) | calibration()
     return {name: float(value) for name, value in found.items()}
@@ -48,38 +53,27 @@ def snapshot_at(result: Result, distance: float) -> Snapshot:
 def _of_version(result: Result) -> Numbers:
     """Find what each version says of itself."""
     history, summary = result.history, result.summary
-    end = {name: float(values[-1]) for name, values in history.items()}
-    curvature = result.study.sphere.curvature
+    first, end = ({name: values[row] for name, values in history.items()} for row in (0, -1))
+    mean, curvature = history["pressure_mean"], result.study.sphere.curvature
     total = end["wear_depth_sphere"] + end["wear_depth_disc"]
     found = {
-        "patch_along_mm": end["patch_along"],
-        "patch_across_mm": end["patch_across"],
         "patch_by_area_mm": 2.0 * math.sqrt(end["area_touched"] / math.pi),
         # A sphere and a flat whose middles have receded by so much meet at this rim; a paraboloid is wider.
         "patch_by_depth_mm": 2.0 * rim_at(total, radius=1.0 / curvature) if curvature else math.nan,
-        "sphere_depth_um": 1e3 * end["wear_depth_sphere"],
-        "disc_depth_um": 1e3 * end["wear_depth_disc"],
-        "sphere_volume_mm3": end["wear_volume_sphere"],
-        "disc_volume_mm3": end["wear_volume_disc"],
         "sphere_volume_error": summary["conservation_relative"]["sphere"],
         "disc_volume_error": summary["conservation_relative"]["disc"],
         "disc_volume_over_KFL": summary["disc_volume_over_KFL"] or math.nan,
-        "area_first_mm2": history["area_contact"][0],
         "area_30_mm2": np.interp(SETTLED, history["distance"], history["area_contact"]),
-        "area_end_mm2": end["area_contact"],
-        "area_touched_mm2": end["area_touched"],
-        "area_sum_mm2": end["area_cumulative"],
-        "pressure_first_max_MPa": history["pressure_max"][0],
-        "pressure_end_MPa": end["pressure_mean"],
-        "pressure_end_max_MPa": end["pressure_max"],
-        "pressure_smallest_MPa": history["pressure_mean"].min(),
-        "pressure_largest_MPa": history["pressure_mean"].max(),
-        "pressure_scatter_MPa": history["pressure_mean"].std(),
+        "pressure_smallest_MPa": mean.min(),
+        "pressure_largest_MPa": mean.max(),
+        "pressure_scatter_MPa": mean.std(),
         "pressure_unevenness": end["pressure_std"] / end["pressure_mean"],
-        "cof_first": history["cof"][0],
-        "cof_end": end["cof"],
-        "cof_first_over_end": history["cof"][0] / history["cof"][-1],
+        "cof_first_over_end": first["cof"] / end["cof"],
     }
+    for name, column in COLUMNS["first"].items():
+        found[name] = first[column]
+    for name, column in COLUMNS["last"].items():
+        found[name] = 1e3 * end[column] if name.endswith("_um") else end[column]
     for area, prefix in (("contact", ""), ("touched", "touched_"), ("cumulative", "sum_")):
         found |= {f"{prefix}{key}": value for key, value in shape(result, area).items()}
     return found
@@ -101,9 +95,14 @@ def straightness(x: FloatArray, y: FloatArray) -> float:
     return float(1.0 - np.sum((weight * (y - line)) ** 2) / spread) if spread else math.nan
 
 
-def _change(history: Mapping[str, FloatArray], other: Mapping[str, FloatArray], name: str) -> float:
-    """Find by how much a column ends above another run's, as a part of that one."""
-    return float(history[name][-1] / other[name][-1] - 1.0)
+def _change(runs: Runs, *, run: str, other: str, column: str) -> float:
+    """Find by how much a column of a run ends above another run's, as a part of that one."""
+    return float(runs[run].history[column][-1] / runs[other].history[column][-1] - 1.0)
+
+
+def _settled(distance: FloatArray) -> NDArray[np.bool_]:
+    """Tell which steps end where ratios are compared: from `SETTLED` on, or the last where none does."""
+    return np.asarray(distance >= min(SETTLED, distance[-1]))
 
 
 def _smooth(runs: Runs) -> Numbers:
@@ -113,7 +112,7 @@ def _smooth(runs: Runs) -> Numbers:
     assert hertz is not None  # the smooth model needs elastic constants
     distance, mean = history["distance"], history["pressure_mean"]
     radius = np.sqrt(history["area_contact"] / np.pi)
-    early = SLOWS_AFTER.value
+    early = thesis.SLOWS_AFTER.value
     late = distance >= 0.5 * distance[-1]
     depth = history["wear_depth_disc"]
     return {
@@ -141,9 +140,7 @@ def _factor(runs: Runs) -> Numbers:
     edge = 0.5 * v2["patch_across"][-1] - 0.5 * study.grid.cell
     cosine = math.sqrt(max(0.0, 1.0 - (edge * study.sphere.curvature) ** 2))
     sphere, disc = study.wear_coefficients
-    settled = v1["distance"] >= SETTLED
-    if not settled.any():
-        settled[-1] = True
+    settled = _settled(v1["distance"])
     change = v2["cof"][settled] / v1["cof"][settled] - 1.0
     wear_1, wear_2 = (runs[name].snapshot(-1).wear_sphere for name in ("v1", "v2"))
     return {
@@ -153,11 +150,7 @@ def _factor(runs: Runs) -> Numbers:
         "v2.edge_pressure_excess": line[[0, -1]].mean() / line[line.size // 2] - 1.0,
         # Worn flat together, both bodies recede alike: p (K_s + K_d cos θ) is the same everywhere.
         "v2.edge_pressure_excess_expected": (sphere + disc) / (sphere + disc * cosine) - 1.0,
-        "v2.disc_volume_change": _change(v2, v1, "wear_volume_disc"),
-        "v2.sphere_volume_change": _change(v2, v1, "wear_volume_sphere"),
-        "v2.sphere_depth_change": _change(v2, v1, "wear_depth_sphere"),
         "v2.cof_change_largest": np.abs(change).max(),
-        "v2.cof_change_end": _change(v2, v1, "cof"),
         "v2.skewness_um": 1e3 * np.abs(wear_2 - wear_2.T).max(),
         "v2.sphere_change_um": 1e3 * np.abs(wear_2 - wear_1).max(),
     }
@@ -165,14 +158,12 @@ def _factor(runs: Runs) -> Numbers:
 
 def _rough(runs: Runs) -> Numbers:
     """Find what roughness does: V3 and the fine model beside V1 and V2."""
-    v1, v2, v3, fine = (runs[name].history for name in VERSIONS)
-    low, high = (printed.value for printed in V3_PRESSURES)
+    v1, v3, fine = (runs[name].history for name in ("v1", "v3", "fine"))
+    low, high = (printed.value for printed in thesis.V3_PRESSURES)
     mean, cells = v3["pressure_mean"], v3["cells_in_contact"]
     rough, study = runs["v3"].study, runs["fine"].study
     hardness, load, tolerance = rough.hardness, rough.contact.load, rough.load_tolerance
     found = {
-        "v3.disc_volume_over_v2": _change(v3, v2, "wear_volume_disc"),
-        "v3.disc_volume_over_v1": _change(v3, v1, "wear_volume_disc"),
         "v3.sum_over_worn_patch": v3["area_cumulative"][-1] / v1["area_contact"][-1],
         "v3.cof_over_v1": v3["cof"][-1] / v1["cof"][-1],
         "v3.pressures_within_printed": np.mean((mean >= low) & (mean <= high)),
@@ -201,49 +192,45 @@ def pattern(result: Result) -> float:
     inside = x**2 + y**2 <= reach**2
     if inside.sum() < 10:
         return math.nan
-    terms = np.column_stack([np.ones(int(inside.sum())), (x**2)[inside], (y**2)[inside]])
+    terms = np.column_stack([np.ones(int(inside.sum())), x[inside] ** 2, y[inside] ** 2])
     fitted, *_ = np.linalg.lstsq(terms, wear[inside], rcond=None)
     return float(np.sqrt(np.mean((wear[inside] - terms @ fitted) ** 2)))
 
 
 def _patches(runs: Runs) -> Numbers:
     """Find what the patches on surfaces of different seeds have in common, and each of them."""
-    patches = runs.patches
-    predicted = np.array([[p.predicted_along, p.predicted_across] for p in patches])
-    measured = np.array([[p.along, p.across] for p in patches])
-    volumes = np.array([p.disc_volume for p in patches]) / runs["v2"].history["wear_volume_disc"][-1] - 1.0
-    radius, smooth = 1.0 / runs["v3"].study.sphere.curvature, worn_radius(runs["v3"].study)
-    printed = 0.5 * PATCH_DIAMETERS["v3"].value
+    patches, rough = runs.patches, runs["v3"].study
+
+    def of(name: str) -> FloatArray:
+        """List a field of every patch."""
+        return np.array([getattr(p, name) for p in patches])
+
+    measured = np.array([of("along"), of("across")])
+    predicted = np.array([of("predicted_along"), of("predicted_across")])
+    volumes = of("disc_volume") / runs["v2"].history["wear_volume_disc"][-1] - 1.0
+    radius, smooth = 1.0 / rough.sphere.curvature, worn_radius(rough)
+    printed = 0.5 * thesis.PATCH_DIAMETERS["v3"].value
+    asked = depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)
     found: Numbers = {
         "surfaces": len(patches),
-        "surfaces.patch_mean_mm": float(np.mean([0.5 * (p.along + p.across) for p in patches])),
-        "surfaces.patch_smallest_mm": measured.min(),
-        "surfaces.patch_largest_mm": measured.max(),
-        "surfaces.farthest_smallest_mm": min(p.farthest for p in patches),
-        "surfaces.farthest_largest_mm": max(p.farthest for p in patches),
+        "surfaces.patch_mean_mm": float(np.mean(0.5 * (of("along") + of("across")))),
         "surfaces.prediction_error_mm": np.abs(measured - predicted).max(),
-        "surfaces.bound_smallest_mm": min(p.largest for p in patches),
-        "surfaces.bound_largest_mm": max(p.largest for p in patches),
-        "surfaces.bound_exceeded_mm": max(max(p.along, p.across) - p.largest for p in patches),
-        "surfaces.peak_smallest_um": 1e3 * min(p.peak for p in patches),
-        "surfaces.peak_largest_um": 1e3 * max(p.peak for p in patches),
-        "surfaces.peak_asked_um": 1e3
-        * (depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)),
-        "surfaces.disc_volume_over_v2_smallest": volumes.min(),
-        "surfaces.disc_volume_over_v2_largest": volumes.max(),
-        "surfaces.cell_mm": runs["v3"].study.grid.cell,
+        "surfaces.bound_exceeded_mm": (measured - of("bound")).max(),
+        "surfaces.peak_asked_um": 1e3 * asked,
+        "surfaces.cell_mm": rough.grid.cell,
     }
+    for name, values in (
+        ("patch_{}_mm", measured),
+        ("farthest_{}_mm", of("farthest")),
+        ("bound_{}_mm", of("bound")),
+        ("peak_{}_um", 1e3 * of("peak")),
+        ("disc_volume_over_v2_{}", volumes),
+    ):
+        found[f"surfaces.{name.format('smallest')}"] = values.min()
+        found[f"surfaces.{name.format('largest')}"] = values.max()
     for p in patches:
-        each = {
-            "along_mm": p.along,
-            "across_mm": p.across,
-            "predicted_along_mm": p.predicted_along,
-            "predicted_across_mm": p.predicted_across,
-            "peak_um": 1e3 * p.peak,
-            "bound_mm": p.largest,
-            "farthest_mm": p.farthest,
-        }
-        found |= {f"surface_{p.seed}.{key}": value for key, value in each.items()}
+        found |= {f"surface_{p.seed}.{name}_mm": getattr(p, name) for name in EXTENTS}
+        found[f"surface_{p.seed}.peak_um"] = 1e3 * p.peak
     return found
 
 
@@ -251,22 +238,20 @@ def _increments(runs: Runs) -> Numbers:
     """Find where V1 with implicit wear ends for each increment."""
     found: Numbers = {}
     deviations = []
-    reference = runs["v1"].history
-    for increment, result in runs.implicit.items():
-        for key, name in (("area_end_mm2", "area_contact"), ("disc_depth_mm", "wear_depth_disc")):
-            found[f"implicit_{increment:g}.{key}"] = result.history[name][-1]
-            deviations.append(abs(_change(result.history, reference, name)))
+    for increment in runs.plan.increments:
+        run = IMPLICIT.format(increment)
+        for key, column in (("area_end_mm2", "area_contact"), ("disc_depth_mm", "wear_depth_disc")):
+            found[f"implicit_{increment:g}.{key}"] = runs[run].history[column][-1]
+            deviations.append(abs(_change(runs, run=run, other="v1", column=column)))
     return found | {"implicit.largest_deviation": max(deviations)}
 
 
 def _stability(runs: Runs) -> Numbers:
     """Find what explicit wear beyond its limit does, beside a stable run."""
-    beyond, steady, v1 = runs.beyond.history, runs.steady.history, runs["v1"].history
+    beyond, steady = runs["beyond"].history, runs["steady"].history
     ratio = beyond["area_contact"] / np.interp(beyond["distance"], steady["distance"], steady["area_contact"])
-    low = ratio[beyond["distance"] >= SETTLED] - 1.0
-    if not low.size:
-        low = ratio[-1:] - 1.0
-    study = runs.beyond.study
+    low = ratio[_settled(beyond["distance"])] - 1.0
+    study = runs["beyond"].study
     wear = sum(study.wear_coefficients)
     return {
         "beyond.limit_mm": study.contact_law().stable_increment(wear),
@@ -277,9 +262,6 @@ def _stability(runs: Runs) -> Numbers:
         "beyond.area_lowest": low.min(),
         "beyond.area_highest": low.max(),
         "beyond.pressure_unevenness": beyond["pressure_std"][-1] / beyond["pressure_mean"][-1],
-        "beyond.patch_change": _change(beyond, v1, "patch_along"),
-        "beyond.depth_change": _change(beyond, v1, "wear_depth_disc"),
-        "beyond.volume_change": _change(beyond, v1, "wear_volume_disc"),
     }
 
 
@@ -287,13 +269,13 @@ def calibration() -> Numbers:
     """Find what the printed patch of the ball and the printed wear coefficients say of each other."""
     worn = patch()
     by_cap, by_ellipsoid = 1e3 * worn.by_cap.mean, 1e3 * worn.by_ellipsoid.mean  # [mm³/(N m)]
-    groove = 1e-3 * WEAR_COEFFICIENTS["disc"].value * LOAD.value * DISTANCE.value
+    groove = 1e-3 * thesis.WEAR_COEFFICIENTS["disc"].value * thesis.LOAD.value * thesis.DISTANCE.value
     return {
         "experiment.K_by_cap": by_cap,
         "experiment.K_by_ellipsoid": by_ellipsoid,
-        "experiment.K_over_cap": 1e3 * worn.printed / by_cap,
+        "experiment.K_over_cap": 1e3 * K_OF_BALL / by_cap,
         "experiment.patch_of_printed_K_mm": worn.asked,
         # A groove with the profile of a parabola, as wide as the patch and as long as the stroke.
-        "experiment.groove_depth_um": 1e3 * 1.5 * groove / (worn.diameter * STROKE.value),
-        "experiment.distance_by_strokes_mm": STROKE.value * PASSES.value,
+        "experiment.groove_depth_um": 1e3 * 1.5 * groove / (DIAMETER.value * thesis.STROKE.value),
+        "experiment.distance_by_strokes_mm": thesis.STROKE.value * thesis.PASSES.value,
     }

@@ -1,7 +1,7 @@
 """A report as one self-contained HTML page: templates, embedded figures, a folder never half written."""
 
 import base64
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from warpwear import lazy
 from warpwear.figures import style as fs
-from warpwear.results.folder import check_folder, whole_folder
+from warpwear.results.folder import whole_folder
 
 jinja2 = lazy.module("jinja2")
 
@@ -50,11 +50,6 @@ def embedded(figure: Figure) -> Picture:
         figure.savefig(picture, format="png", dpi=DPI)
     source = "data:image/png;base64," + base64.b64encode(picture.getvalue()).decode("ascii")
     return Picture(source, round(100.0 * min(1.0, figure.get_figwidth() / fs.PAGE)))
-
-
-def check_report(folder: Path, names: Sequence[str], *, overwrite: bool) -> None:
-    """Raise InputError unless the files of a report may be written there. names: of the files."""
-    check_folder(folder, names, what="a report", overwrite=overwrite)
 
 
 def write_report(folder: Path, files: Mapping[str, str]) -> None:

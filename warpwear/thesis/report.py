@@ -2,6 +2,7 @@
 
 import platform
 import time
+from collections import defaultdict
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -9,14 +10,17 @@ from typing import Any
 import warp
 
 from warpwear.result import Result
+from warpwear.results.folder import check_folder
 from warpwear.results.report import to_json
+from warpwear.study.keys import value_of
+from warpwear.study.text import readable
 from warpwear.thesis import curves, maps
 from warpwear.thesis.figures import CAPTIONS, OF_RUNS
 from warpwear.thesis.items import ALL_ITEMS, FINDINGS, OF_THESIS, SUMMARY, Row
 from warpwear.thesis.numbers import Numbers, collect
-from warpwear.thesis.page import Picture, check_report, embedded, render, write_report
+from warpwear.thesis.page import embedded, render, write_report
 from warpwear.thesis.printed import TOLERANCES
-from warpwear.thesis.runs import VERSIONS, Plan, Runs, published, running
+from warpwear.thesis.runs import LABELS, SURFACE, VERSIONS, Plan, Runs, published, running
 from warpwear.thesis.verdicts import Kind, Verdict, as_printed, number
 from warpwear.version import __version__
 
@@ -45,15 +49,12 @@ def thesis_report(
     and leaves nothing behind then.
     """
     folder = Path(out)
-    check_report(folder, (PAGE, NUMBERS), overwrite=overwrite)
+    check_folder(folder, (PAGE, NUMBERS), what="a report", overwrite=overwrite)
     started = time.perf_counter()
     with running(plan or published(quick=quick), device=device, threads=threads, quiet=quiet) as runs:
         numbers = collect(runs)
         verdicts = judge(numbers)
-        pictures = {name: embedded(draw(runs, numbers)) for name, draw in FIGURES.items()}
-        page = render_page(
-            runs, numbers, verdicts, pictures, quick=quick, elapsed=time.perf_counter() - started
-        )
+        page = render_page(runs, numbers, verdicts, quick=quick, started=started)
     write_report(folder, {PAGE: page, NUMBERS: as_json(numbers, verdicts)})
     return folder / PAGE
 
@@ -99,24 +100,14 @@ def _record(row: Row, numbers: Numbers) -> dict[str, Any]:
 
 
 def render_page(
-    runs: Runs,
-    numbers: Numbers,
-    verdicts: Mapping[str, Verdict],
-    pictures: Mapping[str, Picture],
-    *,
-    quick: bool,
-    elapsed: float,
+    runs: Runs, numbers: Numbers, verdicts: Mapping[str, Verdict], *, quick: bool, started: float
 ) -> str:
-    """Fill the page. elapsed: time of all runs and figures [s]."""
-    first = runs["v1"]
+    """Draw all figures and fill the page. started: when the first run began [s], by `time.perf_counter`."""
+    attributes = runs["v1"].attributes
+    pictures = {name: embedded(draw(runs, numbers)) for name, draw in FIGURES.items()}
     return render(
         "thesis.html",
-        {
-            "num": number,
-            "as_printed": as_printed,
-            "exact": repr,
-            "anchor": lambda kind: str(kind).replace(" ", "-"),
-        },
+        {"num": number, "as_printed": as_printed},
         printed_columns=PRINTED_COLUMNS,
         versions=VERSIONS,
         summary=[(line.row, line.judge(numbers), line.item) for line in SUMMARY],
@@ -129,7 +120,8 @@ def render_page(
         captions=CAPTIONS,
         pictures=pictures,
         n=numbers,
-        runs=_runs_table(runs),
+        # The other surfaces have one line together.
+        runs=[_how(name, result) for name, result in runs.results.items() if SURFACE not in name],
         refusal=runs.refusal,
         increments=runs.plan.increments,
         patches=runs.patches,
@@ -140,10 +132,8 @@ def render_page(
             "Warp": warp.__version__,
             "Python": platform.python_version(),
             "platform": platform.platform(),
-            "device": first.attributes["device"],
-            "threads": first.attributes["threads"],
-            "precision": first.attributes["precision"],
-            "elapsed": f"{elapsed:.0f} s for all runs and figures",
+            **{name: attributes[name] for name in ("device", "threads", "precision")},
+            "elapsed": f"{time.perf_counter() - started:.0f} s for all runs and figures",
         },
     )
 
@@ -154,15 +144,7 @@ def _count(verdicts: Mapping[str, Verdict]) -> dict[Kind, int]:
     return {kind: of_thesis.count(kind) for kind in Kind if kind in of_thesis}
 
 
-def _runs_table(runs: Runs) -> list[dict[str, Any]]:
-    """List every run: its name, how it was computed, and what it warned of."""
-    found = {VERSIONS[name]: result for name, result in runs.versions.items()}
-    found |= {f"V1 implicit, {increment:g} mm": result for increment, result in runs.implicit.items()}
-    found |= {"V1, Hertz's area, explicit, forced": runs.beyond, "V1, Hertz's area, implicit": runs.steady}
-    return [{"name": name, **_how(result)} for name, result in found.items()]
-
-
-def _how(result: Result) -> dict[str, Any]:
+def _how(name: str, result: Result) -> dict[str, Any]:
     """Say in words how a run was computed."""
     study = result.study
     first, growth, largest = study.stepping.plan
@@ -173,36 +155,22 @@ def _how(result: Result) -> dict[str, Any]:
         else f"hardness {study.hardness:g} MPa"
     )
     return {
-        "cell": f"{1e3 * study.grid.cell:g} µm",
+        "name": LABELS.get(name, name),
         "law": law,
         "stepping": f"{study.stepping.scheme}, {steps}",
         "steps": result.history["distance"].size,
-        "distance": study.sliding.total,
-        "factor": study.wear.distance_factor,
+        "study": study,
         "warnings": result.record["warnings"],
     }
 
 
-def _short(value: Any) -> str:
-    """Write a value of a study with six digits: 0.333333 mm/s."""
-    text, _, unit = str(value).partition(" ")
-    try:
-        return f"{float(text):.6g} {unit}".strip()
-    except ValueError:
-        return str(value)
-
-
-def _assumptions(runs: Runs) -> list[dict[str, Any]]:
-    """List each assumed key with its value and reason, and the studies that assume it."""
-    found: dict[tuple[str, str, str], list[str]] = {}
-    for name, result in runs.versions.items():
-        for key, reason in result.summary["assumptions"].items():
-            value: Any = result.study.model_dump()
-            for part in key.split("."):
-                value = value.get(part) if isinstance(value, dict) else None
-            shown = "" if value is None else _short(value)
-            found.setdefault((key, shown, reason), []).append(VERSIONS[name])
-    return [
-        {"key": key, "value": value, "reason": reason, "studies": ", ".join(studies)}
-        for (key, value, reason), studies in sorted(found.items())
-    ]
+def _assumptions(runs: Runs) -> list[tuple[tuple[str, str, str], list[str]]]:
+    """List each assumed key with its value and reason, and the names of the studies that assume it."""
+    found: dict[tuple[str, str, str], list[str]] = defaultdict(list)
+    for name, told in VERSIONS.items():
+        study = runs[name].study.model_dump()
+        for key, reason in runs[name].summary["assumptions"].items():
+            value = value_of(study, key)
+            shown = "" if value is None else str(readable(value))
+            found[key, shown, reason].append(told)
+    return sorted(found.items())

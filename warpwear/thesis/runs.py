@@ -23,6 +23,15 @@ from warpwear.surfaces.sphere import sag
 QUICK_CELL = "5 um"
 #: Results shown side by side: name in numbers and files -> name for people.
 VERSIONS = {"v1": "V1", "v2": "V2", "v3": "V3", "fine": "V3 fine"}
+#: Foundation of the smooth model that matches Hertz's area: stiffer, so that V1's increment is too large.
+HERTZ_AREA = {"contact.bulk_stiffness": "area"}
+#: Names of the other runs: of V1 by its increment [mm], and of V3 before the seed of its surface.
+IMPLICIT, SURFACE = "V1 implicit, {:g} mm", "V3, surface "
+#: Names for people of the runs whose own are short.
+LABELS = VERSIONS | {
+    "beyond": "V1, Hertz's area, explicit, forced",
+    "steady": "V1, Hertz's area, implicit",
+}
 
 
 @dataclass(frozen=True)
@@ -42,10 +51,22 @@ class Plan:
             )
 
     @property
-    def runs(self) -> int:
-        """Number of runs."""
-        again = sum(seed != _seed(self.studies["v3"]) for seed in self.seeds)
-        return len(self.studies) + len(self.increments) + 2 + again
+    def runs(self) -> dict[str, Study]:
+        """Every study by the name of its run in `Runs`, in the order of computing."""
+        smooth, rough = self.studies["v1"], self.studies["v3"]
+        step = smooth.stepping.plan[2]
+        own = rough.disc.synthetic.seed if rough.disc.synthetic else None
+        return (
+            self.studies
+            | {IMPLICIT.format(increment): _implicit(smooth, increment) for increment in self.increments}
+            | {"beyond": smooth.replace(HERTZ_AREA | {"stepping.force": True})}
+            | {"steady": _implicit(smooth, step).replace(HERTZ_AREA)}
+            | {
+                f"{SURFACE}{seed}": rough.replace({"disc.synthetic.seed": seed})
+                for seed in self.seeds
+                if seed != own
+            }
+        )
 
 
 def published(*, quick: bool = False) -> Plan:
@@ -66,7 +87,7 @@ class RoughPatch:
     predicted_along: float  # extents of the surface cut by the sphere that V1's patch belongs to
     predicted_across: float
     peak: float  # highest point over the mean plane near the rim, R_p
-    largest: float  # 2√(z(2R − z)), z = R − √(R² − a²) + R_p: both ends of a diameter on such a peak
+    bound: float  # 2√(z(2R − z)), z = R − √(R² − a²) + R_p: both ends of a diameter on such a peak
     farthest: float  # twice the distance of the farthest touched cell from the middle
     disc_volume: float  # [mm³]
 
@@ -76,15 +97,12 @@ class Runs:
     """Open results; closed with `running`."""
 
     plan: Plan
-    versions: dict[str, Result]
-    implicit: dict[float, Result]  # increment [mm] -> V1, implicit
-    beyond: Result  # V1 beyond the limit of stability
-    steady: Result  # the same foundation, implicit
-    refusal: str  # what the solver says when it is not forced
+    results: dict[str, Result]  # by the names of `Plan.runs`
+    refusal: str  # what the solver says when it is not forced beyond the limit of stability
     patches: tuple[RoughPatch, ...]
 
     def __getitem__(self, name: str) -> Result:
-        return self.versions[name]
+        return self.results[name]
 
 
 @contextmanager
@@ -93,45 +111,22 @@ def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False
 
     quiet: without a line a run on standard error.
     """
-    done = 0
+    results: dict[str, Result] = {}
+    studies = plan.runs
     with ExitStack() as stack:
-
-        def compute(label: str, study: Study) -> Result:
-            nonlocal done
+        for done, (name, study) in enumerate(studies.items(), 1):
             started = time.perf_counter()
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", StudyWarning)  # the report tells of them
                 result = run(study, device=device, threads=threads, plots=False)
-            stack.callback(result.close)
-            done += 1
+            results[name] = stack.enter_context(result)
             if not quiet:
-                took = time.perf_counter() - started
-                print(
-                    f"report: run {done} of {plan.runs}, {label}: {took:.1f} s", file=sys.stderr, flush=True
-                )
-            return result
-
-        versions = {name: compute(VERSIONS[name], study) for name, study in plan.studies.items()}
-        smooth = plan.studies["v1"]
-        implicit = {
-            increment: compute(f"V1 implicit, {increment:g} mm", _implicit(smooth, increment))
-            for increment in plan.increments
-        }
-        area = {"contact.bulk_stiffness": "area"}
-        step = smooth.stepping.plan[2]
-        beyond = compute(
-            f"V1 with Hertz's area, explicit {step:g} mm", smooth.replace(area | {"stepping.force": True})
-        )
-        steady = compute(f"V1 with Hertz's area, implicit {step:g} mm", _implicit(smooth, step).replace(area))
-
-        def patch(seed: int) -> RoughPatch:
-            if seed == _seed(plan.studies["v3"]):
-                return _rough_patch(seed, versions["v3"])
-            study = plan.studies["v3"].replace({"disc.synthetic.seed": seed})
-            return _rough_patch(seed, compute(f"V3, surface {seed}", study))
-
-        patches = tuple(patch(seed) for seed in plan.seeds)
-        yield Runs(plan, versions, implicit, beyond, steady, _refusal(smooth, area), patches)
+                label, took = LABELS.get(name, name), time.perf_counter() - started
+                line = f"report: run {done} of {len(studies)}, {label}: {took:.1f} s"
+                print(line, file=sys.stderr, flush=True)
+        rough = (results.get(f"{SURFACE}{seed}", results["v3"]) for seed in plan.seeds)
+        patches = tuple(map(_rough_patch, plan.seeds, rough))
+        yield Runs(plan, results, _refusal(plan.studies["v1"]), patches)
 
 
 def _implicit(study: Study, increment: float) -> Study:
@@ -139,18 +134,13 @@ def _implicit(study: Study, increment: float) -> Study:
     return study.replace({"stepping.scheme": "implicit", "stepping.increment": f"{increment!r} mm"})
 
 
-def _refusal(study: Study, changes: dict[str, str]) -> str:
-    """Find the sentence that refuses an unstable study; empty if it is not refused."""
+def _refusal(smooth: Study) -> str:
+    """Find the sentence that refuses V1 beyond the limit of stability; empty if it is not refused."""
     try:
-        study.replace(changes)
+        smooth.replace(HERTZ_AREA)
     except InputError as error:
         return str(error)
     return ""
-
-
-def _seed(study: Study) -> int | None:
-    """Seed of the synthetic disc; None for a measured one."""
-    return study.disc.synthetic.seed if study.disc.synthetic else None
 
 
 def _rough_patch(seed: int, result: Result) -> RoughPatch:
@@ -162,7 +152,7 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
     square = np.add.outer(result.x**2, result.y**2)
     # A cell is touched where it stands above the sphere through the smooth patch's rim.
     over_rim = sag(result.x, result.y, radius=radius) - depth_of_rim(smooth, radius=radius)
-    touched = np.asarray(heights >= over_rim)
+    touched = heights >= over_rim
     near_rim = (over_rim >= 0.0) & (over_rim <= heights.max())
     peak = float(heights[near_rim].max()) if near_rim.any() else 0.0
     return RoughPatch(
@@ -172,7 +162,7 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
         predicted_along=_extent(touched, 1, study.grid.cell),
         predicted_across=_extent(touched, 0, study.grid.cell),
         peak=peak,
-        largest=2.0 * rim_at(depth_of_rim(smooth, radius=radius) + max(peak, 0.0), radius=radius),
+        bound=2.0 * rim_at(depth_of_rim(smooth, radius=radius) + max(peak, 0.0), radius=radius),
         farthest=2.0 * float(np.sqrt(square[result.snapshot(-1).wear_sphere > 0.0].max())),
         disc_volume=float(result.history["wear_volume_disc"][-1]),
     )

@@ -73,13 +73,14 @@ class Known:
 class Rule:
     """A verdict of a kind if a condition holds, and why or why not.
 
-    condition, unless and the values of `let` are expressions; yes and no are templates. let: names for what
+    condition, unless and the values of `let` are expressions; yes and no are templates, and yes is both
+    without a no. let: names for what
     follows. unless: when nothing can be compared; since: why not.
     """
 
     kind: Kind
     yes: str
-    no: str
+    no: str = ""
     condition: str = "true"
     let: Mapping[str, str] = field(default_factory=dict)
     unless: str = "false"
@@ -95,7 +96,7 @@ class Rule:
             for name, expression in self.let.items():
                 known[name] = _expression(expression)(known)
             holds = _expression(self.condition)(known)
-            yes, no = (folded(_template(text).render(known)) for text in (self.yes, self.no))
+            yes, no = (folded(_template(text).render(known)) for text in (self.yes, self.no or self.yes))
         except Unknown as missing:
             return Verdict(Kind.NOT_COMPARABLE, f"The runs do not say {missing}.")
         return Verdict(self.kind, yes) if holds else Verdict(OTHERWISE[self.kind], no)
