@@ -82,11 +82,10 @@ def advance(
         for j in range(LANES):
             p[j] = wp.where(whole, shifted(x[j], shift, cap), clipped(p[j] + length * s[j], cap))
             t[j] += length * y[j]
-            touch = wp.where(p[j] > ZERO, ONE, ZERO)
-            inside = wp.where(p[j] < cap, touch, ZERO)
-            touching[j] += touch
-            between[j] += inside
-            level[j] += wp.where(inside > ZERO, t[j], ZERO)
+            inside = p[j] > ZERO and p[j] < cap
+            touching[j] += wp.where(p[j] > ZERO, ONE, ZERO)
+            between[j] += wp.where(inside, ONE, ZERO)
+            level[j] += wp.where(inside, t[j], ZERO)
             highest[j] = wp.max(highest[j], wp.where(p[j] > ZERO, t[j], -NONE))
             lowest[j] = wp.max(lowest[j], wp.where(p[j] < cap, -t[j], -NONE))
         fields.pressure[row, k] = p

@@ -5,7 +5,7 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -208,10 +208,23 @@ def _worst(violation: FloatArray, scale: FloatArray) -> float:
 class HalfSpace(BoundedPressure):
     """Solves contacts of one grid, as `BoundedPressure` says.
 
-    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free". options: of `BoundedPressure`.
+    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free".
     """
 
     def __init__(
-        self, executor: Executor, *, modulus: float, boundary: str = "periodic", **options: Any
+        self,
+        executor: Executor,
+        *,
+        modulus: float,
+        boundary: str = "periodic",
+        hardness: float = math.inf,
+        tolerance: float = TOLERANCE,
+        max_iterations: int = MAX_ITERATIONS,
     ) -> None:
-        super().__init__(executor, Influence(executor, modulus=modulus, boundary=boundary), **options)
+        super().__init__(
+            executor,
+            Influence(executor, modulus=modulus, boundary=boundary),
+            hardness=hardness,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+        )

@@ -99,8 +99,9 @@ class Iterate:
         """Mean, rms height and lowest point of a gap."""
         mean = variance = lowest = np.zeros(self.parts)
         for _ in range(2):  # about 0, then about the mean
-            count, first, second, deepest = self._pass(
-                half_space_setup.moments, self._executor.grid.ny, mean, gap, sums=3, maxima=1
+            inputs = [self._executor.grid.ny, mean, gap]
+            count, first, second, deepest, _unused = self._pass(
+                half_space_setup.moments, inputs, [], sums=3, maxima=2
             )
             mean = mean + first / count
             variance, lowest = second / count - (first / count) ** 2, -deepest
@@ -108,23 +109,29 @@ class Iterate:
 
     def foundation(self, gap: Field, *, stiffness: float, level: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Trial pressure of a foundation [N/mm³] at an approach [mm]; what it carries, as `carried`."""
-        self._pass(half_space_setup.spring, self._executor.grid.ny, stiffness, level, gap, self._trial)
+        self._pass(half_space_setup.spring, [self._executor.grid.ny, stiffness, level, gap], [self._trial])
         return self.carried(np.zeros(self.parts))
 
     def begin(self, gap: Field) -> SearchSums:
         """Make the gradient of the present pressure."""
         self._influence.respond(self.pressure, self._response)
-        self._pass(half_space_setup.gradient, self._executor.grid.ny, gap, self._response, self.gradient)
+        self._pass(half_space_setup.gradient, [self._executor.grid.ny, gap, self._response], [self.gradient])
         return self.advance(0.0)
 
     def take_trial(self, shift: FloatArray) -> None:
         """The trial pressure, shifted and clipped, becomes the pressure. Its gradient is then out of date."""
-        self.advance(0.0, shift=shift)
+        self._advance(whole=True, length=0.0, shift=shift)
 
     def advance(self, length: float, *, shift: FloatArray | None = None) -> SearchSums:
         """Go `length` steps on. shift: of the trial, which is then taken whole, exact at the bounds."""
-        whole, shift = shift is not None, np.zeros(self.parts) if shift is None else shift
-        *values, negative = self._pass(passes.advance, whole, length, shift, self._fields, sums=4, maxima=2)
+        whole = shift is not None
+        return self._advance(
+            whole=whole, length=length, shift=np.zeros(self.parts) if shift is None else shift
+        )
+
+    def _advance(self, *, whole: bool, length: float, shift: FloatArray) -> SearchSums:
+        inputs = [whole, length, shift, self._fields]
+        *values, negative = self._pass(passes.advance, inputs, [], sums=4, maxima=2)
         return SearchSums._make([*values, -negative])
 
     def descent(self, approach: FloatArray, *, plain: bool) -> tuple[Field, FloatArray]:
@@ -134,14 +141,14 @@ class Iterate:
         """
         if plain:
             return self.gradient, approach
-        self._pass(passes.residual, approach, self._fields)
+        self._pass(passes.residual, [approach], [self._fields])
         self._influence.invert(self._trial, self._trial)
         return self._trial, np.zeros(self.parts)
 
     def products(self, approach: FloatArray, descent: Field, level: FloatArray) -> Products:
         """Sums and maxima over the free cells."""
-        fields = self._fields
-        return Products(*self._pass(passes.products, approach, level, fields, descent, sums=7, maxima=2))
+        inputs = [approach, level, self._fields, descent]
+        return Products(*self._pass(passes.products, inputs, [], sums=7, maxima=2))
 
     def aim(
         self,
@@ -154,13 +161,13 @@ class Iterate:
         outward: float,
     ) -> tuple[FloatArray, FloatArray]:
         """Trial pressure along −descent + memory × last step; what it carries, as `carried`."""
-        numbers = approach, level, memory, length, outward
-        total, between = self._pass(passes.direction, *numbers, self._fields, descent, sums=2)
+        inputs = [approach, level, memory, length, outward, self._fields, descent]
+        total, between = self._pass(passes.direction, inputs, [], sums=2)
         return total, between
 
     def carried(self, shift: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Sums of the shifted and clipped trial pressures [MPa], and the cells between the bounds."""
-        total, between = self._pass(passes.carried, shift, self._fields, sums=2)
+        total, between = self._pass(passes.carried, [shift, self._fields], [], sums=2)
         return total, between
 
     def balance(
@@ -201,21 +208,28 @@ class Iterate:
         Returns the sums of step × (t − λ) and of step × response, and the largest fraction of its room to a
         bound that a cell uses.
         """
-        slope, used = self._pass(passes.step, approach, shift, self._fields, sums=1, maxima=1)
+        inputs = [approach, shift, self._fields]
+        slope, used, _unused = self._pass(passes.step, inputs, [], sums=1, maxima=2)
         self._influence.respond(self._step, self._response)
-        (curvature,) = self._pass(half_space_setup.product, self._step, self._response, sums=1)
-        return float(slope.sum()), float(curvature.sum()), float(used.max())
+        curvature = self._product(self._step, self._response)
+        return float(slope.sum()), curvature, float(used.max())
 
-    def _pass(self, kernel: Any, *arguments: Any, sums: int = 0, maxima: int = 0) -> list[FloatArray]:
+    def _product(self, first: Field, second: Field) -> float:
+        (total,) = self._pass(half_space_setup.product, [first, second], [], sums=1)
+        return float(total.sum())
+
+    def _pass(
+        self, kernel: Any, inputs: list[Any], outputs: list[Field], *, sums: int = 0, maxima: int = 0
+    ) -> list[FloatArray]:
         """Launch a kernel and reduce what it leaves in its tables to a number for each part.
 
-        arguments: of the kernel, but for its tables; arrays hold a number of each part. sums, maxima: how
-        many first rows of the tables of partial results it fills.
+        sums, maxima: how many first rows of the tables of partial results it fills.
         """
         places = iter(self._arguments)
-        inputs = [self._placed(v, *next(places)) if isinstance(v, np.ndarray) else v for v in arguments]
+        inputs = [self._placed(v, *next(places)) if isinstance(v, np.ndarray) else v for v in inputs]
         tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
-        self._executor.launch(kernel, inputs=inputs, outputs=tables, chunks=self._influence.chunks)
+        chunks = self._influence.chunks
+        self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables], chunks=chunks)
         slots = self._slots
         if self._folded is None:
             table, largest = self._sums.numpy()[:sums, :slots], self._maxima.numpy()[:maxima, :slots]
@@ -231,12 +245,12 @@ class Iterate:
             )
             folded = self._folded.numpy()
             table, largest = folded[:sums], folded[sums:both]
-        of_part = self.parts, table.shape[1] // self.parts
-        totals, tops = (
-            table.reshape(sums, *of_part).sum(axis=2),
-            largest.reshape(maxima, *of_part).max(axis=2),
-        )
-        return [*totals, *tops]
+        found: list[FloatArray] = []
+        if sums:
+            found.extend(table.reshape(sums, self.parts, -1).sum(axis=2))
+        if maxima:
+            found.extend(largest.reshape(maxima, self.parts, -1).max(axis=2))
+        return found
 
     @property
     def _slots(self) -> int:

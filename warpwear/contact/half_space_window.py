@@ -8,7 +8,7 @@ is therefore that of the whole grid, and its cost follows the contact.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 import warp as wp
@@ -103,9 +103,8 @@ class WindowedHalfSpace:
         hardness: float = math.inf,
         tolerance: float = TOLERANCE,
     ) -> None:
-        self._executor, self._boundary, self._hardness = executor, boundary, hardness
-        self._options: dict[str, Any] = {"modulus": modulus, "boundary": boundary, "hardness": hardness}
-        self._options["tolerance"] = tolerance
+        self._executor, self._modulus, self._boundary = executor, modulus, boundary
+        self._hardness, self._tolerance = hardness, tolerance
         wp.load_module(half_space_setup, device=executor.device)
         self._pressure = executor.zeros()
         self._gradient = executor.zeros()
@@ -208,7 +207,13 @@ class WindowedHalfSpace:
         if self._window is None or grid != self._window.grid(executor.grid):
             self._solver = self._gap = None
             part = Executor(grid, device=str(executor.device), threads=executor.threads)
-            self._solver = HalfSpace(part, **self._options)
+            self._solver = HalfSpace(
+                part,
+                modulus=self._modulus,
+                boundary=self._boundary,
+                hardness=self._hardness,
+                tolerance=self._tolerance,
+            )
             self._gap = part.zeros()
         self._window = window
 
