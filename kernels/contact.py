@@ -63,11 +63,17 @@ def carried(
         for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
             s = stiffness_in[stiffness_row, k]
             g = gap_in[row, k]
+            p = Cells(ZERO)
+            between = Cells(ZERO)
+            near = Cells(ZERO)
             for j in range(LANES):
                 q = ((law.base - g[j]) + law.offset) * s[j]
-                pressure[j] += wp.min(wp.max(q, ZERO), law.cap)
-                slope[j] += wp.where(q > ZERO and q < law.cap, s[j], ZERO)
-                nearest[j] = wp.min(nearest[j], wp.min(wp.abs(q), wp.abs(q - law.cap)))
+                p[j] = wp.min(wp.max(q, ZERO), law.cap)
+                between[j] = wp.where(q > ZERO and q < law.cap, s[j], ZERO)
+                near[j] = wp.min(wp.abs(q), wp.abs(q - law.cap))
+            pressure += p
+            slope += between
+            nearest = wp.min(nearest, near)
     sums_out[0, slot] = sum_of(pressure)
     sums_out[1, slot] = sum_of(slope)
     sums_out[2, slot] = wp.min(nearest)
@@ -91,8 +97,10 @@ def count_below(
         t = tiles_in[row, n]
         for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
             g = gap_in[row, k]
+            indicator = Cells(ZERO)
             for j in range(LANES):
-                count[j] += in_contact(g[j], approach)
+                indicator[j] = in_contact(g[j], approach)
+            count += indicator
     sums_out[0, slot] = sum_of(count)
 
 

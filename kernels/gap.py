@@ -62,8 +62,10 @@ def bounds(
         t = tiles_in[row, n]
         for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
             g = gap_in[row, k]
+            there = Cells(-ABSENT)
             for j in range(LANES):
-                high[j] = wp.max(high[j], wp.where(g[j] < ABSENT / wp.float64(2.0), g[j], -ABSENT))
+                there[j] = wp.where(g[j] < ABSENT / wp.float64(2.0), g[j], -ABSENT)
             low = wp.min(low, g)
+            high = wp.max(high, there)
     extremes_out[0, slot] = wp.min(low)
     extremes_out[1, slot] = wp.max(high)

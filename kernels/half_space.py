@@ -79,18 +79,27 @@ def advance(
         y = fields.response[row, k]
         p = fields.pressure[row, k]
         t = fields.gradient[row, k]
+        touch = Cells(ZERO)
+        inside = Cells(ZERO)
+        inside_level = Cells(ZERO)
+        up = Cells(ZERO)
+        down = Cells(ZERO)
         for j in range(LANES):
             p[j] = wp.where(whole, shifted(x[j], shift, cap), clipped(p[j] + length * s[j], cap))
             t[j] += length * y[j]
-            inside = p[j] > ZERO and p[j] < cap
-            touching[j] += wp.where(p[j] > ZERO, ONE, ZERO)
-            between[j] += wp.where(inside, ONE, ZERO)
-            level[j] += wp.where(inside, t[j], ZERO)
-            highest[j] = wp.max(highest[j], wp.where(p[j] > ZERO, t[j], -NONE))
-            lowest[j] = wp.max(lowest[j], wp.where(p[j] < cap, -t[j], -NONE))
+            touch[j] = wp.where(p[j] > ZERO, ONE, ZERO)
+            inside[j] = wp.where(p[j] < cap, touch[j], ZERO)
+            inside_level[j] = wp.where(inside[j] > ZERO, t[j], ZERO)
+            up[j] = wp.where(p[j] > ZERO, t[j], -NONE)
+            down[j] = wp.where(p[j] < cap, -t[j], -NONE)
         fields.pressure[row, k] = p
         fields.gradient[row, k] = t
         total += p
+        touching += touch
+        between += inside
+        level += inside_level
+        highest = wp.max(highest, up)
+        lowest = wp.max(lowest, down)
     sums_out[0, slot] = sum_of(total)
     sums_out[1, slot] = sum_of(touching)
     sums_out[2, slot] = sum_of(between)
@@ -155,20 +164,35 @@ def products(
         z = descent_in[row, k]
         s = fields.step[row, k]
         y = fields.response[row, k]
+        f = Cells(ZERO)
+        fz = Cells(ZERO)
+        fr = Cells(ZERO)
+        fy = Cells(ZERO)
+        fzy = Cells(ZERO)
+        fzr = Cells(ZERO)
+        fsr = Cells(ZERO)
+        size_z = Cells(ZERO)
+        size_r = Cells(ZERO)
         for j in range(LANES):
             is_free = free(p[j], t[j], approach, cap)
-            free_z = wp.where(is_free > ZERO, z[j] - descent_level, ZERO)
-            free_r = wp.where(is_free > ZERO, t[j] - approach, ZERO)
-            free_y = wp.where(is_free > ZERO, y[j], ZERO)
-            count[j] += is_free
-            descent[j] += free_z
-            gradient[j] += free_r
-            response[j] += free_y
-            zy[j] += free_z * free_y
-            zr[j] += free_z * free_r
-            sr[j] += s[j] * free_r
-            largest_z[j] = wp.max(largest_z[j], wp.abs(free_z))
-            largest_r[j] = wp.max(largest_r[j], wp.abs(free_r))
+            f[j] = is_free
+            fz[j] = wp.where(is_free > ZERO, z[j] - descent_level, ZERO)
+            fr[j] = wp.where(is_free > ZERO, t[j] - approach, ZERO)
+            fy[j] = wp.where(is_free > ZERO, y[j], ZERO)
+            fzy[j] = fz[j] * fy[j]
+            fzr[j] = fz[j] * fr[j]
+            fsr[j] = s[j] * fr[j]
+            size_z[j] = wp.abs(fz[j])
+            size_r[j] = wp.abs(fr[j])
+        count += f
+        descent += fz
+        gradient += fr
+        response += fy
+        zy += fzy
+        zr += fzr
+        sr += fsr
+        largest_z = wp.max(largest_z, size_z)
+        largest_r = wp.max(largest_r, size_r)
     sums_out[0, slot] = sum_of(count)
     sums_out[1, slot] = sum_of(descent)
     sums_out[2, slot] = sum_of(gradient)
@@ -211,14 +235,18 @@ def direction(
         z = descent_in[row, k]
         s = fields.step[row, k]
         x = Cells(ZERO)
+        q = Cells(ZERO)
+        inside = Cells(ZERO)
         for j in range(LANES):
             is_free = free(p[j], t[j], approach, cap)
             r = t[j] - approach
             d = wp.where(is_free > ZERO, memory * s[j] - (z[j] - descent_level), -outward * r)
             x[j] = p[j] + length * d
-            total[j] += clipped(x[j], cap)
-            between[j] += wp.where(x[j] > ZERO and x[j] < cap, ONE, ZERO)
+            q[j] = clipped(x[j], cap)
+            inside[j] = wp.where(x[j] > ZERO and x[j] < cap, ONE, ZERO)
         fields.trial[row, k] = x
+        total += q
+        between += inside
     sums_out[0, slot] = sum_of(total)
     sums_out[1, slot] = sum_of(between)
 
@@ -240,10 +268,13 @@ def carried(
     between = Cells(ZERO)
     for k in range(slot % slots_per_row, fields.trial.shape[1], slots_per_row):
         x = fields.trial[row, k]
+        q = Cells(ZERO)
+        inside = Cells(ZERO)
         for j in range(LANES):
-            q = shifted(x[j], shift, cap)
-            total[j] += q
-            between[j] += wp.where(q > ZERO and q < cap, ONE, ZERO)
+            q[j] = shifted(x[j], shift, cap)
+            inside[j] = wp.where(q[j] > ZERO and q[j] < cap, ONE, ZERO)
+        total += q
+        between += inside
     sums_out[0, slot] = sum_of(total)
     sums_out[1, slot] = sum_of(between)
 
@@ -271,11 +302,15 @@ def step(
         p = fields.pressure[row, k]
         t = fields.gradient[row, k]
         s = Cells(ZERO)
+        sr = Cells(ZERO)
+        fraction = Cells(ZERO)
         for j in range(LANES):
             s[j] = shifted(x[j], shift, cap) - p[j]
-            slope[j] += wp.where(s[j] == ZERO, ZERO, s[j] * (t[j] - approach))
+            sr[j] = wp.where(s[j] == ZERO, ZERO, s[j] * (t[j] - approach))
             room = wp.where(s[j] < ZERO, p[j], cap - p[j])
-            used[j] = wp.max(used[j], wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room))
+            fraction[j] = wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room)
         fields.step[row, k] = s
+        slope += sr
+        used = wp.max(used, fraction)
     sums_out[0, slot] = sum_of(slope)
     maxima_out[0, slot] = largest_of(used)

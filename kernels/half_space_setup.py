@@ -30,13 +30,17 @@ def moments(
     lowest = Cells(-NONE)
     for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
         g = gap_in[row, k]
+        there = Cells(ZERO)
+        above = Cells(ZERO)
+        squared = Cells(ZERO)
         for j in range(LANES):
-            there = k * LANES + j < columns and g[j] < ABSENT
-            above = wp.where(there, g[j] - level, ZERO)
-            count[j] += wp.where(there, ONE, ZERO)
-            first[j] += above
-            second[j] += above * above
-            lowest[j] = wp.max(lowest[j], wp.where(there, -g[j], -NONE))
+            there[j] = wp.where(k * LANES + j < columns and g[j] < ABSENT, ONE, ZERO)
+            above[j] = wp.where(there[j] > ZERO, g[j] - level, ZERO)
+            squared[j] = above[j] * above[j]
+            lowest[j] = wp.max(lowest[j], wp.where(there[j] > ZERO, -g[j], -NONE))
+        count += there
+        first += above
+        second += squared
     sums_out[0, slot] = sum_of(count)
     sums_out[1, slot] = sum_of(first)
     sums_out[2, slot] = sum_of(second)
@@ -129,8 +133,10 @@ def product(
     for k in range(slot % slots_per_row, first_in.shape[1], slots_per_row):
         a = first_in[row, k]
         b = second_in[row, k]
+        ab = Cells(ZERO)
         for j in range(LANES):
-            total[j] += a[j] * b[j]
+            ab[j] = a[j] * b[j]
+        total += ab
     sums_out[0, slot] = sum_of(total)
 
 

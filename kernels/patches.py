@@ -114,11 +114,17 @@ def carried(
             last = line * vectors + wp.min(first + TILE_VECTORS, vectors)
             for k in range(line * vectors + first, last):
                 g = gap_in[patch, k]
+                p = Cells(ZERO)
+                b = Cells(ZERO)
+                near = Cells(ZERO)
                 for j in range(LANES):
                     q = ((base - g[j]) + offset) * stiffness
-                    pressure[j] += wp.min(wp.max(q, ZERO), cap)
-                    between[j] += wp.where(q > ZERO and q < cap, ONE, ZERO)
-                    nearest[j] = wp.min(nearest[j], wp.min(wp.abs(q), wp.abs(q - cap)))
+                    p[j] = wp.min(wp.max(q, ZERO), cap)
+                    b[j] = wp.where(q > ZERO and q < cap, ONE, ZERO)
+                    near[j] = wp.min(wp.abs(q), wp.abs(q - cap))
+                pressure += p
+                between += b
+                nearest = wp.min(nearest, near)
     sums_out[0, slot] = sum_of(pressure)
     sums_out[1, slot] = sum_of(between) * stiffness
     sums_out[2, slot] = wp.min(wp.min(nearest), beside * stiffness)
