@@ -147,7 +147,8 @@ def solve_contact(
             "hardness = None is not possible without modulus or stiffness; the bearing area needs a hardness."
         )
     edge = _boundary_of(boundary, modulus, sphere_radius)
-    grid = Grid(*surface.shape, cell)
+    nx, ny = surface.shape
+    grid = Grid(nx, ny, cell)
     gap = surface.mean() - surface
     if sphere_radius is not None:
         gap += sag(grid.x, grid.y, radius=sphere_radius)
@@ -173,7 +174,7 @@ def solve_contact(
     response = cell / modulus if modulus else 1.0 / stiffness if stiffness else 0.0
     task = _Task.scaled(gap, mean, approach, hardness, response=response, edge=edge)
     _check_memory(surface.shape, device)
-    with Executor(Grid(*surface.shape, 1.0), device=device, threads=threads) as executor:
+    with Executor(Grid(nx, ny, 1.0), device=device, threads=threads) as executor:
         try:
             found = _solve_half_space(task, executor, tolerance) if edge else _solve_cells(task, executor)
         except ConvergenceError as error:
@@ -269,7 +270,7 @@ def _solve_half_space(task: _Task, executor: Executor, tolerance: float) -> _Fou
         window = (slice(None), slice(None)) if task.edge == "periodic" else _box(reached)
         part = task.gap[window]
         with Executor(
-            Grid(*part.shape, 1.0), device=str(executor.device), threads=executor.threads
+            Grid(part.shape[0], part.shape[1], 1.0), device=str(executor.device), threads=executor.threads
         ) as smaller:
             found = HalfSpace(smaller, **options).solve(_field(part, smaller), approach=approach)
             pressure[window], transforms = found.pressure, found.transforms

@@ -1,6 +1,6 @@
 """Panels: maps with real extents, and boxes in 3-D that are true to scale in x and y."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -54,6 +54,11 @@ def maps_of(shown: Sequence[Shown], draw: Callable[[Any, Shown], None], *, above
             draw(panel, thing)
 
     return map_figure(draw_all, len(shown), above=above)
+
+
+def panels_of(axes: Any, shown: Sequence[Shown]) -> Iterator[tuple[Axes, Shown]]:
+    """Give each panel with what it shows."""
+    return zip(np.atleast_1d(axes), shown, strict=True)
 
 
 def finish_sections(axes: Any) -> None:
