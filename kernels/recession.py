@@ -36,7 +36,7 @@ def depth_beyond(volume: wp.float64, curve: Curve):
 
 @wp.func
 def bearing_ratio(volume: wp.float64, curve: Curve):
-    """φ(z(v))"""
+    """The fraction φ of the area that bears where a mean depth v [mm] was worn off."""
     z = volume + depth_beyond(volume, curve)
     return ONE / (ONE + wp.exp(-(z - curve.middle) / curve.scale))
 

@@ -15,7 +15,7 @@ from warpwear.laws.task import ContactTask
 
 @dataclass(frozen=True)
 class Step:
-    """One solved and worn increment."""
+    """A step holds what one increment left: its balance, its row, and what it touched."""
 
     balance: Balance
     row: dict[str, float]  # the columns of warpwear.history except time and cof

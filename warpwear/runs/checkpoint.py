@@ -46,7 +46,7 @@ FREE = (*LABELS, "friction", "junctions")
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Where a run is."""
+    """All that a run needs to go on from one of its steps."""
 
     arrays: dict[str, Any]  # of the model, by name
     numbers: dict[str, Any]  # of the model, by name, as JSON keeps them

@@ -32,7 +32,7 @@ class Body(Section):
 
 
 class Sphere(Body):
-    """[sphere]"""
+    """The section [sphere] says how large the ball is and what it is made of."""
 
     radius: Annotated[float, Quantity("mm", Range(infinite=True))] | None = key(
         None, "radius; 'inf mm' is a rigid flat", one_of="size"
@@ -53,7 +53,7 @@ class Sphere(Body):
 
 
 class Synthetic(Section):
-    """[disc.synthetic]"""
+    """The section [disc.synthetic] says how the disc's surface is made."""
 
     kind: Literal["self-affine", "milled", "flat"] = key(..., "which surface")
     ra: Length | None = random_key(None, "arithmetic mean height Ra", one_of="height")
@@ -95,7 +95,7 @@ def _crop(value: Any) -> Any:
 
 
 class Disc(Body):
-    """[disc]"""
+    """The section [disc] says what the disc is made of and which surface it has."""
 
     surface: str | None = key(
         None, "file of a measured surface, relative to the study", applies=ROUGH, one_of="surface"

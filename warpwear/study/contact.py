@@ -32,7 +32,7 @@ running_in_key = partial(key, applies=when("wear.law", "running-in"))
 
 
 class Contact(Section):
-    """[contact]"""
+    """The section [contact] says what is pressed, and by which law cells yield."""
 
     load: Annotated[float, Quantity("N")] = key(..., "normal load")
     hardness: Annotated[float, Quantity("MPa", Range(infinite=True))] | None = key(
@@ -109,7 +109,7 @@ WearCoefficient = Annotated[
 
 
 class Wear(Section):
-    """[wear]"""
+    """The section [wear] says what each body loses."""
 
     sphere: WearCoefficient = key(..., "wear coefficient K of the sphere, hardness contained")
     disc: WearCoefficient = key(..., "wear coefficient K of the disc, hardness contained")
@@ -144,7 +144,7 @@ class Wear(Section):
 
 
 class Friction(Section):
-    """[friction]"""
+    """The section [friction] says what fixes the coefficient of friction."""
 
     shear_strength: Pressure | None = key(None, "interfacial shear strength τ0", one_of="strength")
     coefficient: Annotated[float, Number(Range(most=3.0))] = fitted_key(
@@ -174,7 +174,7 @@ class Friction(Section):
 
 
 class Junctions(Section):
-    """[junctions]"""
+    """The section [junctions] says what the critical size of junctions follows from."""
 
     surface_energy: Annotated[float, Quantity("N/mm")] | None = key(
         None, "surface energy γ, for the critical size of junctions (thesis eq 2.3) beside the islands' sizes"

@@ -38,7 +38,7 @@ class SlidingBodies:
     ) -> Self:
         """Unworn, of the task's sphere or one of other heights [mm], shape (nx, ny).
 
-        disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). keeps: whether its dents stay. Raises
+        disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). Raises
         ValueError for a disc that is shorter than the grid or of another width.
         """
         grid, rows = executor.grid, disc.shape[0]
