@@ -26,10 +26,10 @@ from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
+from warpwear.models.on_gpu import DeviceSteps
 from warpwear.models.patches.half_space import HalfSpacePatches
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.models.rest.local import OneScaleModel
-from warpwear.models.rest.on_gpu import DeviceLoop
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
 from warpwear.results.seal import HEADER
@@ -194,13 +194,13 @@ def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As a GPU makes them: within a block the state is ahead of the history."""
-    made, init, run = [], OneScaleModel.__init__, DeviceLoop.run
+    made, init, run = [], OneScaleModel.__init__, DeviceSteps.run
 
     def in_blocks(self: OneScaleModel, *args: Any, **kwargs: Any) -> None:
         init(self, *args, **kwargs)
         self.blocks_allowed = True
 
-    def stopped(self: DeviceLoop, *args: Any, **kwargs: Any) -> Any:
+    def stopped(self: DeviceSteps, *args: Any, **kwargs: Any) -> Any:
         made.append(1)
         if len(made) == 4:
             raise SystemExit
@@ -210,7 +210,7 @@ def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
     monkeypatch.setattr(OneScaleModel, "longest_block", 10)
     one, other = tmp_path / "alone", tmp_path / "stopped"
     warpwear.run(short(), out=one, plots=False).close()
-    monkeypatch.setattr(DeviceLoop, "run", stopped)
+    monkeypatch.setattr(DeviceSteps, "run", stopped)
     with pytest.raises(SystemExit):
         warpwear.run(short(), out=other, plots=False)
     with h5py.File(other / FILE_NAME) as file:

@@ -15,7 +15,7 @@ import warp as wp
 
 from warpwear.engine.device import check_memory, check_threads, find_device
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, gap, gpu_steps, gpu_steps_sliding, sliding, tiles, wear
+from warpwear.kernels import contact, gap, gpu_steps, gpu_steps_rest, gpu_steps_sliding, sliding, tiles, wear
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
@@ -96,7 +96,7 @@ class Executor:
         self._launches: dict[tuple[Any, int], tuple[Any, list[Any]]] = {}
         self._whole = self.split_rows(np.full(grid.nx, self.vectors * LANES))
         # Compiled before any thread needs them.
-        of_gpu = () if on_cpu else (gpu_steps, gpu_steps_sliding)
+        of_gpu = () if on_cpu else (gpu_steps, gpu_steps_rest, gpu_steps_sliding)
         for module in (gap, contact, wear, sliding, tiles, *of_gpu):
             wp.load_module(module, device=self.device)
 

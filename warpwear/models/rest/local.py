@@ -34,8 +34,8 @@ from warpwear.kernels.wear_loops import Increment, Tables
 from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
+from warpwear.models.on_gpu import DeviceSteps, at_rest
 from warpwear.models.rest.bodies import RestingBodies
-from warpwear.models.rest.on_gpu import DeviceLoop
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
@@ -77,7 +77,7 @@ class OneScaleModel(Model):
         self._foreseen = not task.rigid and not task.bulk_updated
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
         self.blocks_allowed = executor.device.is_cuda and self._foreseen
-        self._loop: DeviceLoop | None = None
+        self._loop: DeviceSteps | None = None
         self._law, self._increment = arguments(Law), arguments(Increment)
         sums, maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
         self._tables = arguments(Tables, sums=sums, maxima=maxima, ahead=self._balancer.lookahead)
@@ -104,7 +104,7 @@ class OneScaleModel(Model):
         """Steps made on the device in one go, before the first of them is seen."""
         assert self._last is not None
         if self._loop is None:
-            self._loop = DeviceLoop(self._executor, self.task, self.state.gap, self.state.unworn)
+            self._loop = at_rest(self._executor, self.task, self.state.gap, self.state.unworn)
         removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
         mean = self._ledger.row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)

@@ -20,8 +20,8 @@ from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTi
 from warpwear.laws.archard import distance_factor, removals_of
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
+from warpwear.models.on_gpu import DeviceSteps, displaced
 from warpwear.models.track.bodies import SlidingBodies
-from warpwear.models.track.on_gpu import DeviceSliding
 from warpwear.models.track.recession import Recession
 from warpwear.models.track.tiles import PerTile, SlidingTiles
 
@@ -102,7 +102,7 @@ class SlidingContact:
         self._approach: float | None = None
         self._changes: deque[float] = deque(maxlen=CHANGES)
         self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
-        self._loop: DeviceSliding | None = None
+        self._loop: DeviceSteps | None = None
         self._moves, self._highest = moves, math.inf
         if not moves and task.rigid:
             gap = executor.to_numpy(self.state.sphere) - executor.to_numpy(self.state.disc)
@@ -201,12 +201,12 @@ class SlidingContact:
     def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[Step]:
         """Steps as `step` makes them, on the device in one go before the first of them is seen."""
         if self._loop is None:
-            self._loop = DeviceSliding(self._executor, self.task, self._bodies, self._of_tiles, self._of_rows)
+            self._loop = displaced(self._executor, self.task, self._bodies, self._of_tiles, self._of_rows)
         assert self._approach is not None
         removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
         made = self._loop.run(
-            [shift % self._rows for shift in shifts],
             [(sphere, self._track_fraction * disc) for sphere, disc in removals],
+            shifts=[shift % self._rows for shift in shifts],
             approach=self._approach,
             wander=max(self._changes, default=FIRST_SCATTER),
             mean_pressure=self._ledger.row["pressure_mean"],

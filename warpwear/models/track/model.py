@@ -11,9 +11,9 @@ from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
 from warpwear.models.model import Model
+from warpwear.models.on_gpu import LONGEST_BLOCK
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
-from warpwear.models.track.on_gpu import LONGEST_BLOCK
 
 #: Fields of the disc's size at the peak of a run: heights as read and as worn, wear, room to work.
 DISC_FIELDS = 4.0

@@ -1,45 +1,64 @@
-"""The loop of `gpu_steps.wear_step` over the cells of a thread, in C++, and what its block makes of it.
+"""The passes of a gap at rest over its cells, on a GPU: what it carries, and its wear.
 
-In Python's notation the compiler gives each thread some 230 registers, so that too few threads run at a
-time to keep the memory busy (measure with bench/speed.py on a GPU after a change). On a CPU a block is one
-thread.
+A thread visits single cells, its neighbours the neighbouring ones; fields are those of the other kernels,
+seen as numbers. The loop that wears is written in C++: in Python's notation the compiler gives each thread
+some 230 registers, so that too few threads run at a time to keep the memory busy (measure with bench/speed.py
+on a GPU after a change). On a CPU a block is one thread.
 """
 
 import warp as wp
 
-from warpwear.kernels.cells import WearMost, WearSum
-from warpwear.kernels.contact import Law
-from warpwear.kernels.wear_loops import Increment
+from warpwear.kernels.cells import ABSENT, ONE, ZERO, WearMost, WearSum
+from warpwear.kernels.gpu_steps import Steps, compliance_of
 
 wp.set_module_options({"enable_backward": False})
 
 
-@wp.struct
-class Known:
-    """What every step on the device needs."""
+#: Cells that a thread loads at once.
+FOUR = 4
 
-    columns: wp.int32  # of a row of the field, padding included
-    tiles: wp.int32  # of a row
-    blocks: wp.int32
-    keeps_dents: wp.int32
-    compliance: wp.float64  # 1/k [mm³/N]
-    implicit: wp.float64  # 1 where the wear of a step adds to its compliance
-    cap: wp.float64  # [MPa]
+
+@wp.kernel
+def carried(steps: Steps, gap_in: wp.array(dtype=wp.float64)):
+    """Sum of the pressures at the trial approach, and of the stiffnesses of cells neither open nor capped."""
+    block = wp.tid() // wp.block_dim()
+    columns = steps.columns
+    cap = steps.cap
+    base = steps.search[0].base
+    offset = steps.search[0].offset
+    s = ONE / compliance_of(steps)
+    width = wp.block_dim()
+    pressure = ZERO
+    slope = ZERO
+    for row in range(block, gap_in.shape[0] // columns, steps.blocks):
+        for first in range(wp.tid() % width, columns, FOUR * width):
+            gaps = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
+            for j in range(FOUR):  # loaded together: one at a time does not keep the memory busy
+                if first + j * width < columns:
+                    gaps[j] = gap_in[row * columns + first + j * width]
+            for j in range(FOUR):
+                q = ((base - gaps[j]) + offset) * s
+                pressure += wp.min(wp.max(q, ZERO), cap)
+                slope += wp.where(q > ZERO and q < cap, s, ZERO)
+    wp.tile_store(steps.found[0], wp.tile_sum(wp.tile(pressure)), offset=block)
+    wp.tile_store(steps.found[1], wp.tile_sum(wp.tile(slope)), offset=block)
 
 
 _WEAR = """
     const int FOUR = 4, beyond = 2147483647;
     const double absent = 1.0e30, no_index = -1.0e9;
-    const int block = thread / width, lane = thread % width, columns = known.columns;
+    const int block = thread / width, lane = thread % width, columns = steps.columns;
     const double* const unworn = unworn_in.data;
     double* const gap = gap_out.data;
     double pressure = 0.0, deviation = 0.0, worn = 0.0, highest = 0.0, deepest = 0.0;
     int contact = 0, capped = 0, touched = 0;  // whole numbers cost a GPU less
     int first_row = beyond, last_row = -1, first_column = beyond, last_column = -1;
-    const double base = law.base, offset = law.offset, cap = law.cap;
-    const double opening = step.wear_per_pressure, s = step.stiffness, mean = step.reference;
+    const auto& search = steps.search.data[0];
+    const double base = search.base, offset = search.offset, cap = steps.cap, mean = search.mean;
+    const auto& worn_by = steps.wear_per_pressure.data[steps.step.data[0]];
+    const double opening = worn_by[0] + worn_by[1], s = stiffness;
     const int lines = gap_out.shape[0] / columns;
-    for (int row = block; row < lines; row += known.blocks) {
+    for (int row = block; row < lines; row += steps.blocks) {
         const long long start = (long long)row * columns;
         const int touched_before = touched;
         for (int first = lane; first < columns; first += FOUR * width) {
@@ -100,7 +119,7 @@ _WEAR = """
 #endif
     const auto keep = [&](int line, double v, bool adds) {
         v = of_block(v, adds);
-        if (lane == 0) wp::index(partial_out, line, block) = v;
+        if (lane == 0) wp::index(steps.found, line, block) = v;
     };
     const bool some = touched > 0;
 """
@@ -128,12 +147,16 @@ _KEEP += "".join(f"    keep({len(WearSum) + line.value}, {value}, false);\n" for
 def wear(
     thread: wp.int32,
     width: wp.int32,
-    known: Known,
-    law: Law,
-    step: Increment,
+    steps: Steps,
+    stiffness: wp.float64,
     unworn_in: wp.array(dtype=wp.float64),
     gap_out: wp.array(dtype=wp.float64),
-    partial_out: wp.array2d(dtype=wp.float64),
 ):
     """Wears the cells of a thread in a block of some width; arguments as of `wear_step`."""
     ...
+
+
+@wp.kernel
+def wear_step(steps: Steps, unworn_in: wp.array(dtype=wp.float64), gap_out: wp.array(dtype=wp.float64)):
+    """One increment of wear, as `wear.wear_step`: the rows of `WearSum`, then those of `WearMost`."""
+    wear(wp.tid(), wp.block_dim(), steps, ONE / compliance_of(steps), unworn_in, gap_out)

@@ -1,0 +1,206 @@
+"""Many steps on a GPU in a row: one captured graph a step, whose history is read while the device goes on.
+
+The same contact law, balance and wear as step by step, with the search for the balance on the device. What
+changes from step to step waits there, so that one graph serves them all: a search with passes over the cells
+until the load is carried, the passes that wear, and a row of the history.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warpwear.contact.balance import TOLERANCE, Balance
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.errors import ConvergenceError
+from warpwear.kernels import gpu_steps, gpu_steps_rest, gpu_steps_sliding
+from warpwear.kernels.cells import LANES, NO_INDEX, PressureMost, PressureSum, WearMost, WearSum, names_of
+from warpwear.kernels.gpu_steps import Search, Steps
+from warpwear.kernels.sliding import Bodies, OfRows, OfTiles
+from warpwear.laws.task import ContactTask
+
+#: Steps made before the first of them is given, at most.
+LONGEST_BLOCK = 2000
+#: Steps whose history is read in one go.
+PIECE = 250
+BLOCK = 256  # threads
+BLOCKS_AT_REST = 1056  # eight for each of the 132 multiprocessors of a large GPU
+BLOCKS_DISPLACED = 2112  # at most
+HEADER = int(gpu_steps.HEADER)  # columns of a row before the others
+
+#: A kernel, the blocks that run it, and its arguments after `Steps`.
+Pass = tuple[Any, int, Sequence[Any]]
+
+
+@dataclass(frozen=True)
+class DeviceStep:
+    """What one step left: its balance, and the totals that a history row is made of."""
+
+    balance: Balance
+    totals: dict[str, float]
+    most: dict[str, float]
+
+
+class DeviceSteps:
+    """Steps of one contact on a foundation, with the same law for every cell. `at_rest`, `displaced` make it.
+
+    lines: sums and maxima in the order in which the passes leave them, pressure and contact as in `WearSum`.
+    passes: the one that a search evaluates, then those that wear, over fields that change in place. kept: of
+    the last sums, of which the passes leave what a step changes, the values by row that they are of.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        task: ContactTask,
+        lines: tuple[type[IntEnum], type[IntEnum]],
+        passes: Sequence[Pass],
+        *,
+        kept: Sequence[Field] = (),
+        moves: bool = False,
+    ) -> None:
+        device = self._device = executor.device
+        self._task, self._passes, self._kept = task, passes, kept
+        self._names = [names_of(kind) for kind in lines]
+        sums, columns = len(lines[0]), sum(map(len, lines))
+        found = np.zeros((columns, max(blocks for _, blocks, _ in passes)))
+        found[sums:] = NO_INDEX
+        self._steps = arguments(
+            Steps,
+            columns=executor.vectors * LANES,
+            tiles=executor.tiles_per_row,
+            blocks=passes[0][1],
+            sums=sums,
+            moves=int(moves),
+            keeps_dents=int(task.keeps_dents),
+            compliance=task.compliance,
+            implicit=float(task.implicit),
+            cap=min(task.hardness, 1e300),
+            load=task.load,
+            tolerance=TOLERANCE * task.load,
+            cell_area=executor.grid.cell_area,
+            wear_per_pressure=wp.zeros(LONGEST_BLOCK, dtype=wp.vec2d, device=device),
+            shift=wp.zeros(LONGEST_BLOCK, dtype=wp.int32, device=device),
+            step=wp.zeros(2, dtype=wp.int32, device=device),
+            searching=wp.zeros(1, dtype=wp.int32, device=device),
+            search=wp.zeros(1, dtype=Search, device=device),
+            found=wp.array(found, device=device),
+            rows=wp.zeros((LONGEST_BLOCK, HEADER + columns), dtype=wp.float64, device=device),
+        )
+        self._read: Field = wp.zeros(self._steps.rows.shape, dtype=wp.float64, pinned=device.is_cuda)
+        self._graph: Any = None
+
+    def run(
+        self,
+        removals: Sequence[tuple[float, float]],
+        *,
+        approach: float,
+        mean_pressure: float,
+        shifts: Sequence[int] = (),
+        wander: float = 0.0,
+    ) -> Iterator[DeviceStep]:
+        """Make steps that wear sphere and disc by K ΔL = removals [mm³/N] each, at most LONGEST_BLOCK.
+
+        approach [mm], mean_pressure [MPa]: of the step before. shifts: displacements of the disc [rows], and
+        wander: how far off the next approach may be [mm]. The fields are those after the last step when that
+        one is given. Raises ConvergenceError for an unbalanced one.
+        """
+        steps, count = self._steps, len(removals)
+        wp.copy(steps.wear_per_pressure, wp.array(removals, dtype=wp.vec2d, device="cpu"), count=count)
+        if shifts:
+            wp.copy(steps.shift, wp.array(shifts, dtype=wp.int32, device="cpu"), count=count)
+        last = arguments(Search, approach=approach, previous=approach, wander=wander, mean=mean_pressure)
+        steps.search.assign([last])
+        steps.step.zero_()
+        self._launch(gpu_steps.begin, 1)
+        self._grown = np.array([field.numpy().sum() for field in self._kept], dtype=np.longdouble)
+        if self._device.is_cuda and self._graph is None:
+            with wp.ScopedCapture(device=self._device) as capture:
+                self._one_step()
+            self._graph = capture.graph
+        fetched: tuple[int, int, Any] | None = None
+        for first in range(0, count, PIECE):
+            end = min(first + PIECE, count)
+            for _ in range(first, end):
+                wp.capture_launch(self._graph) if self._graph else self._one_step()
+            width = self._read.shape[1]
+            wp.copy(self._read, steps.rows, first * width, first * width, (end - first) * width)
+            event = wp.get_stream(self._device).record_event() if self._device.is_cuda else None
+            if fetched:  # while the device makes this piece
+                yield from self._given(*fetched)
+            fetched = first, end, event
+        if fetched:
+            yield from self._given(*fetched)
+
+    def _one_step(self) -> None:
+        evaluation, *wear = self._passes
+        wp.capture_while(self._steps.searching, self._evaluate, evaluation=evaluation)
+        for kernel, blocks, fields in wear:
+            self._launch(kernel, blocks, *fields)
+        self._launch(gpu_steps.record, self._steps.found.shape[0])
+
+    def _evaluate(self, evaluation: Pass) -> None:
+        kernel, blocks, fields = evaluation
+        self._launch(kernel, blocks, *fields)
+        self._launch(gpu_steps.decide, 1)
+
+    def _launch(self, kernel: Any, blocks: int, *fields: Any) -> None:
+        block = 1 if self._device.is_cpu else BLOCK  # one thread on a CPU: for tests
+        wp.launch(
+            kernel, dim=blocks * block, inputs=[self._steps, *fields], device=self._device, block_dim=block
+        )
+
+    def _given(self, first: int, end: int, fetched: Any) -> Iterator[DeviceStep]:
+        """Steps whose rows are fetched, when the event says so."""
+        if fetched is not None:
+            wp.synchronize_event(fetched)
+        rows = self._read.numpy()[first:end]
+        totals, most = self._names
+        growing = slice(HEADER + len(totals) - len(self._kept), HEADER + len(totals))
+        grown = self._grown + np.cumsum(rows[:, growing], axis=0, dtype=np.longdouble)
+        rows[:, growing], self._grown = grown, grown[-1]
+        for row in rows.tolist():
+            base, offset, residual, evaluations = row[:HEADER]
+            load = self._task.load
+            if not abs(residual) <= TOLERANCE * load:
+                raise ConvergenceError(
+                    f"the load balance did not converge: {residual:.3g} N of {load:.6g} N are left "
+                    f"(allowed {TOLERANCE * load:.1g} N) near an approach of {base + offset:.9g} mm."
+                )
+            yield DeviceStep(
+                Balance(base, offset, self._task.hardness, residual, evaluations=int(evaluations)),
+                dict(zip(totals, row[HEADER:], strict=False)),
+                dict(zip(most, row[HEADER + len(totals) :], strict=True)),
+            )
+
+
+def at_rest(executor: Executor, task: ContactTask, gap: Field, unworn: Field) -> DeviceSteps:
+    """Steps that wear a gap. gap, unworn: fields of `RestingBodies`."""
+
+    def numbers(field: Field) -> Field:
+        shape = field.size * LANES
+        return wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=executor.device, copy=False)
+
+    gap, unworn = numbers(gap), numbers(unworn)
+    blocks = 3 if executor.device.is_cpu else BLOCKS_AT_REST
+    passes = [(gpu_steps_rest.carried, blocks, [gap]), (gpu_steps_rest.wear_step, blocks, [unworn, gap])]
+    return DeviceSteps(executor, task, (WearSum, WearMost), passes)
+
+
+def displaced(
+    executor: Executor, task: ContactTask, bodies: Bodies, of_tiles: OfTiles, of_rows: OfRows
+) -> DeviceSteps:
+    """Steps that wear a sphere and the displaced disc. of_tiles, of_rows: what is kept of each."""
+    rows = executor.grid.nx
+    all_tiles = -(-rows * executor.tiles_per_row // BLOCK)
+    blocks = 3 if executor.device.is_cpu else min(all_tiles, BLOCKS_DISPLACED)
+    passes = [
+        (gpu_steps_sliding.carried, blocks, [bodies, of_tiles]),
+        (gpu_steps_sliding.wear_step, blocks, [bodies, of_tiles]),
+        (gpu_steps_sliding.rows, rows, [of_tiles, of_rows]),
+    ]
+    kept = [of_rows.touched, of_rows.worn_sphere, of_rows.worn_disc, of_rows.pressed_disc]
+    return DeviceSteps(executor, task, (PressureSum, PressureMost), passes, kept=kept, moves=True)
