@@ -90,7 +90,8 @@ class DeviceSteps:
             found=wp.array(found, device=device),
             rows=wp.zeros((LONGEST_BLOCK, HEADER + columns), dtype=wp.float64, device=device),
         )
-        self._read: Field = wp.zeros(self._steps.rows.shape, dtype=wp.float64, pinned=device.is_cuda)
+        shape, pinned = self._steps.rows.shape, device.is_cuda
+        self._read: Field = wp.zeros(shape, dtype=wp.float64, device="cpu", pinned=pinned)
         self._graph: Any = None
 
     def run(
@@ -109,9 +110,9 @@ class DeviceSteps:
         one is given. Raises ConvergenceError for an unbalanced one.
         """
         steps, count = self._steps, len(removals)
-        wp.copy(steps.wear_per_pressure, wp.array(removals, dtype=wp.vec2d, device="cpu"), count=count)
+        wp.copy(steps.wear_per_pressure, wp.array([*removals], dtype=wp.vec2d, device="cpu"), count=count)
         if shifts:
-            wp.copy(steps.shift, wp.array(shifts, dtype=wp.int32, device="cpu"), count=count)
+            wp.copy(steps.shift, wp.array([*shifts], dtype=wp.int32, device="cpu"), count=count)
         last = arguments(Search, approach=approach, previous=approach, wander=wander, mean=mean_pressure)
         steps.search.assign([last])
         steps.step.zero_()
@@ -125,7 +126,10 @@ class DeviceSteps:
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
             for _ in range(first, end):
-                wp.capture_launch(self._graph) if self._graph else self._one_step()
+                if self._graph is None:
+                    self._one_step()
+                else:
+                    wp.capture_launch(self._graph)
             width = self._read.shape[1]
             wp.copy(self._read, steps.rows, first * width, first * width, (end - first) * width)
             event = wp.get_stream(self._device).record_event() if self._device.is_cuda else None
