@@ -20,16 +20,17 @@ FOUR = 4
 
 @wp.kernel
 def carried(steps: Steps, gap_in: wp.array(dtype=wp.float64)):
-    """Sum of the pressures at the trial approach, and of the stiffnesses of cells neither open nor capped."""
+    """What the trial approach carries, see `gpu_steps.carried_of`."""
     block = wp.tid() // wp.block_dim()
     columns = steps.columns
     cap = steps.cap
     base = steps.search[0].base
     offset = steps.search[0].offset
-    s = ONE / compliance_of(steps)
+    s = ONE / compliance_of(steps, steps.step[0])
     width = wp.block_dim()
     pressure = ZERO
     slope = ZERO
+    nearest = -ABSENT
     for row in range(block, gap_in.shape[0] // columns, steps.blocks):
         for first in range(wp.tid() % width, columns, FOUR * width):
             gaps = wp.vec4d(ABSENT, ABSENT, ABSENT, ABSENT)
@@ -40,8 +41,10 @@ def carried(steps: Steps, gap_in: wp.array(dtype=wp.float64)):
                 q = ((base - gaps[j]) + offset) * s
                 pressure += wp.min(wp.max(q, ZERO), cap)
                 slope += wp.where(q > ZERO and q < cap, s, ZERO)
-    wp.tile_store(steps.found[0], wp.tile_sum(wp.tile(pressure)), offset=block)
-    wp.tile_store(steps.found[1], wp.tile_sum(wp.tile(slope)), offset=block)
+                nearest = wp.max(nearest, -wp.min(wp.abs(q), wp.abs(q - cap)))
+    wp.tile_store(steps.trial[0], wp.tile_sum(wp.tile(pressure)), offset=block)
+    wp.tile_store(steps.trial[1], wp.tile_sum(wp.tile(slope)), offset=block)
+    wp.tile_store(steps.trial[2], wp.tile_max(wp.tile(nearest)), offset=block)
 
 
 _WEAR = """
@@ -51,10 +54,12 @@ _WEAR = """
     const double* const unworn = unworn_in.data;
     double* const gap = gap_out.data;
     double pressure = 0.0, deviation = 0.0, worn = 0.0, highest = 0.0, deepest = 0.0;
-    int contact = 0, capped = 0, touched = 0;  // whole numbers cost a GPU less
+    double pressure_next = 0.0, nearest_next = absent;
+    int contact = 0, capped = 0, touched = 0, between_next = 0;  // whole numbers cost a GPU less
     int first_row = beyond, last_row = -1, first_column = beyond, last_column = -1;
     const auto& search = steps.search.data[0];
     const double base = search.base, offset = search.offset, cap = steps.cap, mean = search.mean;
+    const double base_next = search.approach, offset_next = search.ahead;
     const auto& worn_by = steps.wear_per_pressure.data[steps.step.data[0]];
     const double opening = worn_by[0] + worn_by[1], s = stiffness;
     const int lines = gap_out.shape[0] / columns;
@@ -92,6 +97,13 @@ _WEAR = """
                     worn += w;
                     deepest = deepest > w ? deepest : w;
                 }
+                const double r = ((base_next - after) + offset_next) * stiffness_next, full = fabs(r - cap);
+                double q = r > 0.0 ? r : 0.0;
+                q = q < cap ? q : cap;
+                pressure_next += q;
+                between_next += r == q ? 1 : 0;
+                const double near = fabs(r) < full ? fabs(r) : full;
+                nearest_next = nearest_next < near ? nearest_next : near;
             }
         }
         if (touched > touched_before) {
@@ -117,10 +129,13 @@ _WEAR = """
 #else
     const auto of_block = [&](double v, bool) { return v; };
 #endif
-    const auto keep = [&](int line, double v, bool adds) {
+    const auto keep = [&](auto& table, int line, double v, bool adds) {
         v = of_block(v, adds);
-        if (lane == 0) wp::index(steps.found, line, block) = v;
+        if (lane == 0) wp::index(table, line, block) = v;
     };
+    keep(steps.trial, 0, pressure_next, true);
+    keep(steps.trial, 1, stiffness_next * between_next, true);
+    keep(steps.trial, 2, -nearest_next, false);
     const bool some = touched > 0;
 """
 _SUMS = {
@@ -139,8 +154,9 @@ _MOST = {
     WearMost.FIRST_COLUMN: "some ? -double(first_column) : no_index",
     WearMost.LAST_COLUMN: "some ? double(last_column) : no_index",
 }
-_KEEP = "".join(f"    keep({line.value}, {value}, true);\n" for line, value in _SUMS.items())
-_KEEP += "".join(f"    keep({len(WearSum) + line.value}, {value}, false);\n" for line, value in _MOST.items())
+_LINES = [(line.value, value, "true") for line, value in _SUMS.items()]
+_LINES += [(len(WearSum) + line.value, value, "false") for line, value in _MOST.items()]
+_KEEP = "".join(f"    keep(steps.found, {line}, {value}, {adds});\n" for line, value, adds in _LINES)
 
 
 @wp.func_native(_WEAR + _KEEP)
@@ -149,6 +165,7 @@ def wear(
     width: wp.int32,
     steps: Steps,
     stiffness: wp.float64,
+    stiffness_next: wp.float64,
     unworn_in: wp.array(dtype=wp.float64),
     gap_out: wp.array(dtype=wp.float64),
 ):
@@ -158,5 +175,10 @@ def wear(
 
 @wp.kernel
 def wear_step(steps: Steps, unworn_in: wp.array(dtype=wp.float64), gap_out: wp.array(dtype=wp.float64)):
-    """One increment of wear, as `wear.wear_step`: the rows of `WearSum`, then those of `WearMost`."""
-    wear(wp.tid(), wp.block_dim(), steps, ONE / compliance_of(steps), unworn_in, gap_out)
+    """One increment of wear, as `wear.wear_step`, and what the approach expected next carries after it."""
+    step = steps.step[0]
+    if wp.tid() == 0:
+        steps.step[1] = step
+    stiffness = ONE / compliance_of(steps, step)
+    stiffness_next = ONE / compliance_of(steps, step + 1)
+    wear(wp.tid(), wp.block_dim(), steps, stiffness, stiffness_next, unworn_in, gap_out)

@@ -31,29 +31,35 @@ MOST = wp.constant(wp.int32(len(PressureSum)))
 
 @wp.kernel
 def carried(steps: Steps, bodies: Bodies, of_tiles: OfTiles):
-    """Sum of the pressures at the trial approach, and of the stiffnesses of cells neither open nor capped."""
+    """What the trial approach carries, see `gpu_steps.carried_of`."""
     block = wp.tid() // wp.block_dim()
     tiles = steps.tiles
     cap = steps.cap
     shift = steps.shift[steps.step[0]]
     base = steps.search[0].base
     offset = steps.search[0].offset
-    s = ONE / compliance_of(steps)
+    s = ONE / compliance_of(steps, steps.step[0])
     pressure = ZERO
     slope = ZERO
+    nearest = -ABSENT
     for i in range(wp.tid(), bodies.sphere.shape[0] * tiles, steps.blocks * wp.block_dim()):
         row = i // tiles
         t = i % tiles
         under = beneath(row, shift, bodies.disc.shape[0])
-        if (base - (of_tiles.lowest[row, t] - of_tiles.highest[under, t])) + offset > ZERO:
+        overlap = (base - (of_tiles.lowest[row, t] - of_tiles.highest[under, t])) + offset
+        if overlap <= ZERO:
+            nearest = wp.max(nearest, overlap * s)
+        else:
             for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, bodies.sphere.shape[1])):
                 gap = bodies.sphere[row, k] - bodies.disc[under, k]
                 for j in range(LANES):
                     q = ((base - gap[j]) + offset) * s
                     pressure += wp.min(wp.max(q, ZERO), cap)
                     slope += wp.where(q > ZERO and q < cap, s, ZERO)
-    wp.tile_store(steps.found[0], wp.tile_sum(wp.tile(pressure)), offset=block)
-    wp.tile_store(steps.found[1], wp.tile_sum(wp.tile(slope)), offset=block)
+                    nearest = wp.max(nearest, -wp.min(wp.abs(q), wp.abs(q - cap)))
+    wp.tile_store(steps.trial[0], wp.tile_sum(wp.tile(pressure)), offset=block)
+    wp.tile_store(steps.trial[1], wp.tile_sum(wp.tile(slope)), offset=block)
+    wp.tile_store(steps.trial[2], wp.tile_max(wp.tile(nearest)), offset=block)
 
 
 @wp.kernel
@@ -64,13 +70,15 @@ def wear_step(steps: Steps, bodies: Bodies, of_tiles: OfTiles):
     tiles = steps.tiles
     cap = steps.cap
     step = steps.step[0]
+    if wp.tid() == 0:
+        steps.step[1] = step
     shift = steps.shift[step]
     base = steps.search[0].base
     offset = steps.search[0].offset
     mean = steps.search[0].mean
     of_sphere = steps.wear_per_pressure[step][0]
     of_disc = steps.wear_per_pressure[step][1]
-    c = compliance_of(steps)
+    c = compliance_of(steps, step)
     stiffness = ONE / c
     keeps_reached = bodies.reached.shape[0] == bodies.sphere.shape[0]
     pressure = ZERO

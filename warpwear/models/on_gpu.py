@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warpwear.contact.balance import TOLERANCE, Balance
-from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.errors import ConvergenceError
+from warpwear.contact.balance import TOLERANCE, Balance, residual_of
+from warpwear.engine.executor import Executor, Field, arguments, set_numbers
 from warpwear.kernels import gpu_steps, gpu_steps_rest, gpu_steps_sliding
 from warpwear.kernels.cells import LANES, NO_INDEX, PressureMost, PressureSum, WearMost, WearSum, names_of
 from warpwear.kernels.gpu_steps import Search, Steps
@@ -26,6 +25,8 @@ from warpwear.laws.task import ContactTask
 LONGEST_BLOCK = 2000
 #: Steps whose history is read in one go.
 PIECE = 250
+#: Steps of a graph: launching one takes the host as long as a small step takes the device.
+STEPS_OF_GRAPH = 10
 BLOCK = 256  # threads
 BLOCKS_AT_REST = 1056  # eight for each of the 132 multiprocessors of a large GPU
 BLOCKS_DISPLACED = 2112  # at most
@@ -64,6 +65,7 @@ class DeviceSteps:
     ) -> None:
         device = self._device = executor.device
         self._task, self._passes, self._kept = task, passes, kept
+        self._cell_area = executor.grid.cell_area
         self._names = [names_of(kind) for kind in lines]
         sums, columns = len(lines[0]), sum(map(len, lines))
         found = np.zeros((columns, max(blocks for _, blocks, _ in passes)))
@@ -81,18 +83,19 @@ class DeviceSteps:
             cap=min(task.hardness, 1e300),
             load=task.load,
             tolerance=TOLERANCE * task.load,
-            cell_area=executor.grid.cell_area,
+            cell_area=self._cell_area,
             wear_per_pressure=wp.zeros(LONGEST_BLOCK, dtype=wp.vec2d, device=device),
             shift=wp.zeros(LONGEST_BLOCK, dtype=wp.int32, device=device),
             step=wp.zeros(2, dtype=wp.int32, device=device),
             searching=wp.zeros(1, dtype=wp.int32, device=device),
             search=wp.zeros(1, dtype=Search, device=device),
+            trial=wp.zeros((3, passes[0][1]), dtype=wp.float64, device=device),
             found=wp.array(found, device=device),
             rows=wp.zeros((LONGEST_BLOCK, HEADER + columns), dtype=wp.float64, device=device),
         )
         shape, pinned = self._steps.rows.shape, device.is_cuda
         self._read: Field = wp.zeros(shape, dtype=wp.float64, device="cpu", pinned=pinned)
-        self._graph: Any = None
+        self._graphs: dict[int, Any] = {}  # by their number of steps
 
     def run(
         self,
@@ -113,23 +116,25 @@ class DeviceSteps:
         wp.copy(steps.wear_per_pressure, wp.array([*removals], dtype=wp.vec2d, device="cpu"), count=count)
         if shifts:
             wp.copy(steps.shift, wp.array([*shifts], dtype=wp.int32, device="cpu"), count=count)
-        last = arguments(Search, approach=approach, previous=approach, wander=wander, mean=mean_pressure)
+        last = arguments(Search, approach=approach, wander=wander, mean=mean_pressure, rate=mean_pressure)
+        set_numbers(last, place=-1.0, ahead=sum(removals[0]) * mean_pressure)
         steps.search.assign([last])
         steps.step.zero_()
         self._launch(gpu_steps.begin, 1)
         self._grown = np.array([field.numpy().sum() for field in self._kept], dtype=np.longdouble)
-        if self._device.is_cuda and self._graph is None:
+        for size in (STEPS_OF_GRAPH, 1) if self._device.is_cuda and not self._graphs else ():
             with wp.ScopedCapture(device=self._device) as capture:
-                self._one_step()
-            self._graph = capture.graph
+                self._make(size)
+            self._graphs[size] = capture.graph
         fetched: tuple[int, int, Any] | None = None
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
-            for _ in range(first, end):
-                if self._graph is None:
-                    self._one_step()
-                else:
-                    wp.capture_launch(self._graph)
+            left = end - first
+            for size, graph in self._graphs.items():
+                for _ in range(left // size):
+                    wp.capture_launch(graph)
+                left %= size
+            self._make(left)  # where there are no graphs
             width = self._read.shape[1]
             wp.copy(self._read, steps.rows, first * width, first * width, (end - first) * width)
             event = wp.get_stream(self._device).record_event() if self._device.is_cuda else None
@@ -139,12 +144,13 @@ class DeviceSteps:
         if fetched:
             yield from self._given(*fetched)
 
-    def _one_step(self) -> None:
+    def _make(self, count: int) -> None:
         evaluation, *wear = self._passes
-        wp.capture_while(self._steps.searching, self._evaluate, evaluation=evaluation)
-        for kernel, blocks, fields in wear:
-            self._launch(kernel, blocks, *fields)
-        self._launch(gpu_steps.record, self._steps.found.shape[0])
+        for _ in range(count):
+            wp.capture_while(self._steps.searching, self._evaluate, evaluation=evaluation)
+            for kernel, blocks, fields in wear:
+                self._launch(kernel, blocks, *fields)
+            self._launch(gpu_steps.record, self._steps.found.shape[0])
 
     def _evaluate(self, evaluation: Pass) -> None:
         kernel, blocks, fields = evaluation
@@ -167,13 +173,9 @@ class DeviceSteps:
         grown = self._grown + np.cumsum(rows[:, growing], axis=0, dtype=np.longdouble)
         rows[:, growing], self._grown = grown, grown[-1]
         for row in rows.tolist():
-            base, offset, residual, evaluations = row[:HEADER]
-            load = self._task.load
-            if not abs(residual) <= TOLERANCE * load:
-                raise ConvergenceError(
-                    f"the load balance did not converge: {residual:.3g} N of {load:.6g} N are left "
-                    f"(allowed {TOLERANCE * load:.1g} N) near an approach of {base + offset:.9g} mm."
-                )
+            base, offset, evaluations, pressure = row[: HEADER + 1]
+            force = pressure * self._cell_area
+            residual = residual_of(force, self._task.load, approach=base + offset)
             yield DeviceStep(
                 Balance(base, offset, self._task.hardness, residual, evaluations=int(evaluations)),
                 dict(zip(totals, row[HEADER:], strict=False)),
