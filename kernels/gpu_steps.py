@@ -1,15 +1,15 @@
 """Whole steps on a GPU without a word to the host: the search for the balance, and a row of the history.
 
 What a pass over the cells finds is reduced block by block, into one column a block of the tables `found` and
-`trial`. The passes are a pair of kernels each: those of a gap at rest in `gpu_steps_rest`, those of a displaced
-disc in `gpu_steps_sliding`. The rule of the search is that of `balance.newton_in_bracket`. Where the approach
-of a gap at rest is expected next is what `foresight.Foresight` says, and the pass that wears has looked there
-already: most steps need no other.
+`trial`. The passes are a pair of kernels each: those of a gap at rest in `gpu_steps_rest`, those of a
+displaced disc in `gpu_steps_sliding`. The rule of the search is that of `balance.newton_in_bracket`. Where
+the approach of a gap at rest is expected next is what `foresight.Foresight` says, and the pass that wears has
+looked there already: most steps need no other.
 """
 
 import warp as wp
 
-from warpwear.kernels.cells import NO_INDEX, ONE, ZERO, WearSum
+from warpwear.kernels.cells import NO_INDEX, NONE, ONE, ZERO, WearSum
 
 wp.set_module_options({"enable_backward": False})
 
@@ -17,7 +17,6 @@ wp.set_module_options({"enable_backward": False})
 ROUNDS = wp.constant(wp.int32(3))
 EVALUATIONS = wp.constant(wp.int32(400))
 FIRST_REACH = wp.constant(wp.float64(1.0e-18))
-INFINITE = wp.constant(wp.float64(1.0e300))
 #: Columns of a row of the history before the sums and maxima: base, offset, evaluations.
 HEADER = wp.constant(wp.int32(3))
 #: A displaced step may be off by this many times the largest change of late.
@@ -27,7 +26,6 @@ FADES = wp.constant(wp.float64(0.9))
 #: And by this much at least [mm].
 LEAST = wp.constant(wp.float64(1.0e-6))
 HALF = wp.constant(wp.float64(0.5))
-FOUR_TIMES = wp.constant(wp.float64(4.0))
 #: Of Newton's step, as in `balance`: part of the way to the next change of state, and loads of digits.
 SURELY = wp.constant(wp.float64(0.999))
 DIGITS = wp.constant(wp.float64(1.0e3))
@@ -103,7 +101,7 @@ def carried_of(steps: Steps, lane: wp.int32, blocks: wp.int32):
     """
     pressure = ZERO
     slope = ZERO
-    nearest = -INFINITE
+    nearest = -NONE
     for i in range(lane, blocks, wp.block_dim()):
         pressure += steps.trial[0, i]
         slope += steps.trial[1, i]
@@ -124,9 +122,9 @@ def started(steps: Steps, last: Search):
     """
     s = last
     s.base = last.approach
-    s.low = -INFINITE
-    s.high = INFINITE
-    s.width = INFINITE
+    s.low = -NONE
+    s.high = NONE
+    s.width = NONE
     s.evaluation = 0
     s.round = 0
     s.offset = wp.where(steps.moves == 1, ZERO, last.ahead)
@@ -157,11 +155,11 @@ def judged(steps: Steps, step: wp.int32, before: Search, carried: wp.vec3d):
             trial = newton
         else:
             searching = 1
-            if s.low <= -INFINITE or s.high >= INFINITE:
+            if s.low <= -NONE or s.high >= NONE:
                 trial = offset + wp.where(residual < ZERO, s.reach, -s.reach)
                 if slope > ZERO and wp.abs(newton - offset) <= s.reach:
                     trial = newton
-                s.reach = FOUR_TIMES * s.reach
+                s.reach = wp.float64(4.0) * s.reach
             else:
                 even = s.evaluation % 2 == 0
                 stalled = even and s.high - s.low > HALF * s.width
@@ -173,9 +171,9 @@ def judged(steps: Steps, step: wp.int32, before: Search, carried: wp.vec3d):
                     s.base = s.base + offset
                     s.round = s.round + 1
                     s.reach = FIRST_REACH
-                    s.width = INFINITE
-                    s.low = -INFINITE
-                    s.high = INFINITE
+                    s.width = NONE
+                    s.low = -NONE
+                    s.high = NONE
                     trial = ZERO
                     if s.round >= ROUNDS:
                         searching = 0

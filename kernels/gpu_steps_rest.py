@@ -133,30 +133,26 @@ _WEAR = """
         v = of_block(v, adds);
         if (lane == 0) wp::index(table, line, block) = v;
     };
+    const bool some = touched > 0;
+"""
+_KEEP = f"""
     keep(steps.trial, 0, pressure_next, true);
     keep(steps.trial, 1, stiffness_next * between_next, true);
     keep(steps.trial, 2, -nearest_next, false);
-    const bool some = touched > 0;
+    keep(steps.found, {WearSum.PRESSURE.value}, pressure, true);
+    keep(steps.found, {WearSum.DEVIATION_SQUARED.value}, deviation, true);
+    keep(steps.found, {WearSum.CONTACT.value}, contact, true);
+    keep(steps.found, {WearSum.CAPPED.value}, capped, true);
+    keep(steps.found, {WearSum.TOUCHED.value}, touched, true);
+    keep(steps.found, {WearSum.WORN.value}, worn, true);
+    const int most = {len(WearSum)};
+    keep(steps.found, most + {WearMost.PRESSURE.value}, highest, false);
+    keep(steps.found, most + {WearMost.WORN.value}, deepest, false);
+    keep(steps.found, most + {WearMost.FIRST_ROW.value}, some ? -double(first_row) : no_index, false);
+    keep(steps.found, most + {WearMost.LAST_ROW.value}, some ? double(last_row) : no_index, false);
+    keep(steps.found, most + {WearMost.FIRST_COLUMN.value}, some ? -double(first_column) : no_index, false);
+    keep(steps.found, most + {WearMost.LAST_COLUMN.value}, some ? double(last_column) : no_index, false);
 """
-_SUMS = {
-    WearSum.PRESSURE: "pressure",
-    WearSum.DEVIATION_SQUARED: "deviation",
-    WearSum.CONTACT: "contact",
-    WearSum.CAPPED: "capped",
-    WearSum.TOUCHED: "touched",
-    WearSum.WORN: "worn",
-}
-_MOST = {
-    WearMost.PRESSURE: "highest",
-    WearMost.WORN: "deepest",
-    WearMost.FIRST_ROW: "some ? -double(first_row) : no_index",
-    WearMost.LAST_ROW: "some ? double(last_row) : no_index",
-    WearMost.FIRST_COLUMN: "some ? -double(first_column) : no_index",
-    WearMost.LAST_COLUMN: "some ? double(last_column) : no_index",
-}
-_LINES = [(line.value, value, "true") for line, value in _SUMS.items()]
-_LINES += [(len(WearSum) + line.value, value, "false") for line, value in _MOST.items()]
-_KEEP = "".join(f"    keep(steps.found, {line}, {value}, {adds});\n" for line, value, adds in _LINES)
 
 
 @wp.func_native(_WEAR + _KEEP)

@@ -12,6 +12,7 @@ from warpwear.kernels.cells import (
     ABSENT,
     LANES,
     NO_INDEX,
+    NONE,
     ONE,
     TILE_VECTORS,
     ZERO,
@@ -25,9 +26,6 @@ from warpwear.kernels.contact import Law, pressure_of
 
 wp.set_module_options({"enable_backward": False})
 
-#: No depth is larger: of a disc that springs back.
-INFINITE = wp.constant(wp.float64(1.0e300))
-
 
 @wp.struct
 class Slide:
@@ -38,7 +36,7 @@ class Slide:
     wear_per_pressure_disc: wp.float64
     factored: wp.int32  # 1 where the sliding distance of the disc's cells has a factor each
     reference: wp.float64  # squares are those of the deviation from it [MPa]
-    full_depth: wp.float64  # overlap c H of a cell at the hardness [mm]; INFINITE: the disc springs back
+    full_depth: wp.float64  # overlap c H of a cell at the hardness [mm]; NONE: the disc springs back
     first_column: wp.int32  # between these cells are known to be touched
     last_column: wp.int32
 
@@ -238,7 +236,7 @@ def wear_step(
         t = tiles_in[row, n]
         first = t * TILE_VECTORS
         end = wp.min(first + TILE_VECTORS, vectors)
-        if step.full_depth < INFINITE:
+        if step.full_depth < NONE:
             pressed = Cells(ZERO)
             for k in range(first, end):
                 g = bodies.gap[row, k]

@@ -6,7 +6,6 @@ until the load is carried, the passes that wear, and a row of the history.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
@@ -36,13 +35,8 @@ HEADER = int(gpu_steps.HEADER)  # columns of a row before the others
 Pass = tuple[Any, int, Sequence[Any]]
 
 
-@dataclass(frozen=True)
-class DeviceStep:
-    """What one step left: its balance, and the totals that a history row is made of."""
-
-    balance: Balance
-    totals: dict[str, float]
-    most: dict[str, float]
+#: What a step leaves: its balance, and the sums and maxima that a history row is made of.
+DeviceStep = tuple[Balance, dict[str, float], dict[str, float]]
 
 
 class DeviceSteps:
@@ -158,10 +152,8 @@ class DeviceSteps:
         self._launch(gpu_steps.decide, 1)
 
     def _launch(self, kernel: Any, blocks: int, *fields: Any) -> None:
-        block = 1 if self._device.is_cpu else BLOCK  # one thread on a CPU: for tests
-        wp.launch(
-            kernel, dim=blocks * block, inputs=[self._steps, *fields], device=self._device, block_dim=block
-        )
+        device, block = self._device, 1 if self._device.is_cpu else BLOCK  # one thread on a CPU: for tests
+        wp.launch(kernel, dim=blocks * block, inputs=[self._steps, *fields], device=device, block_dim=block)
 
     def _given(self, first: int, end: int, fetched: Any) -> Iterator[DeviceStep]:
         """Steps whose rows are fetched, when the event says so."""
@@ -174,13 +166,10 @@ class DeviceSteps:
         rows[:, growing], self._grown = grown, grown[-1]
         for row in rows.tolist():
             base, offset, evaluations, pressure = row[: HEADER + 1]
-            force = pressure * self._cell_area
-            residual = residual_of(force, self._task.load, approach=base + offset)
-            yield DeviceStep(
-                Balance(base, offset, self._task.hardness, residual, evaluations=int(evaluations)),
-                dict(zip(totals, row[HEADER:], strict=False)),
-                dict(zip(most, row[HEADER + len(totals) :], strict=True)),
-            )
+            residual = residual_of(pressure * self._cell_area, self._task.load, approach=base + offset)
+            balance = Balance(base, offset, self._task.hardness, residual, evaluations=int(evaluations))
+            total = dict(zip(totals, row[HEADER:], strict=False))
+            yield balance, total, dict(zip(most, row[HEADER + len(totals) :], strict=True))
 
 
 def at_rest(executor: Executor, task: ContactTask, gap: Field, unworn: Field) -> DeviceSteps:

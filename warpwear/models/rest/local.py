@@ -108,12 +108,12 @@ class OneScaleModel(Model):
         removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
         mean = self._ledger.row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
-        for increment, removed, step in zip(increments, removals, made, strict=True):
-            self._last, self._lookahead = step.balance, None
-            self._foresight.note(step.balance.approach, sum(removed))
+        for increment, removed, (balance, *found) in zip(increments, removals, made, strict=True):
+            self._last, self._lookahead = balance, None
+            self._foresight.note(balance.approach, sum(removed))
             reference = self._ledger.row["pressure_mean"]
-            total, most = (divided(found, self.state.fractions) for found in (step.totals, step.most))
-            yield self._ledger.enter(step.balance, increment, removed, reference, total, most)
+            total, most = (divided(of_both, self.state.fractions) for of_both in found)
+            yield self._ledger.enter(balance, increment, removed, reference, total, most)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.

@@ -211,13 +211,13 @@ class SlidingContact:
             wander=max(self._changes, default=FIRST_SCATTER),
             mean_pressure=self._ledger.row["pressure_mean"],
         )
-        for increment, removal, step in zip(increments, removals, made, strict=True):
-            self._changes.append(abs(step.balance.approach - self._approach))
-            self._approach = step.balance.approach
+        for increment, removal, (balance, total, most) in zip(increments, removals, made, strict=True):
+            self._changes.append(abs(balance.approach - self._approach))
+            self._approach = balance.approach
             reference = self._ledger.row["pressure_mean"]
-            entered = self._ledger.enter(step.balance, increment, removal, reference, step.totals, step.most)
+            step = self._ledger.enter(balance, increment, removal, reference, total, most)
             self.state.columns = self._ledger.columns
-            yield entered
+            yield step
 
     def _pressures(self, stiffness: Field) -> FloatArray:
         """The pressure field of a solved contact [MPa]."""
