@@ -215,6 +215,12 @@ class Balancer:
         )
         return self.evaluated(self._sums)
 
+    def pressures(self, law: Arguments, stiffness: Field, gap: Field, tiles: TileList) -> FloatArray:
+        """The pressure of every cell [MPa], shape (nx, ny), at the approach and cap of the law."""
+        field = self._executor.zeros()
+        self._executor.launch(contact.pressures, inputs=[law, stiffness, gap], outputs=[field], over=tiles)
+        return self._executor.to_numpy(field)
+
     def evaluated(self, partials: Field) -> Carried:
         """What a table of partial results adds up to."""
         table = partials.numpy()

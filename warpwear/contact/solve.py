@@ -25,7 +25,6 @@ from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.tiles import Tiles
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact as kernels
 from warpwear.kernels.cells import PADDING
 from warpwear.kernels.contact import Law
 from warpwear.surfaces.sphere import sag
@@ -296,13 +295,13 @@ def _solve_cells(task: _Task, executor: Executor) -> _Found:
     stiffness = executor.field(np.full((1, 1), stiffest), padding=stiffest)
     load = (task.mean or 0.0) * task.gap.size
     tiles = Tiles(executor, gap, gap, least=SPARE * load / task.cap)
-    law, evaluations = arguments(Law, offset=0.0), 1
+    law, evaluations, balancer = arguments(Law, offset=0.0), 1, Balancer(executor)
     law.base, law.cap, law.tie_pressure = float(task.approach or 0.0), task.cap, task.cap
     # Where nothing yields a cell at the very approach is touched.
     law.tie_width = 0.0 if task.response else TIE
     if task.approach is None:
         if task.response:
-            found = Balancer(executor).solve(Foundation(gap, stiffness, tiles, load, task.cap))
+            found = balancer.solve(Foundation(gap, stiffness, tiles, load, task.cap))
         else:
             # No number of cells but the very one: else their pressure would exceed the hardness.
             bearing = BearingArea(executor)
@@ -318,9 +317,7 @@ def _solve_cells(task: _Task, executor: Executor) -> _Found:
         law.cap, evaluations = task.cap, found.evaluations
     if not law.tie_width:
         law.tie_pressure = 0.0
-    field = executor.zeros()
-    executor.launch(kernels.pressures, inputs=[law, stiffness, gap], outputs=[field], over=tiles)
-    pressure = executor.to_numpy(field).copy()
+    pressure = balancer.pressures(law, stiffness, gap, tiles).copy()
     approach = law.base + law.offset
     if task.approach is None and not task.response:  # the lowest of those that touch these cells
         approach = float(task.gap[pressure > 0.0].max())

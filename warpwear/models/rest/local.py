@@ -27,7 +27,7 @@ from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
-from warpwear.kernels import contact, wear
+from warpwear.kernels import wear
 from warpwear.kernels.cells import WearMost, WearSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.wear_loops import Increment, Tables
@@ -129,7 +129,10 @@ class OneScaleModel(Model):
         balance = self._balance(stiffness, sum(removal))
         self._foresight.note(balance.approach, sum(removal))
         balance.fill(self._law)
-        pressure = self._pressures(stiffness) if with_pressure else None
+        pressure = None
+        if with_pressure:
+            row_of_cells = self._row_of(stiffness)
+            pressure = self._balancer.pressures(self._law, row_of_cells, self.state.gap, self.tiles)
         # The scatter is summed about a value near the mean: of a bearing area the mean itself.
         near_mean = balance.cap if task.rigid else row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
@@ -164,17 +167,6 @@ class OneScaleModel(Model):
             balance = replace(balance, load_residual=residual)
         self._last = balance
         return self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
-
-    def _pressures(self, stiffness: float) -> FloatArray:
-        """The pressure of every cell [MPa], shape (nx, ny)."""
-        field = self._executor.zeros()
-        self._executor.launch(
-            contact.pressures,
-            inputs=[self._law, self._row_of(stiffness), self.state.gap],
-            outputs=[field],
-            over=self.tiles,
-        )
-        return self._executor.to_numpy(field)
 
     def _balance(self, stiffness: float, removal: float) -> Balance:
         task, last = self.task, self._last

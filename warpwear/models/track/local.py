@@ -13,7 +13,7 @@ from warpwear.contact.bearing_area import BearingArea
 from warpwear.engine.executor import Executor, Field, arguments, set_numbers
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import contact, sliding
+from warpwear.kernels import sliding
 from warpwear.kernels.cells import LANES, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTiles, Slide, StepTables
@@ -156,7 +156,9 @@ class SlidingContact:
         balance.fill(self._law)
         near_mean = balance.cap if compliance == 0.0 else row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
-        pressure = self._pressures(stiffness) if with_pressure else None
+        pressure = None
+        if with_pressure:
+            pressure = self._balancer.pressures(self._law, stiffness, self.tiles.gap, self.tiles)
         bearing = None if self._recession is None else self._recession.cells_bearing(self._law)
         first, end = self.state.columns
         set_numbers(
@@ -218,17 +220,6 @@ class SlidingContact:
             step = self._ledger.enter(balance, increment, removal, reference, total, most)
             self.state.columns = self._ledger.columns
             yield step
-
-    def _pressures(self, stiffness: Field) -> FloatArray:
-        """The pressure field of a solved contact [MPa]."""
-        field = self._executor.zeros()
-        self._executor.launch(
-            contact.pressures,
-            inputs=[self._law, stiffness, self.tiles.gap],
-            outputs=[field],
-            over=self.tiles,
-        )
-        return self._executor.to_numpy(field)
 
     def _stiffness_of(self, compliance: float, own: float) -> Field:
         """1/c of the cells in the step at hand [N/mm³], one row where they are alike.
