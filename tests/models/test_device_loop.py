@@ -1,12 +1,17 @@
 """Steps made in blocks on a device are the steps made one by one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import Study
 from warpwear.engine.executor import Executor
+from warpwear.errors import ConvergenceError
 from warpwear.history.recorder import Step
+from warpwear.models import on_gpu
+from warpwear.models.rest.bodies import RestingBodies
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.study.surface import surface_in
 
@@ -21,8 +26,10 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_blocks_are_steps(kind: str, device: str) -> None:
-    """Same cells in contact; approach, areas, volumes and pressures to 1e-10."""
+def test_blocks_are_steps(kind: str, device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Same cells in contact; approach, areas, volumes and pressures to 1e-10; as few evaluations."""
+    monkeypatch.setattr(on_gpu, "PIECE", 7)
+    monkeypatch.setattr(on_gpu, "STEPS_OF_GRAPH", 3)
     study = Study.load("v3-fine").replace({"grid.cell": "20 um", "grid.extent": "1.5 mm"} | KINDS[kind])
     grid = study.cells
     plan = [(0.003 * 1.1**n, n in (20, 59)) for n in range(60)]
@@ -49,3 +56,16 @@ def test_blocks_are_steps(kind: str, device: str) -> None:
     assert blocks[20].pressure is not None
     assert one_by_one[20].pressure is not None
     assert_array_equal(blocks[20].pressure > 0.0, one_by_one[20].pressure > 0.0)
+    # The plan makes two blocks: each begins without knowing where its first steps lead.
+    few = sum(step.row["evaluations"] for step in one_by_one) + 10
+    assert sum(step.row["evaluations"] for step in blocks) <= few
+
+
+def test_a_load_that_no_approach_carries_is_refused(device: str) -> None:
+    study = Study.load("v3-fine").replace({"grid.cell": "20 um", "grid.extent": "0.5 mm"})
+    grid, task = study.cells, replace(study.contact_task, load=1e6)
+    with Executor(grid, device=device) as executor:
+        bodies = RestingBodies.of(task, executor, surface_in(study).heights(grid.x, grid.y))
+        steps = on_gpu.at_rest(executor, task, bodies.gap, bodies.unworn)
+        with pytest.raises(ConvergenceError, match="of 1e\\+06 N are left"):
+            next(steps.run([(1e-9, 1e-9)], approach=0.0, mean_pressure=1.0))

@@ -5,6 +5,7 @@ from cases_track import LOSES, TRACKS, rough, small
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear.engine.executor import Executor
+from warpwear.models import on_gpu
 from warpwear.models.track.model import SweptModel
 from warpwear.runs.make import plan_of
 
@@ -24,8 +25,10 @@ CASES = [
 
 
 @pytest.mark.parametrize(("track", "law"), CASES)
-def test_blocks_are_steps(track: str, law: str, device: str) -> None:
-    """Same cells in contact; approach, areas, volumes and pressures to 1e-10."""
+def test_blocks_are_steps(track: str, law: str, device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Same cells in contact; approach, areas, volumes and pressures to 1e-10; about as many evaluations."""
+    monkeypatch.setattr(on_gpu, "PIECE", 7)
+    monkeypatch.setattr(on_gpu, "STEPS_OF_GRAPH", 3)
     study = small(track, **{k.replace(".", "__"): v for k, v in LAWS[law].items()})
     path = study.track
     plan = [(increment, number in (11, 59)) for number, (increment, _, _) in enumerate(plan_of(study))]
@@ -55,3 +58,5 @@ def test_blocks_are_steps(track: str, law: str, device: str) -> None:
     assert blocks[11].pressure is not None
     assert one_by_one[11].pressure is not None
     assert_array_equal(blocks[11].pressure > 0.0, one_by_one[11].pressure > 0.0)
+    alone = sum(step.row["evaluations"] for step in one_by_one)
+    assert sum(step.row["evaluations"] for step in blocks) <= 1.1 * alone + 1
