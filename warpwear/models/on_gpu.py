@@ -24,8 +24,8 @@ from warpwear.laws.task import ContactTask
 LONGEST_BLOCK = 2000
 #: Steps whose history is read in one go.
 PIECE = 250
-#: Steps of a graph: launching one takes the host as long as a small step takes the device.
-STEPS_OF_GRAPH = 10
+#: Steps of a graph: launching one takes the host about as long as a small step takes the device.
+STEPS_OF_GRAPH = 4
 BLOCK = 256  # threads
 BLOCKS_AT_REST = 1056  # eight for each of the 132 multiprocessors of a large GPU
 BLOCKS_DISPLACED = 2112  # at most
@@ -116,19 +116,14 @@ class DeviceSteps:
         steps.step.zero_()
         self._launch(gpu_steps.begin, 1)
         self._grown = np.array([field.numpy().sum() for field in self._kept], dtype=np.longdouble)
-        for size in (STEPS_OF_GRAPH, 1) if self._device.is_cuda and not self._graphs else ():
-            with wp.ScopedCapture(device=self._device) as capture:
-                self._make(size)
-            self._graphs[size] = capture.graph
         fetched: tuple[int, int, Any] | None = None
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
             left = end - first
-            for size, graph in self._graphs.items():
+            for size in (STEPS_OF_GRAPH, 1):
                 for _ in range(left // size):
-                    wp.capture_launch(graph)
+                    self._make(size)
                 left %= size
-            self._make(left)  # where there are no graphs
             width = self._read.shape[1]
             wp.copy(self._read, steps.rows, first * width, first * width, (end - first) * width)
             event = wp.get_stream(self._device).record_event() if self._device.is_cuda else None
@@ -139,6 +134,17 @@ class DeviceSteps:
             yield from self._given(*fetched)
 
     def _make(self, count: int) -> None:
+        """Set the device to some steps, on a GPU by a graph, which is captured once."""
+        if self._device.is_cpu:
+            self._launch_steps(count)
+            return
+        if count not in self._graphs:
+            with wp.ScopedCapture(device=self._device) as capture:
+                self._launch_steps(count)
+            self._graphs[count] = capture.graph
+        wp.capture_launch(self._graphs[count])
+
+    def _launch_steps(self, count: int) -> None:
         evaluation, *wear = self._passes
         for _ in range(count):
             wp.capture_while(self._steps.searching, self._evaluate, evaluation=evaluation)
