@@ -93,7 +93,7 @@ def gather(
     read = [
         read_experiment(
             path,
-            speed=optional("--speed", speed, "mm/s") or _common([r.study.sliding.speed for r in runs]),
+            speed=optional("--speed", speed, "mm/s") or _common([r.study.sliding.mean_speed for r in runs]),
             stroke=optional("--stroke", stroke, "mm") or _common([r.study.sliding.stroke for r in runs]),
             load=_common([r.study.contact.load for r in runs]),
             columns=columns,

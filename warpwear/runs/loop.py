@@ -161,7 +161,7 @@ class StepLoop:
         plan: of every step the increment, the distance at its end [mm], and whether to keep a snapshot.
         with_fields: whether every step can be asked for its fields, not only those that are kept.
         """
-        speed, left = self.study.sliding.speed, plan[len(self._rows) :]
+        speed, left = self.study.sliding.mean_speed, plan[len(self._rows) :]
         steps = self._model.steps((increment, keep or with_fields) for increment, _, keep in left)
         for (_, distance, keep), step in zip(left, steps, strict=True):
             row = step.row | {"distance": distance}

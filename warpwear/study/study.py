@@ -1,6 +1,5 @@
 """A study: what to compute, read from TOML, checked, frozen."""
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
@@ -83,7 +82,7 @@ class Study(Content):
 
         surface: file of the disc's heights where that has moved since; without it the one in the text.
         """
-        sections = tomllib.loads(content)
+        sections = loading.parse_toml(content)
         if surface is not None:
             sections["disc"]["surface"] = surface
         found = cls(**sections)
