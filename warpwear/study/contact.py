@@ -116,8 +116,8 @@ class Wear(Section):
     )
     disc: WearCoefficient = key(
         ...,
-        "wear coefficient K of the disc, hardness contained; without a unit k = K H, with contact.hardness or "
-        "else the softer body's for both bodies",
+        "wear coefficient K of the disc, hardness contained; without a unit k = K H, with contact.hardness "
+        "or else the softer body's for both bodies",
     )
     law: Literal["archard", "exponential", "running-in", "bearing-curve"] = key(
         "archard", "depth = K × pressure × distance, K constant or by an empirical law of the distance slid"
@@ -165,6 +165,11 @@ class Friction(Section):
     )
     running_in: Length | None = key(None, "running-in: L_τ of the shear strength")
     area: Literal["contact", "touched", "cumulative", "nominal"] = key("contact", "area that shears")
+
+    @property
+    def fitted(self) -> Literal["end", "initial"] | None:
+        """Where the coefficient is an input, to which τ0 is fitted; None where τ0 is given."""
+        return self.calibrate if self.shear_strength is None else None
 
     def _check(self) -> None:
         measured = {"coefficient", "calibrate"} & self.model_fields_set

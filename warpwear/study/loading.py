@@ -24,25 +24,29 @@ def presets() -> list[str]:
 
 #: Most characters of a study; the longest preset has 2,400.
 MOST_CHARACTERS = 1_000_000
-#: A key of TOML with more than 32 parts, whose tables the parser would nest with a cost that grows as their square.
+#: A key of TOML with more than 32 parts; what the parser does with them grows as their square.
 _ENDLESS_KEY = re.compile(r"""(?<![\w"'-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]++)[ \t]*+\.[ \t]*+){32}""")
 
 
 def parse_toml(content: str) -> dict[str, Any]:
-    """Return the tables in the text of a study. Raises ValueError, with what to write instead where that is plain.
+    """Return the tables in the text of a study.
 
-    RecursionError is for nesting without an end.
+    Raises ValueError, with what to write instead where that is plain, and RecursionError for endless nesting.
     """
     if len(content) > MOST_CHARACTERS:
         raise ValueError(f"it is longer than {MOST_CHARACTERS:,} characters")
     if endless := _ENDLESS_KEY.search(content):
-        raise ValueError(f"line {content.count(chr(10), 0, endless.start()) + 1} has a key of more than 32 parts")
+        raise ValueError(
+            f"line {content.count(chr(10), 0, endless.start()) + 1} has a key of more than 32 parts"
+        )
     try:
         return tomllib.loads(content)
     except tomllib.TOMLDecodeError as error:
         at = re.search(r"at line (\d+)", str(error))
         line = content.splitlines()[int(at[1]) - 1] if at else ""
-        found = re.search(r"=\s*(?P<quantity>[+-]?\d+([.,]\d+)?(e[+-]?\d+)?\s*(?P<unit>[^\W\d_][^#,]*)?)", line)
+        found = re.search(
+            r"=\s*(?P<quantity>[+-]?\d+([.,]\d+)?(e[+-]?\d+)?\s*(?P<unit>[^\W\d_][^#,]*)?)", line
+        )
         wrong = found["quantity"].strip() if found else ""
         right = wrong.replace(",", ".")
         if found and found["unit"]:

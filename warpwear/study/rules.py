@@ -196,8 +196,8 @@ def _capacity(study: Content) -> None:
     if study.hardness * under_sphere < study.contact.load:
         radius = math.sqrt(study.contact.load / (math.pi * study.hardness))
         raise ValueError(
-            f"sphere.radius = {1.0 / curvature:g} mm is too small: at this hardness, {study.hardness:g} MPa, a "
-            f"sphere carries {study.hardness * under_sphere:.4g} N on its whole section, and contact.load = "
+            f"sphere.radius = {1.0 / curvature:g} mm is too small: at this hardness, {study.hardness:g} MPa, "
+            f"a sphere carries {study.hardness * under_sphere:.4g} N on its whole section, and contact.load = "
             f"{study.contact.load:g} N needs more than {radius:.3g} mm"
         )
     if carried < study.contact.load:
@@ -223,8 +223,8 @@ def doubts(study: Content) -> Iterator[str]:
     speed, pace = study.sliding.speed, study.sliding.pace
     if speed is not None and pace is not None and abs(speed - pace) > 0.01 * pace:
         yield (
-            f"sliding.speed = {60.0 * speed:.4g} mm/min makes the time axis, though sliding.frequency makes a "
-            f"mean speed of {60.0 * pace:.4g} mm/min."
+            f"sliding.speed = {60.0 * speed:.4g} mm/min makes the time axis, though sliding.frequency makes "
+            f"a mean speed of {60.0 * pace:.4g} mm/min."
         )
     unstable = _unstable(study)
     if unstable is not None:
@@ -265,7 +265,11 @@ def _of_hardness(study: Content) -> Iterator[str]:
         )
     bare = " and ".join(_dimensionless(study))
     if bare:
-        which = f"that of the softer body, {softer:g} MPa" if limit is None else f"contact.hardness = {limit:g} MPa"
+        which = (
+            f"that of the softer body, {softer:g} MPa"
+            if limit is None
+            else f"contact.hardness = {limit:g} MPa"
+        )
         yield f"{bare}: k of V = k F L / H, with one H for both bodies, {which}."
 
 

@@ -114,7 +114,9 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     # Branches of a union (an int or one of some words) are pydantic's, not the user's.
     name = ".".join(
-        str(p) for p in first["loc"] if not str(p).startswith(("literal[", "constrained-", "function-"))
+        str(p)
+        for p in first["loc"]
+        if not str(p).startswith(("literal[", "constrained-", "function-", "tuple["))
     )
     kind, value = first["type"], first.get("input")
     shown = repr(str(value) if is_quantity(value) else value)

@@ -42,7 +42,9 @@ _NUMBER_AND_UNIT = re.compile(
 #: Most characters of a quantity: more are read as none.
 LONGEST_TEXT = 200
 #: A hardness number of a standard, with the load of the test after its name or not: "200 HV10".
-_HARDNESS_NUMBER = re.compile(r"\s*(?P<number>\d+\.?\d*)\s*(?P<scale>HV|HBW?|HR[A-Z])[\d\s./]*", re.IGNORECASE)
+_HARDNESS_NUMBER = re.compile(
+    r"\s*(?P<number>\d+\.?\d*)\s*(?P<scale>HV|HBW?|HR[A-Z])[\d\s./]*", re.IGNORECASE
+)
 #: 1 HV (ISO 6507-1) and 1 HB (ISO 6506-1) are a kilogram-force per mm² of the imprint's surface [MPa].
 HARDNESS_UNIT = 9.80665
 
@@ -82,7 +84,9 @@ def parse(value: Any, unit: str) -> float:
             quantity = _registry().Quantity(
                 float(found["number"]), f"1{reading}" if reading[0] == "/" else reading
             )
-        except Exception:  # pint raises whatever its parser meets, AttributeError and tokenize errors included
+        except (
+            Exception
+        ):  # pint raises whatever its parser meets, AttributeError and tokenize errors included
             problems.append(ValueError(f"cannot be read: {EXAMPLES[unit]} is expected"))
             continue
         try:
