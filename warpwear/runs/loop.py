@@ -299,7 +299,7 @@ class StepLoop:
             self._report_few_cells(cells.min(), "At times")
 
     def _report_few_cells(self, count: float, when: str) -> None:
-        """Warn of a contact of too few cells, with the size of those that would do. when: opens the sentence."""
+        """Warn of a contact of too few cells, with the size that would do. when: opens the sentence."""
         study, area = self.study, max(count, 1.0) * self.study.cells.cell_area
         if count < COUNTED_CELLS:  # which say little of an area, that the load and the hardness bound
             area = min(area, study.contact.load / study.hardness or area)

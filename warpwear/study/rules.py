@@ -197,8 +197,8 @@ def _capacity(study: Content) -> None:
         radius = math.sqrt(study.contact.load / (math.pi * study.hardness))
         raise ValueError(
             f"sphere.radius = {1.0 / curvature:g} mm is too small: at this hardness, {study.hardness:g} MPa, "
-            f"a sphere carries {study.hardness * under_sphere:.4g} N on its whole section, and contact.load = "
-            f"{study.contact.load:g} N needs more than {radius:.3g} mm"
+            f"a sphere carries {study.hardness * under_sphere:.4g} N on its whole section, and contact.load "
+            f"= {study.contact.load:g} N needs more than {radius:.3g} mm"
         )
     if carried < study.contact.load:
         raise ValueError(

@@ -235,8 +235,9 @@ class Number:
 
     def read(self, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, Real):
-            comma = isinstance(value, str) and re.fullmatch(r"\s*[+-]?\d+,\d+\s*", value)
-            point = f", with a decimal point: {value.strip().replace(',', '.')}" if comma else ""
+            written = value.strip() if isinstance(value, str) else ""
+            comma = re.fullmatch(r"[+-]?\d+,\d+", written[:LONGEST_TEXT])
+            point = f", with a decimal point: {written.replace(',', '.')}" if comma else ""
             raise ValueError(f"must be a number without a unit{point}")
         try:
             return self.range.check(float(value))
