@@ -24,8 +24,12 @@ def presets() -> list[str]:
 
 #: Most characters of a study; the longest preset has 2,400.
 MOST_CHARACTERS = 1_000_000
-#: A key of TOML with more than 32 parts; what the parser does with them grows as their square.
-_ENDLESS_KEY = re.compile(r"""(?<![\w"'-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]++)[ \t]*+\.[ \t]*+){32}""")
+#: Most parts of a key, of which a study has three.
+MOST_PARTS = 32
+#: A key of TOML with more parts; what the parser does with them grows as their square.
+_ENDLESS_KEY = re.compile(
+    rf"""(?<![\w"'-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]++)[ \t]*+\.[ \t]*+){{{MOST_PARTS}}}"""
+)
 
 
 def parse_toml(content: str) -> dict[str, Any]:
@@ -37,7 +41,7 @@ def parse_toml(content: str) -> dict[str, Any]:
         raise ValueError(f"it is longer than {MOST_CHARACTERS:,} characters")
     if endless := _ENDLESS_KEY.search(content):
         raise ValueError(
-            f"line {content.count(chr(10), 0, endless.start()) + 1} has a key of more than 32 parts"
+            f"line {content.count(chr(10), 0, endless.start()) + 1} has a key of more than {MOST_PARTS} parts"
         )
     try:
         return tomllib.loads(content)
@@ -211,6 +215,8 @@ def _dropped_by(name: str) -> set[str]:
 def insert(nested: dict[str, Any], name: str, value: Any) -> None:
     """Set a dotted key in nested sections. Raises InputError where a value stands for one of these."""
     *parents, last = name.split(".")
+    if len(parents) >= MOST_PARTS:
+        raise InputError(no_such_key(Content, name))
     for depth, parent in enumerate(parents):
         nested = nested.setdefault(parent, {})
         if not isinstance(nested, dict):

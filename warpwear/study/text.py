@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from reprlib import Repr
 from typing import Any
 
 import tomli_w
@@ -13,6 +14,10 @@ from warpwear.study.keys import declarations, given_keys, inapplicable, key_of, 
 from warpwear.study.loading import CONSTANTS, insert
 from warpwear.study.materials import material
 from warpwear.study.units import is_quantity
+
+#: Writes a value into a sentence, what is long or deep in short.
+_SHOWN = Repr()
+_SHOWN.maxstring = _SHOWN.maxother = 200
 
 
 def to_toml(study: Content) -> str:
@@ -119,8 +124,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         if not str(p).startswith(("literal[", "constrained-", "function-", "tuple["))
     )
     kind, value = first["type"], first.get("input")
-    shown = repr(str(value) if is_quantity(value) else value)
-    shown = shown if len(shown) <= 200 else f"{shown[:200]}…"
+    shown = _SHOWN.repr(str(value) if is_quantity(value) else value)
     if kind == "extra_forbidden":
         return no_such_key(model, name)
     if kind == "missing":
