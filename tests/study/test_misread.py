@@ -111,7 +111,7 @@ def test_a_track_too_long_for_a_measured_disc_names_the_track(tmp_path: Path) ->
         }
     )
     turning = study.replace({"sliding.track_radius": "5 mm"})
-    found = r"^sliding\.track = full.* needs 31\.\d+ mm .*disc\.surface has 2 mm .*sliding\.track = '2 mm' or less"
+    found = r"^sliding\.track = full.* needs 31\.\d+ mm .*disc\.surface has 2 mm .*track = '2 mm' or less"
     for asked in (study, turning):
         with pytest.raises(InputError, match=found):
             surface_in(asked)
