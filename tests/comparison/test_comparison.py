@@ -142,18 +142,12 @@ def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path) -> Non
 def test_ends_that_are_inputs_are_told_and_notes_are_said_once(tmp_path: Path) -> None:
     """Three loads calibrated at their ends: 0.55 three times, which compares nothing."""
     study = Study.load("v3-fine").replace(
-        {
-            "grid.cell": "20 um",
-            "sliding.distance": "30 mm",
-            "output.snapshots": [],
-            "friction.coefficient": 0.55,
-        }
+        {"grid.cell": "10 um", "sliding.distance": "30 mm", "friction.coefficient": 0.55}
     )
     names = ["l2", "l4", "l8"]
     for name in names:
-        warpwear.run(
-            study.replace({"contact.load": f"{name[1]} N"}), out=tmp_path / name, plots=False
-        ).close()
+        loaded = study.replace({"contact.load": f"{name[1]} N"})
+        warpwear.run(loaded, out=tmp_path / name, plots=False).close()
     told = gather([tmp_path / name for name in names])
     text = to_text(told)
     assert re.search(r"^CoF at the end +0\.55 +0\.55 +0\.55$", text, re.MULTILINE)
@@ -164,8 +158,8 @@ def test_ends_that_are_inputs_are_told_and_notes_are_said_once(tmp_path: Path) -
         assert found == pytest.approx(0.55 * run.study.contact.load / run.history["area_contact"][-1])
     line = " +".join(f"{found:.4g}" for found in strengths)
     assert re.search(rf"^shear strength τ0, MPa +{line}$", text, re.MULTILINE)
-    assert len(told.notes) == 3  # unlike loads, coarse cells, inputs
-    assert sum(note.startswith("l2, l4, l8: cells of 20 µm") for note in told.notes) == 1
+    assert len(told.notes) == 4  # unlike loads, late snapshots, coarse cells, inputs
+    assert sum(note.startswith("l2, l4, l8: cells of 10 µm") for note in told.notes) == 1
     assert told.notes[-1].startswith(
         "The CoF at the end of l2, l4, l8 is an input (friction.calibrate = 'end')"
     )
