@@ -185,7 +185,8 @@ that sum is an inference, its text does not say. Cured in all four parts (a tole
 resolve the surface, implicit steps, the area in contact at the moment) the area starts at F/H, grows with m
 near 0.5 and levels with λ near 0.24, and the mesh no longer matters.
 
-What it does not show. On a stationary footprint the roughness is worn away within about one pass, and the
+What it does not show. On a stationary footprint the bodies conform within about one pass (the disc keeps the
+fraction K_s/(K_s + K_d) of its roughness, the ball carries its imprint, and the gap is gone), and the
 converged equations become those of a smooth disc (V1): at the end everything touches, at a few MPa. That is
 what the equations imply, not what steel does. That the surface converges at all is owed to its shortest
 wave: with a shorter cut-off there are more and smaller islands, and finer cells are needed.

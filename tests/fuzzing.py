@@ -14,10 +14,14 @@ from hypothesis import strategies as st
 LONGEST = 5.0
 
 WORDS = """inf mm|-inf N|nan MPa|1e400 mm|0 mm|-1 um|8 N|3 GPa|1 mm^3/N/m|1/m|1e-300 mm|1e300 N|5 µm|10 Å
-|2 min|inf s|1 Hz|90 deg|one cell|area|macro|micro|self-affine|milled|flat|explicit|implicit|radial|updated"""
+|2 min|inf s|1 Hz|60 rpm|90 deg|200 HV10|60 HRC|0,55|1e-4 mm3/Nm|auto
+|one cell|area|macro|micro|self-affine|milled|flat|explicit|implicit|radial|updated"""
 NUMBERS = "1_0|0x10|1e|.5.|½|٣|--1|1e-30|1e30"
-UNITS = """mm|um|m|km|N|MPa|Pa^-1|mm^2/N|mm^3/N/m|degC|dB|mol|()|^9|mm/min|J/m^2|deg|parsec|m**9999999|(((m
+UNITS = """mm|um|m|km|N|Nm|mm³/N·m|mm2|turn/s|rad|HV|HB|HRC|/|/N·m
+|MPa|Pa^-1|mm^2/N|mm^3/N/m|degC|dB|mol|()|^9|mm/min|J/m^2|deg|parsec|m**9999999|(((m
 |__import__('os')|1|%|‰"""
+#: What is little once and too much when it is repeated.
+LONG = ["a.", "9", " ", "m*", "(", "[", '"', "8 N ", "mm/", "\n", "HV "]
 
 
 def one_of(words: str) -> st.SearchStrategy[str]:
@@ -39,6 +43,7 @@ VALUES = st.one_of(
         st.sampled_from(["", " ", "  ", "\t", "\n", "*", "/", " 1/"]),
         one_of(UNITS),
     ),
+    st.builds(lambda piece, times: piece * times, st.sampled_from(LONG), st.integers(1, 60_000)),
     st.lists(st.one_of(st.integers(), one_of("1 mm|3 N|-2 mm|nan mm")), max_size=4),
     st.dictionaries(one_of("kind|a|load|"), st.sampled_from(["flat", "1 mm", 3]), max_size=2),
 )
@@ -116,6 +121,8 @@ def mutated_text(text: str, dice: random.Random) -> str:
         "nan",
         "true",
         "2026-01-01",
+        "a." * 50_000,
+        "9" * 50_000,
     ]
     for _ in range(dice.randint(1, 4)):
         a, b = sorted(dice.randrange(len(text) + 1) for _ in range(2))

@@ -10,6 +10,7 @@ from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.frames import to_dataframe, to_xarray
 from warpwear.results.summary import summarise
+from warpwear.results.summary_text import INPUT
 
 #: Draws the figures; Matplotlib takes as long to import as everything else together.
 PLOTTER = "warpwear.figures.table:Plotter"
@@ -82,7 +83,8 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     ):
         rows.append((f"{what}, sphere and disc", f"{values['sphere']:.4g}, {values['disc']:.4g} {unit}"))
     if s["cof"]["end"] is not None:
-        friction = f"{s['cof']['end']:.3g} from the area {s['cof_area']}"
+        given = INPUT if s["cof_input"] == "end" else ""
+        friction = f"{s['cof']['end']:.3g}{given} from the area {s['cof_area']}"
         rows.append(("coefficient of friction at the end", friction))
     if s["assumptions"]:
         rows.append(("assumptions", f"{len(s['assumptions'])}, see .summary['assumptions']"))

@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import h5py
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
@@ -15,9 +16,10 @@ from click.testing import CliRunner, Result
 import warpwear
 from warpwear import Study
 from warpwear.cli.compare import compare
+from warpwear.comparison import figures
 from warpwear.comparison.figures import FIGURES
 from warpwear.comparison.gather import gather, rms_difference, shape_of
-from warpwear.comparison.table import to_text
+from warpwear.comparison.table import to_text, write_csv
 from warpwear.errors import InputError
 from warpwear.measured.course import Experiment
 
@@ -135,6 +137,40 @@ def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path) -> Non
         if name == "area_load":  # where runs of one law make one series
             labels = ("computed: local, H = 590 MPa", "load over hardness")
         assert all(f"<!-- {label} -->" in drawn for label in labels)
+
+
+def test_ends_that_are_inputs_are_told_and_notes_are_said_once(tmp_path: Path) -> None:
+    """Three loads calibrated at their ends: 0.55 three times, which compares nothing."""
+    study = Study.load("v3-fine").replace(
+        {"grid.cell": "10 um", "sliding.distance": "30 mm", "friction.coefficient": 0.55}
+    )
+    names = ["l2", "l4", "l8"]
+    for name in names:
+        loaded = study.replace({"contact.load": f"{name[1]} N"})
+        warpwear.run(loaded, out=tmp_path / name, plots=False).close()
+    told = gather([tmp_path / name for name in names])
+    text = to_text(told)
+    assert re.search(r"^CoF at the end +0\.55 +0\.55 +0\.55$", text, re.MULTILINE)
+    assert re.search(r"^CoF that is an input +end +end +end$", text, re.MULTILINE)
+    strengths = [run.summary["shear_strength_MPa"] for run in told.runs]
+    assert len(set(strengths)) == 3
+    for run, found in zip(told.runs, strengths, strict=True):
+        assert found == pytest.approx(0.55 * run.study.contact.load / run.history["area_contact"][-1])
+    line = " +".join(f"{found:.4g}" for found in strengths)
+    assert re.search(rf"^shear strength τ0, MPa +{line}$", text, re.MULTILINE)
+    assert len(told.notes) == 4  # unlike loads, late snapshots, coarse cells, inputs
+    assert sum(note.startswith("l2, l4, l8: cells of 10 µm") for note in told.notes) == 1
+    assert told.notes[-1].startswith(
+        "The CoF at the end of l2, l4, l8 is an input (friction.calibrate = 'end')"
+    )
+    figure = plt.figure()
+    axes = figure.subplots(1, 2)
+    figures.cof(axes, told)
+    assert axes[0].get_title() == "the end is an input of 3 of 3 runs"
+    plt.close(figure)
+    write_csv(told, tmp_path / "table.csv")
+    with (tmp_path / "table.csv").open(encoding="utf-8") as file:
+        assert [row["cof_input [1]"] for row in csv.DictReader(file)] == ["end", "end", "end"]
 
 
 def test_representative_patches_are_told_beside_whole_ones(runs: Path, tmp_path: Path) -> None:

@@ -29,7 +29,17 @@ PRESETS = {
 #: Whole studies after defaults too: more keys to break.
 TEXTS = [*PRESETS.values(), *(Study.load(name).to_toml() for name in PRESETS)]
 TREES = [tomllib.loads(text) for text in TEXTS]
-KEYS = [*declarations(Study), "contact.laod", "x", "study.name.x", "", ".", "sphere.", "a" * 300]
+KEYS = [
+    *declarations(Study),
+    "contact.laod",
+    "x",
+    "study.name.x",
+    "",
+    ".",
+    "sphere.",
+    "a" * 300,
+    "a." * 50_000,
+]
 
 
 def examples(quick: int, slow: int) -> Any:

@@ -47,7 +47,22 @@ BAD = [
     ({"grid.cell": "7 um"}, r"grid\.extent = 1\.5 mm is not a whole number .*cells of 7 µm.*1\.498 mm"),
     ({"sphere.radius": "3 mm", "sphere.diameter": "6 mm"}, r"sphere\.radius or sphere\.diameter"),
     ({"sliding.distance": "1 m", "sliding.passes": 3}, r"sliding distance needs one of .*given: "),
-    ({"sliding.duration": "1 h"}, r"sliding\.duration and sliding\.frequency need each other"),
+    ({"sliding.duration": "1 h"}, r"sliding\.duration needs sliding\.frequency, such as '1 Hz'"),
+    ({"sliding.frequency": "60 rpm", "sliding.stroke": None}, r"sliding\.frequency needs sliding\.stroke or"),
+    (
+        {"sphere.radius": "2 um"},
+        r"^sphere\.radius = 0\.002 mm is too small: .* carries 0\.007414 N .*load = 8 N needs .*0\.0657 mm",
+    ),
+    (
+        {"friction.coefficient": "0,55"},
+        r"coefficient = '0,55': must be a number .* with a decimal point: 0\.55\.$",
+    ),
+    (
+        {"output.snapshots": ["1 mm"] * 10_001},
+        r"output\.snapshots = .* has 10,001 distances; allowed are 10,000",
+    ),
+    ({"a." * 50_000 + "a": 1}, r"^'a\.a\..{,80}…' is no key"),
+    ({"a" * 50_000: 1}, r"^'a{80}…' is no key"),
     ({"stepping.increment": "1 mm", "stepping.first": "1 um"}, r"stepping\.increment and stepping\.first"),
     ({"stepping.growth": 0.9}, r"stepping\.growth = 0\.9: must be at least 1"),
     ({"friction.coefficient": 0.5, "friction.shear_strength": "3 MPa"}, r"exclude each other"),
@@ -95,7 +110,7 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "message"), BAD, ids=[",".join(c) for c, _ in BAD])
+@pytest.mark.parametrize(("changes", "message"), BAD, ids=[",".join(c)[:40] for c, _ in BAD])
 def test_bad_input_is_one_sentence(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message) as caught:
         Study.load("v3-fine").replace(changes)
@@ -294,6 +309,7 @@ def test_sliding_in_every_way() -> None:
         {"sliding.passes": 80},
         {"sliding.cycles": 40},
         {"sliding.duration": "40 min", "sliding.frequency": "1 / min"},
+        {"sliding.duration": "40 min", "sliding.frequency": "1 rpm"},
     ):
         assert study.replace(way).sliding.total == pytest.approx(2400.0)
 

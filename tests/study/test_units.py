@@ -38,6 +38,21 @@ def value_of(study: Study, key: str) -> Any:
         ("contact.bulk_stiffness", REGISTRY.Quantity(2e5, "N/mm^3"), 2e5),
         ("sliding.speed", 20 * REGISTRY.mm / REGISTRY.minute, 1.0 / 3.0),
         ("sliding.track", (3.2, "mm"), 3.2),
+        ("sliding.frequency", "60 rpm", 1.0),
+        ("sliding.frequency", (3, "turn/s"), 3.0),
+        ("sliding.frequency", "2 cycle/s", 2.0),
+        ("sliding.frequency", "1.5 rps", 1.5),
+        ("sliding.frequency", 120 * OTHER.revolution / OTHER.minute, 2.0),
+        ("sliding.frequency", REGISTRY.Quantity(2.0 * np.pi, "rad/s"), 1.0),
+        ("sliding.frequency", "60 / min", 1.0),
+        ("contact.hardness", "200 HV", 1961.33),
+        ("contact.hardness", "200HV10", 1961.33),
+        ("disc.hardness", (187, "HBW"), 187 * 9.80665),
+        ("disc.hardness", "187 HBW 10/3000", 187 * 9.80665),
+        ("sphere.hardness", "200 kgf/mm2", 1961.33),
+        ("contact.hardness", "590 N/mm2", 590.0),
+        ("junctions.surface_energy", "2 J/m2", 2e-3),
+        ("disc.synthetic.lay", "0.25 turn", 90.0),
         ("stepping.load_tolerance", (1, "mN"), 1e-3),
         ("wear.decay", REGISTRY.Quantity(0.1, "1/m"), 1e-4),
         ("junctions.surface_energy", (2, "J/m^2"), 2e-3),
@@ -63,7 +78,22 @@ def test_a_quantity_in_every_form(key: str, value: Any, expected: Any) -> None:
 
 
 def test_wear_coefficients_as_quantities() -> None:
-    for value in ((9.4e-4, "mm^3/N/m"), REGISTRY.Quantity(9.4e-13, "m^2/N"), OTHER.Quantity(9.4e-13, "1/Pa")):
+    written = (
+        "mm^3/Nm",
+        "mm³/N·m",
+        "mm3/Nm",
+        "mm³/(N·m)",
+        "mm3/N⋅m",
+        "mm³ N⁻¹ m⁻¹",
+        "mm^3/N*m",
+        "mm^3 / N / m",
+    )
+    for value in (
+        *(f"9.4e-4 {unit}" for unit in written),
+        (9.4e-4, "mm^3/N/m"),
+        REGISTRY.Quantity(9.4e-13, "m^2/N"),
+        OTHER.Quantity(9.4e-13, "1/Pa"),
+    ):
         study = BASE.replace({"wear.sphere": value})
         assert study.wear_coefficients[0] == pytest.approx(9.4e-7, rel=1e-12)
 
@@ -77,6 +107,18 @@ def test_wear_coefficients_as_quantities() -> None:
         ("contact.load", ["8", "N"], r"contact\.load = \['8', 'N'\]: needs its unit"),
         ("contact.load", (True, "N"), r"contact\.load = \(True, 'N'\): needs its unit"),
         ("contact.load", (8, "mm"), r"contact\.load = \(8, 'mm'\): has the wrong dimension"),
+        ("contact.load", "8 Nm", r"contact\.load = '8 Nm': has the wrong dimension"),
+        ("contact.load", REGISTRY.Quantity(8.0), r"contact\.load = '8\.0.*': needs its unit: a force"),
+        ("sphere.radius", "3 mm*turn", r"sphere\.radius = '3 mm\*turn': has the wrong dimension"),
+        ("sliding.speed", "60 rpm", r"sliding\.speed = '60 rpm': has the wrong dimension: a speed"),
+        (
+            "disc.hardness",
+            "60 HRC",
+            r"hardness = '60 HRC': is a Rockwell number, .* 50 and 60 HRC of steel are .* 513 and 697 HV\.$",
+        ),
+        ("disc.young", "200 HV", r"disc\.young = '200 HV': cannot be read"),
+        ("contact.hardness", "-200 HV", r"contact\.hardness = '-200 HV': cannot be read"),
+        ("contact.load", "8 " + "m*" * 50_000 + "m", r"contact\.load = '8 m\*.{,300} is not one number with"),
         ("contact.load", (8, "bananas"), r"contact\.load = \(8, 'bananas'\): cannot be read"),
         ("contact.load", (-8, "N"), r"contact\.load = \(-8, 'N'\): must be greater than 0 N"),
         (

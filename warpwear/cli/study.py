@@ -1,6 +1,5 @@
 """The commands `warpwear studies`, `show` and `materials`, and how a command reads its study."""
 
-import tomllib
 from typing import Any
 
 import click
@@ -72,6 +71,6 @@ def load_study(study: str, changes: tuple[str, ...]) -> Any:
 def _value(text: str) -> Any:
     """Read a value as TOML does; anything else is text, so that quotes may be left to the shell."""
     try:
-        return tomllib.loads(f"value = {text}")["value"]
+        return study_files.parse_toml(f"value = {text}")["value"]
     except (ValueError, RecursionError):  # no TOML, a number of thousands of digits, endless nesting
         return text

@@ -47,6 +47,9 @@ def cof(axes: Any, comparison: Comparison) -> None:
             end = mean_of_last_tenth(distance, values)
             if values.size > 1 and end > 0.0:
                 fs.over_distance(axes[1], distance, values / end, **line)
+    given = sum(run.study.friction.fitted == "end" for run in comparison.runs)
+    if given:
+        axes[0].set_title(f"the end is an input of {given} of {len(comparison.runs)} runs")
     axes[0].set_ylabel("coefficient of friction, –")
     axes[1].set_ylabel("relative coefficient, –")
     axes[1].set_title("over its mean in the last tenth of the distance")

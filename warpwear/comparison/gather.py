@@ -93,7 +93,7 @@ def gather(
     read = [
         read_experiment(
             path,
-            speed=optional("--speed", speed, "mm/s") or _common([r.study.sliding.speed for r in runs]),
+            speed=optional("--speed", speed, "mm/s") or _common([r.study.sliding.mean_speed for r in runs]),
             stroke=optional("--stroke", stroke, "mm") or _common([r.study.sliding.stroke for r in runs]),
             load=_common([r.study.contact.load for r in runs]),
             columns=columns,
@@ -106,7 +106,12 @@ def gather(
     notes = [f"{e.name}: {warning}" for e in measured for warning in e.warnings]
     notes += _differences(named)
     notes += [f"{r.name} was interrupted." for r in named if not r.summary["finished"]]
-    notes += [f"{r.name}: {warning}" for r in named for warning in r.summary["warnings"]]
+    notes += _together([(r.name, warning) for r in named for warning in r.summary["warnings"]])
+    if inputs := [r.name for r in named if r.study.friction.fitted == "end" and r.cof is not None]:
+        notes.append(
+            f"The CoF at the end of {', '.join(inputs)} is an input (friction.calibrate = 'end'), not a "
+            "result: compare the shear strengths, or run all with one friction.shear_strength."
+        )
     notes += [
         f"{r.name} has no coefficient of friction: its end calibrates it." for r in named if r.cof is None
     ]
@@ -118,6 +123,14 @@ def gather(
     for e in measured:
         notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, named), *_gaps(e, named))]
     return Comparison(tuple(named), tuple(measured), tuple(notes))
+
+
+def _together(told: Sequence[tuple[str, str]]) -> list[str]:
+    """Make one note of the runs of which the same is told. told: name of a run and what is told of it."""
+    names: dict[str, list[str]] = {}
+    for name, sentence in told:
+        names.setdefault(sentence, []).append(name)
+    return [f"{', '.join(of)}: {sentence}" for sentence, of in names.items()]
 
 
 def check_number(folders: Sequence[str | Path], experiments: Sequence[str | Path]) -> None:

@@ -72,6 +72,8 @@ QUANTITIES = (
     Quantity("area_contact", "mm^2", "area in contact", _entry("area_mm2", "contact")),
     Quantity("pressure_mean", "MPa", "mean pressure", _entry("pressure_MPa", "mean")),
     Quantity("cof", "1", "CoF at the end", _entry("cof", "end"), lambda e: e.final_cof),
+    Quantity("cof_input", "1", "CoF that is an input", _entry("cof_input")),
+    Quantity("shear_strength", "MPa", "shear strength τ0", _entry("shear_strength_MPa")),
     Quantity("exponent_m", "1", "m", *_of_shape("exponent_m")),
     Quantity("levelling_lambda", "1", "λ", *_of_shape("levelling_lambda")),
 )
@@ -119,8 +121,9 @@ def write_csv(comparison: Comparison, path: Path) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["name", "kind", *(f"{name} [{units}]" for name, units in names.items())])
         for name, values in columns(comparison).items():
-            numbers = [without_nan(values.get(key)) for key in names]
-            writer.writerow([name, values["kind"], *("" if v is None else f"{v:.12g}" for v in numbers)])
+            cells = [without_nan(values.get(key)) for key in names]
+            shown = ["" if v is None else v if isinstance(v, str) else f"{v:.12g}" for v in cells]
+            writer.writerow([name, values["kind"], *shown])
 
 
 def write_json(comparison: Comparison, path: Path) -> None:

@@ -50,7 +50,10 @@ def _finish_cof(axes: Axes, data: FigureData) -> None:
         relative = axes.secondary_yaxis("right", functions=to_relative)
         relative.set_ylabel(f"relative to {'its end value' if lap is None else 'the last pass’s mean'}, –")
         relative.spines["right"].set_visible(True)
-    axes.set_title(f"area that shears: {AREAS[data.study.friction.area][0]}")
+    given = {"end": ", the end is an input", "initial": ", the start is an input", None: ""}
+    axes.set_title(
+        f"area that shears: {AREAS[data.study.friction.area][0]}{given[data.study.friction.fitted]}"
+    )
 
 
 @fs.panels()

@@ -41,13 +41,29 @@ def shear_strength(
     lap: what is slid in a pass over a track [mm]: A0 is then the mean over the last or the first one, as the
     area changes with the place. NaN while a τ that is calibrated at the end waits for it.
     """
-    areas, run_in = history[f"area_{friction.area}"], _running_in(friction, history["distance"])
+    final = final_strength(friction, history, load=load, finished=finished, lap=lap)
+    return final * _running_in(friction, history["distance"])
+
+
+def final_strength(
+    friction: FrictionLaw,
+    history: Mapping[str, FloatArray],
+    *,
+    load: float,
+    finished: bool,
+    lap: float | None = None,
+) -> float:
+    """τ0 [MPa] that τ ends or runs in to, as given or calibrated; NaN while it waits for the end."""
     if friction.shear_strength is not None:
-        return friction.shear_strength * run_in
+        return friction.shear_strength
     if friction.calibrate == "end" and not finished:
-        return np.full_like(areas, math.nan)
-    mean = mean_over(history, areas * run_in, friction.calibrate, lap)
-    return np.asarray((friction.coefficient - friction.ploughing) * load / mean * run_in)
+        return math.nan
+    areas = history[f"area_{friction.area}"] * _running_in(friction, history["distance"])
+    return (
+        (friction.coefficient - friction.ploughing)
+        * load
+        / mean_over(history, areas, friction.calibrate, lap)
+    )
 
 
 def mean_over(

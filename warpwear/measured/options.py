@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from warpwear.errors import InputError
-from warpwear.study.units import POSITIVE, Range, parse
+from warpwear.study.units import POSITIVE, Quantity, Range
 
 
 def quantity(option: str, value: str, unit: str, *, allowed: Range = POSITIVE) -> float:
     """Turn an option's text into a number in a unit. Raises InputError."""
     try:
-        return allowed.check(parse(value, unit), unit)
+        return float(Quantity(unit, allowed, hardness=option == "--hardness").read(value))
     except ValueError as error:
         raise InputError(f"{option} = {value!r}: {error}") from error
 

@@ -238,8 +238,8 @@ class ResultFile:
     def at(self, distance: str | float) -> Snapshot:
         """The snapshot kept at a sliding distance: text with its unit, such as "30 mm", or a number [mm].
 
-        Of a swept run, whose steps end where its track has them, one that was asked for there is the first at
-        or after it. Raises InputError, naming those that are kept, for another distance.
+        One that was asked for there, where no step ends (of a swept run, or snapshots = "auto"), is the first
+        after it. Raises InputError, naming those that are kept, for another distance.
         """
         try:
             number = isinstance(distance, Real) and not isinstance(distance, bool)
@@ -248,7 +248,7 @@ class ResultFile:
             raise InputError(f"at = {distance!r}: {error}.") from error
         kept, slack = self.snapshot_distances, SAME_DISTANCE * abs(asked)
         found = np.flatnonzero(np.abs(kept - asked) <= slack)
-        if not found.size and self.study.is_swept and asked in self.study.output.snapshots:
+        if not found.size and asked in self.study.snapshot_distances:
             found = np.flatnonzero(kept > asked)
         if not found.size:
             raise InputError(

@@ -61,6 +61,13 @@ def summarise(result: ResultFile) -> dict[str, Any]:
             "first": _finite(friction.mean_over(history, history["cof"], "initial", study.lap)),
             "end": _finite(end["cof"]),
         },
+        "cof_input": study.friction.fitted,
+        "shear_strength_MPa": _finite(
+            friction.final_strength(
+                study.friction, history, load=load, finished=result.finished, lap=study.lap
+            )
+        ),
+        "shear_strength_of_softer_body_MPa": _finite(study.shear_limit),
         "cof_area": study.friction.area,
         "cof_shape": _shape(*course(result, "cof")),
         "area_shape": _shape(*course(result, f"area_{study.friction.area}")),

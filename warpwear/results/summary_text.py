@@ -4,6 +4,9 @@ from typing import Any
 
 from warpwear.results.report import Row, lines
 
+#: Behind a coefficient of friction that the study gives, and that the run says nothing of.
+INPUT = " (an input)"
+
 
 def summary_text(summary: dict[str, Any]) -> str:
     """Say in lines for people what a run amounts to. summary: `Result.summary`, units in its keys."""
@@ -77,16 +80,27 @@ def _friction(s: dict[str, Any]) -> list[Row]:
     """Declare friction, and what checks and assumptions say."""
     cof, tau = s["cof"], s["shear_strength_MPa_for_reference"]
     rows = []
+    given, limit, strength = s["cof_input"], s["shear_strength_of_softer_body_MPa"], s["shear_strength_MPa"]
     if cof["end"] is not None:
         relative = f"(area: {s['cof_area']}; relative to the end: {cof['first'] / cof['end']:.3g})"
-        course = {"at first": cof["first"], "at the end": cof["end"]}
+        marks = {when: INPUT if when == given else "" for when in ("initial", "end")}
+        course = {f"at first{marks['initial']}": cof["first"], f"at the end{marks['end']}": cof["end"]}
         rows.append(Row("friction", "cof", course, digits=3, note=relative))
+    if strength is not None:
+        told = "as given"
+        if given is not None:
+            told = f"fitted to {s['cof_reference']:g}: give it as friction.shear_strength to runs to compare"
+        if limit is not None and strength > limit:
+            told += f"; beyond what the softer body bears, H/(3√3) = {limit:.3g} MPa"
+        rows.append(Row("shear strength", "shear_strength_MPa", strength, digits=3, note=f", {told}"))
     if tau:
         strengths = {"at the end": tau["contact_end"], "at the start": tau["contact_initial"]}
-        asked = f"for {s['cof_reference']:g} of the area in contact"
+        asked = "of the area in contact"
         if "hardness" in tau:
-            asked += f"; H/(3√3) is {tau['hardness']:.3g} MPa"
-        rows.append(Row("shear strength", "", strengths, digits=3, note=asked, unit="MPa"))
+            asked += f"; of contact.hardness, H/(3√3), {tau['hardness']:.3g} MPa"
+        rows.append(
+            Row(f"that for CoF {s['cof_reference']:g}", "", strengths, digits=3, note=asked, unit="MPa")
+        )
     off = max(abs(v) for v in s["conservation_relative"].values())
     checks = [
         Row("load residual at most", "load_residual_N", s["load_residual_N"]["largest"], digits=2),

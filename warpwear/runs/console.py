@@ -13,8 +13,9 @@ from tqdm import tqdm
 from warpwear.errors import StudyWarning
 from warpwear.study.study import Study
 
-#: Longest silence of a run that writes plain lines [s].
+#: Longest and shortest silence of a run that writes plain lines [s].
 EVERY_SECONDS = 30.0
+SILENT_SECONDS = 2.0
 
 
 class Progress:
@@ -45,9 +46,11 @@ class Progress:
                 self._bar.set_postfix_str(
                     f"{row['distance']:.4g} mm, {row['area_contact']:.4g} mm²", refresh=False
                 )
-        elif self._done >= self._next * self._steps or time.perf_counter() - self._said > EVERY_SECONDS:
-            elapsed = time.perf_counter() - self._started
-            self._said = time.perf_counter()
+            return
+        silent = time.perf_counter() - self._said
+        if silent > (SILENT_SECONDS if self._done >= self._next * self._steps else EVERY_SECONDS):
+            self._said += silent
+            elapsed = self._said - self._started
             left = elapsed / (self._done - self._before) * (self._steps - self._done)
             self.say(
                 f"{self._name}: step {self._done} of {self._steps}, {row['distance']:.4g} mm slid, "
@@ -60,9 +63,12 @@ class Progress:
         if not self._quiet:
             tqdm.write(line, file=sys.stderr)
 
-    def note(self, sentence: str) -> None:
-        """What misleads: a line for the user, or a warning of Python where nothing is printed."""
-        self.say(f"note: {sentence}")
+    def note(self, sentence: str, *, kind: str = "note") -> None:
+        """What misleads: a line for the user, or a warning of Python where nothing is printed.
+
+        kind: "note", or "warning" where numbers are not to be trusted.
+        """
+        self.say(f"{kind}: {sentence}")
         if self._quiet:
             caller, level = sys._getframe(), 1
             while caller.f_back and caller.f_globals["__name__"].startswith("warpwear."):

@@ -34,6 +34,8 @@ LOG = logging.getLogger("warpwear")
 ABSURD_COEFFICIENT = 3.0
 #: A contact of fewer cells is not resolved.
 FEW_CELLS = 20
+#: Fewer cells do not even tell by how much.
+COUNTED_CELLS = 4
 
 
 class StepLoop:
@@ -161,7 +163,7 @@ class StepLoop:
         plan: of every step the increment, the distance at its end [mm], and whether to keep a snapshot.
         with_fields: whether every step can be asked for its fields, not only those that are kept.
         """
-        speed, left = self.study.sliding.speed, plan[len(self._rows) :]
+        speed, left = self.study.sliding.mean_speed, plan[len(self._rows) :]
         steps = self._model.steps((increment, keep or with_fields) for increment, _, keep in left)
         for (_, distance, keep), step in zip(left, steps, strict=True):
             row = step.row | {"distance": distance}
@@ -175,6 +177,8 @@ class StepLoop:
             row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             self._progress.step(row)
+            if len(self._rows) == 1 and row["cells_in_contact"] < FEW_CELLS:
+                self._report_few_cells(row["cells_in_contact"], "To begin with")
             self._last = step
             index = len(self._rows) - 1
             yield RunStep(index, len(plan), self.study, row, partial(self._snapshot_of, index)), stop
@@ -278,17 +282,39 @@ class StepLoop:
                 f"The coefficient of friction reaches {highest:.3g}, which no contact has: the shear "
                 f"strength belongs to another area than friction.area = '{self.study.friction.area}'."
             )
-        fewest = history["cells_in_contact"].min()
-        if fewest < FEW_CELLS:
+        tau = friction.final_strength(
+            self.study.friction,
+            history,
+            load=self.study.contact.load,
+            finished=self.finished,
+            lap=self.study.lap,
+        )
+        if tau > self.study.shear_limit:
             self._add_warning(
-                f"At times only {fewest:.0f} cells are in contact: smaller cells are needed to trust "
-                "the result."
+                f"The shear strength τ0 = {tau:.3g} MPa is beyond H/(3√3) = {self.study.shear_limit:.3g} "
+                "MPa, which the softer body bears: it would shear instead of the interface."
             )
+        cells = history["cells_in_contact"]
+        if cells.min() < FEW_CELLS <= cells[0]:
+            self._report_few_cells(cells.min(), "At times")
+
+    def _report_few_cells(self, count: float, when: str) -> None:
+        """Warn of a contact of too few cells, with the size that would do. when: opens the sentence."""
+        study, area = self.study, max(count, 1.0) * self.study.cells.cell_area
+        if count < COUNTED_CELLS:  # which say little of an area, that the load and the hardness bound
+            area = min(area, study.contact.load / study.hardness or area)
+        enough = 1.0e3 * math.sqrt(area / FEW_CELLS)
+        digit = 10.0 ** (math.floor(math.log10(enough)) - 1)
+        self._add_warning(
+            f"{when} only {count:.0f} {'cell is' if count == 1.0 else 'cells are'} in contact, so its area, "
+            f"pressure and friction mean nothing: grid.cell = {1.0e3 * study.grid.cell:g} µm is too large, "
+            f"{math.floor(enough / digit) * digit:.2g} µm would do ({FEW_CELLS} cells)."
+        )
 
     def _add_warning(self, sentence: str) -> None:
         self.warnings.append(sentence)
-        self._warn(sentence)
+        self._warn(sentence, kind="warning")
 
-    def _warn(self, sentence: str) -> None:
+    def _warn(self, sentence: str, *, kind: str = "note") -> None:
         LOG.warning(sentence)
-        self._progress.note(sentence)
+        self._progress.note(sentence, kind=kind)

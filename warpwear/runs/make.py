@@ -1,5 +1,6 @@
 """What a run steps through, made from its study: the model, its executor, the plan of the steps."""
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -109,9 +110,11 @@ def model_at_rest(
 
 def plan_of(study: Study) -> list[tuple[float, float, bool]]:
     """Plan every step: its increment, the distance at its end [mm], and whether its fields are kept."""
-    stops, total = set(study.output.snapshots), study.sliding.total
+    stops, total = study.snapshot_distances, study.sliding.total
     if study.is_swept:
-        return _swept_plan(study, sorted(stop for stop in stops if stop < total))
+        return _kept_after(stops, study.track.increments(total), total)
+    if study.output.snapshots == "auto":
+        return _kept_after(stops, increments(study.stepping.plan, total), total)
     return [
         (increment, distance, distance in stops or distance == total)
         for increment, distance in increments(study.stepping.plan, total, stops)
@@ -131,10 +134,12 @@ def _heights_of(study: Study, surface: Surface, track: Track) -> FloatArray:
     return surface.heights(x, y)
 
 
-def _swept_plan(study: Study, stops: list[float]) -> list[tuple[float, float, bool]]:
-    """Steps are as long as the track has them: fields are kept at the first end at or after each stop."""
-    plan, total = [], study.sliding.total
-    for increment, distance in study.track.increments(total):
+def _kept_after(
+    distances: tuple[float, ...], steps: Iterable[tuple[float, float]], total: float
+) -> list[tuple[float, float, bool]]:
+    """Leave the steps as long as they are: fields are kept at the first end at or after each distance."""
+    stops, plan = sorted(stop for stop in set(distances) if stop < total), []
+    for increment, distance in steps:
         reached = bool(stops) and stops[0] > 0.0 and distance >= stops[0] - 1.0e-6 * increment
         while stops and distance >= stops[0] - 1.0e-6 * increment:
             del stops[0]
@@ -158,7 +163,7 @@ def _check_memory(study: Study, rows: int, fields: float, device: str) -> None:
 
 def _check_memory_of_book(study: Study, patches: Patches, device: str) -> None:
     """Raises InputError for a history of patches that the host does not hold beside the fields."""
-    steps = sum(1 for _ in increments(study.stepping.plan, study.sliding.total, study.output.snapshots))
+    steps = len(plan_of(study))
     tables = bytes_of_book(steps, patches.count)
     fields = 8.0 * FIELDS_NEEDED * patches.grid.cells * (device == "cpu")
     free = free_memory(device)["the host"]

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from warpwear.study.keys import Length, LengthOrZero, Pressure, Section, key, when
+from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Section, key, when
 from warpwear.study.materials import material
 from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
 
@@ -23,7 +23,9 @@ class Body(Section):
     )
     young: Pressure | None = key(None, "Young's modulus")
     poisson: Annotated[float, Number(Range(or_equal=True, most=0.5))] | None = key(None, "Poisson's ratio")
-    hardness: Pressure | None = key(None, "indentation hardness")
+    hardness: Hardness | None = key(
+        None, "indentation hardness: a pressure, or a number of Vickers or Brinell, '200 HV'"
+    )
 
     @property
     def elastic(self) -> tuple[float, float] | None:

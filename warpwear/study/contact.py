@@ -35,7 +35,7 @@ class Contact(Section):
     """The section [contact] says what is pressed, and by which law cells yield."""
 
     load: Annotated[float, Quantity("N")] = key(..., "normal load")
-    hardness: Annotated[float, Quantity("MPa", Range(infinite=True))] | None = key(
+    hardness: Annotated[float, Quantity("MPa", Range(infinite=True), hardness=True)] | None = key(
         None, "largest pressure of a cell; by default the softer body's, in the macro model none"
     )
     law: Literal["local", "half-space"] = key(
@@ -111,8 +111,14 @@ WearCoefficient = Annotated[
 class Wear(Section):
     """The section [wear] says what each body loses."""
 
-    sphere: WearCoefficient = key(..., "wear coefficient K of the sphere, hardness contained")
-    disc: WearCoefficient = key(..., "wear coefficient K of the disc, hardness contained")
+    sphere: WearCoefficient = key(
+        ..., "wear coefficient K of the sphere, hardness contained; without a unit k = K H, H as of the disc"
+    )
+    disc: WearCoefficient = key(
+        ...,
+        "wear coefficient K of the disc, hardness contained; without a unit k = K H, with contact.hardness "
+        "or else the softer body's for both bodies",
+    )
     law: Literal["archard", "exponential", "running-in", "bearing-curve"] = key(
         "archard", "depth = K × pressure × distance, K constant or by an empirical law of the distance slid"
     )
@@ -159,6 +165,11 @@ class Friction(Section):
     )
     running_in: Length | None = key(None, "running-in: L_τ of the shear strength")
     area: Literal["contact", "touched", "cumulative", "nominal"] = key("contact", "area that shears")
+
+    @property
+    def fitted(self) -> Literal["end", "initial"] | None:
+        """Where the coefficient is an input, to which τ0 is fitted; None where τ0 is given."""
+        return self.calibrate if self.shear_strength is None else None
 
     def _check(self) -> None:
         measured = {"coefficient", "calibrate"} & self.model_fields_set

@@ -19,6 +19,9 @@ from warpwear.study.motion import GridSection, Sliding, Stepping
 from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.units import text
 
+#: Parts of the sliding distance after which fields are kept of themselves.
+SNAPSHOTS = (0.001, 0.01, 0.1)
+
 
 class Content(Section):
     """The content of a study is its sections of keys, in mm, N, MPa and s, and what follows from them.
@@ -155,6 +158,11 @@ class Content(Section):
         return junction_strength(self.softer_hardness)
 
     @property
+    def shear_limit(self) -> float:
+        """Shear strength H/(3√3) of the softer body [MPa]; of contact.hardness where no body's is known."""
+        return junction_strength(self.hardness if self.softer_hardness is None else self.softer_hardness)
+
+    @property
     def critical_junction(self) -> float | None:
         """Diameter d* [mm] below which junctions of the softer body smooth out; None where it is unknown."""
         energy, strength = self.junctions.surface_energy, self.junction_strength
@@ -251,6 +259,12 @@ class Content(Section):
         """The grid of cells."""
         n = round(self.grid.extent / self.grid.cell)
         return Grid(n, n, self.grid.cell)
+
+    @property
+    def snapshot_distances(self) -> tuple[float, ...]:
+        """Sliding distances [mm] that fields are kept at, or where the next step ends, beside the end."""
+        asked = self.output.snapshots
+        return tuple(part * self.sliding.total for part in SNAPSHOTS) if asked == "auto" else asked
 
     @property
     def load_tolerance(self) -> float:

@@ -21,6 +21,7 @@ from warpwear.study.units import NOT_NEGATIVE, Quantity
 Length = Annotated[float, Quantity("mm")]
 LengthOrZero = Annotated[float, Quantity("mm", NOT_NEGATIVE)]
 Pressure = Annotated[float, Quantity("MPa")]
+Hardness = Annotated[float, Quantity("MPa", hardness=True)]
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
     near = [key for key, (_, _, end) in parts.items() if end == last]
     near += [siblings[end] for end in get_close_matches(last, siblings, n=1)]
     hint = f"did you mean '{near[0]}'?" if near else f"allowed are {', '.join(siblings.values())}."
-    return f"'{name}' is no key of a study; {hint}"
+    return f"'{name if len(name) <= 80 else f'{name[:80]}…'}' is no key of a study; {hint}"
 
 
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:

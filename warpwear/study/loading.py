@@ -1,5 +1,6 @@
 """Studies come from TOML files, run folders and presets; here they are read, completed and changed."""
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
@@ -21,18 +22,55 @@ def presets() -> list[str]:
     return sorted(p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml"))
 
 
+#: Most characters of a study; the longest preset has 2,400.
+MOST_CHARACTERS = 1_000_000
+#: Most parts of a key, of which a study has three.
+MOST_PARTS = 32
+#: A key of TOML with more parts; what the parser does with them grows as their square.
+_ENDLESS_KEY = re.compile(
+    rf"""(?<![\w"'-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]++)[ \t]*+\.[ \t]*+){{{MOST_PARTS}}}"""
+)
+
+
+def parse_toml(content: str) -> dict[str, Any]:
+    """Return the tables in the text of a study.
+
+    Raises ValueError, with what to write instead where that is plain, and RecursionError for endless nesting.
+    """
+    if len(content) > MOST_CHARACTERS:
+        raise ValueError(f"it is longer than {MOST_CHARACTERS:,} characters")
+    if endless := _ENDLESS_KEY.search(content):
+        raise ValueError(
+            f"line {content.count(chr(10), 0, endless.start()) + 1} has a key of more than {MOST_PARTS} parts"
+        )
+    try:
+        return tomllib.loads(content)
+    except tomllib.TOMLDecodeError as error:
+        at = re.search(r"at line (\d+)", str(error))
+        line = content.splitlines()[int(at[1]) - 1] if at else ""
+        found = re.search(
+            r"=\s*(?P<quantity>[+-]?\d+([.,]\d+)?(e[+-]?\d+)?\s*(?P<unit>[^\W\d_][^#,]*)?)", line
+        )
+        wrong = found["quantity"].strip() if found else ""
+        right = wrong.replace(",", ".")
+        if found and found["unit"]:
+            right = f'"{right}", in quotes'
+        raise ValueError(f"{error}{f': {wrong} is written {right}' if right != wrong else ''}") from None
+
+
 def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
     """Return the sections in a TOML file, a run folder or the preset of that name. Raises InputError."""
     if str(path_or_preset) in presets():
         source = resources.files("warpwear") / "presets" / f"{path_or_preset}.toml"
-        return tomllib.loads(source.read_text(encoding="utf-8"))
+        return parse_toml(source.read_text(encoding="utf-8"))
     path = Path(path_or_preset)
     try:
         if path.is_dir():
             if not (path / "study.toml").is_file():
                 raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
             path = path / "study.toml"
-        sections = tomllib.loads(path.read_text(encoding="utf-8"))
+        with path.open(encoding="utf-8") as file:
+            sections = parse_toml(file.read(MOST_CHARACTERS + 1))
     except FileNotFoundError:
         raise InputError(_no_such_study(str(path_or_preset))) from None
     except OSError as error:
@@ -177,6 +215,8 @@ def _dropped_by(name: str) -> set[str]:
 def insert(nested: dict[str, Any], name: str, value: Any) -> None:
     """Set a dotted key in nested sections. Raises InputError where a value stands for one of these."""
     *parents, last = name.split(".")
+    if len(parents) >= MOST_PARTS:
+        raise InputError(no_such_key(Content, name))
     for depth, parent in enumerate(parents):
         nested = nested.setdefault(parent, {})
         if not isinstance(nested, dict):

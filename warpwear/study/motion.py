@@ -59,10 +59,10 @@ class Sliding(Section):
     passes: Strokes | None = key(None, "instead of distance: number of strokes", one_of="total")
     cycles: Strokes | None = key(None, "instead of distance: number of pairs of strokes", one_of="total")
     duration: Annotated[float, Quantity("s")] | None = key(
-        None, "instead of distance, with frequency: time of the test", one_of="total: duration"
+        None, "instead of distance, with frequency: time of the test", one_of="total"
     )
     frequency: Annotated[float, Quantity("Hz")] | None = key(
-        None, "cycles in a second", one_of="total: duration"
+        None, "cycles (pairs of strokes), or with a track_radius revolutions, in a second: '60 rpm' is 1 Hz"
     )
     revolutions: Annotated[float, Number()] | None = key(
         None, "instead of distance: revolutions of a rotating disc", one_of="total"
@@ -74,7 +74,9 @@ class Sliding(Section):
         applies=ON_A_CIRCLE,
         one_of="lap",
     )
-    speed: Annotated[float, Quantity("mm/s")] | None = key(None, "sliding speed, for the time axis only")
+    speed: Annotated[float, Quantity("mm/s")] | None = key(
+        None, "sliding speed, for the time axis only; by default the mean of the frequency"
+    )
     kinematics: Literal["stationary", "swept"] = key(
         "stationary",
         "stationary: the same disc cells stay under the sphere; swept: it slides along a track on the disc",
@@ -102,32 +104,46 @@ class Sliding(Section):
             "sliding.distance": self.distance,
             "sliding.passes": self.passes,
             "sliding.cycles": self.cycles,
-            "sliding.duration with sliding.frequency": self.duration or self.frequency,
+            "sliding.duration with sliding.frequency": self.duration,
             "sliding.revolutions": self.revolutions,
         }
         given = [way for way, value in ways.items() if value is not None]
         if len(given) != 1:
             found = " and ".join(given) if given else "none"
             raise ValueError(f"the sliding distance needs one of {', '.join(ways)}; given: {found}")
-        if (self.duration is None) != (self.frequency is None):
-            raise ValueError("sliding.duration and sliding.frequency need each other")
+        if self.duration is not None and self.frequency is None:
+            raise ValueError("sliding.duration needs sliding.frequency, such as '1 Hz' or '60 rpm'")
         if self.stroke is not None and self.track_radius is not None:
             raise ValueError("sliding.stroke and sliding.track_radius exclude each other")
         if self.revolutions is not None:
             if self.track_radius is None:
                 raise ValueError("sliding.revolutions needs sliding.track_radius, a length such as '5 mm'")
-        elif self.distance is None and self.stroke is None:
+        elif self.lap is None and self.frequency is not None:
+            raise ValueError("sliding.frequency needs sliding.stroke or, of a rotation, sliding.track_radius")
+        elif self.distance is None and self.stroke is None and self.duration is None:
             raise ValueError(f"{given[0]} needs sliding.stroke, a length such as '30 mm'")
 
     @property
     def uses_track_radius(self) -> bool:
-        """True where the sphere slides along the track's radius, or revolutions are counted."""
-        return self.kinematics == "swept" or self.revolutions is not None
+        """True where the sphere slides along the track's radius, or revolutions are counted or timed."""
+        return self.kinematics == "swept" or self.revolutions is not None or self.frequency is not None
 
     @property
     def lap(self) -> float | None:
         """Distance of one pass [mm]: the stroke, or one revolution."""
         return self.stroke if self.track_radius is None else 2.0 * math.pi * self.track_radius
+
+    @property
+    def pace(self) -> float | None:
+        """Mean sliding speed by the frequency [mm/s]; None without one."""
+        if self.frequency is None or self.lap is None:
+            return None
+        return self.lap * self.frequency * (2.0 if self.track_radius is None else 1.0)
+
+    @property
+    def mean_speed(self) -> float | None:
+        """Sliding speed [mm/s]: as given, or by the frequency; None where neither is known."""
+        return self.pace if self.speed is None else self.speed
 
     @property
     def total(self) -> float:
@@ -137,9 +153,9 @@ class Sliding(Section):
         if self.revolutions is not None:
             assert self.lap is not None
             return self.revolutions * self.lap
+        if self.duration is not None and self.pace is not None:
+            return self.pace * self.duration
         assert self.stroke is not None  # one of the other ways was given, and they need it
-        if self.duration is not None and self.frequency is not None:
-            return 2.0 * self.stroke * self.frequency * self.duration
         return self.stroke * (self.passes or 2 * (self.cycles or 0))
 
 

@@ -169,13 +169,11 @@ def _hardness(study: Content) -> None:
         )
     hardness = study.softer_hardness if study.contact.hardness is None else study.contact.hardness
     if hardness is None or not math.isfinite(hardness):
-        for name in ("sphere", "disc", "initial_sphere", "initial_disc"):
-            coefficient = getattr(study.wear, name)
-            if coefficient is not None and coefficient.dimensionless and coefficient.value > 0.0:
-                raise ValueError(
-                    f"wear.{name} = {coefficient.value:g} is k of V = k F L / H and needs a finite "
-                    "contact.hardness; or give it with a unit, such as '9.4e-4 mm^3/N/m'"
-                )
+        for named in _dimensionless(study):
+            raise ValueError(
+                f"{named} is k of V = k F L / H and needs a finite contact.hardness; or give it with a unit, "
+                "such as '9.4e-4 mm^3/N/m'"
+            )
     if not math.isfinite(study.hardness) and study.uses_bearing_area:
         raise ValueError(
             "contact.hardness = inf MPa needs a finite contact.stiffness, or wear with "
@@ -183,10 +181,25 @@ def _hardness(study: Content) -> None:
         )
 
 
+def _dimensionless(study: Content) -> Iterator[str]:
+    """Yield key and value of each wear coefficient that has no unit and is not 0."""
+    for name in ("sphere", "disc", "initial_sphere", "initial_disc"):
+        coefficient = getattr(study.wear, name)
+        if coefficient is not None and coefficient.dimensionless and coefficient.value > 0.0:
+            yield f"wear.{name} = {coefficient.value:g}"
+
+
 def _capacity(study: Content) -> None:
     curvature = study.sphere.curvature
     under_sphere = math.pi / curvature**2 if curvature else math.inf
     carried = study.hardness * min(study.cells.area, under_sphere)
+    if study.hardness * under_sphere < study.contact.load:
+        radius = math.sqrt(study.contact.load / (math.pi * study.hardness))
+        raise ValueError(
+            f"sphere.radius = {1.0 / curvature:g} mm is too small: at this hardness, {study.hardness:g} MPa, "
+            f"a sphere carries {study.hardness * under_sphere:.4g} N on its whole section, and contact.load "
+            f"= {study.contact.load:g} N needs more than {radius:.3g} mm"
+        )
     if carried < study.contact.load:
         raise ValueError(
             f"contact.load = {study.contact.load:g} N is more than the domain under the sphere carries at "
@@ -206,6 +219,13 @@ def _tolerance(study: Content) -> None:
 
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
+    yield from _of_hardness(study)
+    speed, pace = study.sliding.speed, study.sliding.pace
+    if speed is not None and pace is not None and abs(speed - pace) > 0.01 * pace:
+        yield (
+            f"sliding.speed = {60.0 * speed:.4g} mm/min makes the time axis, though sliding.frequency makes "
+            f"a mean speed of {60.0 * pace:.4g} mm/min."
+        )
     unstable = _unstable(study)
     if unstable is not None:
         yield (
@@ -227,6 +247,30 @@ def doubts(study: Content) -> Iterator[str]:
             "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
             "pressures are means over whole cells, and no hardness caps those of the share."
         )
+
+
+def _of_hardness(study: Content) -> Iterator[str]:
+    """Yield a sentence about each hardness that is given and plays no part, or one part for both bodies."""
+    limit, softer = study.contact.hardness, study.softer_hardness
+    given = [
+        name
+        for name in ("sphere", "disc")
+        if "hardness" in getattr(study, name).model_fields_set and f"{name}.hardness" not in study.assumed
+    ]
+    if limit is not None and given:
+        names = " and ".join(f"{name}.hardness = {getattr(study, name).hardness:g} MPa" for name in given)
+        yield (
+            f"contact.hardness = {limit:g} MPa is the largest pressure of a cell: {names} only "
+            f"{'enter' if len(given) > 1 else 'enters'} the shear strength H/(3√3) of the softer body."
+        )
+    bare = " and ".join(_dimensionless(study))
+    if bare:
+        which = (
+            f"that of the softer body, {softer:g} MPa"
+            if limit is None
+            else f"contact.hardness = {limit:g} MPa"
+        )
+        yield f"{bare}: k of V = k F L / H, with one H for both bodies, {which}."
 
 
 def _stability(study: Content) -> None:

@@ -1,6 +1,6 @@
 """[study], [patches], [run], [checks] and [output]: which model, its patches, and how a run goes."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
@@ -92,11 +92,22 @@ class Checks(Section):
     )
 
 
+#: Most distances at which fields are kept.
+MOST_SNAPSHOTS = 10_000
+
+
+def _snapshots(value: Any) -> Any:
+    value = one_by_one(value)
+    if isinstance(value, list | tuple) and len(value) > MOST_SNAPSHOTS:
+        raise ValueError(f"has {len(value):,} distances; allowed are {MOST_SNAPSHOTS:,}")
+    return value
+
+
 class Output(Section):
     """[output]"""
 
-    snapshots: Annotated[tuple[LengthOrZero, ...], BeforeValidator(one_by_one)] = key(
-        (),
-        "sliding distances at which fields are kept; the end always is; swept: at the end of the step that "
-        "reaches each",
+    snapshots: Annotated[tuple[LengthOrZero, ...] | Literal["auto"], BeforeValidator(_snapshots)] = key(
+        "auto",
+        "sliding distances at which fields are kept; the end always is, and [] is the end alone; auto: also "
+        "after 1/1000, 1/100 and 1/10 of the test; auto and swept: at the end of the step that reaches each",
     )

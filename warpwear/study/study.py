@@ -1,6 +1,5 @@
 """A study: what to compute, read from TOML, checked, frozen."""
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
@@ -60,7 +59,7 @@ class Study(Content):
         """Return a sentence about each old name, each unused key, and each number that misleads."""
         total = self.sliding.total
         found = [*self._old_names, *unused_key_notices(self), *rules_track.doubts(self)]
-        late = ", ".join(f"{s:g}" for s in self.output.snapshots if s > total or s == 0.0 < total)
+        late = ", ".join(f"{s:g}" for s in self.snapshot_distances if s > total or s == 0.0 < total)
         if late:
             found.append(f"output.snapshots that no step ends at: {late} mm.")
         return [*found, *rules.doubts(self)]
@@ -83,7 +82,7 @@ class Study(Content):
 
         surface: file of the disc's heights where that has moved since; without it the one in the text.
         """
-        sections = tomllib.loads(content)
+        sections = loading.parse_toml(content)
         if surface is not None:
             sections["disc"]["surface"] = surface
         found = cls(**sections)

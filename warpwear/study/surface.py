@@ -1,5 +1,6 @@
 """The [disc] section of a study says what the disc's surface is; here it is made or read."""
 
+import math
 from dataclasses import fields
 
 import numpy as np
@@ -8,13 +9,14 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.bearing_curve import Logistic
+from warpwear.laws.track import WHOLE
 from warpwear.study.bodies import Disc
 from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
 from warpwear.surfaces.made.milled import Milled
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.made.synthetic import Flat
-from warpwear.surfaces.measured import read_measured
+from warpwear.surfaces.measured import Measured, read_measured
 from warpwear.surfaces.preparation import Preparation
 from warpwear.surfaces.roughness import material_ratio_curve
 
@@ -28,7 +30,28 @@ def surface_in(study: Study) -> Surface:
     """Return what the sphere slides on: the disc's surface, flat in the macro model. Raises InputError."""
     if study.study.model == "macro":
         return Flat()
-    return surface_of(study.disc)
+    surface = surface_of(study.disc)
+    if study.is_swept and isinstance(surface, Measured) and surface.extend == "refuse":
+        _check_track(study, surface.size[0])
+    return surface
+
+
+def _check_track(study: Study, length: float) -> None:
+    """Refuse a track that is longer than the measured disc. length: of the measurement along sliding [mm]."""
+    track, sliding = study.track, study.sliding
+    needed = track.rows * track.cell
+    if needed <= length * (1.0 + WHOLE):
+        return
+    step = track.shift * track.cell
+    most = math.floor(length / step * (1.0 + WHOLE)) * step
+    shorter = f"sliding.track = '{most:.9g} mm' or less, of which a lap stands for a pass, and "
+    lap = f" of sliding.track_radius = {sliding.track_radius:g} mm" if sliding.track_radius else ""
+    asked = sliding.track if sliding.track == "full" else f"{sliding.track:g} mm"
+    raise InputError(
+        f"sliding.track = {asked}{lap} needs {needed:.4g} mm of the disc along the sliding direction, and "
+        f"disc.surface has {length:.4g} mm of it: allowed are {shorter if most >= study.grid.extent else ''}"
+        "disc.extend = 'mirror' or 'periodic'."
+    )
 
 
 def bearing_curve_of(study: Study) -> Logistic:

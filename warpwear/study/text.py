@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from reprlib import Repr
 from typing import Any
 
 import tomli_w
@@ -13,6 +14,10 @@ from warpwear.study.keys import declarations, given_keys, inapplicable, key_of, 
 from warpwear.study.loading import CONSTANTS, insert
 from warpwear.study.materials import material
 from warpwear.study.units import is_quantity
+
+#: Writes a value into a sentence, what is long or deep in short.
+_SHOWN = Repr()
+_SHOWN.maxstring = _SHOWN.maxother = 200
 
 
 def to_toml(study: Content) -> str:
@@ -114,18 +119,20 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     # Branches of a union (an int or one of some words) are pydantic's, not the user's.
     name = ".".join(
-        str(p) for p in first["loc"] if not str(p).startswith(("literal[", "constrained-", "function-"))
+        str(p)
+        for p in first["loc"]
+        if not str(p).startswith(("literal[", "constrained-", "function-", "tuple["))
     )
     kind, value = first["type"], first.get("input")
-    value = str(value) if is_quantity(value) else value
+    shown = _SHOWN.repr(str(value) if is_quantity(value) else value)
     if kind == "extra_forbidden":
         return no_such_key(model, name)
     if kind == "missing":
         return f"{name} is missing{_expected(model, name)}."
     if kind in ("tuple_type", "list_type"):
-        return f"{name} = {value!r}: must be a list in brackets, such as ['30 mm', '240 mm']."
+        return f"{name} = {shown}: must be a list in brackets, such as ['30 mm', '240 mm']."
     if kind in ("model_type", "dict_type", "model_attributes_type"):
-        return f"{name} = {value!r} is not a section; write [{name}] and its keys below it."
+        return f"{name} = {shown} is not a section; write [{name}] and its keys below it."
     message = str(first["ctx"]["error"]) if "ctx" in first and "error" in first["ctx"] else first["msg"]
     info = key_of(model, name)
     if kind == "value_error" and (not name or (info and section_in(info.annotation))):
@@ -134,10 +141,10 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         branches = [e for e in error.errors() if e["type"] == kind and e["loc"][:2] == first["loc"][:2]]
         options = sorted({str(e["ctx"]["expected"]) for e in branches})
         more = " or a degree from 0 to 12" if name == "disc.level" else ""
-        return f"{name} = {value!r} is not allowed; allowed: {', '.join(options)}{more}."
+        return f"{name} = {shown} is not allowed; allowed: {', '.join(options)}{more}."
     if kind == "string_pattern_mismatch":  # of study.name, which names a folder
         message = "allowed are up to 100 letters, digits, spaces and the signs . _ + -"
-    return f"{name} = {value!r}: {message[:1].lower()}{message[1:]}."
+    return f"{name} = {shown}: {message[:1].lower()}{message[1:]}."
 
 
 def _expected(model: type[BaseModel], name: str) -> str:

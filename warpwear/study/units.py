@@ -36,8 +36,17 @@ EXAMPLES = {
 # which would read "8,5 N" as 85 N and "2 400 mm" as 800 mm.
 _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<number>[+-]?(?:\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|inf|nan))"
-    r"(?:\s+1(?=/))?\s*(?P<unit>/?\s*(?:[^\W\d_]|[²³])+(?:(?:\s*(?:\^|\*\*)\s*-?\d)|[^\W\d_]|[²³\s()*/·])*)?\s*"
+    r"(?:\s+1(?=/))?\s*(?P<unit>/?\s*(?:[^\W\d_]|[²³])+"
+    r"(?:(?:\s*(?:\^|\*\*)\s*-?\d)|[^\W\d_]|(?<=[^\W\d_])[23]|[⁻¹²³\s()*/·⋅])*)?\s*"
 )
+#: Most characters of a quantity: more are read as none.
+LONGEST_TEXT = 200
+#: A hardness number of a standard, with the load of the test after its name or not: "200 HV10".
+_HARDNESS_NUMBER = re.compile(
+    r"\s*(?P<number>\d+\.?\d*)\s*(?P<scale>HV|HBW?|HR[A-Z])[\d\s./]*", re.IGNORECASE
+)
+#: 1 HV (ISO 6507-1) and 1 HB (ISO 6506-1) are a kilogram-force per mm² of the imprint's surface [MPa].
+HARDNESS_UNIT = 9.80665
 
 
 @cache
@@ -58,26 +67,72 @@ def parse(value: Any, unit: str) -> float:
         raise ValueError(f"needs its unit: {EXAMPLES[unit]}")
     if "," in value:
         raise ValueError(f"has a comma: write the number with a decimal point, {EXAMPLES[unit]}")
-    found = _NUMBER_AND_UNIT.fullmatch(value)
+    found = _NUMBER_AND_UNIT.fullmatch(value) if len(value) <= LONGEST_TEXT else None
     if found is None:
         raise ValueError(f"is not one number with one unit: {EXAMPLES[unit]} is expected")
     asked = found["unit"]
     if not asked:
         raise ValueError(f"needs its unit: {EXAMPLES[unit]}")
-    try:
-        quantity = _registry().Quantity(float(found["number"]), f"1{asked}" if asked[0] == "/" else asked)
-    except Exception:  # pint raises whatever its parser meets, AttributeError and tokenize errors included
-        raise ValueError(f"cannot be read: {EXAMPLES[unit]} is expected") from None
-    return _converted(quantity, unit)
+    # "mm3/Nm" is mm³/(N m), where pint has a unit Nm of yarn.
+    asked = re.sub(r"(?<=[^\W\d_])[23]", r"^\g<0>", re.sub(r"\bNm\b", "N*m", asked.replace("⋅", "·")))
+    above, slash, below = asked.partition("/")
+    # As papers write it: all that stands behind the slash is below it, as in "mm³/N·m".
+    readings = [asked, f"{above}/({below.replace('/', '*')})"] if slash else [asked]
+    problems = []
+    for reading in readings:
+        try:
+            quantity = _registry().Quantity(
+                float(found["number"]), f"1{reading}" if reading[0] == "/" else reading
+            )
+        except (
+            Exception
+        ):  # pint raises whatever its parser meets, AttributeError and tokenize errors included
+            problems.append(ValueError(f"cannot be read: {EXAMPLES[unit]} is expected"))
+            continue
+        try:
+            return _converted(quantity, unit)
+        except ValueError as error:
+            problems.append(error)
+    raise problems[0] from None
 
 
 def _converted(quantity: Any, unit: str) -> float:
+    """Return a quantity as a number in `unit`. A turn is a cycle of a frequency, and 2π of an angle alone."""
     try:
+        if unit != "deg":
+            root = quantity.to_root_units()
+            units = dict(root.unit_items())
+            if unit == "Hz" and units == {"radian": 1, "second": -1}:
+                return float(root.magnitude) / (2.0 * math.pi)
+            if "radian" in units:
+                raise pint.DimensionalityError(quantity.units, unit)
+            if quantity.dimensionless:
+                raise ValueError(f"needs its unit: {EXAMPLES[unit]}")
         return float(quantity.to(unit).magnitude)
     except pint.DimensionalityError:
         raise ValueError(f"has the wrong dimension: {EXAMPLES[unit]} is expected") from None
+    except ValueError:
+        raise
     except Exception:  # an array, or an error of a foreign registry
         raise ValueError(f"cannot be read: {EXAMPLES[unit]} is expected") from None
+
+
+def _hardness(value: Any) -> Any:
+    """Return a hardness number of Vickers or Brinell as a pressure; any other value as it is.
+
+    Raises ValueError for a Rockwell number, which is a depth.
+    """
+    written = f"{float(value[0])!r} {value[1]}" if is_pair(value) else value
+    short = isinstance(written, str) and len(written) <= LONGEST_TEXT
+    found = _HARDNESS_NUMBER.fullmatch(written) if short else None
+    if found is None:
+        return value
+    if found["scale"].upper().startswith("HR"):
+        raise ValueError(
+            "is a Rockwell number, which no factor makes a pressure: convert it to HV by ISO 18265 or ASTM "
+            "E140, where 20, 30, 40, 50 and 60 HRC of steel are 238, 302, 392, 513 and 697 HV"
+        )
+    return text(HARDNESS_UNIT * float(found["number"]), "MPa")
 
 
 def is_quantity(value: Any) -> bool:
@@ -147,13 +202,15 @@ class Quantity:
     unit: str
     range: Range = POSITIVE
     words: tuple[str, ...] = ()
+    hardness: bool = False  # whether hardness numbers are pressures, "200 HV"
 
     def read(self, value: Any) -> float | str:
         """Return the number in `unit`, or the word. Raises ValueError, saying what is allowed."""
         if isinstance(value, str) and value in self.words:
             return value
         try:
-            return self.range.check(parse(value, self.unit), self.unit)
+            asked = _hardness(value) if self.hardness else value
+            return self.range.check(parse(asked, self.unit), self.unit)
         except ValueError as error:
             or_word = f", or {', '.join(repr(word) for word in self.words)}" if self.words else ""
             raise ValueError(f"{error}{or_word}") from None
@@ -178,7 +235,10 @@ class Number:
 
     def read(self, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, Real):
-            raise ValueError("must be a number without a unit")
+            written = value.strip() if isinstance(value, str) else ""
+            comma = re.fullmatch(r"[+-]?\d+,\d+", written[:LONGEST_TEXT])
+            point = f", with a decimal point: {written.replace(',', '.')}" if comma else ""
+            raise ValueError(f"must be a number without a unit{point}")
         try:
             return self.range.check(float(value))
         except OverflowError:
