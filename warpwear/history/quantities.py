@@ -12,8 +12,8 @@ from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot.
 Per = Literal["step", "patch", "cell", "snapshot"]
-#: Runs that a quantity is limited to: over a track, with patches, over a track that keeps its dents.
-Only = Literal["track", "patches", "dents"]
+#: Runs that a quantity is limited to: over a track, there on the half-space, with patches, over a track that keeps its dents.
+Only = Literal["track", "half-space track", "patches", "dents"]
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,7 @@ class Quantity:
         return {
             None: True,
             "track": study.is_swept,
+            "half-space track": study.is_swept and study.contact.law == "half-space",
             "patches": study.study.model == "two-scale",
             "dents": study.is_swept and study.sliding.plastic == "keep",
         }[self.only]
@@ -86,6 +87,12 @@ QUANTITIES: tuple[Quantity, ...] = (
         ("position", "mm", "place of the sphere's apex along the track, 0 in the middle of the stroke"),
         ("plastic_volume_disc", "mm^3", "volume displaced of the disc for good, not worn"),
         only="track",
+    ),
+    *_per(
+        "step",
+        ("parts", "1", "contacts that the step was solved in, over a part of its cells each; it holds their means"),
+        ("area_error", "1", "estimated relative error of the contact area by the length of these parts"),
+        only="half-space track",
     ),
     *_per(
         "patch",

@@ -76,10 +76,18 @@ class Track:
         centres: FloatArray = (np.arange(self.rows, dtype=np.float64) - 0.5 * (self.rows - 1)) * self.cell
         return centres
 
-    def row(self, step: int) -> int:
-        """Return the disc's row under the first row of the sphere at step number `step`, 0 ≤ row < rows."""
-        start, cells = self._covered(step)
-        middle = start + cells // 2
+    def cells_of(self, step: int) -> int:
+        """Return the number of cells that step number `step` covers."""
+        return self._covered(step)[1]
+
+    def row(self, step: int, done: int = 0, cells: int | None = None) -> int:
+        """Return the disc's row under the first row of the sphere at step number `step`, 0 ≤ row < rows.
+
+        done, cells: of the part of the step that begins after `done` of its cells and covers `cells` of them.
+        """
+        start, covered = self._covered(step)
+        cells = covered if cells is None else cells
+        middle = start + (covered - done - cells if self._back(step) else done) + cells // 2
         return (middle - self.window // 2) % self.rows if self.periodic else middle
 
     def place(self, step: int) -> float:
@@ -98,12 +106,16 @@ class Track:
             return disc[row : row + self.window]
         return np.asarray(disc[np.arange(row, row + self.window) % self.rows])
 
+    def _back(self, step: int) -> bool:
+        """Tell whether the sphere slides towards the first row in a step."""
+        return self.reverses and self.moves and step // self.steps_of_pass % 2 == 1
+
     def _covered(self, step: int) -> tuple[int, int]:
         """Return the first cell of the pass that a step covers, and the number of cells."""
         if not self.moves:
             return 0, 0
-        number, segment = divmod(step, self.steps_of_pass)
-        if self.reverses and number % 2:
+        segment = step % self.steps_of_pass
+        if self._back(step):
             segment = self.steps_of_pass - 1 - segment
         start = segment * self.shift
         return start, min(self.shift, self.cells - start)

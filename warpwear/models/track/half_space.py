@@ -1,11 +1,14 @@
 """One grid on the elastic–plastic half-space: a sphere, and a disc that moves or lies still under it."""
 
+import math
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import Balance, residual_of
+from warpwear.contact.half_space import HalfSpaceContact
 from warpwear.contact.half_space_passes import NO_CAP
 from warpwear.contact.half_space_window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
@@ -18,6 +21,19 @@ from warpwear.kernels.wear_from_pressure import Increment
 from warpwear.kernels.wear_loops import Layout
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.bodies import SlidingBodies
+
+#: What a part of a step takes off the area of a smooth contact, relative, over its length in contact lengths.
+OF_OUTLINE = 1.2
+#: Real over nominal area from which a contact loses as much as a smooth one.
+AS_SMOOTH = 0.5
+#: What each cell beyond the first of a part changes of the area of asperities below the hardness, relative.
+OF_ELASTIC_CELL = 0.025
+#: Error of the area that the length of a part may make, relative.
+LARGEST_ERROR = 0.02
+#: Real over nominal area from which the last pressure, where it is, is a better start than none.
+KEEPS_PRESSURE = 0.7
+#: Sums over the cells of a part; the others grow, and the last part's are those of the step.
+OF_A_PART = ("pressure", "deviation_squared", "contact", "capped")
 
 
 class SlidingHalfSpace:
@@ -32,6 +48,11 @@ class SlidingHalfSpace:
     the line would smear the contact's outline, which does not move with the disc. Where the disc lies
     still w is one cell, so that both bodies are worn by p, and a step starts from the last one's pressure.
 
+    The outline of a sphere's contact and its mean pressure do not move with the disc either: S of them makes
+    the contact shorter. Asperities below the hardness yield by the wear of the step too, which makes them
+    wider. So a step is solved in parts over so few cells that the estimate of both is `LARGEST_ERROR` of the
+    area at most; over one cell S is none. The estimate is empirical: see docs/limits.md for what it is to hold.
+
     disc, periodic, track_fraction, moves: as of `local.SlidingContact`. Raises ValueError for the same discs.
     """
 
@@ -40,6 +61,8 @@ class SlidingHalfSpace:
         "_of_rows": dict,
         "_half_space": WindowedHalfSpace,
         "_ledger": Ledger,
+        "_outline": float,
+        "_asperities": float,
     }
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
@@ -76,54 +99,124 @@ class SlidingHalfSpace:
         #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
         self._of_rows = {name: np.zeros(disc.shape[0]) for name in ("wear_disc", "pressed_disc")}
         self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
+        #: Relative error of the area by each cell of a part, and by each beyond the first, in the last contact.
+        self._outline, self._asperities = math.inf if moves and task.curvature > 0.0 else 0.0, 0.0
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
 
         Raises ConvergenceError when the contact cannot be solved, ValueError as `SlidingContact.step`.
         """
-        executor, state, task = self._executor, self.state, self.task
-        shift = state.row_of(shift, periodic=self.periodic)
-        distance = self._ledger.row["distance"]
-        of_sphere, of_disc = task.removals(distance, increment)
-        wear_per_pressure_disc = self._track_fraction * of_disc
+        return self.slide(lambda done, cells: shift, 1, increment, with_pressure=with_pressure)
+
+    def slide(
+        self, row: Callable[[int, int], int], cells: int, increment: float, *, with_pressure: bool = False
+    ) -> Step:
+        """Slide over cells of the disc by an increment [mm] as `step` does, in as many parts as it takes.
+
+        row: the disc's row under the first of the sphere in the part that begins after so many of the cells,
+        and has so many. The row of the step holds the means over its parts, by their lengths, of what it says
+        of the contact (approach, areas, cells, squares of pressures), and the largest pressure; the pressure
+        asked for is that of the last part.
+        """
+        before = self._ledger.row
+        approach = residual = error = 0.0
+        transforms = parts = done = 0
+        pooled = dict.fromkeys(OF_A_PART, 0.0)
+        highest, removal = 0.0, (0.0, 0.0)
+        while done < cells:
+            of_part = self._cells_of_part(cells - done)
+            weight = of_part / cells
+            shift = self.state.row_of(row(done, of_part), periodic=self.periodic)
+            start = before["distance"] + increment * (done / cells)
+            removals = self.task.removals(start, increment * weight)
+            contact = self._solve(shift, increment * weight, removals)
+            done, parts, transforms = done + of_part, parts + 1, transforms + contact.transforms
+            pressure = contact.pressure.copy() if with_pressure and done == cells else None
+            total, most = self._wear(contact, shift, increment * weight, removals)
+            carried = total["pressure"] * self._executor.grid.cell_area
+            residual = max(residual, residual_of(carried, self.task.load, approach=contact.approach), key=abs)
+            approach += weight * contact.approach
+            removal = removal[0] + removals[0], removal[1] + removals[1]
+            highest = max(highest, most["pressure"])
+            for name in OF_A_PART:
+                pooled[name] += weight * total[name]
+            self._look(total, most)
+            error = max(error, self._error_of_part(of_part))
+        cap = min(self.task.hardness, NO_CAP)
+        balance = Balance(approach, 0.0, cap, residual, evaluations=transforms)
+        step = self._ledger.enter(
+            balance,
+            increment,
+            removal,
+            before["pressure_mean"],
+            total | pooled,
+            most | {"pressure": highest},
+            pressure=pressure,
+        )
+        step.row.update(parts=float(parts), area_error=error)
+        self.state.columns = self._ledger.columns
+        return step
+
+    def _error_of_part(self, cells: int) -> float:
+        """Estimate the error of the area by the length of a part, relative, as the last contact was."""
+        return cells * self._outline + (cells - 1) * self._asperities if cells > 1 else 0.0
+
+    def _cells_of_part(self, left: int) -> int:
+        """Cells of the next part of a step that has some left: as many as in the parts after it, about."""
+        if self._error_of_part(left) <= LARGEST_ERROR:
+            return left
+        most = max(int((LARGEST_ERROR + self._asperities) / (self._outline + self._asperities)), 1)
+        return -(-left // -(-left // most))
+
+    def _look(self, total: Mapping[str, float], most: Mapping[str, float]) -> None:
+        """See what the contact that was solved says of the next: sums and maxima of its cells."""
+        if not self._moves:
+            return
+        along = most["last_row"] + most["first_row"] + 1.0  # of all that was touched; the first counts down
+        across = most["last_column"] + most["first_column"] + 1.0
+        bearing = total["contact"] / (0.25 * math.pi * along * across)
+        if bearing < KEEPS_PRESSURE:
+            # The last pressure is no better a start then: neither where it is, nor carried along with the disc.
+            self._half_space.forget()
+        if self.task.curvature > 0.0:  # a flat has no outline
+            self._outline = OF_OUTLINE * min(bearing / AS_SMOOTH, 1.0) / along
+            self._asperities = OF_ELASTIC_CELL * (1.0 - total["capped"] / total["contact"])
+
+    def _solve(self, shift: int, increment: float, removals: tuple[float, float]) -> HalfSpaceContact:
+        """Solve the contact at the end of an increment [mm] that wears sphere and disc by K ΔL [mm³/N]."""
+        state, (of_sphere, of_disc) = self.state, removals
         window = self.cells_passing(increment)
         met = self._mean_along(state.wear_sphere, window)
-        executor.launch(wear_from_pressure.gaps, inputs=[shift, self._bodies, met], outputs=[self._gap])
+        self._executor.launch(wear_from_pressure.gaps, inputs=[shift, self._bodies, met], outputs=[self._gap])
         own = of_sphere if window == 1 else 0.0  # a mean over one cell is none
-        contact = self._half_space.solve(
+        return self._half_space.solve(
             self._gap,
-            load=task.load,
-            compliance=wear_per_pressure_disc + own,
+            load=self.task.load,
+            compliance=self._track_fraction * of_disc + own,
             streak_compliance=of_sphere - own,
             streak_window=window,
         )
-        if self._moves:
-            # This pressure is no better a start: neither where it is, nor carried along with the disc.
-            self._half_space.forget()
-        pressure = contact.pressure.copy() if with_pressure else None
+
+    def _wear(
+        self, contact: HalfSpaceContact, shift: int, increment: float, removals: tuple[float, float]
+    ) -> tuple[dict[str, float], dict[str, float]]:
+        """Wear both bodies by the pressure of a contact; sums and maxima by name. Others as of `_solve`."""
+        executor = self._executor
         # The scatter is summed about a value near the mean.
-        reference = self._ledger.row["pressure_mean"]
-        cap = min(task.hardness, NO_CAP)
+        reference, cap = self._ledger.row["pressure_mean"], min(self.task.hardness, NO_CAP)
         made = arguments(Increment, shift=shift, cap=cap, approach=contact.approach, reference=reference)
-        made.wear_per_pressure_sphere, made.wear_per_pressure_disc = of_sphere, wear_per_pressure_disc
-        passing = self._mean_along(contact.pressure_field, window)
+        made.wear_per_pressure_sphere = removals[0]
+        made.wear_per_pressure_disc = self._track_fraction * removals[1]
+        passing = self._mean_along(contact.pressure_field, self.cells_passing(increment))
         fields = [contact.pressure_field, passing, contact.gradient_field]
         executor.launch(
             wear_from_pressure.wear,
             inputs=[made, self._layout, *fields],
             outputs=[self._bodies, self._sums, self._maxima],
         )
-        total = self._totals(shift)
         most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
-        carried = total["pressure"] * executor.grid.cell_area
-        residual = residual_of(carried, task.load, approach=contact.approach)
-        balance = Balance(contact.approach, 0.0, cap, residual, evaluations=contact.transforms)
-        step = self._ledger.enter(
-            balance, increment, (of_sphere, of_disc), reference, total, most, pressure=pressure
-        )
-        state.columns = self._ledger.columns
-        return step
+        return self._totals(shift), most
 
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""

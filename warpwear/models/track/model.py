@@ -47,7 +47,7 @@ class SweptModel(Model):
         else:
             self.contact = SlidingContact(task, heights, executor, bearing_curve=bearing_curve, **options)
         self._keeps = self.contact.keeps_dents
-        self._done = 0
+        self._done = self._row = 0
 
     @property
     def in_blocks(self) -> bool:
@@ -56,8 +56,17 @@ class SweptModel(Model):
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, slide on by the increment [mm] and wear both bodies."""
-        row = self._track.row(self._done)
-        return self._placed(self.contact.step(row, increment, with_pressure=with_pressure))
+        if isinstance(self.contact, SlidingHalfSpace) and self._track.moves:
+            cells = self._track.cells_of(self._done)
+            return self._placed(
+                self.contact.slide(self._go_to, cells, increment, with_pressure=with_pressure)
+            )
+        return self._placed(self.contact.step(self._go_to(), increment, with_pressure=with_pressure))
+
+    def _go_to(self, done: int = 0, cells: int | None = None) -> int:
+        """Row of the disc under the first of the sphere, in the next step or in a part of it."""
+        self._row = self._track.row(self._done, done, cells)
+        return self._row
 
     def block(self, increments: Sequence[float]) -> Iterator[Step]:
         """Steps made on the device in one go, before the first of them is seen."""
@@ -74,7 +83,7 @@ class SweptModel(Model):
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
         state, to_numpy = self.contact.state, self._executor.to_numpy
-        row = self._track.row(self._done - 1)
+        row = self._row
         disc = to_numpy(state.disc)
         return Snapshot(
             distance,
