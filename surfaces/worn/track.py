@@ -21,6 +21,7 @@ ndimage = lazy.module("scipy.ndimage")
 THRESHOLD = 4.0  # robust standard deviations of the unworn mean profile that a track stands out by
 FOOT = 2.0  # robust standard deviations to which it reaches down from there
 MARGIN = 0.2  # of its width, added on both sides: the ends of pile-up are low
+REACH = 1.0  # of a parabola's width, from its middle, that a track reaches with its pile-up and margins
 LEAST_OUTSIDE = 0.05  # of the width across on each side of the track, to level by
 ROUNDS = 20  # in which the track is found
 LEAST_ERRORS = 3.0  # standard errors that the net section of a track found must exceed
@@ -253,8 +254,13 @@ def _span(profile: FloatArray, outside: BoolArray, *, pixel: float, width: float
     labels = ndimage.label(closed | beyond)[0]
     columns = np.flatnonzero(labels == labels[deepest])
     margin = math.ceil(MARGIN * columns.size)
+    # the valleys of a wavy surface would lead on from the trough; pile-up does not reach as far as it is wide
+    deep = ndimage.label(ndimage.binary_closing(smooth < 0.5 * (centre + smooth[deepest]), np.ones(gap)))[0]
+    trough = np.flatnonzero(deep == deep[deepest])
+    middle, reach = 0.5 * float(trough[0] + trough[-1]), math.sqrt(2.0) * REACH * trough.size
+    first, last = (max(columns[0] - margin, middle - reach), min(columns[-1] + margin, middle + reach))
     place = np.arange(count)
-    return (place >= columns[0] - margin) & (place <= columns[-1] + margin)
+    return (place >= first) & (place <= last)
 
 
 def _check(inside: BoolArray, *, width: float | None) -> None:
