@@ -2,8 +2,10 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from warpwear import lazy
 from warpwear.errors import InputError
@@ -12,15 +14,19 @@ from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import places
+from warpwear.surfaces.worn.waviness import regular_wave, waviness
 
 ndimage = lazy.module("scipy.ndimage")
 
 THRESHOLD = 4.0  # robust standard deviations of the unworn mean profile that a track stands out by
 FOOT = 2.0  # robust standard deviations to which it reaches down from there
 MARGIN = 0.2  # of its width, added on both sides: the ends of pile-up are low
+REACH = 1.0  # of a parabola's width, from its middle, that a track reaches with its pile-up and margins
 LEAST_OUTSIDE = 0.05  # of the width across on each side of the track, to level by
 ROUNDS = 20  # in which the track is found
 LEAST_ERRORS = 3.0  # standard errors that the net section of a track found must exceed
+WIDTH_LEVELS = (0.25, 0.75)  # of the depth, between which the width is followed up to the reference
+CELLS = 96  # across, about, at which the error looks: shorter waves average out in a track
 BLOCKS = 10  # along the track, whose means are taken as correlated with their neighbours at most
 
 
@@ -29,15 +35,17 @@ class Track:
     """A worn track lies along axis 0 of a measurement.
 
     Section areas are those of single sections, so both hold the roughness too; their difference, in which
-    that averages out, is what was lost.
+    that averages out, is what was lost. A missing point is taken as the mean of the others at its place across.
     """
 
     levelled: FloatArray  # heights [mm] over the form of the surface outside the track, shape (nx, ny)
+    degree: int  # of the polynomial taken off
+    missing: BoolArray  # points without a height of their own, shape (nx, ny)
     y: FloatArray  # places across [mm] from the middle of the field, shape (ny,)
-    inside: BoolArray  # which of them belong to the track, shape (ny,)
-    edges: tuple[float, float]  # of the track across [mm]
-    below: FloatArray  # section areas under the reference inside the track [mm²], shape (nx,)
-    above: FloatArray  # section areas over the reference inside the track [mm²], shape (nx,)
+    inside: BoolArray  # which of them belong to the track with its pile-up and margins, shape (ny,)
+    window: tuple[float, float]  # the edges of these [mm]: what is summed
+    below: FloatArray  # section areas under the reference in the window [mm²], shape (nx,)
+    above: FloatArray  # section areas over the reference in the window [mm²], shape (nx,)
     length: float  # of the measured piece [mm]
 
     @property
@@ -45,42 +53,83 @@ class Track:
         """Return the section areas lost [mm²], below less above, shape (nx,)."""
         return self.below - self.above
 
+    @cached_property
+    def profile(self) -> FloatArray:
+        """Return the mean profile across [mm], shape (ny,)."""
+        return np.asarray(self.levelled.mean(axis=0))
+
     @property
     def mean_section(self) -> tuple[float, float]:
         """Return the areas [mm²] of the mean section under and over the reference.
 
         They are those of the trough and of its pile-up without roughness.
         """
-        mean = self.levelled.mean(axis=0)[self.inside]
-        pixel = (self.edges[1] - self.edges[0]) / mean.size
+        mean = self.profile[self.inside]
+        pixel = (self.window[1] - self.window[0]) / mean.size
         below, above = (float(np.maximum(sign * mean, 0.0).sum()) * pixel for sign in (-1.0, 1.0))
         return below, above
 
-    @property
+    @cached_property
     def net_error(self) -> float:
-        """Return the standard error of the mean net section [mm²], from means over ten pieces of the length.
+        """Return the standard error of the mean net section [mm²].
 
-        It is that of the sections, and that of the reference beside the track times the track's width.
+        It is what levelling and summing over the window would find of a mean profile of unworn surface, as
+        it lies beside the track: its roughness and waviness, in the window and under the reference.
         """
-        width = self.edges[1] - self.edges[0]
-        reference = self.levelled[:, ~self.inside].mean(axis=1)
-        return math.hypot(_standard_error(self.net), width * _standard_error(reference))
+        cells = max(1, math.ceil(self.y.size / CELLS))
+        count = self.y.size // cells
+        terms = legendre.legvander(np.linspace(-1.0, 1.0, self.y.size), self.degree)
+        outside = ~self.inside
+        taken = np.linalg.lstsq(terms[outside].T, terms[self.inside].sum(axis=0), rcond=None)[0]
+        weights = self.inside.astype(np.float64)
+        weights[outside] = -taken
+        by_cell = [v[: count * cells].reshape(count, cells) for v in (self.profile, self.y, weights, outside)]
+        heights, places, unworn = by_cell[0].mean(axis=1), by_cell[1].mean(axis=1), by_cell[3].all(axis=1)
+        spacing = float(places[1] - places[0])
+        found = waviness(
+            heights,
+            distances=np.abs(np.subtract.outer(places, places)),
+            unworn=unworn,
+            terms=legendre.legvander(places / (0.5 * count * spacing), self.degree),
+            spacing=spacing,
+            regular=regular_wave(heights, places=places, unworn=unworn),
+        )
+        return found.error(by_cell[2].sum(axis=1)) * spacing / cells
 
     @property
     def depth(self) -> float:
         """Return how far the mean profile's deepest point lies below the reference [mm]."""
-        return float(-self.levelled.mean(axis=0)[self.inside].min())
+        return float(-self.profile[self.inside].min())
+
+    @cached_property
+    def width(self) -> float:
+        """Return the width of the trough at the level of the reference [mm], without pile-up and margins.
+
+        The width of the mean profile at 25 to 75 % of its depth, squared, is fitted by a straight line over
+        the level, as it is for a parabola, and taken on to the reference: there roughness hides the edge.
+        """
+        mean = self.profile[self.inside]
+        pixel = (self.window[1] - self.window[0]) / mean.size
+        bottom = float(ndimage.uniform_filter1d(mean, max(1, mean.size // 20) | 1).min())
+        levels = np.linspace(*WIDTH_LEVELS, 21) * bottom
+        widths = [float((mean < level).sum()) * pixel for level in levels]
+        squared = float(np.polyfit(levels, np.square(widths), 1)[1])
+        return math.sqrt(max(squared, widths[0] ** 2))
 
     def volume(self, length: float | None = None) -> tuple[float, float]:
-        """Return the volume lost over a length [mm] (by default the measured piece) and its error [mm³]."""
+        """Return the volume lost over a length [mm] (by default the measured piece) and its error [mm³].
+
+        Beyond the measured piece the error holds how the sections scatter along it, too.
+        """
         over = self.length if length is None else length
-        return float(self.net.mean()) * over, self.net_error * over
+        beyond = _standard_error(self.net) * math.sqrt(max(0.0, 1.0 - self.length / over))
+        return float(self.net.mean()) * over, math.hypot(self.net_error, beyond) * over
 
 
 def find_track(
     heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1, width: float | None = None
 ) -> Track:
-    """Find the worn track along axis 0 of complete heights [mm], shape (nx, ny); pixel (px, py) [mm].
+    """Find the worn track along axis 0 of heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm].
 
     The surface is levelled by a polynomial of the given total degree through what lies outside the track.
     The track is where the mean profile across stands out of its scatter outside, found in rounds, with its
@@ -89,26 +138,30 @@ def find_track(
     Raises InputError where there is none, or too little surface beside it to level by.
     """
     y = places(heights.shape, pixel)[1]
-    start = without_polynomial(heights, degree=degree).mean(axis=0)
+    missing = np.isnan(heights)
+    start = _profile(without_polynomial(heights, degree=degree))
     inside = _first_guess(start) if width is None else _span(start, start < 0.0, pixel=pixel[1], width=width)
     outside = ~inside
     for _ in range(ROUNDS):
         where = np.broadcast_to(outside, heights.shape)
         levelled = without_polynomial(heights, degree=degree, where=where)
-        profile = levelled.mean(axis=0)
+        profile = _profile(levelled)
         found = _span(profile, outside, pixel=pixel[1], width=width)
         if np.array_equal(found, inside):
             break
         inside, outside = found, ~found
         _check(inside, width=width)
+    levelled = np.where(missing, profile, levelled)
     levelled.flags.writeable = False
     across = levelled[:, inside]
     columns = np.flatnonzero(inside)
     track = Track(
         levelled=levelled,
+        degree=degree,
+        missing=missing,
         y=y,
         inside=inside,
-        edges=(float(y[columns[0]]) - 0.5 * pixel[1], float(y[columns[-1]]) + 0.5 * pixel[1]),
+        window=(float(y[columns[0]]) - 0.5 * pixel[1], float(y[columns[-1]]) + 0.5 * pixel[1]),
         below=np.maximum(-across, 0.0).sum(axis=1) * pixel[1],
         above=np.maximum(across, 0.0).sum(axis=1) * pixel[1],
         length=heights.shape[0] * pixel[0],
@@ -120,6 +173,20 @@ def find_track(
             f"error of {1e6 * track.net_error:.2g} µm²; --track-width measures it anyway"
         )
     return track
+
+
+def _profile(heights: FloatArray) -> FloatArray:
+    """Return the mean profile across of heights, shape (nx, ny), NaN where missing: shape (ny,).
+
+    Where a place across has no height at all, it lies on the line between its neighbours.
+    """
+    valid = ~np.isnan(heights)
+    count = valid.sum(axis=0)
+    if not count.all():
+        known = np.flatnonzero(count)
+        mean = np.where(valid, heights, 0.0).sum(axis=0)[known] / count[known]
+        return np.interp(np.arange(count.size), known, mean)
+    return np.asarray(np.where(valid, heights, 0.0).sum(axis=0) / count)
 
 
 def _standard_error(values: FloatArray) -> float:
@@ -187,8 +254,13 @@ def _span(profile: FloatArray, outside: BoolArray, *, pixel: float, width: float
     labels = ndimage.label(closed | beyond)[0]
     columns = np.flatnonzero(labels == labels[deepest])
     margin = math.ceil(MARGIN * columns.size)
+    # the valleys of a wavy surface would lead on from the trough; pile-up does not reach as far as it is wide
+    deep = ndimage.label(ndimage.binary_closing(smooth < 0.5 * (centre + smooth[deepest]), np.ones(gap)))[0]
+    trough = np.flatnonzero(deep == deep[deepest])
+    middle, reach = 0.5 * float(trough[0] + trough[-1]), math.sqrt(2.0) * REACH * trough.size
+    first, last = (max(columns[0] - margin, middle - reach), min(columns[-1] + margin, middle + reach))
     place = np.arange(count)
-    return (place >= columns[0] - margin) & (place <= columns[-1] + margin)
+    return (place >= first) & (place <= last)
 
 
 def _check(inside: BoolArray, *, width: float | None) -> None:

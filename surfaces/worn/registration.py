@@ -1,0 +1,203 @@
+"""The difference of two measurements of one place, one laid over the other: shift, rotation and tilt."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.levelling import without_polynomial
+from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.sphere import places
+
+fft = lazy.module("scipy.fft")
+ndimage = lazy.module("scipy.ndimage")
+
+COARSE = 160  # points along the longer side at which shift and rotation are looked for
+LARGEST_ANGLE = math.radians(6.0)  # that is looked for
+ANGLE_STEP = 0.5  # coarse points by which the ends of the field move between two angles
+FIT_POINTS = 150_000  # more change the fit by less than the noise does
+ROUNDS = 30  # of the fit
+KEPT = 4.0  # robust standard deviations: what differs more is worn and not fitted to
+SETTLED = 1e-3  # pixels that the ends of the field move in a last round
+LEAST_CORRELATION = 0.5  # below it a difference scatters more than either measurement
+LEAST_KNOWN = 0.9  # of a line along the edge of what both show
+LEAST_OVERLAP = 0.25  # of the later measurement's field
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Difference:
+    """A later measurement less an earlier one, where both are known."""
+
+    heights: FloatArray  # [mm], shape (nx, ny), NaN where either is missing; tilt is left in
+    shift: tuple[float, float]  # of the earlier one on the later one's field [mm]
+    rotation: float  # of the earlier one [rad], from x to y
+    correlation: float  # of both where nothing is worn
+
+
+@dataclass(frozen=True, eq=False)
+class _Earlier:
+    """The earlier measurement can be sampled anywhere, NaN where it knows nothing."""
+
+    splines: FloatArray  # coefficients of its cubic splines, shape (nx, ny)
+    missing: FloatArray  # 1 where missing, shape (nx, ny)
+    pixel: tuple[float, float]
+
+    def at(self, x: FloatArray, y: FloatArray, place: FloatArray) -> FloatArray:
+        """Return heights [mm] at points (x, y) [mm] of the later field. place: shift x, y [mm], rotation."""
+        cosine, sine = math.cos(place[2]), math.sin(place[2])
+        moved = (cosine * x - sine * y + place[0], sine * x + cosine * y + place[1])
+        triples = zip(moved, self.splines.shape, self.pixel, strict=True)
+        index = [p / pixel + 0.5 * (count - 1) for p, count, pixel in triples]
+        options: dict[str, Any] = {"mode": "nearest", "prefilter": False}
+        heights = ndimage.map_coordinates(self.splines, index, order=3, **options)
+        unknown = ndimage.map_coordinates(self.missing, index, order=1, mode="constant", cval=1.0)
+        return np.where(unknown > 0.0, np.nan, heights)
+
+
+def difference(
+    later: FloatArray, earlier: FloatArray, *, pixel: tuple[float, float], earlier_pixel: tuple[float, float]
+) -> Difference:
+    """Lay an earlier measurement over a later one of the same place and take it off.
+
+    Heights [mm], shapes (nx, ny) each, NaN where missing; pixels (px, py) [mm]. Shift and rotation (up to
+    6°) are found by phase correlation of coarse maps, then fitted by least squares to the points that did
+    not change, together with the tilt. Raises InputError where the two do not show the same place.
+    """
+    later, earlier = (without_polynomial(heights, degree=1) for heights in (later, earlier))
+    absent = np.isnan(earlier)
+    splines = ndimage.spline_filter(np.where(absent, 0.0, earlier), order=3, mode="nearest")
+    # a spline rings beside a hole
+    missing = ndimage.binary_dilation(absent, iterations=2).astype(np.float64)
+    sampled = _Earlier(splines, missing, earlier_pixel)
+    place = _coarse_place(later, earlier, pixel=pixel, earlier_pixel=earlier_pixel)
+    place, correlation = _fitted(later, sampled, place, pixel=pixel)
+    if not correlation >= LEAST_CORRELATION:
+        raise InputError(
+            f"--before does not show the place of FILE: laid over each other at best, the heights beside the "
+            f"track have a correlation of {correlation:.2g}, at least {LEAST_CORRELATION:g} is needed; check "
+            "--sliding-axis and --height-sign of both"
+        )
+    x, y = places((later.shape[0], later.shape[1]), pixel)
+    below = sampled.at(*np.meshgrid(x, y, indexing="ij"), place)
+    rows, columns = _shared(~np.isnan(below))
+    heights = (later - below)[rows, columns]
+    if heights.size < LEAST_OVERLAP * later.size:
+        raise InputError(
+            f"--before shows only {100.0 * heights.size / later.size:.2g} % of the field of FILE: at least "
+            f"{100.0 * LEAST_OVERLAP:g} % is needed"
+        )
+    return Difference(
+        heights=heights,
+        shift=(float(place[0]), float(place[1])),
+        rotation=float(place[2]),
+        correlation=correlation,
+    )
+
+
+def _coarse_place(
+    later: FloatArray, earlier: FloatArray, *, pixel: tuple[float, float], earlier_pixel: tuple[float, float]
+) -> FloatArray:
+    """Return shift x, y [mm] and rotation [rad] by phase correlation of coarse maps, shape (3,).
+
+    Of all angles it is the one whose correlation has the highest peak.
+    """
+    extent = [n * p for n, p in zip(later.shape, pixel, strict=True)]
+    step = max(max(extent) / COARSE, *pixel, *earlier_pixel)
+    shape = (max(8, round(extent[0] / step)), max(8, round(extent[1] / step)))
+    x, y = np.meshgrid(*places(shape, (step, step)), indexing="ij")
+    here = np.zeros(3)
+    there, coarse = (_coarse(z, p, step) for z, p in ((earlier, earlier_pixel), (later, pixel)))
+    # tapered, so that the edges of the field do not correlate with themselves
+    taper = np.multiply.outer(*(np.hanning(n + 2)[1:-1] for n in shape))
+    size = [fft.next_fast_len(2 * n, real=True) for n in shape]
+    waves = fft.rfft2(taper * np.nan_to_num(coarse.at(x, y, here)), s=size)
+    turns = ANGLE_STEP * step / (0.5 * math.hypot(*extent))
+    best, place = -math.inf, here
+    for angle in np.arange(-math.ceil(LARGEST_ANGLE / turns), math.ceil(LARGEST_ANGLE / turns) + 1) * turns:
+        turned = np.nan_to_num(there.at(x, y, np.array([0.0, 0.0, angle])))
+        both = np.conj(waves) * fft.rfft2(taper * turned, s=size)
+        peaks = fft.irfft2(both / np.maximum(np.abs(both), np.finfo(float).tiny), s=size)
+        # smoothed, as a shift between two points is spread over both
+        peaks = ndimage.gaussian_filter(peaks, 1.0, mode="wrap")
+        if (highest := float(peaks.max())) > best:
+            i, j = (int(k) for k in np.unravel_index(int(np.argmax(peaks)), peaks.shape))
+            moved = [step * (k - n if k > n // 2 else k) for k, n in zip((i, j), size, strict=True)]
+            cosine, sine = math.cos(angle), math.sin(angle)
+            best = highest
+            place = np.array([cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle])
+    return place
+
+
+def _coarse(heights: FloatArray, pixel: tuple[float, float], step: float) -> _Earlier:
+    """Return heights [mm], shape (nx, ny), of pixels [mm], smoothed for sampling at a step [mm]."""
+    size = [max(1, round(step / p)) for p in pixel]
+    smooth = ndimage.uniform_filter(np.nan_to_num(heights), size, mode="nearest")
+    return _Earlier(ndimage.spline_filter(smooth, mode="nearest"), np.zeros(heights.shape), pixel)
+
+
+def _fitted(
+    later: FloatArray, earlier: _Earlier, place: FloatArray, *, pixel: tuple[float, float]
+) -> tuple[FloatArray, float]:
+    """Return the place (shift x, y [mm], rotation [rad]) of least squares from a first one, and the correlation.
+
+    Gauss-Newton steps fit place and tilt to the points that did not change; which these are is found anew in
+    each round.
+    """
+    stride = max(1, math.ceil(math.sqrt(later.size / FIT_POINTS)))
+    x, y = (p[::stride] for p in places((later.shape[0], later.shape[1]), pixel))
+    x, y = (p.ravel() for p in np.meshgrid(x, y, indexing="ij"))
+    known = later[::stride, ::stride].ravel()
+    reach, small = 0.5 * math.hypot(float(np.ptp(x)), float(np.ptp(y))), 0.5 * min(pixel)
+    changes = np.diag([small, small, small / reach])
+    for _ in range(ROUNDS):
+        below = earlier.at(x, y, place)
+        slopes = [
+            (earlier.at(x, y, place + c) - earlier.at(x, y, place - c)) / (2.0 * float(c.sum())) for c in changes
+        ]
+        design = np.stack([*slopes, np.ones_like(x), x, y], axis=1)
+        rest = known - below
+        kept = ~np.isnan(rest) & ~np.isnan(design).any(axis=1)
+        if kept.sum() < 10 * design.shape[1]:
+            return place, math.nan
+        kept[kept] = _unchanged(rest[kept], design[kept][:, 3:])
+        found = np.linalg.lstsq(design[kept], rest[kept], rcond=None)[0][:3]
+        place = place + found
+        if max(abs(found[0]), abs(found[1]), reach * abs(found[2])) < SETTLED * min(pixel):
+            break
+    return place, float(np.corrcoef(known[kept], below[kept])[0, 1])
+
+
+def _unchanged(rest: FloatArray, tilt: FloatArray) -> BoolArray:
+    """Return which differences [mm], shape (n,), scatter about a plane, terms (n, 3), and are no wear."""
+    kept = np.ones(rest.size, dtype=np.bool_)
+    for _ in range(5):
+        plane = tilt @ np.linalg.lstsq(tilt[kept], rest[kept], rcond=None)[0]
+        apart = rest - plane - np.median((rest - plane)[kept])
+        kept = np.abs(apart) <= max(KEPT * TO_SIGMA * float(np.median(np.abs(apart[kept]))), 1e-15)
+    return kept
+
+
+def _shared(known: BoolArray) -> tuple[slice, slice]:
+    """Return the rows and columns of the rectangle that two fields share, known: shape (nx, ny).
+
+    The side with the largest part unknown is taken off, line by line, until every side is mostly known: what the
+    other field does not reach goes, holes stay.
+    """
+    first, last = [0, 0], list(known.shape)
+    while min(last[0] - first[0], last[1] - first[1]) > 1:
+        part = known[first[0] : last[0], first[1] : last[1]]
+        sides = [part[0].mean(), part[-1].mean(), part[:, 0].mean(), part[:, -1].mean()]
+        worst = int(np.argmin(sides))
+        if sides[worst] >= LEAST_KNOWN:
+            break
+        axis = worst // 2
+        if worst % 2:
+            last[axis] -= 1
+        else:
+            first[axis] += 1
+    return slice(first[0], last[0]), slice(first[1], last[1])

@@ -1,0 +1,167 @@
+"""The error of a volume: what the same levelling and sum would find anywhere on the unworn surface.
+
+Levelling and sum are one weighted sum of heights, so its scatter over all places of an endless unworn surface
+follows from the spectrum of that surface. The spectrum is taken in bands from the heights that are unworn, by
+restricted likelihood: that counts correlated neighbours for what they are, needs no window that fits beside
+the worn part, and knows what the levelling took off. Waves that the unworn part is too small to show are tied
+to the neighbouring bands, and how badly the bands are known widens the error.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
+
+linalg = lazy.module("scipy.linalg")
+optimize = lazy.module("scipy.optimize")
+special = lazy.module("scipy.special")
+
+BANDS = 1.5  # per octave
+SPREAD = 0.3  # width of a band over its wave number, so that neighbours overlap
+LONGEST = 4.0  # wavelengths, in extents of the field: levelling leaves nothing of longer ones
+TIE = math.log(8.0)  # standard deviation of log power between octaves: a density falls by 8 at Hurst exponent 1
+LOOSE = 100.0  # standard deviation of the log power of all bands together, which is not known beforehand
+LINE = 3.0  # standard deviation of the log power of a regular wave: it may be missing
+WAVES = 4.0  # in the field, at least, of a regular wave; fewer may be chance
+DRAWS = 400  # of spectra that the heights allow, and as many mirrored
+STEPS = 60  # of the search for the most likely spectrum
+LONGEST_STEP = 2.0  # of the search, in log power
+SETTLED = 0.01  # gain in log likelihood below which the search ends
+FEWEST = 4  # heights beyond the terms of the levelling
+ONE_SIGMA = math.erf(math.sqrt(0.5))  # probability within one standard deviation
+ROUNDING = 1e-12  # of the largest height
+
+
+@dataclass(frozen=True, eq=False)
+class Waviness:
+    """The waviness of an unworn surface is known by spectra that its heights allow."""
+
+    covariances: FloatArray  # of the bands between n places, for a variance of 1, shape (bands, n, n)
+    spectra: FloatArray  # variances [mm²] of the bands, one spectrum a row, shape (draws, bands)
+
+    def error(self, weights: FloatArray) -> float:
+        """Return the standard error of the sum of heights times weights, shape (n,), over unworn surface.
+
+        It is half the interval that holds 68.27 % of such sums, over all places and all the spectra.
+        """
+        by_band = np.einsum("i,bij,j->b", weights, self.covariances, weights, optimize=True)
+        sigma = np.sqrt(np.maximum(self.spectra @ by_band, 0.0))
+        if not sigma.any():
+            return 0.0
+        least, most = float(sigma[sigma > 0.0].min()), float(sigma.max())
+        sigma = np.maximum(sigma, least)
+
+        def lacks(log_width: float) -> float:
+            return float(special.erf(math.exp(log_width) / (math.sqrt(2.0) * sigma)).mean()) - ONE_SIGMA
+
+        # at the ends every spectrum has more, or less, than its standard deviation
+        return math.exp(optimize.brentq(lacks, math.log(0.9 * least), math.log(1.1 * most), rtol=1e-9))
+
+
+def waviness(
+    heights: FloatArray,
+    *,
+    distances: FloatArray,
+    unworn: BoolArray,
+    terms: FloatArray,
+    spacing: float,
+    wave: Callable[[FloatArray], FloatArray] = np.cos,
+    regular: float | None = None,
+) -> Waviness:
+    """Find the waviness of heights [mm], shape (n,), where they are unworn, shape (n,).
+
+    distances: between all places [mm], (n, n); terms: what the levelling takes off, (n, p); spacing: of the
+    places [mm]; wave: correlation of a wave over a phase, `np.cos` along a line, `scipy.special.j0` in a plane;
+    regular: wave number [rad/mm] of a wave that keeps its phase, such as a feed, see `regular_wave`. Raises
+    InputError where too few heights are unworn.
+    """
+    known = np.flatnonzero(unworn)
+    if known.size < terms.shape[1] + FEWEST:
+        raise InputError(
+            "too little unworn surface to tell the error of a volume from: a wider measurement is needed"
+        )
+    low, high = 2.0 * math.pi / (LONGEST * float(distances.max())), math.pi / spacing
+    count = max(3, math.ceil(BANDS * math.log2(high / low)) + 1)
+    phases = [number * distances for number in np.geomspace(low, high, count)]
+    bands = [wave(phase) * np.exp(-0.5 * np.square(SPREAD * phase)) for phase in phases]
+    bands.append(np.eye(heights.size))  # what is shorter than the spacing
+    step = np.diff(np.eye(len(bands)), axis=0)
+    tie = step.T @ step / (TIE**2 / BANDS) + np.eye(len(bands)) / LOOSE**2
+    if regular is not None:
+        bands.append(wave(regular * distances))
+        tie = linalg.block_diag(tie, 1.0 / LINE**2)
+    covariances = np.stack(bands)
+    # contrasts that no term of the levelling changes
+    contrasts = linalg.qr(terms[known])[0][:, terms.shape[1] :]
+    seen = contrasts.T @ heights[known]
+    if np.abs(seen).max() <= ROUNDING * max(float(np.abs(heights).max()), ROUNDING):
+        return Waviness(covariances, np.zeros((1, len(bands))))
+    seen_bands = contrasts.T @ covariances[:, known][:, :, known] @ contrasts
+    return Waviness(covariances, _likely_spectra(seen, seen_bands, tie))
+
+
+def regular_wave(heights: FloatArray, *, places: FloatArray, unworn: BoolArray) -> float | None:
+    """Return the wave number [rad/mm] of the strongest wave of levelled heights [mm] along a line.
+
+    Shapes are (n,); places [mm]. None where the field holds fewer than four of it: that may be a chance.
+    """
+    extent = float(np.ptp(places))
+    waves = np.arange(1.0, 0.5 * places.size, 0.125)
+    numbers = 2.0 * math.pi * waves / extent
+    strength = np.abs(np.exp(1j * np.multiply.outer(numbers, places[unworn])) @ heights[unworn])
+    strongest = int(np.argmax(strength))
+    return float(numbers[strongest]) if waves[strongest] >= WAVES else None
+
+
+def _likely_spectra(seen: FloatArray, bands: FloatArray, tie: FloatArray) -> FloatArray:
+    """Return variances of bands that contrasts allow, shape (draws, bands): the likeliest and those about it.
+
+    seen: contrasts [mm], (m,); bands: their covariances for a variance of 1, (bands, m, m); tie: precision of
+    the log variances beforehand, (bands, bands). The likeliest is found by Fisher's scoring, and the log
+    variances are taken as Gaussian about it (Laplace's approximation).
+    """
+    scale = float(seen @ seen) / seen.size
+    start = np.full(len(bands), math.log(scale / len(bands)))
+    rounding = 1e-9 * scale * np.eye(seen.size)
+
+    def likelihood(log: FloatArray) -> tuple[float, FloatArray]:
+        whole = np.tensordot(np.exp(log), bands, 1) + rounding
+        factor = np.linalg.cholesky(whole)
+        rest = linalg.solve_triangular(factor, seen, lower=True)
+        apart = log - start
+        value = -np.log(np.diag(factor)).sum() - 0.5 * (rest @ rest) - 0.5 * (apart @ tie @ apart)
+        return float(value), whole
+
+    log = start
+    value, whole = likelihood(log)
+    for _ in range(STEPS):
+        inverse = np.linalg.inv(whole)
+        parts = inverse @ (bands * np.exp(log)[:, None, None])
+        rest = inverse @ seen
+        pulls = 0.5 * np.einsum("i,bij,j->b", rest, bands, rest, optimize=True) * np.exp(log)
+        gradient = pulls - 0.5 * np.trace(parts, axis1=1, axis2=2) - tie @ (log - start)
+        information = 0.5 * np.einsum("bij,cji->bc", parts, parts, optimize=True) + tie
+        move = np.linalg.solve(information, gradient)
+        move *= min(1.0, LONGEST_STEP / float(np.abs(move).max()))
+        gain = -math.inf
+        for _ in range(10):
+            tried, tried_whole = likelihood(log + move)
+            gain = tried - value
+            if gain >= 0.0:
+                break
+            move *= 0.5
+        if gain < 0.0:
+            break
+        log, value, whole = log + move, tried, tried_whole
+        if gain < SETTLED:
+            break
+    normal = np.random.default_rng(0).normal(size=(DRAWS, len(bands)))
+    factor = np.linalg.cholesky(information)
+    about = linalg.solve_triangular(factor.T, np.concatenate([normal, -normal]).T, lower=False).T
+    return np.asarray(np.exp(log + about))
