@@ -24,8 +24,8 @@ def fourier_blocks(
     """Yield Re Σ c_ij exp(i·wave·((i − n) x + j y)) at the points x × y, a block of rows at a time.
 
     amplitudes: c [mm], shape (2n + 1, n + 1); wave: of the period [rad/mm]; x, y: uniform points [mm]. Each
-    block is its rows and their values [mm], shape (rows, y.size). The sum is exact at any such points: nothing
-    is tied to a mesh as a plain FFT would be.
+    block is its rows and their values [mm], shape (rows, y.size). The sum is exact there: nothing is tied
+    to a mesh as a plain FFT would be.
     """
     lowest = (amplitudes.shape[0] - 1) // 2
     for start in range(0, x.size, ROWS):
@@ -41,8 +41,8 @@ def sum_waves(amplitudes: ComplexArray, wave: float, points: FloatArray) -> Comp
     """Return Σ_j c_ij exp(i·wave·j·p) at uniform points p [mm], shape (rows, points.size).
 
     amplitudes: c, shape (rows, waves), of j = 0, 1, …; wave: in rad/mm. It is the chirp-z transform (Rabiner,
-    Schafer and Rader 1969): with 2jm = j² + m² − (m − j)² the sum is a convolution, made by FFTs. These add in
-    one order, whatever the threads; a matrix product does not, and takes longer.
+    Schafer and Rader 1969): with 2jm = j² + m² − (m − j)² the sum is a convolution, made by FFTs. These add
+    in one order, whatever the threads; a matrix product does not, and takes longer.
     """
     waves, count = amplitudes.shape[1], points.size
     chirp = _chirp(wave * spacing(points) / (2.0 * math.pi), max(waves, count))

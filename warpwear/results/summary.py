@@ -132,7 +132,8 @@ def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float
     """
     total = distance[-1]
     late = distance >= 0.5 * total
-    exponent = float(np.polyfit(np.log(distance[late]), np.log(values[late]), 1)[0])
+    far = np.log(distance[late]) - np.log(distance[late]).mean()
+    exponent = float((far * np.log(values[late])).sum() / np.square(far).sum())
 
     def secant(start: float, end: float) -> float:
         low, high = np.interp([start * total, end * total], distance, values)
