@@ -32,6 +32,7 @@ from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.rest.on_gpu import DeviceLoop
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
+from warpwear.results import manifest
 from warpwear.results.seal import HEADER
 from warpwear.runs import checkpoint
 from warpwear.runs import lock as run_lock
@@ -404,6 +405,8 @@ def test_what_killed_runs_left_is_cleaned_up(tmp_path: Path) -> None:
     (out / ".work-abc").mkdir(parents=True)
     (out / ".work-abc" / "result.h5").write_bytes(b"half")
     gone = {"pid": os.getpid(), "started": psutil.Process().create_time() - 99.0, "host": platform.node()}
+    gone["work"] = [".work-abc"]
+    manifest.write(out, ["history.csv"])
     (out / run_lock.NAME).write_text(json.dumps(gone))
     (out / "history.csv").write_text("half")  # killed while it moved its files into place
     study = short(sliding__distance="0 mm")
