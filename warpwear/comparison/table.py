@@ -120,7 +120,14 @@ def write_csv(comparison: Comparison, path: Path) -> None:
         writer.writerow(["name", "kind", *(f"{name} [{units}]" for name, units in names.items())])
         for name, values in columns(comparison).items():
             numbers = [without_nan(values.get(key)) for key in names]
-            writer.writerow([name, values["kind"], *("" if v is None else f"{v:.12g}" for v in numbers)])
+            writer.writerow(
+                [_quoted(name), values["kind"], *("" if v is None else f"{v:.12g}" for v in numbers)]
+            )
+
+
+def _quoted(text: str) -> str:
+    """Put an apostrophe before what a spreadsheet would compute as a formula."""
+    return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
 
 
 def write_json(comparison: Comparison, path: Path) -> None:
