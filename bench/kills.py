@@ -4,7 +4,8 @@
 
 Every study runs undisturbed once, with one thread. Then it is run with checkpoints after every step (or every
 `--every` seconds), killed with SIGKILL at a random moment, resumed, killed again and so on until it finishes,
-with one and two threads by turns; and again until all kills are spent. Needs os.fork.
+each time with other numbers of threads of its own, of BLAS and of OpenMP, or on one core; and again until all
+kills are spent.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import os
 import random
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -25,6 +27,8 @@ import numpy as np
 from warpwear import Study, run
 from warpwear.engine import executor as execution
 
+#: Threads of BLAS and OpenMP (None: as they like), and whether the process is held on one core, by turns.
+ENVIRONMENTS: tuple[tuple[str | None, bool], ...] = ((None, False), ("1", False), ("4", False), (None, True))
 SMALL = {"grid.cell": "20 um", "output.snapshots": ["0.5 mm", "3 mm"]}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "micro, implicit": ("v3-fine", SMALL | {"sliding.distance": "30 mm"}),
@@ -125,43 +129,64 @@ def differences(one: Path, other: Path) -> list[str]:
     return found
 
 
-def start(study: Study, out: Path, threads: int) -> int:
-    """A process that runs or resumes a study."""
-    pid = os.fork()
-    if pid == 0:
-        status = 1
-        try:
-            run(study, out=out, threads=threads, plots=False, resume=True).close()
-            status = 0
-        finally:
-            os._exit(status)
-    return pid
+def run_here(case: str, every: float, out: Path, threads: int, *, one_core: bool) -> None:
+    """Run or resume a case in this process."""
+    execution.CELLS_PER_THREAD = 1000  # so that small grids are shared among threads too
+    if one_core and hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
+    run(study_of(case, every), out=out, threads=threads, plots=False, resume=True).close()
 
 
-def killed(pid: int, after: float) -> bool:
-    """Return whether a process had to be killed `after` some seconds. RuntimeError if it failed by itself."""
-    deadline = time.monotonic() + after
-    while time.monotonic() < deadline:
-        done, status = os.waitpid(pid, os.WNOHANG)
-        if done:
-            if status:
-                raise RuntimeError(f"a run ended with status {status}")
-            return False
+def start(case: str, every: float, out: Path, turn: int) -> subprocess.Popen[bytes]:
+    """A process that runs or resumes a case, in the environment of a turn; returns once it has begun."""
+    blas, one_core = ENVIRONMENTS[turn % len(ENVIRONMENTS)]
+    variables = {} if blas is None else {"OPENBLAS_NUM_THREADS": blas, "OMP_NUM_THREADS": blas}
+    threads = 1 if one_core else 1 + (turn // len(ENVIRONMENTS)) % 2
+    command = [
+        sys.executable,
+        __file__,
+        "--here",
+        case,
+        str(every),
+        str(out),
+        str(threads),
+        str(int(one_core)),
+    ]
+    lock = out / ".lock"
+    before = lock.stat().st_mtime_ns if lock.exists() else 0
+    process = subprocess.Popen(command, env=os.environ | variables, stderr=subprocess.PIPE)
+    while process.poll() is None:
+        with contextlib.suppress(OSError):
+            if lock.stat().st_mtime_ns != before:
+                break
         time.sleep(0.001)
-    os.kill(pid, signal.SIGKILL)
-    _, status = os.waitpid(pid, 0)
-    return os.WIFSIGNALED(status)
+    return process
+
+
+def killed(process: subprocess.Popen[bytes], after: float) -> bool:
+    """Return whether a process had to be killed `after` some seconds. RuntimeError if it failed by itself."""
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        _, told = process.communicate(timeout=after)
+        if process.returncode:
+            raise RuntimeError(f"a run ended with status {process.returncode}: {told.decode()[-1000:]}")
+        return False
+    process.kill()
+    process.communicate()
+    return process.returncode == -signal.SIGKILL
 
 
 def main() -> None:
     """Exit status 1 if anything differs."""
+    if sys.argv[1:2] == ["--here"]:
+        case, every, out, threads, one_core = sys.argv[2:]
+        run_here(case, float(every), Path(out), int(threads), one_core=one_core == "1")
+        return
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--kills", type=int, default=20, help="in all")
     parser.add_argument("--every", type=float, default=0.0, help="seconds between checkpoints")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--case", choices=CASES, action="append", help="repeatable; all, if not given")
     options = parser.parse_args()
-    execution.CELLS_PER_THREAD = 1000  # so that small grids are shared among threads too
     dice = random.Random(options.seed)
     cases = options.case or list(CASES)
     kills, runs, alike, resumed = 0, 0, 0, 0
@@ -169,20 +194,19 @@ def main() -> None:
         place = Path(folder)
         lasted: dict[str, float] = {}
         for number, case in enumerate(cases):
+            alone = start(case, options.every, place / f"alone-{number}", 1)
             started = time.monotonic()
-            pid = start(study_of(case, options.every), place / f"alone-{number}", 1)
-            assert not killed(pid, 600.0)
+            assert not killed(alone, 600.0)
             lasted[case] = time.monotonic() - started
         while kills < options.kills or runs % len(cases):
             number = runs % len(cases)
             case, out = cases[number], place / "killed"
             share = -(-(options.kills - kills) // (len(cases) - number))
-            study = study_of(case, options.every)
             here = 0
             while True:
                 patience = dice.uniform(0.0, 0.7 * lasted[case]) if here < share else 600.0
-                pid = start(study, out, 1 + here % 2)
-                if not killed(pid, patience):
+                process = start(case, options.every, out, here)
+                if not killed(process, patience):
                     break
                 here += 1
                 with contextlib.suppress(OSError):

@@ -5,11 +5,10 @@ from numpy.polynomial import legendre
 
 from warpwear import lazy
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.base import BoolArray, blocks_of_rows
 
 fft = lazy.module("scipy.fft")
 
-ROWS = 64  # of a block: the terms of a polynomial at every point at once would be many fields
 SWEEPS = 8  # of the relaxation at each scale; more changes a filled height by less than its neighbours differ
 
 
@@ -18,30 +17,31 @@ def without_polynomial(heights: FloatArray, *, degree: int, where: BoolArray | N
 
     degree: its total degree; 0 takes off the mean, 1 the mean plane. It is fitted to the valid points (of
     `where`, shape (nx, ny), if given) by normal equations, in products of Legendre polynomials over the
-    field, which stay well conditioned there.
+    field, which stay well conditioned there. Sums over points are made by einsum, in one order whatever the
+    threads of BLAS.
     """
     nx, ny = heights.shape
     basis_x = legendre.legvander(np.linspace(-1.0, 1.0, nx), degree)
     basis_y = legendre.legvander(np.linspace(-1.0, 1.0, ny), degree)
-    terms = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    pairs_y = np.einsum("yj,yl->yjl", basis_y, basis_y).reshape(ny, -1)
+    i, j = np.array([(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]).T
     # the second round takes off what rounding left of a large tilt or offset
     levelled = heights
     for _ in range(2):
-        matrix, right = np.zeros((len(terms), len(terms))), np.zeros(len(terms))
-        for start in range(0, nx, ROWS):
-            block = levelled[start : start + ROWS]
-            valid = ~np.isnan(block)
+        square, right = np.zeros((degree + 1,) * 4), np.zeros((degree + 1, degree + 1))
+        for rows in blocks_of_rows(nx, values=ny):
+            valid = ~np.isnan(levelled[rows])
             if where is not None:
-                valid &= where[start : start + ROWS]
-            across = basis_x[start : start + ROWS]
-            rows = np.stack([np.multiply.outer(across[:, i], basis_y[:, j])[valid] for i, j in terms])
-            matrix += rows @ rows.T
-            right += rows @ block[valid]
+                valid &= where[rows]
+            across = np.einsum("xy,yp->xp", valid.astype(np.float64), pairs_y).reshape(-1, *square.shape[2:])
+            square += np.einsum("xi,xk,xjl->ikjl", basis_x[rows], basis_x[rows], across)
+            moments = np.einsum("xy,yj->xj", np.where(valid, levelled[rows], 0.0), basis_y)
+            right += np.einsum("xi,xj->ij", basis_x[rows], moments)
         # least squares rather than a solution: few valid points do not fix every term
-        solution = np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
-        table = np.zeros((degree + 1, degree + 1))
-        table[tuple(zip(*terms, strict=True))] = solution
-        levelled = levelled - basis_x @ table @ basis_y.T
+        matrix = square[i[:, None], i, j[:, None], j]
+        table = np.zeros_like(right)
+        table[i, j] = np.linalg.lstsq(matrix, right[i, j], rcond=1e-12)[0]
+        levelled = levelled - np.einsum("xi,iy->xy", basis_x, np.einsum("ij,yj->iy", table, basis_y))
     return levelled
 
 

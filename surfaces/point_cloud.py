@@ -122,7 +122,9 @@ def _axis(places: FloatArray, name: str) -> tuple[np.ndarray, int, float]:
     index = np.concatenate([[0.0], np.cumsum(steps)])
     if index[-1] < 1.0 or index[-1] >= 1.0 / LEAST_FILLED * max(places.size, 4):
         raise ValueError(f"points along {name} that are not evenly spaced, or a turned grid")
-    slope, offset = np.polyfit(index, sorted_places, 1)
+    middle, far = index.mean(), index - index.mean()
+    slope = (far * sorted_places).sum() / np.square(far).sum()
+    offset = sorted_places.mean() - slope * middle
     off = np.abs(sorted_places - (slope * index + offset)) / slope
     if off.max() > SLACK or np.any(real & (steps == 0.0)):
         if sorted_places.size > 0.2 * places.size:

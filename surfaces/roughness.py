@@ -109,7 +109,7 @@ def bearing_parameters(heights: FloatArray) -> Bearing:
     low, high = np.searchsorted(ratio, [start[first], start[first] + SECANT])
     core_ratio, core = ratio[low:high], falling[low:high]
     centred = core_ratio - core_ratio.mean()
-    slope = float(centred @ core / (centred @ centred))
+    slope = float((centred * core).sum() / np.square(centred).sum())
     top = float(core.mean() - slope * core_ratio.mean())
     bottom = top + slope
     peaks = int(np.searchsorted(-falling, -top))  # points above the core

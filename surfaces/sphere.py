@@ -8,7 +8,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.base import BoolArray, least_squares
 
 optimize = lazy.module("scipy.optimize")
 
@@ -89,7 +89,7 @@ def fit_sphere(
     px, py, z = x[i[keep]], y[j[keep]], heights[i[keep], j[keep]]
     scale = max(float(np.hypot(np.ptp(px), np.ptp(py))) / 2.0, 1e-12)
     design = np.stack([np.ones_like(px), px / scale, py / scale, (px**2 + py**2) / scale**2], axis=1)
-    z0, bx, by, bend = np.linalg.lstsq(design, z, rcond=None)[0]
+    z0, bx, by, bend = least_squares(design, z)
     if radius is None and abs(bend) < 1e-9 * scale:
         raise NoSphere("no curvature")
     kappa = -2.0 * bend / scale**2 if radius is None else 1.0 / radius

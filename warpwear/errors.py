@@ -6,13 +6,17 @@ OTHER_FOLDER = f"give another folder (out), or {OVERWRITE_IT}"
 RESUME_IT = "resume it (--resume, resume=True)"
 
 
+def printable(text: str) -> str:
+    """A text on one line: a file or a user may give line ends, or signs that do things to a terminal."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
 class InputError(ValueError):
     """Bad input: one sentence that names the field, the value and what is allowed. Exit status 2."""
 
     def __init__(self, sentence: str) -> None:
-        # What a file or a user gave may hold line ends, or signs that do things to a terminal.
-        printable = "".join(c if c.isprintable() else repr(c)[1:-1] for c in sentence)
-        super().__init__(printable if printable.endswith((".", "?")) else f"{printable}.")
+        told = printable(sentence)
+        super().__init__(told if told.endswith((".", "?")) else f"{told}.")
 
 
 class InvariantError(InputError):

@@ -12,7 +12,7 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import blocks_of_rows
-from warpwear.surfaces.made.fourier import uniform_draws
+from warpwear.surfaces.made.fourier import sum_waves, uniform_draws
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.made.synthetic import SLACK, RandomPart
 
@@ -112,16 +112,14 @@ class Milled(RandomPart):
     def _marks(self, x: FloatArray, y: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
         """Yield blocks of rows of feed marks of unit peak-to-valley height (before the cut).
 
-        The sum cos k(a + b) = cos ka cos kb − sin ka sin kb makes a plane wave at any angle a matrix product.
+        In a row the marks are a Fourier sum along y, whose phases are those of the row.
         """
         unit = 2.0 * math.pi / self.feed
         start = 2.0 * math.pi * float(uniform_draws(1, seed=self.seed, stream=1)[0])
-        along = np.multiply.outer(unit * self._normal[0] * x + start, self._orders)
-        across = np.multiply.outer(self._orders, unit * self._normal[1] * y)
-        left = np.concatenate([np.cos(along) * self._series, -np.sin(along) * self._series], axis=1)
-        right = np.concatenate([np.cos(across), np.sin(across)])
-        for block in blocks_of_rows(x.size, values=y.size):
-            yield block, left[block] @ right
+        series = np.concatenate([[0.0], self._series])  # from the order 0
+        for block in blocks_of_rows(x.size, values=y.size + series.size):
+            along = np.multiply.outer(unit * self._normal[0] * x[block] + start, np.arange(series.size))
+            yield block, sum_waves(series * np.exp(1j * along), unit * self._normal[1], y).real
 
     def _reference(self) -> tuple[FloatArray, FloatArray]:
         """Return unit feed marks [-] and fine part [mm], over its mean, where Ra and Sq are defined."""

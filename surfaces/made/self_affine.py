@@ -29,11 +29,11 @@ class SelfAffine(RandomPart):
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return heights [mm] at the points x × y [mm], shape (x.size, y.size), repeated past the period."""
-        return fourier_sum(self._amplitudes, *self._waves, x, y)
+        return fourier_sum(self._amplitudes, self._wave, x, y)
 
     def blocks(self, x: FloatArray, y: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
         """Yield blocks of rows and their heights [mm], shape (rows, y.size), at the points x × y [mm]."""
-        return fourier_blocks(self._amplitudes, *self._waves, x, y)
+        return fourier_blocks(self._amplitudes, self._wave, x, y)
 
     def notices(self, x: FloatArray, y: FloatArray) -> list[str]:
         """Say whether the grid x × y [mm] is wider than the period or too coarse for the cut-off."""
@@ -42,8 +42,8 @@ class SelfAffine(RandomPart):
     @property
     def rms_slope(self) -> float:
         """Return the root mean square gradient [-] over the period, from the spectrum."""
-        wave_x, wave_y = self._waves
-        squared = np.add.outer(wave_x**2, wave_y**2)
+        modes = self._wave * np.arange(-self._largest, self._largest + 1)
+        squared = np.add.outer(modes**2, modes[self._largest :] ** 2)
         return math.sqrt(0.5 * float(np.sum(squared * np.abs(self._amplitudes) ** 2)))
 
     def record(self) -> dict[str, Any]:
@@ -61,12 +61,10 @@ class SelfAffine(RandomPart):
         """Return the largest mode along an axis."""
         return int(self.period / self.cut_off * (1 + SLACK))
 
-    @cached_property
-    def _waves(self) -> tuple[FloatArray, FloatArray]:
-        """Return the wave numbers [rad/mm] of the half plane of modes, (2n + 1,) and (n + 1,)."""
-        modes = np.arange(-self._largest, self._largest + 1).astype(np.float64)
-        modes *= 2.0 * math.pi / self.period
-        return modes, modes[self._largest :]
+    @property
+    def _wave(self) -> float:
+        """Return the wave number of the period [rad/mm]."""
+        return 2.0 * math.pi / self.period
 
     @cached_property
     def _unscaled(self) -> ComplexArray:
@@ -82,7 +80,7 @@ class SelfAffine(RandomPart):
     def _unscaled_ra(self) -> float:
         """Return the Ra [mm] of the surface before it is scaled."""
         points = self._points_along(self.period)
-        blocks = fourier_blocks(self._unscaled, *self._waves, points, points)
+        blocks = fourier_blocks(self._unscaled, self._wave, points, points)
         return sum(float(np.abs(values).sum()) for _, values in blocks) / points.size**2
 
     @cached_property

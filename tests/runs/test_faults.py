@@ -309,8 +309,10 @@ def test_no_file_of_the_run_is_mapped(tmp_path: Path, monkeypatch: pytest.Monkey
 def test_the_log_of_killed_sessions_is_kept(tmp_path: Path) -> None:
     out = tmp_path / "out"
 
-    def killed() -> None:  # leaves its work folder, as SIGKILL does
-        shutil.copytree(next(out.glob(".work-*")), out / ".work-killed")
+    def killed() -> None:  # leaves its work folder and its lock, as SIGKILL does
+        shutil.copytree(next(out.glob(".work-*")), tmp_path / "left")
+        owner = json.loads((out / ".lock").read_text())
+        (tmp_path / "lock").write_text(json.dumps(owner | {"started": 0.0}))
         raise SystemExit
 
     for after in (4, 2):
@@ -318,6 +320,8 @@ def test_the_log_of_killed_sessions_is_kept(tmp_path: Path) -> None:
             during(patch, OneScaleModel, "advance", killed, after)
             with pytest.raises(SystemExit):
                 warpwear.run(small(), out=out, plots=False, resume=True)
+        (tmp_path / "lock").rename(out / ".lock")
+        (tmp_path / "left").rename(out / json.loads((out / ".lock").read_text())["work"][-1])
     warpwear.run(small(), out=out, plots=False, resume=True).close()
     log = (out / "log.txt").read_text()
     assert log.count("warpwear 0.1.0 on cpu") == 3

@@ -147,13 +147,15 @@ def test_nothing_is_overwritten_silently(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"already holds a run"):
         warpwear.run(quick(), out=out)
     assert (out / "result.h5").read_bytes() == before
-    (out / "figures").mkdir()
-    (out / "figures" / "cof.png").touch()
+    with warpwear.Result.open(out) as result:
+        result.plot.save("pressure_map", out / "figures", file_format="svg")
+    (out / "figures" / "pressure_map.tex").write_text("mine")
     (out / "notes.txt").write_text("mine")
     warpwear.run(quick(), out=out, plots=False, overwrite=True).close()
     assert (out / "result.h5").read_bytes() != before
     assert (out / "notes.txt").read_text() == "mine"
-    assert not (out / "figures" / "cof.png").exists()  # it would show the run that is gone
+    assert not (out / "figures" / "pressure_map.svg").exists()  # it would show the run that is gone
+    assert (out / "figures" / "pressure_map.tex").read_text() == "mine"
     foreign = tmp_path / "mine"
     foreign.mkdir()
     (foreign / "thesis.doc").touch()

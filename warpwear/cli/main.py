@@ -1,7 +1,11 @@
 """The command line. Exit status 0, 2 for bad input with one plain sentence, 130 when interrupted."""
 
+import codecs
+import io
 import os
 import sys
+from contextlib import suppress
+from typing import TextIO
 
 import click
 
@@ -18,8 +22,14 @@ from warpwear.version import __version__
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command, of the command line where no arguments are given; errors end as sentence and status."""
+    os.environ["MPLBACKEND"] = "agg"  # nothing is shown, and a backend that is not there would stop it
+    codecs.register_error("warpwear", _spelled)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="warpwear")
     try:
         status = commands.main(arguments, prog_name="warpwear", standalone_mode=False)
+        sys.stdout.flush()
     except (InputError, ConvergenceError) as error:
         _fail(str(error), at_once=isinstance(error.__cause__, MemoryError))
     except MemoryError:
@@ -32,7 +42,13 @@ def main(arguments: list[str] | None = None) -> None:
         click.echo("warpwear: interrupted.", err=True)
         sys.exit(130)
     except BrokenPipeError:  # the reader of a pipe has left
+        _silence(sys.stdout)
         sys.exit(0)
+    except OSError as error:
+        if error.filename is None:  # what was printed so far could not be
+            _silence(sys.stdout)
+        what = "standard output" if error.filename is None else str(error.filename)
+        _fail(str(InputError(f"{what} cannot be read or written: {error.strerror or error}")))
     sys.exit(status if isinstance(status, int) else 0)
 
 
@@ -41,11 +57,28 @@ def _fail(message: str, *, at_once: bool = False) -> None:
 
     at_once: without the interpreter's own end, in which HDF5 may crash after the memory ran out.
     """
-    click.echo(f"warpwear: {message}", err=True)
+    try:
+        click.echo(f"warpwear: {message}", err=True)
+    except OSError:  # nor can this be told
+        _silence(sys.stderr)
     if at_once:
-        sys.stdout.flush()
+        with suppress(OSError):
+            sys.stdout.flush()
         os._exit(2)
     sys.exit(2)
+
+
+def _silence(stream: TextIO) -> None:
+    """Lead what a stream still holds nowhere: at the interpreter's end it would fail once more."""
+    with suppress(OSError, ValueError), open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), stream.fileno())
+
+
+def _spelled(error: UnicodeError) -> tuple[str, int]:
+    """Write signs that the terminal's encoding lacks as JSON and Python do: \\u03bd."""
+    assert isinstance(error, UnicodeEncodeError)
+    units = error.object[error.start : error.end].encode("utf-16-be", "surrogatepass").hex()
+    return "".join(f"\\u{units[i : i + 4]}" for i in range(0, len(units), 4)), error.end
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})

@@ -122,8 +122,13 @@ def write_csv(comparison: Comparison, path: Path) -> None:
         writer.writerow(["name", "kind", *(f"{name} [{units}]" for name, units in names.items())])
         for name, values in columns(comparison).items():
             cells = [without_nan(values.get(key)) for key in names]
-            shown = ["" if v is None else v if isinstance(v, str) else f"{v:.12g}" for v in cells]
-            writer.writerow([name, values["kind"], *shown])
+            shown = ["" if v is None else _quoted(v) if isinstance(v, str) else f"{v:.12g}" for v in cells]
+            writer.writerow([_quoted(name), values["kind"], *shown])
+
+
+def _quoted(text: str) -> str:
+    """Put an apostrophe before what a spreadsheet would compute as a formula."""
+    return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
 
 
 def write_json(comparison: Comparison, path: Path) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.engine.device import check_memory, check_threads, find_device
+from warpwear.engine.kernel_cache import check_kernels, load_kernels
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import contact, gap, gpu_steps, gpu_steps_rest, gpu_steps_sliding, sliding, tiles, wear
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
@@ -97,8 +98,9 @@ class Executor:
         self._whole = self.split_rows(np.full(grid.nx, self.vectors * LANES))
         # Compiled before any thread needs them.
         of_gpu = () if on_cpu else (gpu_steps, gpu_steps_rest, gpu_steps_sliding)
+        check_kernels()
         for module in (gap, contact, wear, sliding, tiles, *of_gpu):
-            wp.load_module(module, device=self.device)
+            load_kernels(module, self.device)
 
     def __enter__(self) -> Self:
         return self

@@ -14,6 +14,7 @@ from warpwear.figures import fields, history, macro, patches, shape, snapshots, 
 from warpwear.figures.data import FigureData
 from warpwear.figures.style import Panels, check_format, style, write_figure
 from warpwear.results.file import ResultFile
+from warpwear.results.manifest import add_figure
 
 
 class Entry(NamedTuple):
@@ -125,6 +126,7 @@ class Plotter:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             write_figure(figure, path)
+            add_figure(path)
         except OSError as error:
             raise InputError(f"{path} cannot be written: {error.strerror}.") from error
         return path

@@ -18,6 +18,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import FIELDS, UNITS
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
+from warpwear.results.check import ATTRIBUTES, check_content, check_fields
 from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
@@ -104,11 +105,14 @@ class ResultFile:
         except OSError as error:
             raise InputError(f"{file} is no HDF5 file or is damaged: {error}.") from error
         result = cls(opened, file)
-        with result._reading():
-            is_result = "history" in opened and "study" in opened.attrs
-        if not is_result:
+        try:
+            with result._reading():
+                if not ("history" in opened and "study" in opened.attrs):
+                    raise InputError(f"{file} is an HDF5 file, but not a result of warpwear.")
+                check_content(opened, result.study, patch=PATCH)
+        except BaseException:
             opened.close()
-            raise InputError(f"{file} is an HDF5 file, but not a result of warpwear.")
+            raise
         return result
 
     @property
@@ -127,7 +131,7 @@ class ResultFile:
         except InputError:
             raise
         except (OSError, KeyError, ValueError, TypeError, RuntimeError, AttributeError) as error:
-            name = self._file.filename
+            name = self.path or "this result"
             raise InputError(f"{name} is damaged or not a result of warpwear: {error}.") from error
 
     @cached_property
@@ -191,7 +195,7 @@ class ResultFile:
     def attributes(self) -> dict[str, Any]:
         """Version, device, threads, precision, finished."""
         with self._reading() as file:
-            return {k: v for k, v in file.attrs.items() if k not in ("study", OWN_SURFACE)}
+            return {name: file.attrs[name] for name in ATTRIBUTES}
 
     @property
     def owns_surface(self) -> bool:
@@ -233,6 +237,7 @@ class ResultFile:
             group = file["snapshots"][list(file["snapshots"])[number]]
             row = int(group.attrs["row"]) if "row" in group.attrs else None
             fields = {name: group[name][()] for name in FIELDS if name in group}
+            check_fields(fields)
             return Snapshot(float(group.attrs["distance"]), row=row, **fields)
 
     def at(self, distance: str | float) -> Snapshot:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.history.rows import Named
 from warpwear.laws import friction
 from warpwear.results.file import ResultFile
 from warpwear.results.track import by_pass, groove, roughness_in_track
@@ -25,7 +26,7 @@ def summarise(result: ResultFile) -> dict[str, Any]:
     last pass of a swept run, as `end_values` says: the means, and the largest pressure.
     """
     study, history = result.study, result.history
-    end = {name: float(values[-1]) for name, values in history.items()}
+    end = Named({name: float(values[-1]) for name, values in history.items()})
     for name in OF_A_PASS:
         end[name] = friction.mean_over(history, history[name], "end", study.lap)
     end["pressure_max"] = float(history["pressure_max"][friction.within(history, "end", study.lap)].max())
@@ -139,7 +140,8 @@ def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float
     """
     total = distance[-1]
     late = distance >= 0.5 * total
-    exponent = float(np.polyfit(np.log(distance[late]), np.log(values[late]), 1)[0])
+    far = np.log(distance[late]) - np.log(distance[late]).mean()
+    exponent = float((far * np.log(values[late])).sum() / np.square(far).sum())
 
     def secant(start: float, end: float) -> float:
         low, high = np.interp([start * total, end * total], distance, values)

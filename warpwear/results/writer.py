@@ -72,14 +72,16 @@ class ResultWriter:
         _label(dataset, self._file["grid"], "track_x", "y")
 
     @property
-    def snapshot_bytes(self) -> int:
-        """Size of the snapshots so far in the file [B]."""
-        groups = self._file["snapshots"].values()
+    def copied_bytes(self) -> int:
+        """Size of what `copy_to` copies [B]."""
+        groups = [*self._file["snapshots"].values(), self._file.get("track", {})]
         return sum(dataset.id.get_storage_size() for group in groups for dataset in group.values())
 
-    def copy_snapshots_to(self, file: h5py.File) -> None:
-        """Keep the snapshots so far in another file, compressed as they are."""
+    def copy_to(self, file: h5py.File) -> None:
+        """Keep the snapshots so far, and the heights of a track, in another file, compressed as they are."""
         self._file.copy("snapshots", file)
+        if "track" in self._file:
+            self._file.copy("track/heights", file, "heights", without_attrs=True)
 
     def take_snapshots_from(self, file: h5py.File) -> None:
         """Begin with the snapshots of another file."""

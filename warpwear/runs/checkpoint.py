@@ -3,6 +3,7 @@
 The file is sealed (see `seal`) with the mark "warpwear checkpoint FORMAT". Then:
 
 - /model/NAME        arrays of the model (fields, lists of tiles)
+- /heights           of the disc before any wear [mm]
 - /rows              the history so far, (steps, columns), names in the attribute `columns`
 - /snapshots         as in result.h5
 - /about             JSON: version, study, device, surface, warnings, elapsed time, the model's numbers
@@ -34,8 +35,10 @@ from warpwear.version import __version__
 
 FILE_NAME = "checkpoint.h5"
 #: Number of the content's layout. A file of another one is refused.
-FORMAT = 5
+FORMAT = 6
 MAGIC = "warpwear checkpoint"
+#: Heights that differ by no more are of the same surface, made on another kind of processor [mm].
+SAME_HEIGHTS = 1.0e-12
 #: Fields of a `Checkpoint` beside its arrays and rows.
 OF_THE_RUN = ("numbers", "warnings", "reported_violations", "elapsed")
 #: Sections and keys that no result depends on.
@@ -59,12 +62,22 @@ class Checkpoint:
 class Checkpoints:
     """Writes the checkpoints of one run.
 
-    path: of the file; work: a folder of the same disk; every: how often it is due [s]; surface: `checksum` of
-    the disc's heights.
+    path: of the file; work: a folder of the same disk; surface: `checksum` of the disc's heights; heights:
+    these [mm], but of a track, whose heights the result holds.
     """
 
-    def __init__(self, path: Path, work: Path, study: Study, *, device: str, surface: int) -> None:
+    def __init__(
+        self,
+        path: Path,
+        work: Path,
+        study: Study,
+        *,
+        device: str,
+        surface: int,
+        heights: FloatArray | None,
+    ) -> None:
         self.path = path
+        self._heights = heights
         self._new = work / FILE_NAME
         self._about = {
             "version": __version__,
@@ -88,7 +101,9 @@ class Checkpoints:
                 for name, values in now.arrays.items():
                     file.create_dataset(f"model/{name}", data=values)
                 file.create_dataset("rows", data=now.rows.table).attrs["columns"] = now.rows.names
-                snapshots.copy_snapshots_to(file)
+                if self._heights is not None:
+                    file.create_dataset("heights", data=self._heights)
+                snapshots.copy_to(file)
                 file["about"] = json.dumps(self._about | {name: getattr(now, name) for name in OF_THE_RUN})
             with self._new.open("r+b") as whole:
                 seal(whole, f"{MAGIC} {FORMAT}")
@@ -105,8 +120,9 @@ class Checkpoints:
         self.path.unlink(missing_ok=True)
 
     def _check_space(self, now: Checkpoint, snapshots: ResultWriter) -> None:
-        size = sum(values.nbytes for values in now.arrays.values()) + snapshots.snapshot_bytes
+        size = sum(values.nbytes for values in now.arrays.values()) + snapshots.copied_bytes
         size += now.rows.table.nbytes + SPACE_FOR_THE_REST
+        size += 0 if self._heights is None else self._heights.nbytes
         require_free_space(self._new.parent, size)
 
 
@@ -116,6 +132,8 @@ class StoredCheckpoint:
     def __init__(self, path: Path, file: h5py.File) -> None:
         self._path = path
         self.file = file
+        #: Whether the heights made anew differ from the stored ones, by rounding.
+        self.heights_differ = False
         try:
             self._about: dict[str, Any] = json.loads(file["about"][()])
             self._rows = Rows(map(str, file["rows"].attrs["columns"]), file["rows"][()])
@@ -146,13 +164,21 @@ class StoredCheckpoint:
                 f"{self._about['device']}; give that one."
             )
 
-    def refuse_surface(self, surface: int) -> None:
-        """Raises InputError when the disc's surface (its `checksum`) is not what it was."""
-        if surface != self._about["surface"]:
+    def heights_for(self, made: FloatArray) -> FloatArray:
+        """The heights to go on with [mm]: those made anew, or the stored ones where these differ by rounding.
+
+        Raises InputError where they differ by more.
+        """
+        if checksum(made) == self._about["surface"]:
+            return made
+        kept: FloatArray = self.file["heights"][()]
+        if kept.shape != made.shape or not np.abs(kept - made).max() <= SAME_HEIGHTS:
             raise InputError(
                 f"{self._path} cannot go on: the disc's heights are not what they were when the run began, "
                 "so the file of the surface, or the software that reads or makes it, has changed."
             )
+        self.heights_differ = True
+        return kept
 
     def read(self) -> Checkpoint:
         """Where the run was: all that is stored but the snapshots."""
@@ -164,9 +190,9 @@ class StoredCheckpoint:
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[StoredCheckpoint | None]:
+def opened(path: Path | None) -> Iterator[StoredCheckpoint | None]:
     """The checkpoint in a file, None without one. Raises InputError for one that is damaged or too new."""
-    if not path.exists():
+    if path is None or not path.exists():
         yield None
         return
     damaged = f"{path} is damaged: it is not what was written; {OVERWRITE_IT}."

@@ -1,24 +1,28 @@
 """The folder of a run: what may be written where, and how it gets there whole."""
 
+import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+import warnings
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from uuid import uuid4
 
 from warpwear.errors import OTHER_FOLDER, OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.lazy import resolve
 from warpwear.result import PLOTTER, Result
 from warpwear.results import file as results
+from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, MAGIC, SURFACE_FILE
 from warpwear.results.seal import seal
 from warpwear.runs import checkpoint
 from warpwear.runs import lock as run_lock
 from warpwear.study.study import Study
 
-#: Work folders, inside the run folder; of a killed run they stay until the next.
-WORK = ".work-"
 LOG = "log.txt"
+#: What a run may write, beside figures; its result and checkpoint say themselves what they are.
+NAMES = ("study.toml", "history.csv", "surface.csv", "summary.json", SURFACE_FILE, LOG, manifest.NAME)
 
 
 def check(folder: Path, *, overwrite: bool, resume: bool) -> None:
@@ -51,10 +55,30 @@ def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
     elif results.is_one(folder / FILE_NAME):  # and is damaged
         if not overwrite:
             Result.open(folder)
-    elif not (folder / run_lock.NAME).exists() and any(
-        not path.name.startswith(WORK) for path in folder.iterdir()
-    ):
-        raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
+    else:
+        ours = {run_lock.NAME, *manifest.written(folder), *run_lock.work_folders(folder)}
+        if any(path.name not in ours for path in folder.iterdir()):
+            raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
+    _refuse_to_replace(folder)
+
+
+def _refuse_to_replace(folder: Path) -> None:
+    """Raises InputError for a file that the run would replace and no run wrote."""
+    figures, ours = folder / manifest.FIGURES, manifest.written(folder)
+    if figures.is_symlink():
+        raise InputError(f"{figures} is a link; a run draws its figures into its own folder: move it away.")
+    foreign = [name for name in NAMES if os.path.lexists(folder / name) and name not in ours]
+    drawn = [path for path in figures.glob("*.png") if f"{manifest.FIGURES}/{path.name}" not in ours]
+    known = resolve(PLOTTER).NAMES if drawn else ()
+    foreign += [f"{manifest.FIGURES}/{path.name}" for path in drawn if path.stem in known]
+    for name, is_one in ((FILE_NAME, results.is_one), (checkpoint.FILE_NAME, checkpoint.is_one)):
+        if os.path.lexists(folder / name) and not is_one(folder / name) and name not in ours:
+            foreign.append(name)
+    if foreign:
+        raise InputError(
+            f"out = {folder} holds {', '.join(foreign)}, which no run wrote and this one would replace: "
+            "move what you want to keep, or give another folder (out)."
+        )
 
 
 def is_finished(folder: Path, study: Study) -> bool:
@@ -74,8 +98,9 @@ def is_finished(folder: Path, study: Study) -> bool:
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); {OTHER_FOLDER}."
             )
     if finished and (folder / run_lock.NAME).exists():  # killed when all was in place
-        with run_lock.held(folder):
-            _clean(folder)
+        left = run_lock.work_folders(folder)
+        with run_lock.held(folder, left):
+            _clean(folder, left)
     return finished
 
 
@@ -92,11 +117,12 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
     try:
         folder.mkdir(parents=True, exist_ok=True)
         check(folder, overwrite=overwrite, resume=resume)
-        with run_lock.held(folder):
-            log = _log_so_far(folder) if resume else b""
-            _clean(folder)
-            work = Path(tempfile.mkdtemp(prefix=WORK, dir=folder))
-            work.chmod(0o755)
+        left = run_lock.work_folders(folder)
+        work = folder / f"{run_lock.WORK}{uuid4().hex[:12]}"
+        with run_lock.held(folder, [*left, work.name]):
+            log = _log_so_far(folder, left) if resume else b""
+            _clean(folder, left)
+            work.mkdir()
             try:
                 (work / LOG).write_bytes(log)
                 yield work
@@ -118,35 +144,39 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
 def move_into_place(work: Path, folder: Path) -> None:
     """Seal the result and move all files of the run, one by one, the result last; others are left alone.
 
-    Heights that belonged to the run that is replaced go, unless the new one names them.
+    What the run that is replaced wrote goes, and so does its manifest. A file that came while the run went on
+    is kept under another name.
     """
-    owned = (folder / SURFACE_FILE).is_file() and _owns_surface(folder)
-    there = list((folder / "figures").glob("*"))
-    known = resolve(PLOTTER).NAMES if there else ()
-    for figure in there:
-        if figure.stem in known:  # of the run that is replaced
-            figure.unlink()
+    before, now = manifest.written(folder), {item.name for item in work.iterdir()}
+    for name in now - before:
+        if os.path.lexists(folder / name) and not (name == FILE_NAME and results.is_one(folder / name)):
+            kept = f"{Path(name).stem}-{uuid4().hex[:6]}{Path(name).suffix}"
+            (folder / name).rename(folder / kept)
+            warnings.warn(f"{folder / name} was not written by a run: it is {kept} now.", stacklevel=2)
+    manifest.write(folder, before | now, work=work)
+    manifest.remove(folder, {name for name in before if "/" in name})
     with (work / FILE_NAME).open("r+b") as file:
         seal(file, MAGIC)
     for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
         item.replace(folder / item.name)
-    if owned and not _owns_surface(folder):
-        (folder / SURFACE_FILE).unlink()
+    if SURFACE_FILE in before - now and not _owns_surface(folder):
+        manifest.remove(folder, [SURFACE_FILE])
+    manifest.write(folder, {name for name in before | now if os.path.lexists(folder / name)}, work=work)
 
 
-def _log_so_far(folder: Path) -> bytes:
+def _log_so_far(folder: Path, left: Iterable[str]) -> bytes:
     """The log of the sessions that went before, killed ones too: each began with that of those before it."""
     logs = []
-    for path in (folder / LOG, *folder.glob(f"{WORK}*/{LOG}")):
+    for path in (folder / LOG, *(folder / name / LOG for name in left)):
         with suppress(OSError):
             logs.append(path.read_bytes())
     return max(logs, key=len, default=b"")
 
 
-def _clean(folder: Path) -> None:
-    """Remove what runs that were killed left beside their results."""
-    for left in folder.glob(f"{WORK}*"):
-        shutil.rmtree(left, ignore_errors=True)
+def _clean(folder: Path, left: Iterable[str]) -> None:
+    """Remove the work folders that runs which were killed left."""
+    for name in left:
+        shutil.rmtree(folder / name, ignore_errors=True)
 
 
 def _holds_a_run(folder: Path) -> bool:

@@ -1,9 +1,9 @@
-"""A file that says which process works in a run folder."""
+"""A file that says which process works in a run folder, and in which work folders inside it."""
 
 import json
 import os
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -12,14 +12,20 @@ import psutil
 from warpwear.errors import InputError
 
 NAME = ".lock"
+#: What names of work folders begin with.
+WORK = ".work-"
 
 
 @contextmanager
-def held(folder: Path) -> Iterator[None]:
-    """The folder for this process alone. Raises InputError where another works in it, OSError."""
+def held(folder: Path, work: Sequence[str] = ()) -> Iterator[None]:
+    """The folder for this process alone. Raises InputError where another works in it, OSError.
+
+    work: names of work folders inside it that are gone at the end, or may be deleted by who comes next.
+    """
     path = folder / NAME
     process = psutil.Process()
     owner = {"pid": process.pid, "started": process.create_time(), "host": platform.node()}
+    owner["work"] = list(work)
     for again in (True, False):
         try:
             descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o644)
@@ -35,6 +41,15 @@ def held(folder: Path) -> Iterator[None]:
         yield
     finally:
         path.unlink(missing_ok=True)
+
+
+def work_folders(folder: Path) -> list[str]:
+    """Names of the work folders that the run has, or left, whose lock is in the folder."""
+    try:
+        names = json.loads((folder / NAME).read_text(encoding="utf-8"))["work"]
+        return [name for name in names if name.startswith(WORK) and Path(name).name == name]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return []
 
 
 def refuse_if_held(folder: Path) -> None:

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InputError, InvariantError
@@ -18,7 +20,7 @@ from warpwear.laws import friction
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
-from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, opened
+from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, checksum, opened
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Invariants, Violation
 from warpwear.runs.make import model_of, plan_of
@@ -41,7 +43,10 @@ COUNTED_CELLS = 4
 class StepLoop:
     """The steps of one run and what is kept of them.
 
-    writer: of the result; None where nobody asks for one. surface: instead of the study's.
+    writer: of the result; None where nobody asks for one. surface: instead of the study's. resume: the folder
+    whose checkpoint to go on from, if there is one.
+
+    Raises InputError for a checkpoint that is damaged or another run's.
     """
 
     def __init__(
@@ -52,6 +57,7 @@ class StepLoop:
         progress: Progress,
         *,
         surface: Surface | None = None,
+        resume: Path | None = None,
     ) -> None:
         self.study = study
         self.finished = False
@@ -75,27 +81,31 @@ class StepLoop:
         self.warnings = [*study.notices(), *surface.notices(along, grid.y)]
         for warning in self.warnings:
             self._warn(warning)
-        made = model_of(study, surface, executor)
-        if made.heights is not None and writer is not None:
-            writer.add_track(study.track.x, made.heights)
-        self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
         self._processor, self._device = executor.device, str(executor.device)
-        self._book = made.book
         self._rows = Rows()
+        with opened(resume / CHECKPOINT if resume else None) as found:
+            if found is not None:
+                found.refuse_changes(study, device=self._device)
+            made = model_of(study, surface, executor, kept=found.heights_for if found else np.asarray)
+            self._model, self._surface_record, self._book = made.model, made.record, made.book
+            self._surface_sum = checksum(made.heights)
+            self._heights = None if study.is_swept else made.heights
+            if study.is_swept and writer is not None:
+                writer.add_track(study.track.x, made.heights)
+            if found is not None:
+                self._restore(found)
 
-    def checkpoint_in(self, folder: Path, work: Path, *, resume: bool) -> None:
-        """Keep checkpoints in a run folder, and make them in a work folder. Go on from the one there, or not.
-
-        Raises InputError for one that is damaged or another run's.
-        """
-        if resume:
-            with opened(folder / CHECKPOINT) as found:
-                if found is not None:
-                    self._restore(found)
+    def checkpoint_in(self, folder: Path, work: Path) -> None:
+        """Keep checkpoints in a run folder, and make them in a work folder."""
         self._checkpoints = Checkpoints(
-            folder / CHECKPOINT, work, self.study, device=self._device, surface=self._surface_sum
+            folder / CHECKPOINT,
+            work,
+            self.study,
+            device=self._device,
+            surface=self._surface_sum,
+            heights=self._heights,
         )
-        if not resume:
+        if not self._rows:
             self._checkpoints.remove()  # of the run that is overwritten
 
     def end_checkpoints(self) -> None:
@@ -104,8 +114,6 @@ class StepLoop:
             self._checkpoints.remove()
 
     def _restore(self, found: StoredCheckpoint) -> None:
-        found.refuse_changes(self.study, device=self._device)
-        found.refuse_surface(self._surface_sum)
         then = found.read()
         state.restore(self._model, then.arrays, then.numbers)
         assert self._writer is not None
@@ -114,6 +122,11 @@ class StepLoop:
         self.warnings, self._reported = then.warnings, then.reported_violations
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
+        if found.heights_differ:
+            self._add_warning(
+                "The disc's heights differ by rounding from those the run began with, as another "
+                "processor or other software made them: it goes on with the stored ones."
+            )
 
     def run(self, callback: Callable[[RunStep], object] | None = None) -> None:
         """Make the steps, and write what they leave into the result. callback: is given every step."""

@@ -1,6 +1,6 @@
 """What a run steps through, made from its study: the model, its executor, the plan of the steps."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -21,7 +21,6 @@ from warpwear.models.patches.local import TwoScaleModel
 from warpwear.models.patches.width import refuse_unsuitable
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.model import DISC_FIELDS, SweptModel
-from warpwear.runs.checkpoint import checksum
 from warpwear.study.study import Study
 from warpwear.study.surface import bearing_curve_of
 from warpwear.surfaces.base import Surface
@@ -40,9 +39,8 @@ class PreparedModel:
     """A model, and what it was made of."""
 
     model: Model
-    surface_sum: int  # `checksum` of the heights
+    heights: FloatArray  # of the unworn disc [mm], shape (nx, ny), or of the track, (rows, ny)
     record: dict[str, Any]  # of the surface, for the result
-    heights: FloatArray | None = None  # of the unworn track [mm], shape (rows, ny), where there is one
     book: PatchBook | None = None  # of the patches that the model has
 
 
@@ -68,29 +66,37 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
 
 
-def model_of(study: Study, surface: Surface, executor: Executor) -> PreparedModel:
-    """The model that the study asks for, on a surface. Raises InputError for one that it cannot use."""
+def model_of(
+    study: Study,
+    surface: Surface,
+    executor: Executor,
+    *,
+    kept: Callable[[FloatArray], FloatArray] = lambda heights: heights,
+) -> PreparedModel:
+    """The model that the study asks for, on a surface. Raises InputError for one that it cannot use.
+
+    kept: gives the heights that a run began with for those that are made now.
+    """
     grid = study.cells
     if study.is_swept:
         track = study.track
-        heights = _heights_of(study, surface, track)
+        heights = kept(_heights_of(study, surface, track))
         record = surface.record() | {"on_the_grid": _roughness_on(grid, heights[:MOST_ROWS])}
-        found = checksum(heights)
         swept = SweptModel(study.contact_task, track, heights, executor)
-        return PreparedModel(swept, found, record, heights)
-    heights = surface.heights(grid.x, grid.y)
+        return PreparedModel(swept, heights, record)
+    heights = kept(surface.heights(grid.x, grid.y))
     record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
     if study.study.model == "two-scale":
         patches = study.patch_layout
         refuse_unsuitable(study, patches, heights)
         make = HalfSpacePatches if study.contact.law == "half-space" else TwoScaleModel
         of_patches = make(study.contact_task, patches, heights, executor)
-        return PreparedModel(of_patches, checksum(heights), record, book=of_patches.book)
+        return PreparedModel(of_patches, heights, record, book=of_patches.book)
     curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
     if curve is not None:
         record["bearing_curve"] = asdict(curve)
     model = model_at_rest(study.contact_task, heights, executor, bearing_curve=curve)
-    return PreparedModel(model, checksum(heights), record)
+    return PreparedModel(model, heights, record)
 
 
 def model_at_rest(

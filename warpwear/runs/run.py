@@ -101,9 +101,10 @@ def run(
                     writer,
                     Progress(study, quiet=not progress),
                     surface=given.surface if given else None,
+                    resume=folder if resume else None,
                 )
                 if folder and work:
-                    loop.checkpoint_in(folder, work, resume=resume)
+                    loop.checkpoint_in(folder, work)
                 loop.run(callback)
                 result = Result(file)
                 if work:

@@ -9,6 +9,7 @@ from typing import Any
 import tomli_w
 from pydantic import BaseModel, ValidationError
 
+from warpwear.errors import printable
 from warpwear.study.content import Content
 from warpwear.study.keys import declarations, given_keys, inapplicable, key_of, no_such_key, section_in
 from warpwear.study.loading import CONSTANTS, insert
@@ -58,7 +59,7 @@ def assumptions(study: Content) -> dict[str, str]:
     for name, _ in _applicable(study):
         body, _, constant = name.partition(".")
         if name in study.assumed:
-            found[name] = study.assumed[name]
+            found[name] = printable(study.assumed[name])
         elif name in given:
             continue
         elif body != "contact" and constant in CONSTANTS:

@@ -1,0 +1,86 @@
+"""Compiled kernels, which Warp keeps from one process to the next: are they still what was compiled?
+
+A damaged one may crash, or compute something else. Beside each lie the digests of its files.
+"""
+
+import atexit
+import hashlib
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import warp as wp
+
+from warpwear.errors import InputError
+
+DIGESTS = "digests.json"
+#: What Warp is still compiling: names that end in numbers of a process and a thread.
+UNFINISHED = re.compile(r"_p\d+_t\d+$")
+
+
+@cache
+def check_kernels() -> None:
+    """Remove compiled kernels that are damaged, so that they are compiled anew; once a process."""
+    for folder in _folders():
+        if (folder / DIGESTS).exists() and not _is_whole(folder):
+            shutil.rmtree(folder, ignore_errors=True)
+    _seal()
+    atexit.register(_seal)
+
+
+def load_kernels(module: Any, device: Any) -> None:
+    """Load, or compile, the kernels of a module; anew where what was kept cannot be loaded."""
+    try:
+        wp.load_module(module, device=device)
+    except Exception as error:  # Warp raises whatever a damaged file makes of it
+        if isinstance(error, MemoryError):
+            raise
+        for folder in _folders(module.__name__):
+            shutil.rmtree(folder, ignore_errors=True)
+        try:
+            wp.load_module(module, device=device)
+        except OSError as fault:
+            raise InputError(
+                f"Warp cannot keep compiled kernels in {wp.config.kernel_cache_dir}: {fault.strerror}; "
+                "WARP_CACHE_PATH names another folder."
+            ) from fault
+
+
+def _seal() -> None:
+    """Note the digests of files that have none yet."""
+    for folder in _folders():
+        with suppress(OSError, ValueError):  # a cache that cannot be written is used as it is
+            path = folder / DIGESTS
+            kept = json.loads(path.read_text()) if path.exists() else {}
+            files = {p.name for p in folder.iterdir() if p.suffix not in (".cpp", ".cu", ".json", ".new")}
+            if files <= kept.keys():
+                continue
+            kept |= {name: _digest(folder / name) for name in files - kept.keys()}
+            new = path.with_suffix(f".{os.getpid()}.new")
+            new.write_text(json.dumps(kept))
+            new.replace(path)
+
+
+def _is_whole(folder: Path) -> bool:
+    try:
+        kept = json.loads((folder / DIGESTS).read_text())
+        return all(_digest(folder / name) == digest for name, digest in kept.items())
+    except (OSError, ValueError, AttributeError, RecursionError):
+        return False
+
+
+def _digest(path: Path) -> str:
+    return hashlib.blake2b(path.read_bytes(), digest_size=16).hexdigest()
+
+
+def _folders(module: str = "warpwear.kernels.*") -> Iterator[Path]:
+    """Where the kernels of warpwear, or of a module of it, are kept compiled."""
+    for folder in Path(wp.config.kernel_cache_dir or ".").glob(f"wp_{module}_*"):
+        if folder.is_dir() and not UNFINISHED.search(folder.name):
+            yield folder

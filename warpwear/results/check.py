@@ -1,0 +1,126 @@
+"""Whether a file holds what a run writes: names, types, shapes and plausible values, before any is used."""
+
+import json
+from typing import Any
+
+import h5py
+import numpy as np
+
+from warpwear.history.quantities import FIELDS, OF_THE_TRACK, PATCH_TABLES
+from warpwear.study.study import Study
+
+#: Deflate makes data smaller by no more than this factor: what claims more was never written.
+DEFLATE = 1100
+#: A dataset of fewer bytes may claim what it likes [B].
+SMALL = 2**20
+#: Attributes of the file, with what they have to be.
+ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
+    "version": str,
+    "device": str,
+    "precision": str,
+    "threads": (int, np.integer),
+    "finished": (bool, np.bool_),
+}
+#: What a run records beside numbers, with what it has to be.
+RECORD: dict[str, type | tuple[type, ...]] = {
+    "surface": dict,
+    "warnings": list,
+    "elapsed_s": (int, float),
+    "made_with": dict,
+}
+
+
+def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
+    """Raise ValueError, naming it, for the first thing that no run of the study writes.
+
+    patch: name of the numbers of the patches in the history.
+    """
+    for name, kind in ATTRIBUTES.items():
+        if not isinstance(file.attrs.get(name), kind):
+            raise ValueError(f"its attribute {name} is {file.attrs.get(name)!r:.40}")
+    _check_record(json.loads(file.attrs.get("record", "{}")))
+    nx, ny = study.cells.nx, study.cells.ny
+    rows = study.track.rows if study.is_swept else nx
+    count = study.patch_layout.count if study.study.model == "two-scale" else None
+    steps = _numbers(file, "history/distance").size
+    tables = {quantity.name for quantity in PATCH_TABLES}
+    for name in _group(file, "history"):
+        if name in tables or name == patch:
+            _numbers(file, f"history/{name}", (steps, count) if name in tables else (count,))
+        else:
+            _numbers(file, f"history/{name}", (steps,))
+    distance = file["history/distance"][()]
+    if not steps or not np.isfinite(distance).all() or distance[0] < 0.0 or (np.diff(distance) < 0.0).any():
+        raise ValueError("its history/distance does not grow")
+    _numbers(file, "grid/x", (nx,))
+    _numbers(file, "grid/y", (ny,))
+    if study.is_swept:
+        _numbers(file, "track/x", (rows,))
+        _numbers(file, "track/heights", (rows, ny))
+    if count is not None:
+        across = study.patch_layout.across
+        for axis in ("macro/x", "macro/y"):
+            _numbers(file, axis, (across,))
+    for name in _group(file, "snapshots"):
+        place = f"snapshots/{name}"
+        attributes = _group(file, place).attrs
+        if not isinstance(attributes.get("distance"), int | float | np.number):
+            raise ValueError(f"its {place} has no distance")
+        if not np.isfinite(attributes["distance"]) or study.is_swept != ("row" in attributes):
+            raise ValueError(f"its {place} is of no moment of this run")
+        if study.is_swept and not isinstance(attributes["row"], int | np.integer):
+            raise ValueError(f"the row of its {place} is {attributes['row']!r}")
+        for field in FIELDS:
+            if field in file[place] or field != "plastic_disc":
+                _numbers(file, f"{place}/{field}", (rows if field in OF_THE_TRACK else nx, ny))
+
+
+def check_fields(fields: dict[str, Any]) -> None:
+    """Raise ValueError for values that no field of a run has: only a gap may be infinite or unknown."""
+    for name, values in fields.items():
+        known = values[~np.isnan(values)]
+        if name != "gap" and known.size and not (np.isfinite(known).all() and known.min() >= 0.0):
+            raise ValueError(f"its {name} is negative or infinite in places")
+
+
+def _check_record(record: Any) -> None:
+    if not isinstance(record, dict):
+        raise ValueError("its record is none")
+    for name, kind in RECORD.items():
+        if name in record and not isinstance(record[name], kind):
+            raise ValueError(f"the {name} of its record is {record[name]!r:.40}")
+    if not all(isinstance(warning, str) for warning in record.get("warnings", ())):
+        raise ValueError("a warning of its record is no text")
+
+
+def _group(file: h5py.File, path: str) -> h5py.Group:
+    item = _item(file, path)
+    if not isinstance(item, h5py.Group):
+        raise ValueError(f"its {path} is no group")
+    return item
+
+
+def _numbers(file: h5py.File, path: str, shape: tuple[int | None, ...] | None = None) -> h5py.Dataset:
+    """Return a dataset of real numbers of a shape, kept in this file; None: a vector of any length."""
+    item = _item(file, path)
+    if not isinstance(item, h5py.Dataset) or item.dtype.kind not in "iuf" or item.dtype.itemsize > 8:
+        raise ValueError(f"its {path} holds no numbers")
+    if item.ndim != 1 if shape is None else item.shape != shape:
+        raise ValueError(f"its {path} has the shape {item.shape}")
+    if item.is_virtual or item.external:
+        raise ValueError(f"its {path} lies in another file")
+    if item.nbytes > max(SMALL, DEFLATE * item.id.get_storage_size()):
+        raise ValueError(f"its {path} was never written")
+    return item
+
+
+def _item(file: h5py.File, path: str) -> Any:
+    """Return what is at a path, each part of which leads on within this file."""
+    place: Any = file
+    for part in path.split("/"):
+        if not isinstance(place, h5py.Group) or part not in place:
+            raise ValueError(f"it lacks {path}")
+        if isinstance(place.get(part, getlink=True), h5py.ExternalLink):
+            raise ValueError(f"its {path} lies in another file")
+        place = place[part]
+    return place

@@ -1,0 +1,55 @@
+"""What runs wrote into a folder, file by file: no other file in there is ever replaced or deleted."""
+
+import json
+import os
+import tempfile
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path, PurePath
+
+NAME = "manifest.json"
+FIGURES = "figures"
+#: Key of the names; a file of that name by another program has none.
+WRITTEN = "written_by_warpwear"
+
+
+def written(folder: Path) -> set[str]:
+    """Names, relative to the folder, of the files that runs wrote there: empty where no manifest says so."""
+    try:
+        names = json.loads((folder / NAME).read_text(encoding="utf-8"))[WRITTEN]
+        return {NAME, *(name for name in names if _is_inside(folder, PurePath(name)))}
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return set()
+
+
+def write(folder: Path, names: Iterable[str], *, work: Path | None = None) -> None:
+    """Replace the manifest as a whole. work: a folder of the same disk to write it in first."""
+    descriptor, path = tempfile.mkstemp(prefix=".manifest-", dir=work or folder)
+    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        json.dump({WRITTEN: sorted({*names} - {NAME})}, file, indent=2)
+    Path(path).chmod(0o644)
+    Path(path).replace(folder / NAME)
+
+
+def add_figure(path: Path) -> None:
+    """Note a figure that was drawn into a run's own folder of figures, and no other."""
+    folder = path.parent.parent
+    names = written(folder)
+    if names and path.parent.name == FIGURES and not path.parent.is_symlink():
+        with suppress(OSError):  # it stays when the run is replaced
+            write(folder, {*names, f"{FIGURES}/{path.name}"})
+
+
+def remove(folder: Path, names: Iterable[str]) -> None:
+    """Delete files that are in the manifest, as far as they are still there."""
+    for name in names:
+        if _is_inside(folder, PurePath(name)) and not (folder / name).is_dir():
+            (folder / name).unlink(missing_ok=True)
+
+
+def _is_inside(folder: Path, name: PurePath) -> bool:
+    """Whether a name is of a file in the folder or its figures, and not by way of a link."""
+    parts = name.parts
+    if len(parts) == 2:
+        return parts[0] == FIGURES and parts[1] != ".." and not (folder / FIGURES).is_symlink()
+    return len(parts) == 1 and not name.is_absolute() and name.name not in ("", "..")
