@@ -4,6 +4,7 @@ import logging
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -78,7 +79,7 @@ class StepLoop:
             writer.add_track(study.track.x, made.heights)
         self._model, self._surface_sum, self._surface_record = made.model, made.surface_sum, made.record
         self._processor, self._device = executor.device, str(executor.device)
-        self._book = made.book
+        self._book, self._filled = made.book, made.filled
         self._rows = Rows()
 
     def checkpoint_in(self, folder: Path, work: Path, *, resume: bool) -> None:
@@ -162,16 +163,23 @@ class StepLoop:
         with_fields: whether every step can be asked for its fields, not only those that are kept.
         """
         speed, left = self.study.sliding.speed, plan[len(self._rows) :]
-        steps = self._model.steps((increment, keep or with_fields) for increment, _, keep in left)
-        for (_, distance, keep), step in zip(left, steps, strict=True):
+        first = len(self._rows) + 1
+        looks = [keep or (self._filled is not None and n & (n - 1) == 0) for n, (*_, keep) in enumerate(left, first)]
+        plan_of_fields = zip((increment for increment, *_ in left), looks, strict=True)
+        steps = self._model.steps((increment, look or with_fields) for increment, look in plan_of_fields)
+        for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
             row = step.row | {"distance": distance}
             stop = self._check(
                 self._invariants.of_row(row, touches_edge=step.touches_edge, touches_rim=step.touches_rim)
             )
-            snapshot = self._model.snapshot(step, distance) if keep and self._writer is not None else None
-            if snapshot is not None and self._writer is not None:
+            writer = self._writer if keep else None
+            snapshot = self._model.snapshot(step, distance) if writer or (look and not keep) else None
+            if snapshot is not None and self._filled is not None:
+                snapshot = replace(snapshot, load_on_filled=snapshot.share_on(self._filled))
+                stop = stop or self._check(self._invariants.of_filled(snapshot, row))
+            if snapshot is not None and writer is not None:
                 self._check(self._invariants.of_fields(vars(snapshot), row))
-                self._writer.add_snapshot(snapshot)
+                writer.add_snapshot(snapshot)
             row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             self._progress.step(row)
