@@ -9,6 +9,7 @@ import numpy.typing as npt
 from warpwear.grid import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
+IntArray = npt.NDArray[np.int64]
 
 BLOCK_VALUES = 2**18  # 2 MiB of float64: what one block of rows may hold beside a field
 

@@ -1,5 +1,7 @@
 """What is in a file of heights, in its own units: instrument formats, text, .npy and .npz."""
 
+import math
+import zipfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,9 +19,19 @@ READABLE = (
     "allowed is an areal height map that SurfaceTopography reads (.al3d, .sur, .x3p, .opd, .plu, .mnt, .sdf "
     "and others), text of points x y z or of a matrix, or a 2-D array in .npy or .npz"
 )
-HDF5 = (".h5", ".hdf5")
+NPY, ZIP = b"\x93NUMPY", b"PK"  # that files of these kinds begin with
+UTF16 = (b"\xff\xfe", b"\xfe\xff")
+BLOCK = 2**20  # bytes of a file that are looked at together
 TEXT = (".xyz", ".txt", ".csv", ".asc", ".dat", ".tsv", ".hfm")
 CUT = "the file's last line has no end: it may have been cut short, and its last value with it"
+#: Formats of SurfaceTopography that are not looked for: maps of the Earth without a header, for which any 2n²
+#: bytes pass, and what is read here.
+NOT_SOUGHT = ("hgt", "npy", "npz")
+#: Its formats of plain text, whose readers take a minute for a few MB of anything else.
+PLAIN = ("asc", "xyz")
+#: Points that a file may declare for each of its bytes: packed zeros give 130.
+POINTS_A_BYTE = 200
+MOST_POINTS = 2**28  # 2 GiB of heights
 HEIGHT_NAMES = ("heights", "height", "z", "surface", "topography")  # of the array in a .npz that has several
 
 
@@ -36,19 +48,47 @@ class Raw:
 
 
 def read_raw(path: Path, *, pixel: tuple[float, float] | None, array: str | None) -> Raw:
-    """Read what a file holds, by its ending: .npy, .npz, text, or an instrument's format.
+    """Read what a file holds: .npy, .npz, text or an instrument's format, by its content.
 
-    pixel: the one given [mm], if any; array: the one to take of a .npz that holds several. Raises InputError,
-    naming ``disc.surface``, for what cannot be read.
+    The ending decides what its content leaves open. pixel: the one given [mm], if any; array: the one to take
+    of a .npz that holds several. Raises InputError, naming ``disc.surface``, for what cannot be read.
     """
     suffix = path.suffix.lower()
-    if suffix == ".npy":
+    try:
+        with path.open("rb") as file:
+            start = file.read(len(NPY))
+    except OSError as error:
+        raise InputError(f"disc.surface '{path}' cannot be read: {error.strerror}") from error
+    if start == NPY or suffix == ".npy":
         return _read_npy(path)
-    if suffix == ".npz":
+    if suffix == ".npz" or (start.startswith(ZIP) and _is_npz(path)):
         return _read_npz(path, array)
-    if suffix in TEXT:
+    is_text = _is_text(path)
+    if is_text and suffix in TEXT:
         return _read_text(path, pixel)
-    return _read_instrument(path, pixel)
+    try:
+        return _read_instrument(path, pixel)
+    except InputError as error:
+        if not is_text and suffix not in TEXT:
+            raise
+        return _read_text(path, pixel, otherwise=error)
+
+
+def _is_text(path: Path) -> bool:
+    """Return whether a file may be text: it has no byte of value 0, or says that it is UTF-16."""
+    with path.open("rb") as file:
+        if file.read(2) in UTF16:
+            return True
+        file.seek(0)
+        return all(b"\0" not in block for block in iter(lambda: file.read(BLOCK), b""))
+
+
+def _is_npz(path: Path) -> bool:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return all(name.endswith(".npy") for name in archive.namelist())
+    except (OSError, zipfile.BadZipFile):
+        return False
 
 
 def refusal(path: Path, what: str) -> InputError:
@@ -93,12 +133,17 @@ def _real(path: Path, array: Any) -> np.ndarray:
     return array
 
 
-def _read_text(path: Path, given: tuple[float, float] | None) -> Raw:
-    """Read points x y z of a grid, or a matrix whose lines follow y."""
+def _read_text(path: Path, given: tuple[float, float] | None, *, otherwise: InputError | None = None) -> Raw:
+    """Read points x y z of a grid, or a matrix whose lines follow y.
+
+    otherwise: what an instrument's reader has refused the file for, if it was asked.
+    """
     try:
         table = read_table(path)
         values = table.numbers()
     except NoTable:  # an instrument's own format by that name
+        if otherwise is not None:
+            raise otherwise
         return _read_instrument(path, given)
     except ValueError as error:
         raise refusal(path, f"cannot be read as text ({error})") from error
@@ -117,7 +162,7 @@ def _read_text(path: Path, given: tuple[float, float] | None) -> Raw:
             return Raw(cloud.heights, "xyz", cloud.pixel, lateral, height, cloud.notes + extra + told)
     if table.header:  # sizes and units as SurfaceTopography understands them
         try:
-            found = _read_instrument(path, given)
+            found = _read_instrument(path, given, plain=True)
         except InputError:
             pass  # a header it does not know, or the package is not here: the numbers are read all the same
         else:
@@ -126,32 +171,54 @@ def _read_text(path: Path, given: tuple[float, float] | None) -> Raw:
     return Raw(values.T, "text", None, lateral, height, told)
 
 
-def _refuse_results(path: Path) -> None:
-    """Refuse a result of warpwear, which holds many fields, none of them a measurement."""
+def _check_hdf5(path: Path) -> None:
+    """Refuse HDF5 that takes values from other files, and a result of warpwear, which is no measurement."""
+    away: list[str] = []
+
+    def look(name: str, item: Any) -> None:
+        link = isinstance(item, h5py.ExternalLink)
+        if link or (isinstance(item, h5py.Dataset) and (item.is_virtual or item.external)):
+            away.append(name)
+
     try:
         with h5py.File(path, "r") as file:
             is_result = "snapshots" in file and "study" in file.attrs
-    except OSError:
-        return  # no HDF5 after all: the reader says so
+            file.visititems_links(look)
+            file.visititems(look)
+    except Exception as error:  # the library raises whatever a damaged file leads to
+        raise refusal(path, f"cannot be read as HDF5 ({_first_line(error)})") from error
+    if away:
+        raise InputError(f"disc.surface '{path}' takes '{away[0]}' from another file, which is not followed")
     if is_result:
         raise refusal(path, "is a result of warpwear; 'warpwear export' writes its worn surfaces")
 
 
-def _read_instrument(path: Path, given: tuple[float, float] | None) -> Raw:
-    """Read the channel of heights that SurfaceTopography takes; given: pixel [mm] where the file has none."""
+def _open_topography(path: Path, *, plain: bool) -> Any:
+    """Open a file with the first reader of SurfaceTopography that knows it. plain: also with those of text."""
+    io = lazy.load("SurfaceTopography").IO  # 2 s, so only when needed
+    with path.open("rb") as file:
+        start = file.read(io.MAGIC_BUFFER_SIZE)
+    known: Exception | None = None
+    for reader in io.readers:
+        fit, name = reader.can_read(start), reader.format()
+        if fit is io.MagicMatch.NO or name in NOT_SOUGHT or (name in PLAIN and not plain):
+            continue
+        try:
+            return reader(str(path))
+        except Exception as error:  # the reader is foreign: whatever it raises, another may do
+            known = error if fit is io.MagicMatch.YES else known
+    raise known or ValueError("no reader knows the format")
+
+
+def _read_instrument(path: Path, given: tuple[float, float] | None, *, plain: bool = False) -> Raw:
+    """Read the channel of heights that SurfaceTopography takes.
+
+    given: pixel [mm] where the file has none; plain: whether its readers of text are asked too.
+    """
+    if h5py.is_hdf5(path):
+        _check_hdf5(path)
     try:
-        open_topography = lazy.load("SurfaceTopography").open_topography  # 2 s, so only when needed
-    except ImportError as error:
-        raise InputError(
-            f"disc.surface '{path}' needs SurfaceTopography, which is not installed: allowed without it is "
-            '.npy, or run pip install "warpwear[io]"'
-        ) from error
-    if path.suffix.lower() in HDF5:
-        _refuse_results(path)
-    try:
-        with open_topography(str(path)) as reader:
-            if reader.format() == "hgt":  # a headerless map of the Earth: any 2n² bytes pass for one
-                raise ValueError("no reader knows the format")
+        with _open_topography(path, plain=plain) as reader:
             channels = [c for c in reader.channels if getattr(c, "is_height_channel", True)]
             if not channels:
                 raise ValueError("no channel of heights")
@@ -159,6 +226,9 @@ def _read_instrument(path: Path, given: tuple[float, float] | None) -> Raw:
             channel = next((c for c in channels if c.index == default.index), channels[0])
             if channel.dim != 2:
                 return Raw(heights=np.zeros(channel.nb_grid_pts or 1), format=str(reader.format()))
+            points, room = math.prod(channel.nb_grid_pts), path.stat().st_size
+            if points > min(MOST_POINTS, BLOCK + POINTS_A_BYTE * room):
+                raise ValueError(f"{points} points in {room} bytes, which is more than can be there")
             sizes = None
             if channel.physical_sizes is None:
                 # Only to get at the heights: the pixel used is the study's, or there is an error
@@ -171,13 +241,16 @@ def _read_instrument(path: Path, given: tuple[float, float] | None) -> Raw:
             unit = topography.unit if isinstance(topography.unit, str) else None
             pixel = tuple(float(p) for p in topography.pixel_size) if sizes is None else None
             return Raw(heights, str(reader.format()), pixel, lateral_unit=unit, height_unit=unit)
+    except ImportError as error:
+        raise InputError(
+            f"disc.surface '{path}' needs SurfaceTopography, which is not installed: allowed without it is "
+            '.npy, or run pip install "warpwear[io]"'
+        ) from error
     except Exception as error:  # the reader is foreign: whatever it raises is a bad file
         raise refusal(path, f"cannot be read as a surface ({_first_line(error)})") from error
 
 
 def _first_line(error: Exception) -> str:
     """Return the beginning of what a foreign reader says, to stand in brackets."""
-    if type(error).__name__ == "CannotDetectFileFormat":  # its text is what every reader had to say
-        return "no reader knows the format"
     text = str(error).strip() or type(error).__name__
     return text.splitlines()[0].strip().rstrip(".:")[:120]

@@ -1,4 +1,6 @@
-"""Levelling, filling and filtering of measured heights."""
+"""Levelling and filtering of measured heights."""
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -9,7 +11,7 @@ from warpwear.surfaces.base import BoolArray, blocks_of_rows
 
 fft = lazy.module("scipy.fft")
 
-SWEEPS = 8  # of the relaxation at each scale; more changes a filled height by less than its neighbours differ
+ROWS = 64  # of a block: the terms of a polynomial at every point at once would be many fields
 
 
 def without_polynomial(heights: FloatArray, *, degree: int, where: BoolArray | None = None) -> FloatArray:
@@ -45,42 +47,6 @@ def without_polynomial(heights: FloatArray, *, degree: int, where: BoolArray | N
     return levelled
 
 
-def filled(heights: FloatArray) -> FloatArray:
-    """Return heights [mm], shape (nx, ny), with missing points (NaN) filled; valid ones are untouched.
-
-    It goes from coarse to fine: block means of 2 × 2 valid points are filled first in the same way, their
-    values start the missing points, then a few sweeps pull every missing point to the mean of its four
-    neighbours (a discrete harmonic surface: smooth, no higher or lower than the rim). That takes a few passes
-    whatever the holes.
-    """
-    missing = np.isnan(heights)
-    if not missing.any():
-        return heights
-    fine = heights.copy()
-    fine[missing] = _from_coarse(heights, missing)[missing]
-    for _ in range(SWEEPS):
-        fine[missing] = _neighbour_mean(fine)[missing]
-    return fine
-
-
-def _from_coarse(heights: FloatArray, missing: BoolArray) -> FloatArray:
-    """Return the filled means of blocks of 2 × 2 points, repeated over each block: shape (nx, ny)."""
-    nx, ny = heights.shape
-    pad = ((0, nx % 2), (0, ny % 2))
-    weight = np.pad((~missing).astype(np.float64), pad)
-    value = np.pad(np.where(missing, 0.0, heights), pad)
-    quads = (weight.shape[0] // 2, 2, weight.shape[1] // 2, 2)
-    count, total = weight.reshape(quads).sum(axis=(1, 3)), value.reshape(quads).sum(axis=(1, 3))
-    coarse = np.divide(total, count, out=np.full(count.shape, np.nan), where=count > 0)
-    return np.repeat(np.repeat(filled(coarse), 2, axis=0), 2, axis=1)[:nx, :ny]
-
-
-def _neighbour_mean(field: FloatArray) -> FloatArray:
-    """Return the mean of each point's four neighbours; at the rim the point itself stands for what lacks."""
-    framed = np.pad(field, 1, mode="edge")
-    return 0.25 * (framed[2:, 1:-1] + framed[:-2, 1:-1] + framed[1:-1, 2:] + framed[1:-1, :-2])
-
-
 def low_pass(
     field: FloatArray, *, axis: int, pixel: float, cut_off: float, edge: str = "reflect"
 ) -> FloatArray:
@@ -107,11 +73,27 @@ def low_pass(
 
 
 def areal_low_pass(field: FloatArray, *, pixel: tuple[float, float], cut_off: float) -> FloatArray:
-    """Return complete heights [mm], shape (nx, ny), after an areal Gaussian low-pass; pixel, cut-off [mm].
+    """Return heights [mm], shape (nx, ny), after an areal Gaussian low-pass; pixel, cut-off [mm].
 
     The filter is that of ISO 16610-61, isotropic as the product of the filters along both axes. Beyond its
     edges the field is mirrored, so that no height is lost there; within half a cut-off of them the result
-    knows only one side.
+    knows only one side. Missing points (NaN) have no weight and stay missing.
     """
-    along = low_pass(field, axis=0, pixel=pixel[0], cut_off=cut_off)
-    return low_pass(along, axis=1, pixel=pixel[1], cut_off=cut_off)
+
+    def smoothed(whole: FloatArray) -> FloatArray:
+        along = low_pass(whole, axis=0, pixel=pixel[0], cut_off=cut_off)
+        return low_pass(along, axis=1, pixel=pixel[1], cut_off=cut_off)
+
+    return over_measured(field, smoothed)
+
+
+def over_measured(field: FloatArray, smoothed: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """Return a field, shape (nx, ny), smoothed by weights of which missing points (NaN) have none.
+
+    smoothed: sums a complete field by the weights. Missing points stay missing.
+    """
+    missing = np.isnan(field)
+    if not missing.any():
+        return smoothed(field)
+    total, weight = smoothed(np.where(missing, 0.0, field)), smoothed((~missing).astype(np.float64))
+    return np.divide(total, weight, out=np.full(field.shape, np.nan), where=~missing)

@@ -9,7 +9,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import blocks_of_rows, spacing
+from warpwear.surfaces.base import BoolArray, IntArray, blocks_of_rows, spacing
 from warpwear.surfaces.levelling import low_pass
 from warpwear.surfaces.preparation import Preparation, prepare
 from warpwear.surfaces.reading import Reading, read
@@ -24,7 +24,7 @@ EXTENSIONS = ("refuse", "mirror", "periodic")
 CUT_OFF_CELLS = 2.0  # cut-off wavelength of the filter against aliasing: the shortest wave cells can carry
 SLACK = 1e-9  # relative, for lengths that should be equal
 SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: more is worth a notice
-MUCH_MISSING = 5.0  # percent of the points
+MUCH_MISSING = 2.0  # percent of the points
 MANY_OUTLIERS = 0.5  # percent of the points
 COARSE = 0.05  # mm: pixel and Sq both above it look like micrometres called millimetres
 
@@ -36,13 +36,14 @@ class Measured:
     The middle of the measurement is the middle of the contact. A pixel stands for its whole square, so the
     measurement is (nx·px, ny·py) wide. `extend` says what is beyond: "refuse" (an error), "mirror" (reflected
     at the outer edge, without seams) or "periodic" (repeated, with a seam unless the measurement has none).
-    `details` is what `record` says beside the roughness. Raises InputError, naming ``disc.extend``, for
-    another word.
+    `filled` are the points that were not measured, shape (nx, ny), None without any. `details` is what
+    `record` says beside the roughness. Raises InputError, naming ``disc.extend``, for another word.
     """
 
     levelled: FloatArray
     pixel: tuple[float, float]
     extend: str = "refuse"
+    filled: BoolArray | None = None
     details: dict[str, Any]
 
     def __post_init__(self) -> None:
@@ -52,6 +53,19 @@ class Measured:
     def size(self) -> tuple[float, float]:
         """Return the width of the measurement [mm] along axis 0 and axis 1."""
         return self.levelled.shape[0] * self.pixel[0], self.levelled.shape[1] * self.pixel[1]
+
+    @property
+    def measured(self) -> FloatArray:
+        """Return the heights [mm] that were measured, shape (nx, ny), NaN elsewhere."""
+        return self.levelled if self.filled is None else np.where(self.filled, np.nan, self.levelled)
+
+    def filled_at(self, x: FloatArray, y: FloatArray) -> BoolArray | None:
+        """Return whether the pixel at each point of x × y [mm] was filled, shape (x.size, y.size); None: no."""
+        if self.filled is None:
+            return None
+        edge = "grid-wrap" if self.extend == "periodic" else "reflect"
+        triples = zip((x, y), self.levelled.shape, self.pixel, strict=True)
+        return np.asarray(self.filled[np.ix_(*(_nearest(p, n, d, edge=edge) for p, n, d in triples))])
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return heights [mm] at the points x × y [mm], shape (x.size, y.size), by cubic splines.
@@ -104,11 +118,13 @@ class Measured:
             told += along
         else:
             told += [f"along x: {text}" for text in along] + [f"along y: {text}" for text in across]
-        return told + self._doubts(max(*cells, *self.pixel))
+        filled_here = self.filled_at(x, y)
+        here = 0.0 if filled_here is None else 100.0 * float(filled_here.mean())
+        return told + self._doubts(max(*cells, *self.pixel), filled_percent=here)
 
     def record(self) -> dict[str, Any]:
-        """Return file, format, grid, pixel, what was done, and the roughness of the levelled measurement."""
-        found = roughness(self.levelled, pixel=self.pixel)
+        """Return file, format, grid, pixel, what was done, and the roughness of the measured points."""
+        found = roughness(self.measured, pixel=self.pixel)
         return {
             "kind": "measured",
             **self.details,
@@ -117,15 +133,19 @@ class Measured:
             **{name: found[name] for name in ("ssk", "sku", "rms_slope")},
         }
 
-    def _doubts(self, cell: float) -> list[str]:
-        """Say what is uncertain about the measurement itself, sampled at points one cell [mm] apart."""
+    def _doubts(self, cell: float, *, filled_percent: float) -> list[str]:
+        """Say what is uncertain about the measurement itself, sampled at points one cell [mm] apart.
+
+        filled_percent: of those points.
+        """
         told = []
-        filled = self.details.get("filled_percent", 0.0)
-        if filled > MUCH_MISSING:
+        filled = 0.0 if self.filled is None else 100.0 * float(self.filled.mean())
+        if max(filled, filled_percent) >= MUCH_MISSING:
             told.append(
-                f"{filled:.3g} % of the measurement is missing and was filled: it is too smooth there"
+                f"{filled:.3g} % of the measurement is missing and was filled in, as are {filled_percent:.3g} % "
+                "of the points used: the surface there is not known, so a contact there means nothing"
             )
-        sq = float(np.std(self.levelled))
+        sq = float(np.nanstd(self.measured))
         if min(self.pixel) > COARSE and sq > COARSE:
             told.append(
                 f"pixel {_pair((1e3 * self.pixel[0], 1e3 * self.pixel[1]))} µm and Sq {1e3 * sq:.3g} µm are "
@@ -140,7 +160,10 @@ class Measured:
             )
         shortest = max(2.0 * cell, self.details.get("s_filter_um", 0.0) * 1e-3)
         fine, coarse = slope_against_cut_off(
-            self.levelled, pixel=self.pixel, cut_offs=np.array([shortest, 2.0 * shortest])
+            self.levelled,
+            pixel=self.pixel,
+            cut_offs=np.array([shortest, 2.0 * shortest]),
+            measured=None if self.filled is None else ~self.filled,
         )
         if fine - coarse > SLOPE_CHANGE * fine:
             told.append(
@@ -187,12 +210,17 @@ def read_measured(
         "filled_percent": 100.0 * (prepared.missing + prepared.removed) / size,
         "operations": list(prepared.operations),
         "overrides": list(reading.overrides),
-        "sq_valid_points_um": prepared.sq_valid * 1e3,
     }
     if preparation.s_filter is not None:
         details["s_filter_um"] = preparation.s_filter * 1e3
     prepared.heights.flags.writeable = False
-    return Measured(levelled=prepared.heights, pixel=prepared.pixel, extend=extend, details=details)
+    return Measured(
+        levelled=prepared.heights,
+        pixel=prepared.pixel,
+        extend=extend,
+        filled=prepared.filled,
+        details=details,
+    )
 
 
 def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
@@ -257,14 +285,22 @@ def _spline_rows(points: FloatArray, *, count: int, pixel: float, edge: str) -> 
     weights = np.stack(
         [(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, 3 * (1 - t) ** 3 - 6 * (1 - t) ** 2 + 4, t**3], axis=1
     )
-    columns = first.astype(np.int64)[:, None] + np.arange(-1, 3)
-    if edge == "grid-wrap":
-        columns %= count
-    else:
-        columns %= 2 * count
-        columns = np.minimum(columns, 2 * count - 1 - columns)
+    columns = _folded(first.astype(np.int64)[:, None] + np.arange(-1, 3), count, edge=edge)
     starts = np.arange(0, columns.size + 1, 4)
     return sparse.csr_array((weights.ravel() / 6.0, columns.ravel(), starts), shape=(points.size, count))
+
+
+def _nearest(points: FloatArray, count: int, pixel: float, *, edge: str) -> IntArray:
+    """Return the pixel at each of the points [mm] along an axis, shape (points.size,)."""
+    return _folded(np.rint(points / pixel + 0.5 * (count - 1)).astype(np.int64), count, edge=edge)
+
+
+def _folded(places: IntArray, count: int, *, edge: str) -> IntArray:
+    """Return places beyond an axis of `count` pixels as those inside that they stand for."""
+    if edge == "grid-wrap":
+        return np.asarray(places % count)
+    places = places % (2 * count)
+    return np.minimum(places, 2 * count - 1 - places)
 
 
 def _um(length: float) -> str:

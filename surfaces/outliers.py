@@ -9,7 +9,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
-from warpwear.surfaces.levelling import filled
+from warpwear.surfaces.filling import filled
 
 ndimage = lazy.module("scipy.ndimage")
 

@@ -9,9 +9,12 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.levelling import areal_low_pass, filled, without_polynomial
+from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.filling import completed
+from warpwear.surfaces.levelling import areal_low_pass, without_polynomial
 from warpwear.surfaces.outliers import outliers
 from warpwear.surfaces.reading import Reading
+from warpwear.surfaces.roughness import FLAT
 from warpwear.surfaces.sphere import NoSphere, fit_sphere, places
 
 HIGHEST_DEGREE = 12  # of a polynomial taken off
@@ -33,9 +36,9 @@ class Preparation:
     outliers: how many robust standard deviations from the local median make a point count as missing, at
         least 3; None keeps all (see `outliers.outliers`).
     level: form removed by least squares: "none" (the mean only), "plane", a degree from 0 to 12, "sphere".
-        Missing points are then filled from their rim, coarse to fine (see `levelling.filled`).
     s_filter, l_filter: cut-offs [mm] of the areal Gaussian filters of ISO 16610-61 that take off what is
-        shorter (S) and longer (L), 50 % transmission at the cut-off, mirrored at the edges.
+        shorter (S) and longer (L), 50 % transmission at the cut-off, mirrored at the edges. Missing points
+        have no weight in them, and are filled last (see `filling.completed`).
 
     Raises InputError, naming the field of ``disc``, for what is not allowed.
     """
@@ -67,11 +70,11 @@ class Prepared:
     """A prepared measurement is complete, over its mean, and says what was done to it."""
 
     heights: FloatArray  # [mm], shape (nx, ny), axis 0 along sliding
+    filled: BoolArray | None  # points that were missing or removed, shape (nx, ny); None without any
     pixel: tuple[float, float]  # along both axes [mm]
     operations: tuple[str, ...]  # what was done, one sentence each, in order
     missing: int  # number of points that the file lacks
     removed: int  # number of points that were outliers
-    sq_valid: float  # Sq [mm] of the measured points after levelling, before the filters
 
 
 def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepared:
@@ -115,20 +118,25 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
     done.append(told)
     sq = float(np.sqrt(np.nanmean(np.square(heights))))
     _check_plausible(heights, pixel, sq, name=name, unit=reading.unit)
-    if missing + removed:
-        heights = filled(heights)
-        done.append(
-            f"{missing + removed} missing points ({100 * share:.3g} %) filled from their rim (harmonic, "
-            "coarse to fine)"
-        )
     heights, told_filters = _filtered(heights, pixel, preparation)
+    done += told_filters
+    absent = np.isnan(heights)
+    if float(np.nanstd(heights)) < FLAT:
+        heights = np.where(absent, np.nan, 0.0)
+        done.append("flat: what is left is rounding, less than 1 pm, and was set to 0")
+    if missing + removed:
+        heights = completed(heights, pixel=pixel)
+        done.append(
+            f"{missing + removed} missing points ({100 * share:.3g} %) filled: holes from their rim, what lies "
+            "beyond the measured region with its mean plane"
+        )
     return Prepared(
         heights=heights,
+        filled=absent if missing + removed else None,
         pixel=pixel,
-        operations=(*done, *told_filters),
+        operations=tuple(done),
         missing=missing,
         removed=removed,
-        sq_valid=sq,
     )
 
 
@@ -224,7 +232,7 @@ def _filtered(
         told.append(_filter_told("S", "shorter", short))
     if long is not None:
         heights = heights - areal_low_pass(heights, pixel=pixel, cut_off=long)
-        heights -= heights.mean()
+        heights -= np.nanmean(heights)
         told.append(_filter_told("L", "longer", long))
     return heights, told
 

@@ -58,16 +58,17 @@ def read(
     ``disc.pixel`` or ``disc.height_unit``, for whatever is no areal measurement or cannot be.
     """
     path = Path(path)
-    if not path.exists():
-        raise refusal(path, "does not exist")
-    if not path.is_file():
-        raise refusal(path, "is not a file")
     try:
-        size = path.stat().st_size
-    except OSError as error:
-        raise refusal(path, f"cannot be read ({error.strerror})") from error
-    if size == 0:
-        raise refusal(path, "is empty")
+        size, is_file = path.stat().st_size, path.is_file()  # a pipe would be waited for without end
+    except (OSError, ValueError) as error:
+        why = (
+            "does not exist"
+            if isinstance(error, FileNotFoundError)
+            else f"cannot be read: {getattr(error, 'strerror', None) or error}"
+        )
+        raise InputError(f"disc.surface '{path}' {why}") from error
+    if size == 0 or not is_file:
+        raise InputError(f"disc.surface '{path}' {'is empty' if is_file else 'is not a file'}")
     given = None if pixel is None else _given_pixel(pixel)
     if height_unit is not None and _millimetres(height_unit) is None:
         raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {UNITS}")
@@ -82,9 +83,11 @@ def read(
     heights = np.ma.filled(raw.heights.astype(np.float64), np.nan) * factor
     heights[~np.isfinite(heights)] = np.nan
     if np.isnan(heights).all():
-        raise refusal(path, "has no valid point, all are missing")
+        raise InputError(f"disc.surface '{path}' has no valid point, all are missing")
     if float(np.nanmax(np.abs(heights))) > FARTHEST:
-        raise refusal(path, f"has heights beyond {FARTHEST:g} mm (unit {unit}), which is no topography")
+        raise InputError(
+            f"disc.surface '{path}' has heights beyond {FARTHEST:g} mm (unit {unit}), which is no topography"
+        )
     return Reading(
         heights=heights,
         pixel=used,

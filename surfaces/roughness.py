@@ -1,25 +1,31 @@
-"""Roughness: height parameters, slopes, the bearing area curve, and Ra of filtered profiles."""
+"""Roughness: height parameters, slopes, the bearing area curve, and Ra of filtered profiles.
+
+All are of measured points alone: heights may be NaN where a point is missing.
+"""
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.levelling import low_pass
+from warpwear.surfaces.levelling import low_pass, over_measured
 
 SECANT = 0.4  # of the material ratio, ISO 13565-2
 STARTS = 2001  # of secants tried; the flattest is broad
 #: λc [mm] of ISO 3274, largest first, and the λs [mm] that belongs to each.
 CUT_OFFS = {8.0: 0.025, 2.5: 0.008, 0.8: 0.0025, 0.25: 0.0025, 0.08: 0.0025}
 SAMPLING_LENGTHS = 5  # usual; fewer are told, and without a single one λc is reduced
+LEAST_OF_A_PROFILE = 0.5  # of its points that must be measured
+FLAT = 1e-9  # mm: 1 pm, a hundredth of an atom; what is lower is rounding
 
 
 def roughness(heights: FloatArray, *, pixel: tuple[float, float]) -> dict[str, float]:
     """Return the height parameters of ISO 25178-2 about the mean height, and the rms slope.
 
-    heights [mm], shape (nx, ny), complete (no NaN), already levelled; pixel (px, py) [mm]. Keys: those of
+    heights [mm], shape (nx, ny), NaN where missing, already levelled; pixel (px, py) [mm]. Keys: those of
     `height_parameters` and ``rms_slope`` [-].
     """
     return height_parameters(heights) | {"rms_slope": rms_slope(heights, pixel=pixel)}
@@ -28,9 +34,10 @@ def roughness(heights: FloatArray, *, pixel: tuple[float, float]) -> dict[str, f
 def height_parameters(heights: FloatArray) -> dict[str, float]:
     """Return the height parameters of ISO 25178-2 about the mean height.
 
-    heights [mm], any shape, complete, levelled. Keys: ``sa``, ``sq``, ``sz`` (highest minus lowest) [mm];
-    ``ssk``, ``sku`` (skewness and kurtosis, 0 and 3 for Gaussian heights; both 0 for a flat).
+    heights [mm], any shape, NaN where missing, levelled. Keys: ``sa``, ``sq``, ``sz`` (highest minus lowest)
+    [mm]; ``ssk``, ``sku`` (skewness and kurtosis, 0 and 3 for Gaussian heights; both 0 for a flat).
     """
+    heights = _there(heights)
     centred = heights - heights.mean()
     power = np.square(centred)
     variance = float(power.mean())
@@ -47,8 +54,8 @@ def height_parameters(heights: FloatArray) -> dict[str, float]:
 def rms_slope(heights: FloatArray, *, pixel: tuple[float, float]) -> float:
     """Return the root mean square gradient [-] by forward differences: Sdq of ISO 25178-2.
 
-    heights [mm], shape (nx, ny), complete; pixel (px, py) [mm]. A difference over a pixel is blind to waves
-    near two pixels, so the value grows with finer pixels until the shortest waves of the surface are
+    heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm]. A difference over a pixel is blind to
+    waves near two pixels, so the value grows with finer pixels until the shortest waves of the surface are
     resolved.
     """
     along, across = (_mean_square_slope(heights, pixel=pixel, axis=axis) for axis in (0, 1))
@@ -61,10 +68,15 @@ def slope_along(heights: FloatArray, *, pixel: tuple[float, float], axis: int) -
 
 
 def _mean_square_slope(heights: FloatArray, *, pixel: tuple[float, float], axis: int) -> float:
-    """Return the mean square slope [-] along one axis, 0 along an axis of one point."""
-    if heights.shape[axis] < 2:
-        return 0.0
-    return float(np.mean(np.square(np.diff(heights, axis=axis)))) / pixel[axis] ** 2
+    """Return the mean square slope [-] along one axis, 0 where no two neighbours are there."""
+    squares = _there(np.square(np.diff(heights, axis=axis)))
+    return float(squares.mean()) / pixel[axis] ** 2 if squares.size else 0.0
+
+
+def _there(values: FloatArray) -> FloatArray:
+    """Return the values that are there: as they are, or, where some are NaN, the others, shape (n,)."""
+    missing = np.isnan(values)
+    return values[~missing] if missing.any() else values
 
 
 @dataclass(frozen=True)
@@ -83,9 +95,10 @@ class Bearing:
 def material_ratio_curve(heights: FloatArray, *, points: int = 501) -> tuple[FloatArray, FloatArray]:
     """Return material ratios [%] from 0 to 100 and the height [mm] that such a part of the area reaches.
 
-    heights [mm], any shape, complete. Both arrays have the shape (points,): highest at 0 %, lowest at 100 %.
+    heights [mm], any shape, NaN where missing. Both arrays have the shape (points,): highest at 0 %, lowest at
+    100 %.
     """
-    falling = np.sort(heights, axis=None)[::-1]
+    falling = np.sort(_there(heights), axis=None)[::-1]
     ratio = np.linspace(0.0, 100.0, points)
     return ratio, np.interp(ratio / 100.0, _ratios(falling.size), falling)
 
@@ -93,13 +106,13 @@ def material_ratio_curve(heights: FloatArray, *, points: int = 501) -> tuple[Flo
 def bearing_parameters(heights: FloatArray) -> Bearing:
     """Return Sk, Spk, Svk, Smr1 and Smr2 of ISO 25178-2 (by the construction of ISO 13565-2).
 
-    heights [mm], any shape, complete, levelled. The equivalent line is that of least squares through the 40 %
-    of the curve whose secant is flattest (the first, should there be several); it cuts the axes 0 and 100 %
-    Sk apart. Spk and Svk are heights of the triangles over Smr1 and 100 % − Smr2 with the areas of the peaks
+    heights [mm], any shape, NaN where missing, levelled. The equivalent line is that of least squares through
+    the 40 % of the curve whose secant is flattest (the first, should there be several); it cuts the axes 0
+    and 100 % Sk apart. Spk and Svk are heights of the triangles over Smr1 and 100 % − Smr2 with the areas of the peaks
     above and valleys below the core. They are meant for S-shaped curves: on a pure sine the flattest 40 % is
     an end.
     """
-    falling = np.sort(heights, axis=None)[::-1]
+    falling = np.sort(_there(heights), axis=None)[::-1]
     count = falling.size
     ratio = _ratios(count)
     start = np.linspace(0.0, 1.0 - SECANT, STARTS)
@@ -136,8 +149,8 @@ def _ratios(count: int) -> FloatArray:
 class ProfileRoughness:
     """Profiles along one axis have a mean Ra, which scatters over them."""
 
-    ra: float  # mean over the profiles [mm]
-    scatter: float  # standard deviation over the profiles [mm]
+    ra: float | None  # mean over the profiles [mm]; None where there is nothing to speak of
+    scatter: float | None  # standard deviation over the profiles [mm]
     profiles: int  # their number
     cut_off: float | None  # λc used [mm], None where not filtered
     short: float | None  # λs used [mm], None where not filtered
@@ -149,14 +162,16 @@ def profile_roughness(
 ) -> ProfileRoughness:
     """Return Ra (ISO 21920-2, formerly ISO 4287) of the profiles along an axis.
 
-    heights [mm], shape (nx, ny), complete, levelled; cut_off and short: λc and λs [mm] of the Gaussian
-    profile filters (ISO 16610-21). Their mirror at the ends is not evaluated: after filtering, λc/2 is
+    heights [mm], shape (nx, ny), NaN where missing, levelled; cut_off and short: λc and λs [mm] of the
+    Gaussian profile filters (ISO 16610-21), in which missing points have no weight. A profile that lacks half
+    of its evaluated points is left out. Their mirror at the ends is not evaluated: after filtering, λc/2 is
     discarded at each end (run-in and run-out, ISO 3274), and Ra is that of the largest whole number of
     sampling lengths λc in what is left, taken from the middle. Where not one is left, that is where profiles
     are shorter than 2 λc, the next λc of ISO 3274 that leaves one is used; where none does, there is no λc
     and whole profiles are evaluated. λs stays the one asked for; only where it is not shorter than a reduced
     λc (or the profile) does the λs that belongs to that λc replace it, and it is left out where a wave of it
-    has fewer than two pixels. notes tell each of these. Raises InputError where short is not below cut_off.
+    has fewer than two pixels. There is no Ra where the filters leave no height of 1 pm. notes tell each of
+    these. Raises InputError where short is not below cut_off.
     """
     if short >= cut_off:
         raise InputError(
@@ -186,16 +201,32 @@ def profile_roughness(
     elif replaced:
         limit = "the profiles" if used is None else "λc"
         notes.append(f"λs reduced from {asked} to {1e3 * short:g} µm: it must be shorter than {limit}")
-    rough = low_pass(heights, axis=axis, pixel=step, cut_off=short) if smooth else heights
+
+    def smoothed(field: FloatArray, wave: float) -> FloatArray:
+        return over_measured(field, partial(low_pass, axis=axis, pixel=step, cut_off=wave))
+
+    rough = smoothed(heights, short) if smooth else heights
     if used is not None:
-        rough = rough - low_pass(rough, axis=axis, pixel=step, cut_off=used)
+        rough = rough - smoothed(rough, used)
         evaluated = min(max(round(whole * used / step), 1), count)
         first = (count - evaluated) // 2
         rough = rough[first : first + evaluated] if axis == 0 else rough[:, first : first + evaluated]
-    values = np.abs(rough - rough.mean(axis=axis, keepdims=True)).mean(axis=axis)
+    rough = rough.T if axis == 0 else rough  # a profile a row
+    there = ~np.isnan(rough)
+    enough = there.mean(axis=1) > LEAST_OF_A_PROFILE
+    if left_out := int(np.count_nonzero(~enough)):
+        notes.append(f"{left_out} profiles left out: half of their points or more are missing")
+    rough, there = rough[enough], there[enough]
+    points = there.sum(axis=1)
+    rest = rough - (np.sum(rough, axis=1, where=there) / points)[:, None]
+    values = np.sum(np.abs(rest), axis=1, where=there) / points
+    if flat := not values.size or values.mean() < FLAT:
+        notes.append(
+            "no Ra: " + ("the filters leave no height of 1 pm" if values.size else "too much is missing")
+        )
     return ProfileRoughness(
-        ra=float(values.mean()),
-        scatter=float(values.std()),
+        ra=None if flat else float(values.mean()),
+        scatter=None if flat else float(spread if (spread := values.std()) >= FLAT else 0.0),
         profiles=values.size,
         cut_off=used,
         short=short if smooth else None,

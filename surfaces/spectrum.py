@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from warpwear import lazy
 from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
 
 fft = lazy.module("scipy.fft")
 
@@ -41,17 +43,21 @@ class RollOff:
     hurst: float | None = None  # exponent at shorter waves; None where unknown
 
 
-def power_spectrum(heights: FloatArray, *, pixel: tuple[float, float]) -> Spectrum:
+def power_spectrum(
+    heights: FloatArray, *, pixel: tuple[float, float], measured: BoolArray | None = None
+) -> Spectrum:
     """Return the power spectrum of complete, levelled heights [mm], shape (nx, ny), over all directions.
 
-    pixel: (px, py) [mm]. It is computed from the Fourier transform under a Hann window, which keeps the jump
+    pixel: (px, py) [mm]. measured: which points are, shape (nx, ny), all by default; filled ones are smooth,
+    and their lack of power is made up for. It is computed from the Fourier transform under a Hann window, which keeps the jump
     between opposite edges out of the spectrum; its loss of power is made up for (Jacobs, Junge and Pastewka
     2017, sections 3 and 4). Up to the Nyquist frequency of the coarser pixel.
     """
     nx, ny = heights.shape
     window = np.multiply.outer(_hann(nx), _hann(ny))
-    window /= math.sqrt(float(np.mean(np.square(window))))
-    waves = fft.rfft2((heights - heights.mean()) * window)
+    there: Any = True if measured is None else measured
+    window /= math.sqrt(float(np.sum(np.square(window), where=there)) / window.size)
+    waves = fft.rfft2((heights - heights.mean(where=there)) * window)
     power = np.square(np.abs(waves))
     power *= pixel[0] * pixel[1] / (nx * ny)
     fx, fy = fft.fftfreq(nx, pixel[0]), fft.rfftfreq(ny, pixel[1])
@@ -79,17 +85,21 @@ def power_spectrum(heights: FloatArray, *, pixel: tuple[float, float]) -> Spectr
 
 
 def slope_against_cut_off(
-    heights: FloatArray, *, pixel: tuple[float, float], cut_offs: FloatArray
+    heights: FloatArray,
+    *,
+    pixel: tuple[float, float],
+    cut_offs: FloatArray,
+    measured: BoolArray | None = None,
 ) -> FloatArray:
     """Return the rms slope [-] after an S-filter with each of the cut-offs [mm], shape (n,); 0 is none.
 
-    heights [mm], shape (nx, ny), complete. The filter is the Gaussian one of ISO 16610-61, mirrored at the
+    heights [mm], shape (nx, ny), complete; measured: as in `power_spectrum`. The filter is the Gaussian one of ISO 16610-61, mirrored at the
     edges; slopes are those of the waves themselves, so that pixels only limit the waves.
     """
     nx, ny = heights.shape
     waves = fft.dctn(heights - heights.mean(), type=2, norm="ortho")
     energy = np.square(waves, out=waves)
-    energy /= nx * ny
+    energy /= nx * ny if measured is None else np.count_nonzero(measured)
     squared = np.add.outer(
         np.square(np.arange(nx) / (2.0 * nx * pixel[0])), np.square(np.arange(ny) / (2.0 * ny * pixel[1]))
     )
@@ -110,18 +120,24 @@ def autocorrelation_length(
 ) -> float | None:
     """Return the shortest distance [mm] in which the autocorrelation falls to `level`: Sal of ISO 25178-2.
 
-    heights [mm], shape (nx, ny), complete, levelled; pixel (px, py) [mm]. It is None when the autocorrelation
-    does not fall to `level` within a quarter of the field. The field is padded with zeros, so that opposite
-    edges do not meet; the loss of overlap is made up for.
+    heights [mm], shape (nx, ny), NaN where missing, levelled; pixel (px, py) [mm]. It is None when the
+    autocorrelation does not fall to `level` within a quarter of the field. The field is padded with zeros, so
+    that opposite edges do not meet; the loss of overlap is made up for, and that of missing points.
     """
     nx, ny = heights.shape
     shape = [fft.next_fast_len(n + n // 4, real=True) for n in (nx, ny)]
-    waves = fft.rfft2(heights - heights.mean(), s=shape)
-    raw = fft.irfft2(np.square(np.abs(waves)), s=shape)
+    there = ~np.isnan(heights)
+    mean = heights.mean(where=there)
+
+    def correlation(field: FloatArray) -> FloatArray:
+        return np.asarray(fft.irfft2(np.square(np.abs(fft.rfft2(field, s=shape))), s=shape))
+
     mx, my = nx // 4, ny // 4
     i, j = np.arange(-mx, mx + 1), np.arange(my + 1)
-    overlap = np.multiply.outer(nx - np.abs(i), ny - j)
-    near = raw[np.ix_(i, j)] / overlap
+    overlap = np.multiply.outer(nx - np.abs(i), ny - j).astype(np.float64)
+    if not there.all():
+        overlap = np.maximum(correlation(there.astype(np.float64))[np.ix_(i, j)], 1.0)
+    near = correlation(np.where(there, heights - mean, 0.0))[np.ix_(i, j)] / overlap
     if near[mx, 0] <= 0.0:
         return None
     below = near < level * near[mx, 0]
@@ -141,6 +157,8 @@ def suggested_roll_off(spectrum: Spectrum, *, correlation: float | None, resolve
     on the flat side and the power law explains the rest; else four autocorrelation lengths are suggested
     (a quarter wave is how far heights of one wavelength stay alike), where that is known.
     """
+    if not spectrum.density.size:
+        return RollOff(wavelength=None, source="a flat, which has no waves")
     kept = spectrum.wavelength > 1.5 * resolved
     # nor does a sharp cut-off of the surface itself belong to the power law
     fall = np.diff(np.log(spectrum.density)) / np.diff(-np.log(spectrum.wavelength))

@@ -6,12 +6,14 @@ blanks between the fields of every row, a decimal point or comma, empty fields a
 """
 
 import csv
+import errno
 import re
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import compress
 from pathlib import Path
+from stat import S_ISREG
 
 import numpy as np
 import numpy.typing as npt
@@ -131,6 +133,8 @@ def split(line: str, separator: str | None) -> list[str]:
 
 
 def _lines(path: Path) -> list[str]:
+    if not S_ISREG(path.stat().st_mode):  # a pipe would be waited for without end
+        raise OSError(errno.EINVAL, "it is not a file")
     raw = path.read_bytes()
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         text = raw.decode("utf-16", errors="replace")

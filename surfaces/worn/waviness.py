@@ -25,7 +25,9 @@ special = lazy.module("scipy.special")
 BANDS = 1.5  # per octave
 SPREAD = 0.3  # width of a band over its wave number, so that neighbours overlap
 LONGEST = 4.0  # wavelengths, in extents of the field: levelling leaves nothing of longer ones
-TIE = math.log(8.0)  # standard deviation of log power between octaves: a density falls by 8 at Hurst exponent 1
+TIE = math.log(
+    8.0
+)  # standard deviation of log power between octaves: a density falls by 8 at Hurst exponent 1
 LOOSE = 100.0  # standard deviation of the log power of all bands together, which is not known beforehand
 LINE = 3.0  # standard deviation of the log power of a regular wave: it may be missing
 WAVES = 4.0  # in the field, at least, of a regular wave; fewer may be chance

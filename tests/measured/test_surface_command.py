@@ -109,14 +109,17 @@ def test_a_worn_ball(here: Path) -> None:
     ("arguments", "message"),
     [
         ([], "FILE is missing"),
-        (["none.sur"], "disc.surface 'none.sur' does not exist"),
-        (["../files/rough.npy"], "disc.height_unit is not given"),
-        (["../files/rough.npy", *GIVEN, "--level", "cubic"], "disc.level = 'cubic' is not allowed"),
+        (["none.sur"], "the file 'none.sur' does not exist."),
+        (
+            ["../files/rough.npy"],
+            "--height-unit is not given and the file '../files/rough.npy' names no unit",
+        ),
+        (["../files/rough.npy", *GIVEN, "--level", "cubic"], "--level = 'cubic' is not allowed"),
         (["../files/rough.npy", *GIVEN, "--outliers", "many"], "--outliers is 'many'"),
-        (["../files/rough.npy", *GIVEN, "--outliers", "1"], "disc.outliers = 1.0: must be at least 3"),
-        (["../files/rough.npy", *GIVEN, "--crop", "1 mm, 2 mm, 3 mm"], "disc.crop = "),
-        (["../files/rough.npy", *GIVEN, "--crop", "5 mm"], "disc.crop is (5, 5) mm"),
-        (["../files/rough.npy", *GIVEN, "--s-filter", "8"], "disc.s_filter = '8': needs its unit"),
+        (["../files/rough.npy", *GIVEN, "--outliers", "1"], "--outliers = 1.0: must be at least 3"),
+        (["../files/rough.npy", *GIVEN, "--crop", "1 mm, 2 mm, 3 mm"], "--crop = "),
+        (["../files/rough.npy", *GIVEN, "--crop", "5 mm"], "--crop is (5, 5) mm"),
+        (["../files/rough.npy", *GIVEN, "--s-filter", "8"], "--s-filter = '8': needs its unit"),
         (
             ["../files/rough.npy", *GIVEN, "--lambda-c", "-1 mm"],
             "--lambda-c = '-1 mm': must be greater than 0",
@@ -137,6 +140,7 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(here: Path, arguments: lis
     assert isinstance(done.exception, InputError), done.output
     assert message in str(done.exception)
     assert "\n" not in str(done.exception)
+    assert "disc." not in str(done.exception), "a key of a study, which this command does not have"
     assert list(here.iterdir()) == []
 
 
@@ -146,5 +150,5 @@ def test_from_the_shell(here: Path) -> None:
         run, cwd=here, capture_output=True, text=True, check=False, env={"PYTHONPATH": str(ROOT), "PATH": ""}
     )
     assert done.returncode == 2
-    assert done.stderr.startswith("warpwear: disc.height_unit is not given")
+    assert done.stderr.startswith("warpwear: --height-unit is not given")
     assert done.stderr.count("\n") == 1

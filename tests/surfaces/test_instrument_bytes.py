@@ -1,14 +1,21 @@
-"""Files of instruments that cannot be had freely, built here byte by byte: Wyko's .opd, Sensofar's .plu."""
+"""Files of instruments that cannot be had freely, built here byte by byte: Wyko's .opd, Sensofar's .plu, Zygo's
+.dat. Which way is up in them, and in the maps, beside the instrument's own picture.
+"""
 
 import struct
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 
+from warpwear.measured.surface_figure import _map_of_heights
+from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.reading import read
 
 pytest.importorskip("SurfaceTopography")
+
+REAL = Path(__file__).resolve().parents[3] / "shared" / "surfaces"
 
 #: Heights along x and y [µm], without a symmetry that would hide a wrong axis; one point is missing.
 HEIGHTS = np.round(np.random.default_rng(4).normal(size=(5, 7)), 2)
@@ -68,3 +75,78 @@ def test_plu(tmp_path: Path) -> None:
     np.testing.assert_allclose(reading.heights, 1e-3 * HEIGHTS, rtol=1e-6)
     assert reading.pixel == pytest.approx((0.002, 0.003))
     assert not reading.unit_given
+
+
+def metropro(path: Path, heights: np.ndarray) -> None:
+    """A header of 834 bytes, then lines along x of counts, the missing among them; heights [m], shape (nx, ny)."""
+    header = bytearray(834)
+    fields = {0: (">4s", b"\x88\x1b\x03\x6f"), 4: (">H", 1), 6: (">I", 834), 80: (">82s", b"a disc")}
+    fields |= {68: (">H", heights.shape[0]), 70: (">H", heights.shape[1]), 72: (">I", 4 * heights.size)}
+    # interferometer's factor, wavelength [m], obliquity, distance of the points [m], whose heights are in 32768.
+    fields |= {164: (">f", 0.5), 168: (">f", 600e-9), 176: (">f", 1.0), 184: (">f", 2e-6), 218: (">h", 1)}
+    for at, (form, value) in fields.items():
+        struct.pack_into(form, header, at, value)
+    counts = np.where(np.isnan(heights), 2147483640, heights * 32768 / 300e-9).T.round().astype(">i4")
+    path.write_bytes(bytes(header) + counts.tobytes())
+
+
+@pytest.mark.parametrize("missing", [0, 34, 60])
+@pytest.mark.parametrize("name", ["disc.dat", "disc.xyz", "disc.txt", "DISC", "disc.sur"])
+def test_metropro_is_known_by_its_content(tmp_path: Path, missing: int, name: str) -> None:
+    """Much of it may look like text with zeros: letters, and bytes 0x7f 0xff for what is missing."""
+    rough = np.random.default_rng(4).normal(size=(70, 90)) * 1e-7
+    rough[:, :missing] = np.nan
+    metropro(tmp_path / name, rough)
+    reading = read(tmp_path / name)
+    assert reading.format == "metropro"
+    assert reading.pixel == pytest.approx((0.002, 0.002))
+    np.testing.assert_allclose(reading.heights, 1e3 * rough, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["disc.sur", "disc.txt", "DISC", "disc.h5"])
+def test_arrays_and_text_are_known_by_their_content(tmp_path: Path, name: str) -> None:
+    given = {"pixel": 1e-3, "height_unit": "um"}
+    whole = np.arange(90.0).reshape(9, 10)
+    path = tmp_path / name
+    for save in (np.save, np.savez, np.savetxt):
+        with path.open("wb") as file:
+            save(file, whole.T if save is np.savetxt else whole)
+        np.testing.assert_allclose(read(path, **given).heights, 1e-3 * whole)
+
+
+def test_a_map_is_the_instruments_picture_mirrored_top_to_bottom(tmp_path: Path) -> None:
+    """Pictures begin with their first line at the top; a map has y = 0 below, as every map of a run has."""
+    rough = np.random.default_rng(4).normal(size=(70, 90)) * 1e-7
+    metropro(tmp_path / "disc.dat", rough)
+    heights = read(tmp_path / "disc.dat").heights
+    np.testing.assert_allclose(heights[:, 0], 1e3 * rough[:, 0], atol=1e-8)  # the file's first line: lowest y
+    axes = mpl.figure.Figure().add_subplot()
+    _map_of_heights(axes, heights, (0.14, 0.18), None)
+    (image,) = axes.images
+    assert image.origin == "lower"
+    assert axes.get_xlim()[0] < axes.get_xlim()[1]
+    assert axes.get_ylim()[0] < axes.get_ylim()[1]
+    np.testing.assert_array_equal(image.get_array()[0], 1e3 * heights[:, 0])  # its lowest row
+
+
+def test_the_first_line_of_a_real_file_is_that_of_its_picture() -> None:
+    """A file of Alicona holds the instrument's own picture, whose light follows the slopes of the surface."""
+    path = REAL / "al3d-1.al3d"
+    if not path.is_file():
+        pytest.skip("the measured files are not here")
+    content = path.read_bytes()
+    tags = {
+        content[at : at + 20].rstrip(b"\0"): content[at + 20 : at + 50] for at in range(17, 17 + 19 * 52, 52)
+    }
+    start, nx, ny = (int(tags[name].split(b"\0")[0]) for name in (b"TextureImageOffset", b"Cols", b"Rows"))
+    picture = (
+        np.frombuffer(content, np.uint8, count=3 * nx * ny, offset=start).reshape(3, ny, nx).mean(axis=0)
+    )
+    picture = without_polynomial(picture, degree=8)
+    heights = read(path).heights.T  # a line a y, as the picture
+    for axis in (0, 1):
+        slopes = without_polynomial(np.gradient(heights, axis=axis), degree=8).ravel()
+        turned = (picture, picture[::-1], picture[:, ::-1], picture[::-1, ::-1])
+        alike, *others = (abs(np.corrcoef(slopes, one.ravel())[0, 1]) for one in turned)
+        assert alike > 0.2
+        assert alike > 3.0 * max(others)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from warpwear.surfaces.levelling import filled, without_polynomial
+from warpwear.surfaces.filling import filled
+from warpwear.surfaces.levelling import without_polynomial
 
 
 @pytest.fixture

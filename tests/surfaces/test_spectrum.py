@@ -183,7 +183,15 @@ def test_a_short_profile_reduces_the_cut_off_and_says_so():
     assert (tiny.cut_off, tiny.short) == (None, 0.008)
     assert tiny.notes == ("no λc: profiles of 0.1 mm are too short for any of ISO 3274",)
     one = ra(np.zeros((1, 3)), 0.5)  # a profile of one pixel
-    assert (one.ra, one.cut_off) == (0.0, 0.25)
+    assert (one.ra, one.scatter, one.cut_off) == (None, None, 0.25)
+
+
+def test_what_the_filters_leave_of_nothing_is_no_ra():
+    micrometre = 1e-3 * sine(0.01, 1000, 0.001, math.pi / 2)  # whole waves, which a mirror continues
+    found = ra(micrometre, 0.001, short=0.05)  # passes 2^-25 of it, 2e-8 µm
+    assert (found.ra, found.scatter) == (None, None)
+    assert found.notes[-1] == "no Ra: the filters leave no height of 1 pm"
+    assert ra(micrometre, 0.001, short=0.03).ra == pytest.approx(1e-3 * left(0.01, 0.25, 0.03), rel=0.1)
 
 
 def test_the_short_cut_off_stays_the_one_asked_for():

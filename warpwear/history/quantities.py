@@ -90,7 +90,11 @@ QUANTITIES: tuple[Quantity, ...] = (
     ),
     *_per(
         "step",
-        ("parts", "1", "contacts that the step was solved in, over a part of its cells each; it holds their means"),
+        (
+            "parts",
+            "1",
+            "contacts that the step was solved in, over a part of its cells each; it holds their means",
+        ),
         ("area_error", "1", "estimated relative error of the contact area by the length of these parts"),
         only="half-space track",
     ),

@@ -1,10 +1,12 @@
 """The fields of one moment of a run."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
 
 
 @dataclass(frozen=True, repr=False)
@@ -22,6 +24,9 @@ class Snapshot:
     gap: FloatArray  # [mm], after the step's wear
     plastic_disc: FloatArray | None = None  # [mm], displaced for good, of a swept disc that keeps its dents
     row: int | None = None  # of the track, under the sphere's first row
+    load_on_filled: float | None = (
+        None  # share of the load, see `share_on`; None of a disc without such points
+    )
 
     @property
     def fields(self) -> dict[str, FloatArray]:
@@ -32,13 +37,27 @@ class Snapshot:
         nx, ny = self.pressure.shape
         return f"<Snapshot at {self.distance:g} mm, {nx} × {ny} cells: {', '.join(self.fields)}>"
 
+    def share_on(self, filled: BoolArray) -> float:
+        """Share of the load on points that were not measured: shape of the disc's field, (nx, ny) or (rows, ny).
+
+        At rest it is that of the step. Of a swept run it is the mean over its way so far, by the wear of the
+        disc, or, where that does not wear, that of the step.
+        """
+        carried, here = self.pressure, filled
+        if self.row is not None and self.wear_disc.any():
+            carried = self.wear_disc
+        elif self.row is not None:
+            here = self._under(filled)
+        return float(np.sum(carried, where=here) / np.sum(carried))
+
     @property
     def wear_beneath(self) -> FloatArray:
         """Wear of the disc under the sphere's domain [mm], shape (nx, ny)."""
-        return self.wear_disc if self.row is None else self._under(self.wear_disc)
+        found: FloatArray = self.wear_disc if self.row is None else self._under(self.wear_disc)
+        return found
 
     @property
-    def touched(self) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
+    def touched(self) -> BoolArray:
         """Cells ever touched, shape (nx, ny): of a swept run those of the sphere, or of the disc beneath a
         sphere that does not wear."""
         touched = (self.wear_sphere > 0.0) | (self.pressure > 0.0)
@@ -51,9 +70,9 @@ class Snapshot:
         """What is gone of the disc under the sphere's domain [mm]: worn, or displaced for good."""
         if self.plastic_disc is None:
             return self.wear_beneath
-        return self.wear_beneath + self._under(self.plastic_disc)
+        return np.asarray(self.wear_beneath + self._under(self.plastic_disc))
 
-    def _under(self, field: FloatArray) -> FloatArray:
+    def _under(self, field: Any) -> Any:
         assert self.row is not None
         rows = np.arange(self.row, self.row + self.pressure.shape[0]) % field.shape[0]
         return np.asarray(field[rows])

@@ -1,5 +1,6 @@
 """The command `warpwear surface`: from its options to the text it prints and the figure it writes."""
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,6 +26,8 @@ from warpwear.surfaces.worn.track import Track, find_track
 FORMATS = (".png", ".pdf", ".svg")
 #: Keys of [disc] that may hold several values, separated by commas.
 LISTS = ("pixel", "crop")
+#: Names of keys that sentences about [disc] name.
+KEYS = re.compile(rf"\bdisc\.({'|'.join(Disc.model_fields)})\b")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,8 +83,8 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
     if figure is not None:
         save(found.draw(), figure)
     if options.as_json:
-        return to_json(record(found.rows))
-    return "\n".join([*found.text, f"written to {figure}"])
+        return _with_options(to_json(record(found.rows)))
+    return "\n".join([_with_options("\n".join(found.text)), f"written to {figure}"])
 
 
 def _roughness(surface: Measured, options: SurfaceOptions) -> Outcome:
@@ -101,7 +104,9 @@ def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
     file = surface.record()
     rows = [Row("", "surface", file), Row("", "track", track_rows(track, length=length))]
     then = f"polynomial of degree {degree} through the surface beside the track taken off"
-    return Outcome(rows, [*file_lines(file, then), *lines(rows)], lambda: track_figure(track))
+    return Outcome(
+        rows, [*file_lines(file, then), *lines(rows)], lambda: track_figure(track, filled=surface.filled)
+    )
 
 
 def track_in(surface: Measured, *, level: str | None, width: float | None) -> tuple[Track, int]:
@@ -126,7 +131,11 @@ def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
         Row("", "ball", ball_rows(ball)),
         Row("by two diagonals", "by_two_diagonals", cap_rows(flat), note=", were the patch flat"),
     ]
-    return Outcome(rows, [*file_lines(file), *lines(rows)], lambda: ball_figure(ball, size=surface.size))
+    return Outcome(
+        rows,
+        [*file_lines(file), *lines(rows)],
+        lambda: ball_figure(ball, size=surface.size, filled=surface.filled),
+    )
 
 
 def _by_diagonals(diagonals: tuple[str, str], radius: str | None, *, as_json: bool) -> str:
@@ -156,12 +165,20 @@ def read_surface(file: Path, preparation: Mapping[str, str | None]) -> Measured:
                 f"--outliers is {given['outliers']!r}: allowed is a number of robust standard deviations, "
                 "such as 6"
             ) from None
+    surface: Any
     try:
-        disc = Disc(surface=str(file), **given)
+        surface = surface_of(Disc(surface=str(file), **given))
     except ValidationError as error:
-        raise InputError(f"disc.{sentence(error, Disc)}") from error
-    surface: Any = surface_of(disc)
+        raise InputError(_with_options(f"disc.{sentence(error, Disc)}")) from error
+    except InputError as error:
+        raise InputError(_with_options(str(error))) from error
     return surface
+
+
+def _with_options(text: str) -> str:
+    """Say in a text about [disc] what its keys are called here: --height-unit for disc.height_unit."""
+    text = text.replace("disc.surface '", "the file '")
+    return KEYS.sub(lambda found: f"--{found[1].replace('_', '-')}", text)
 
 
 def _level(text: str) -> str | int:

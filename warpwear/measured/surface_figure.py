@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from warpwear.figures.style import DEPTHS, DISC, HEIGHTS, NEUTRAL, SPHERE, new_figure, style
 from warpwear.grid import FloatArray
 from warpwear.measured.surface_report import SurfaceReport
+from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.roughness import material_ratio_curve
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.ball import WornBall
@@ -36,8 +37,8 @@ def surface_figure(report: SurfaceReport) -> Figure:
     """Draw a measured surface: map, bearing area curve, power spectrum, rms slope against cut-off."""
 
     def draw(panels: Any) -> None:
-        heights, size = report.surface.levelled, report.surface.size
-        _map_of_heights(panels[0], heights, size)
+        surface = report.surface
+        _map_of_heights(panels[0], surface.levelled, surface.size, surface.filled)
         _bearing(panels[1], report)
         spectrum = report.spectrum
         if spectrum.density.size:
@@ -58,13 +59,16 @@ def surface_figure(report: SurfaceReport) -> Figure:
     return new_figure(draw, rows=4, height=ROW)
 
 
-def track_figure(track: Track) -> Figure:
-    """Draw a worn track: map over the reference, mean profile across, section lost along the track."""
+def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
+    """Draw a worn track: map over the reference, mean profile across, section lost along the track.
+
+    filled: points that were not measured, shape (nx, ny).
+    """
 
     def draw(panels: Any) -> None:
         nx, ny = track.levelled.shape
         size = (track.length, float(track.y[-1] - track.y[0]) * ny / max(ny - 1, 1))
-        _map_of_heights(panels[0], track.levelled, size)
+        _map_of_heights(panels[0], track.levelled, size, filled)
         for edge in track.edges:
             panels[0].axhline(edge, color="white", lw=1.6)
             panels[0].axhline(edge, color="black", lw=0.8, ls="--")
@@ -89,12 +93,16 @@ def track_figure(track: Track) -> Figure:
     return new_figure(draw, rows=3, height=ROW)
 
 
-def ball_figure(ball: WornBall, *, size: tuple[float, float]) -> Figure:
-    """Draw the depth below the unworn sphere: a map, profiles through the patch. size: of the field [mm]."""
+def ball_figure(ball: WornBall, *, size: Pair, filled: BoolArray | None = None) -> Figure:
+    """Draw the depth below the unworn sphere: a map, profiles through the patch.
+
+    size: of the field [mm]; filled: points that were not measured, shape (nx, ny).
+    """
 
     def draw(panels: Any) -> None:
         span = (0.0, 1e3 * ball.depth)
         _map(panels[0], 1e3 * ball.lost, size, label="depth worn, µm", colours=DEPTHS, span=span)
+        _hatch(panels[0], filled, size)
         nx, ny = ball.lost.shape
         x, y = places((nx, ny), (size[0] / nx, size[1] / ny))
         rows, columns = np.nonzero(ball.patch)
@@ -114,16 +122,30 @@ def _legend(axes: Axes) -> None:
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, borderaxespad=0.2)
 
 
-def _map_of_heights(axes: Axes, heights: FloatArray, size: Pair) -> None:
+def _map_of_heights(axes: Axes, heights: FloatArray, size: Pair, filled: BoolArray | None) -> None:
     """Draw heights [mm] over a field of a size [mm]; a few spikes and pits do not set the colours."""
-    low, high = 1e3 * np.quantile(heights, [0.002, 0.998])
+    low, high = 1e3 * np.quantile(heights if filled is None else heights[~filled], [0.002, 0.998])
     _map(axes, 1e3 * heights, size, label="height, µm", colours=HEIGHTS, span=(low, high))
+    _hatch(axes, filled, size)
+
+
+def _hatch(axes: Axes, filled: BoolArray | None, size: Pair) -> None:
+    """Hatch the points of a field of a size [mm] that were not measured, each pixel of the map with any."""
+    if filled is None:
+        return
+    for axis, count in enumerate(filled.shape):
+        filled = np.logical_or.reduceat(filled, np.arange(0, count, _step(count)), axis=axis)
+    edged = np.pad(filled, 1, mode="edge").astype(np.float64)  # or what lies at the rim would be cut in half
+    x, y = places(edged.shape, (size[0] / filled.shape[0], size[1] / filled.shape[1]))
+    axes.contourf(x, y, edged.T, levels=[0.5, 1.5], colors=["0.8"], alpha=0.6, hatches=["//////"])
+    axes.set(xlim=(-size[0] / 2, size[0] / 2), ylim=(-size[1] / 2, size[1] / 2))
+    axes.set_title("hatched: not measured, filled in", loc="left", fontsize=7)
 
 
 def _map(axes: Axes, values: FloatArray, size: Pair, *, label: str, colours: Any, span: Pair) -> None:
     """Draw values over a field of a size [mm], with colours that span a range of them."""
     low, high = span
-    step = [max(1, -(-n // PIXELS)) for n in values.shape]
+    step = [_step(n) for n in values.shape]
     image = axes.imshow(
         values[:: step[0], :: step[1]].T,
         origin="lower",
@@ -141,9 +163,14 @@ def _map(axes: Axes, values: FloatArray, size: Pair, *, label: str, colours: Any
     axes.yaxis.set_major_locator(MaxNLocator(4))
 
 
+def _step(count: int) -> int:
+    """Return how many of `count` points along an axis come to a pixel of a map."""
+    return max(1, -(-count // PIXELS))
+
+
 def _bearing(axes: Axes, report: SurfaceReport) -> None:
     b = report.bearing
-    ratio, reached = material_ratio_curve(report.surface.levelled)
+    ratio, reached = material_ratio_curve(report.surface.measured)
     height, line = 1e3 * reached, [1e3 * b.top, 1e3 * b.bottom]
     axes.plot(ratio, height, color=DISC, label="surface")
     axes.plot([0, 100], line, color=NEUTRAL, ls="--", lw=0.9, label="equivalent line")

@@ -35,6 +35,8 @@ LAMBDA_S = 0.008
 LAY = 0.7
 #: Number of shortest waves after which the rms slope is found.
 CUT_OFFS = 25
+#: What is said of the roughness of a surface without any.
+FLAT = "none: the surface is flat"
 #: Every sixth of them is shown to people.
 SHOWN_CUT_OFF = 6
 #: Key in a measured surface's own record -> name for people.
@@ -69,17 +71,18 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
 
     Raises InputError where short is not below cut_off, before anything long is computed.
     """
-    heights, pixel = surface.levelled, surface.pixel
+    whole, heights, pixel = surface.levelled, surface.measured, surface.pixel
+    there = None if surface.filled is None else ~surface.filled
     filters = {"cut_off": cut_off, "short": short}
     profiles = [profile_roughness(heights, pixel=pixel, axis=axis, **filters) for axis in (0, 1)]
     bearing = bearing_parameters(heights)
-    spectrum = power_spectrum(heights, pixel=pixel)
+    spectrum = power_spectrum(whole, pixel=pixel, measured=there)
     correlation = autocorrelation_length(heights, pixel=pixel)
     own = surface.record()
     resolved = max(2.0 * max(pixel), own.get("s_filter_um", 0.0) * 1e-3)
     roll_off = suggested_roll_off(spectrum, correlation=correlation, resolved=resolved)
     cut_offs = np.geomspace(2.0 * max(pixel), max(0.25 * min(surface.size), 4.0 * max(pixel)), CUT_OFFS)
-    slopes = slope_against_cut_off(heights, pixel=pixel, cut_offs=cut_offs)
+    slopes = slope_against_cut_off(whole, pixel=pixel, cut_offs=cut_offs, measured=there)
     lay = _lay(*(slope_along(heights, pixel=pixel, axis=axis) for axis in (0, 1)))
     few = list(zip(slopes, 1e3 * cut_offs, strict=True))[::SHOWN_CUT_OFF]
     bearing_rows = [
@@ -94,12 +97,17 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("from:", "from", roll_off.source),
         Row("Hurst exponent", "hurst", roll_off.hurst, digits=2),
     ]
+    rough = own["sz_um"] > 0.0
     ra_rows = [row for axis, found in zip("xy", profiles, strict=True) for row in _ra(axis, found, lay)]
     by_cut_off = {"cut_off_um": (1e3 * cut_offs).tolist(), "rms_slope": slopes.tolist()}
     by_wave = {"wavelength_um": 1e3 * spectrum.wavelength, "density_um4": 1e12 * spectrum.density}
     rows = [
         *(Row("", key, value) for key, value in own.items()),
-        Row("roughness", "", [Row(label, key, own[key]) for key, label in ROUGHNESS.items()]),
+        Row(
+            "roughness",
+            "",
+            [Row(label, key, own[key]) for key, label in ROUGHNESS.items()] if rough else FLAT,
+        ),
         Row("", "grid", list(heights.shape)),
         Row("", "pixel_um", [1e3 * p for p in pixel]),
         Row("", "extent_mm", list(surface.size)),
@@ -209,14 +217,17 @@ def cap_rows(cap: Cap) -> list[Row]:
 def _ra(axis: str, found: ProfileRoughness, lay: str) -> list[Row]:
     """Declare Ra of the profiles along an axis, and how they were filtered."""
     way = "" if lay == "none" else "along the lay" if lay == axis else "across the lay"
+    mean, profiles, c, s = ("mean", "profiles", "λc", "λs") if found.ra is not None else [""] * 4
     rows = [
-        Row("mean", "ra_um", 1e3 * found.ra, error=("scatter_um", 1e3 * found.scatter), note=way),
-        Row("profiles", "profiles", found.profiles),
-        Row("λc", "lambda_c_mm", found.cut_off),
-        Row("λs", "lambda_s_um", _um(found.short)),
+        Row(mean, "ra_um", _um(found.ra), error=("scatter_um", _um(found.scatter)), note=way),
+        Row(profiles, "profiles", found.profiles),
+        Row(c, "lambda_c_mm", found.cut_off),
+        Row(s, "lambda_s_um", _um(found.short)),
         Row("", "notes", list(found.notes)),
     ]
-    return [Row(f"Ra along {axis}", axis, rows), Row("  filtered", "", list(found.notes))]
+    label, none = f"Ra along {axis}", "no Ra" if found.ra is None else None
+    of_axis = Row(label if none is None else "", axis, rows)
+    return [of_axis, Row(label, "", none), Row("  filtered", "", list(found.notes))]
 
 
 def _spread(areas: FloatArray) -> Row:

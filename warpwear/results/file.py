@@ -225,6 +225,13 @@ class ResultFile:
         with self._reading() as file:
             return np.array([group.attrs["distance"] for group in file["snapshots"].values()])
 
+    @cached_property
+    def load_on_filled(self) -> FloatArray:
+        """Share of the load on points that the disc's file lacks, a snapshot each; empty where it lacks none."""
+        with self._reading() as file:
+            found = [group.attrs.get("load_on_filled") for group in file["snapshots"].values()]
+            return np.array([share for share in found if share is not None], dtype=np.float64)
+
     @property
     def snapshots(self) -> Snapshots:
         """All snapshots, as a sequence that reads one when it is asked for it; the last is the end."""
@@ -238,7 +245,8 @@ class ResultFile:
             row = int(group.attrs["row"]) if "row" in group.attrs else None
             fields = {name: group[name][()] for name in FIELDS if name in group}
             check_fields(fields)
-            return Snapshot(float(group.attrs["distance"]), row=row, **fields)
+            on_filled = float(group.attrs["load_on_filled"]) if "load_on_filled" in group.attrs else None
+            return Snapshot(float(group.attrs["distance"]), row=row, load_on_filled=on_filled, **fields)
 
     def at(self, distance: str | float) -> Snapshot:
         """The snapshot kept at a sliding distance: text with its unit, such as "30 mm", or a number [mm].

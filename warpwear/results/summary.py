@@ -94,9 +94,18 @@ def summarise(result: ResultFile) -> dict[str, Any]:
         },
         "disc_volume_over_KFL": end["wear_volume_disc"] / asked if asked else None,
         **({"track": _track(result)} if study.is_swept else {}),
+        **_on_filled(result.load_on_filled),
         **result.record,
         "assumptions": render.assumptions(study),
     }
+
+
+def _on_filled(shares: FloatArray) -> dict[str, Any]:
+    """Shares of the load on points that were not measured, (snapshots,); nothing where there are none."""
+    found = (
+        {"end": 100.0 * float(shares[-1]), "largest": 100.0 * float(shares.max())} if shares.size else None
+    )
+    return {"load_on_filled_percent": found} if found else {}
 
 
 def _track(result: ResultFile) -> dict[str, Any]:

@@ -20,11 +20,14 @@ def _contact(s: dict[str, Any]) -> list[Row]:
     of_pass, of_steps = ("(mean of the last pass), ", ", of the last pass") if "track" in s else (", ", "")
     nominal = f"{of_pass}{s['area_real_over_nominal']:.3g} of the nominal area (the scar as an ellipse)"
     areas = s["area_mm2"]
+    filled = s.get("load_on_filled_percent")
+    on_filled = filled and {"at the end": filled["end"], "at most": filled["largest"]}
     pressures = {"mean": s["pressure_MPa"]["mean"], "largest": s["pressure_MPa"]["max"]}
     names = {"at hardness": "plastic", "ever touched": "touched", "running sum": "cumulative"}
     return [
         Row("scar", "scar_mm", list(s["scar_mm"].values()), note="(along × across)"),
         Row("area in contact", "area_mm2", areas["contact"], note=nominal),
+        Row("on filled points", "load_on_filled_percent", on_filled, digits=2, note="of the load"),
         Row("other areas", "area_mm2", {name: areas[key] for name, key in names.items()}),
         Row("pressure", "pressure_MPa", pressures, note=of_steps),
         Row("deepest wear", "depth_um", s["depth_um"]),

@@ -57,6 +57,8 @@ class ResultWriter:
         group.attrs["distance"] = snapshot.distance
         if snapshot.row is not None:
             group.attrs["row"] = snapshot.row
+        if snapshot.load_on_filled is not None:
+            group.attrs["load_on_filled"] = snapshot.load_on_filled
         for name, values in snapshot.fields.items():
             chunks = tuple(min(CHUNK, n) for n in values.shape)
             _add(group, FIELDS[name], values, chunks=chunks, compression_opts=1)

@@ -12,12 +12,15 @@ from typing import Any
 import numpy as np
 
 from warpwear.contact.balance import TOLERANCE
+from warpwear.history.snapshot import Snapshot
 from warpwear.study.study import Study
 
 #: Part of a worn volume that may be off what Archard's law asks for; rounding leaves 1e-12 of it.
 CONSERVATION = 1.0e-10
 #: Mean depth over the cells ever touched that rounding of their gaps may add or take [mm].
 ROUNDING = 1.0e-15
+#: Share of the load that may rest on points of the disc that were not measured.
+ON_FILLED = 0.05
 #: Columns that may be no number: without a speed, and before the shear strength is calibrated.
 OPEN = frozenset(("time", "cof"))
 BODIES = (
@@ -76,6 +79,18 @@ class Invariants:
                 yield self._not_conserved(row, worn, row[asked])
         if (touches_edge or touches_rim) and self._study.sphere.curvature > 0.0:
             yield self._outside(row, rim=touches_rim)
+
+    def of_filled(self, snapshot: Snapshot, row: Mapping[str, float]) -> Iterator[Violation]:
+        """A contact that rests on points of the disc which were not measured, but filled in."""
+        share = snapshot.load_on_filled or 0.0
+        if share > ON_FILLED:
+            yield Violation(
+                "filled",
+                f"{100.0 * share:.3g} % of the load {_where(row)} rests on points that disc.surface lacks and that "
+                f"were filled in, where {100.0 * ON_FILLED:g} % is allowed",
+                "a part of the measurement with fewer missing points is needed (disc.crop)",
+                sound=True,
+            )
 
     def of_fields(self, fields: Mapping[str, Any], row: Mapping[str, float]) -> Iterator[Violation]:
         """Fields with values that are no finite numbers: a cell without a gap would carry no load, unseen.

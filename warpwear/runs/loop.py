@@ -4,6 +4,7 @@ import logging
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -87,7 +88,8 @@ class StepLoop:
             if found is not None:
                 found.refuse_changes(study, device=self._device)
             made = model_of(study, surface, executor, kept=found.heights_for if found else np.asarray)
-            self._model, self._surface_record, self._book = made.model, made.record, made.book
+            self._model, self._surface_record = made.model, made.record
+            self._book, self._filled = made.book, made.filled
             self._surface_sum = checksum(made.heights)
             self._heights = None if study.is_swept else made.heights
             if study.is_swept and writer is not None:
@@ -177,16 +179,26 @@ class StepLoop:
         with_fields: whether every step can be asked for its fields, not only those that are kept.
         """
         speed, left = self.study.sliding.mean_speed, plan[len(self._rows) :]
-        steps = self._model.steps((increment, keep or with_fields) for increment, _, keep in left)
-        for (_, distance, keep), step in zip(left, steps, strict=True):
+        begin = len(self._rows) + 1
+        looks = [
+            keep or (self._filled is not None and n & (n - 1) == 0)
+            for n, (*_, keep) in enumerate(left, begin)
+        ]
+        plan_of_fields = zip((increment for increment, *_ in left), looks, strict=True)
+        steps = self._model.steps((increment, look or with_fields) for increment, look in plan_of_fields)
+        for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
             row = step.row | {"distance": distance}
             stop = self._check(
                 self._invariants.of_row(row, touches_edge=step.touches_edge, touches_rim=step.touches_rim)
             )
-            snapshot = self._model.snapshot(step, distance) if keep and self._writer is not None else None
-            if snapshot is not None and self._writer is not None:
+            writer = self._writer if keep else None
+            snapshot = self._model.snapshot(step, distance) if writer or (look and not keep) else None
+            if snapshot is not None and self._filled is not None:
+                snapshot = replace(snapshot, load_on_filled=snapshot.share_on(self._filled))
+                stop = stop or self._check(self._invariants.of_filled(snapshot, row))
+            if snapshot is not None and writer is not None:
                 self._check(self._invariants.of_fields(vars(snapshot), row))
-                self._writer.add_snapshot(snapshot)
+                writer.add_snapshot(snapshot)
             row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             self._progress.step(row)

@@ -23,7 +23,8 @@ from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.model import DISC_FIELDS, SweptModel
 from warpwear.study.study import Study
 from warpwear.study.surface import bearing_curve_of
-from warpwear.surfaces.base import Surface
+from warpwear.surfaces.base import BoolArray, Surface
+from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.roughness import roughness
 
 #: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
@@ -42,6 +43,7 @@ class PreparedModel:
     heights: FloatArray  # of the unworn disc [mm], shape (nx, ny), or of the track, (rows, ny)
     record: dict[str, Any]  # of the surface, for the result
     book: PatchBook | None = None  # of the patches that the model has
+    filled: BoolArray | None = None  # what was not measured of the disc, as its heights; None: all was
 
 
 def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
@@ -78,25 +80,27 @@ def model_of(
     kept: gives the heights that a run began with for those that are made now.
     """
     grid = study.cells
+    x = study.track.x if study.is_swept else grid.x
+    heights = kept(_heights_of(study, surface, study.track) if study.is_swept else surface.heights(x, grid.y))
+    filled = surface.filled_at(x, grid.y) if isinstance(surface, Measured) else None
+    filled = None if filled is None or not filled.any() else filled
+    seen = slice(MOST_ROWS if study.is_swept else None)
+    measured = heights[seen] if filled is None else np.where(filled[seen], np.nan, heights[seen])
+    record = surface.record() | {"on_the_grid": _roughness_on(grid, measured)}
     if study.is_swept:
-        track = study.track
-        heights = kept(_heights_of(study, surface, track))
-        record = surface.record() | {"on_the_grid": _roughness_on(grid, heights[:MOST_ROWS])}
-        swept = SweptModel(study.contact_task, track, heights, executor)
-        return PreparedModel(swept, heights, record)
-    heights = kept(surface.heights(grid.x, grid.y))
-    record = surface.record() | {"on_the_grid": _roughness_on(grid, heights)}
+        swept = SweptModel(study.contact_task, study.track, heights, executor)
+        return PreparedModel(swept, heights, record, filled=filled)
     if study.study.model == "two-scale":
         patches = study.patch_layout
         refuse_unsuitable(study, patches, heights)
         make = HalfSpacePatches if study.contact.law == "half-space" else TwoScaleModel
         of_patches = make(study.contact_task, patches, heights, executor)
-        return PreparedModel(of_patches, heights, record, book=of_patches.book)
+        return PreparedModel(of_patches, heights, record, book=of_patches.book, filled=filled)
     curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
     if curve is not None:
         record["bearing_curve"] = asdict(curve)
     model = model_at_rest(study.contact_task, heights, executor, bearing_curve=curve)
-    return PreparedModel(model, heights, record)
+    return PreparedModel(model, heights, record, filled=filled)
 
 
 def model_at_rest(
@@ -183,7 +187,7 @@ def _check_memory_of_book(study: Study, patches: Patches, device: str) -> None:
 
 
 def _roughness_on(grid: Grid, heights: FloatArray) -> dict[str, float]:
-    """What the cells see of the surface: after filling, filtering, mirroring and sampling."""
+    """What the cells see of the surface: after filtering, mirroring and sampling, NaN where not measured."""
     found = roughness(heights, pixel=(grid.cell, grid.cell))
     lengths = {f"{key}_um": 1.0e3 * found.pop(key) for key in ("sa", "sq", "sz")}
     return lengths | found
