@@ -12,6 +12,9 @@ from types import MappingProxyType
 
 from warpwear.study.units import parse
 
+#: Most letters of a name that a message repeats.
+LONGEST_NAME = 80
+
 
 @dataclass(frozen=True)
 class Material:
@@ -40,9 +43,9 @@ def material(name: str) -> Material:
     found = aliases.get(key, aliases.get(_STANDARDS.sub("", key)))
     if found is not None:
         return entries[found]
-    near = get_close_matches(key, aliases, n=1, cutoff=0.6)
+    near = get_close_matches(key[:LONGEST_NAME], aliases, n=1, cutoff=0.6)
     hint = f" (did you mean '{entries[aliases[near[0]]].name}'?)" if near else ""
-    raise ValueError(f"no material '{name}' is known{hint}; allowed: {', '.join(names())}")
+    raise ValueError(f"no material '{name[:LONGEST_NAME]}' is known{hint}; allowed: {', '.join(names())}")
 
 
 #: Who numbered a grade: "EN 1.4301" is "1.4301".
