@@ -10,10 +10,8 @@ from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
 
+from warpwear.study.keys import LONGEST_NAME
 from warpwear.study.units import parse
-
-#: Most letters of a name that a message repeats.
-LONGEST_NAME = 80
 
 
 @dataclass(frozen=True)
