@@ -112,18 +112,24 @@ class Section(BaseModel):
         return {name: value for name, value in vars(section).items() if name in type(section).model_fields}
 
 
+#: Most letters of a name that a message repeats.
+LONGEST_NAME = 80
+
+
 def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
     """Return the sentence about a name that no key has, with one so called elsewhere or a near one beside.
 
     now: the name under the section's new name, where it was typed under an old one.
     """
     section, _, last = (now or name).rpartition(".")
+    last = last[:LONGEST_NAME]
     parts = {key: key.rpartition(".") for key in declarations(model)}
     siblings = {end: key for key, (above, _, end) in parts.items() if above == section}
     near = [key for key, (_, _, end) in parts.items() if end == last]
     near += [siblings[end] for end in get_close_matches(last, siblings, n=1)]
     hint = f"did you mean '{near[0]}'?" if near else f"allowed are {', '.join(siblings.values())}."
-    return f"'{name if len(name) <= 80 else f'{name[:80]}…'}' is no key of a study; {hint}"
+    shown = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
+    return f"'{shown}' is no key of a study; {hint}"
 
 
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:

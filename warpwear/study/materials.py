@@ -10,6 +10,7 @@ from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
 
+from warpwear.study.keys import LONGEST_NAME
 from warpwear.study.units import parse
 
 
@@ -40,9 +41,9 @@ def material(name: str) -> Material:
     found = aliases.get(key, aliases.get(_STANDARDS.sub("", key)))
     if found is not None:
         return entries[found]
-    near = get_close_matches(key, aliases, n=1, cutoff=0.6)
+    near = get_close_matches(key[:LONGEST_NAME], aliases, n=1, cutoff=0.6)
     hint = f" (did you mean '{entries[aliases[near[0]]].name}'?)" if near else ""
-    raise ValueError(f"no material '{name}' is known{hint}; allowed: {', '.join(names())}")
+    raise ValueError(f"no material '{name[:LONGEST_NAME]}' is known{hint}; allowed: {', '.join(names())}")
 
 
 #: Who numbered a grade: "EN 1.4301" is "1.4301".
