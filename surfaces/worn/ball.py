@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -12,8 +11,10 @@ from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
+from warpwear.surfaces.worn.waviness import waviness
 
 ndimage = lazy.module("scipy.ndimage")
+special = lazy.module("scipy.special")
 
 THRESHOLD = 4.0  # robust standard deviations of the unworn surface by which the worn patch lies below
 FIRST_RING = 0.5  # of the field's half width: the unworn part is looked for outside of it first
@@ -27,6 +28,8 @@ RINGS = 40  # around the patch, looked at for its edge; each is 3 % of its mean 
 RING_WIDTH = 0.03  # of the patch's mean radius
 RIM = 0.15  # of the patch's mean radius: the width beside it that is neither worn nor fitted
 BLOCKS = 8  # along each side of the field, whose means tell how far roughness averages out
+CELLS = 14  # along each side of the field, about, at which the error of a volume looks at the unworn surface
+LEAST_CELL = 0.5  # of a cell that must be unworn
 LEAST_BLOCK = 0.25  # of a block that must be unworn
 TOO_LITTLE = "too little of the ball is unworn to fit a sphere to it: a wider measurement is needed"
 NOT_TOLD = (
@@ -52,7 +55,7 @@ class WornBall:
     lost: FloatArray  # depth below it [mm], shape (nx, ny)
     patch: BoolArray  # the worn points, shape (nx, ny)
     volume: float  # sum of `lost` over the patch, roughness averaged out [mm³]
-    volume_error: float  # its standard error: of roughness in the patch and under the sphere's fit [mm³]
+    volume_error: float  # its standard error: of roughness and waviness in the patch and under the fit [mm³]
     piled_up: float  # net volume above the sphere beside the patch [mm³]; roughness may make it negative
     piled_up_error: float  # its standard error [mm³]
     depth: float  # largest [mm]
@@ -149,15 +152,15 @@ def _find(
         if same:
             break
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
-    fit: dict[str, Any] = {"pixel": pixel, "density": density, "fitted": radius is None}
+    errors = _errors((patch, rim), lost, unworn, pixel=pixel, fitted=radius is None)
     return WornBall(
         sphere=sphere,
         lost=lost,
         patch=patch,
         volume=float(lost[patch].sum()) * area,
-        volume_error=_error(patch, unworn, **fit),
+        volume_error=errors[0],
         piled_up=-float(lost[rim].sum()) * area,
-        piled_up_error=_error(rim, unworn, **fit),
+        piled_up_error=errors[1],
         depth=float(lost[patch].max()),
         along=float(rows[-1] - rows[0] + 1) * pixel[0],
         across=float(columns[-1] - columns[0] + 1) * pixel[1],
@@ -217,20 +220,43 @@ def _density(lost: FloatArray, unworn: BoolArray, *, area: float, terms: int) ->
     return float(np.sum(np.square(total[used]) / count[used])) * area / freedom
 
 
-def _error(
-    part: BoolArray, unworn: BoolArray, *, pixel: tuple[float, float], density: float, fitted: bool
-) -> float:
-    """Return the standard error of a volume [mm³] over a part of the field.
+def _errors(
+    parts: tuple[BoolArray, BoolArray],
+    lost: FloatArray,
+    unworn: BoolArray,
+    *,
+    pixel: tuple[float, float],
+    fitted: bool,
+) -> list[float]:
+    """Return the standard errors of volumes [mm³] over parts of the field, shape (nx, ny).
 
-    It is that of its roughness and of the sphere's fit. The fit is taken as one of 1, x, y and, where the
-    radius is `fitted`, x² + y².
+    They are what fit and sum would find on unworn surface, as it lies beside the patch. The fit is taken as one
+    of 1, x, y and, where the radius is `fitted`, x² + y²; the surface as alike in all directions.
     """
-    x, y = places(part.shape, pixel)
+    x, y = places((lost.shape[0], lost.shape[1]), pixel)
     scale = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0
     px, py = np.meshgrid(x / scale, y / scale, indexing="ij")
-    terms = [np.ones_like(px), px, py, *([px**2 + py**2] if fitted else [])]
-    design = np.stack([term[unworn] for term in terms])
+    terms = np.stack([np.ones_like(px), px, py, *([px**2 + py**2] if fitted else [])])
+    spacing = math.sqrt(float(np.ptp(x) * np.ptp(y))) / CELLS
+    row, column = (((p - p[0] + 0.5 * d) // spacing).astype(np.int64) for p, d in zip((x, y), pixel, strict=True))
+    cell = np.add.outer(row * (column[-1] + 1), column).ravel()
+
+    def by_cell(values: FloatArray) -> FloatArray:
+        return np.bincount(cell, weights=values.ravel())
+
+    size, known = by_cell(np.ones(lost.shape)), by_cell(unworn)
+    heights = by_cell(np.where(unworn, lost, 0.0)) / np.maximum(known, 1.0)
+    middles = np.stack([by_cell(p) / size * scale for p in (px, py)], axis=1)
+    found = waviness(
+        heights,
+        distances=np.hypot(*(np.subtract.outer(p, p) for p in middles.T)),
+        unworn=known >= LEAST_CELL * size,
+        terms=np.stack([by_cell(term) / size for term in terms], axis=1),
+        spacing=spacing,
+        wave=special.j0,
+    )
     area = pixel[0] * pixel[1]
-    moved = np.array([float(term[part].sum()) for term in terms]) * area
-    level = float(moved @ np.linalg.solve(design @ design.T * area, moved))
-    return math.sqrt(density * (float(part.sum()) * area + level))
+    fit = terms[:, unworn]
+    taken = [np.linalg.solve(fit @ fit.T, terms[:, part].sum(axis=1)) for part in parts]
+    weights = [part - np.where(unworn, np.tensordot(t, terms, 1), 0.0) for part, t in zip(parts, taken, strict=True)]
+    return [found.error(by_cell(w)) * area for w in weights]

@@ -46,6 +46,7 @@ class Waviness:
 
     covariances: FloatArray  # of the bands between n places, for a variance of 1, shape (bands, n, n)
     spectra: FloatArray  # variances [mm²] of the bands, one spectrum a row, shape (draws, bands)
+    chances: FloatArray  # of the spectra, shape (draws,), 1 together
 
     def error(self, weights: FloatArray) -> float:
         """Return the standard error of the sum of heights times weights, shape (n,), over unworn surface.
@@ -60,7 +61,8 @@ class Waviness:
         sigma = np.maximum(sigma, least)
 
         def lacks(log_width: float) -> float:
-            return float(special.erf(math.exp(log_width) / (math.sqrt(2.0) * sigma)).mean()) - ONE_SIGMA
+            within = special.erf(math.exp(log_width) / (math.sqrt(2.0) * sigma))
+            return float(self.chances @ within) - ONE_SIGMA
 
         # at the ends every spectrum has more, or less, than its standard deviation
         return math.exp(optimize.brentq(lacks, math.log(0.9 * least), math.log(1.1 * most), rtol=1e-9))
@@ -103,9 +105,9 @@ def waviness(
     contrasts = linalg.qr(terms[known])[0][:, terms.shape[1] :]
     seen = contrasts.T @ heights[known]
     if np.abs(seen).max() <= ROUNDING * max(float(np.abs(heights).max()), ROUNDING):
-        return Waviness(covariances, np.zeros((1, len(bands))))
+        return Waviness(covariances, np.zeros((1, len(bands))), np.ones(1))
     seen_bands = contrasts.T @ covariances[:, known][:, :, known] @ contrasts
-    return Waviness(covariances, _likely_spectra(seen, seen_bands, tie))
+    return Waviness(covariances, *_likely_spectra(seen, seen_bands, tie))
 
 
 def regular_wave(heights: FloatArray, *, places: FloatArray, unworn: BoolArray) -> float | None:
@@ -121,7 +123,7 @@ def regular_wave(heights: FloatArray, *, places: FloatArray, unworn: BoolArray) 
     return float(numbers[strongest]) if waves[strongest] >= WAVES else None
 
 
-def _likely_spectra(seen: FloatArray, bands: FloatArray, tie: FloatArray) -> FloatArray:
+def _likely_spectra(seen: FloatArray, bands: FloatArray, tie: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return variances of bands that contrasts allow, shape (draws, bands): the likeliest and those about it.
 
     seen: contrasts [mm], (m,); bands: their covariances for a variance of 1, (bands, m, m); tie: precision of
@@ -166,4 +168,12 @@ def _likely_spectra(seen: FloatArray, bands: FloatArray, tie: FloatArray) -> Flo
     normal = np.random.default_rng(0).normal(size=(DRAWS, len(bands)))
     factor = np.linalg.cholesky(information)
     about = linalg.solve_triangular(factor.T, np.concatenate([normal, -normal]).T, lower=False).T
-    return np.asarray(np.exp(log + about))
+    logs = log + about
+    whole = np.tensordot(np.exp(logs), bands, 1) + rounding
+    fac = np.linalg.cholesky(whole)
+    rest = np.linalg.solve(fac, np.broadcast_to(seen[:, None], (len(logs), seen.size, 1)))[..., 0]
+    apart = logs - start
+    drawn = -np.log(np.diagonal(fac, axis1=1, axis2=2)).sum(1) - .5*(rest**2).sum(1) - .5*np.einsum('di,ij,dj->d',apart,tie,apart)
+    drawn += 0.5 * np.einsum('di,ij,dj->d',about,information,about)
+    chances = np.exp(drawn - max(drawn))
+    return np.exp(logs), chances / chances.sum()

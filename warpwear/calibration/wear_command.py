@@ -209,7 +209,7 @@ def _of_track(
             f"--length is {length:g} mm: allowed is at least the piece in {file}, {found.length:g} mm"
         )
     section = f"section {1e6 * found.net.mean():.5g} ± {1e6 * found.net_error:.2g} µm² × {length:g} mm"
-    source = "standard error of roughness and reference"
+    source = "what the same sum finds on unworn surface"
     if found.length < 0.9 * length:
         source += f", were the whole track like the measured {found.length:.4g} mm"
     volume, error = found.volume(length)
@@ -223,7 +223,7 @@ def _of_ball(file: Path, preparation: Mapping[str, str | None], *, radius: float
     found = find_worn_ball(surface.levelled, pixel=surface.pixel, radius=radius)
     sphere = f"a radius of {found.sphere.radius:.5g} mm ({'fitted' if radius is None else 'given'})"
     measured = f"patch {found.along:.4g} × {found.across:.4g} mm on {sphere}"
-    source = "standard error of roughness and of the sphere's fit"
+    source = "what the same sum finds on unworn surface"
     volume, error = found.volume, found.volume_error
     return _of_topography(file, volume, error, depth=found.depth, measured=measured, source=source)
 

@@ -48,6 +48,7 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 @click.option("--track", is_flag=True, help="FILE is a worn track along the sliding axis: its volume.")
 @click.option("--track-width", help="Width of the track with its pile-up, when it is not found.")
 @click.option("--track-length", help="Length of the whole track, to which its volume is extended.")
+@click.option("--before", type=PATH, help="The track's place before it was worn, taken off FILE.")
 @click.option("--ball", is_flag=True, help="FILE is a worn ball: its volume; or without FILE, --diagonals.")
 @click.option("--radius", help="Radius of the ball, e.g. '3 mm'. [default: fitted]")
 @click.option(

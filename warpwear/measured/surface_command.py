@@ -10,9 +10,10 @@ from matplotlib.figure import Figure
 from pydantic import ValidationError
 
 from warpwear.errors import InputError
+from warpwear.grid import FloatArray
 from warpwear.measured.options import optional, quantity, refuse
 from warpwear.measured.surface_figure import ball_figure, save, surface_figure, track_figure
-from warpwear.measured.surface_report import ball_rows, cap_rows, examine, file_lines, track_rows
+from warpwear.measured.surface_report import ball_rows, before_rows, cap_rows, examine, file_lines, track_rows
 from warpwear.results.report import Row, lines, record, to_json
 from warpwear.study.bodies import Disc
 from warpwear.study.surface import surface_of
@@ -20,6 +21,7 @@ from warpwear.study.text import sentence
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.preparation import degree_of
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
+from warpwear.surfaces.worn.registration import difference
 from warpwear.surfaces.worn.track import Track, find_track
 
 #: Endings of files that a figure can be written to.
@@ -35,6 +37,7 @@ class SurfaceOptions:
     """Options of `warpwear surface`, lengths as text with a unit.
 
     figure: where to draw, None for a name made from the file's. track, ball: whether the file is a worn one.
+    before: the same place before it was worn.
     preparation: keys of [disc], as text, None for those not given.
     """
 
@@ -44,6 +47,7 @@ class SurfaceOptions:
     track: bool = False
     track_width: str | None = None
     track_length: str | None = None
+    before: Path | None = None
     ball: bool = False
     radius: str | None = None
     diagonals: tuple[str, str] | None = None
@@ -100,24 +104,39 @@ def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
     """Measure the worn track in a surface. Raises InputError."""
     width = optional("--track-width", options.track_width, "mm")
     length = optional("--track-length", options.track_length, "mm")
-    track, degree = track_in(surface, level=options.preparation.get("level"), width=width)
+    changed = None
+    if options.before is not None:
+        earlier = read_surface(options.before, {**options.preparation, "level": "none", "crop": None})
+        changed = difference(
+            surface.levelled, earlier.levelled, pixel=surface.pixel, earlier_pixel=earlier.pixel
+        )
+    heights = None if changed is None else changed.heights
+    level = options.preparation.get("level")
+    track, degree = track_in(surface, level=level, width=width, heights=heights)
     file = surface.record()
-    rows = [Row("", "surface", file), Row("", "track", track_rows(track, length=length))]
     then = f"polynomial of degree {degree} through the surface beside the track taken off"
+    rows = [Row("", "surface", file), Row("", "track", track_rows(track, length=length))]
+    if changed is not None:
+        then = f"{options.before} laid over it and taken off, {then}"
+        rows.insert(1, Row("before", "before", before_rows(changed, file=str(options.before))))
     return Outcome(
         rows, [*file_lines(file, then), *lines(rows)], lambda: track_figure(track, filled=surface.filled)
     )
 
 
-def track_in(surface: Measured, *, level: str | None, width: float | None) -> tuple[Track, int]:
+def track_in(
+    surface: Measured, *, level: str | None, width: float | None, heights: FloatArray | None = None
+) -> tuple[Track, int]:
     """Find the worn track of a surface read with level none, and the degree taken off beside it.
 
-    level: as in [disc], as text; width [mm], None to find it. Raises InputError.
+    level: as in [disc], as text; width [mm], None to find it; heights [mm], shape (nx, ny), to look at instead
+    of the surface's, such as what they have changed. Raises InputError.
     """
     degree = degree_of(_level(level) if level is not None else "plane")
     if isinstance(degree, str):
         raise InputError("--level sphere is for a ball: allowed with --track is none, plane or a degree")
-    return find_track(surface.levelled, pixel=surface.pixel, degree=degree, width=width), degree
+    heights = surface.levelled if heights is None else heights
+    return find_track(heights, pixel=surface.pixel, degree=degree, width=width), degree
 
 
 def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
@@ -198,7 +217,8 @@ def _check_together(file: Path | None, options: SurfaceOptions) -> None:
     if o.diagonals is None and file is None:
         raise InputError("FILE is missing: a measured surface, or --ball with --radius and --diagonals")
     if not o.track:
-        refuse({"--track-width": o.track_width, "--track-length": o.track_length}, "needs --track")
+        given = {"--track-width": o.track_width, "--track-length": o.track_length, "--before": o.before}
+        refuse(given, "needs --track")
     if not o.ball:
         refuse({"--radius": o.radius}, "needs --ball")
 

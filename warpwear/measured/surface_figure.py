@@ -69,7 +69,7 @@ def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
         nx, ny = track.levelled.shape
         size = (track.length, float(track.y[-1] - track.y[0]) * ny / max(ny - 1, 1))
         _map_of_heights(panels[0], track.levelled, size, filled)
-        for edge in track.edges:
+        for edge in track.window:
             panels[0].axhline(edge, color="white", lw=1.6)
             panels[0].axhline(edge, color="black", lw=0.8, ls="--")
         profile, y = 1e3 * track.levelled.mean(axis=0), track.y

@@ -1,5 +1,6 @@
 """What is in a measured file: its numbers, declared once for people and for JSON."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,12 +26,15 @@ from warpwear.surfaces.spectrum import (
 )
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.ball import Cap, WornBall
+from warpwear.surfaces.worn.registration import Difference
 from warpwear.surfaces.worn.track import Track
 
 #: Cut-off of roughness profiles [mm], Table A.1 of the thesis.
 LAMBDA_C = 2.5
 #: Shortest wave of roughness profiles [mm], from the same table.
 LAMBDA_S = 0.008
+#: What the error of a volume is, for people.
+ERROR = "(± one standard error: what the same sum finds on unworn surface)"
 #: Slopes along the lay are less than this part of those across it, or there is no lay to speak of.
 LAY = 0.7
 #: Number of shortest waves after which the rms slope is found.
@@ -156,7 +160,7 @@ def file_lines(surface: dict[str, Any], *then: str) -> list[str]:
 
 def track_rows(track: Track, *, length: float | None) -> list[Row]:
     """Declare what is said of a worn track. length: of the whole track [mm], None for the piece alone."""
-    low, high = track.edges
+    low, high = track.window
     below, above = track.mean_section
     mean_section = [
         Row("below", "mean_section_below_um2", 1e6 * below, digits=5),
@@ -164,10 +168,11 @@ def track_rows(track: Track, *, length: float | None) -> list[Row]:
     ]
     net = [_spread(track.net), Row("", "error", 1e6 * track.net_error)]
     volume, error = track.volume()
-    rough, measured = "with the roughness in it", f"(standard error) over the measured {track.length:.4g} mm"
+    rough, measured = "with the roughness in it", f"{ERROR} over the measured {track.length:.4g} mm"
     rows = [
-        Row("track", "width_mm", high - low, note=f"wide with its pile-up (y {low:.4g} to {high:.4g} mm)"),
-        Row("", "edges_mm", list(track.edges)),
+        Row("track", "width_mm", track.width, digits=3, note="wide at the level of the surface beside it"),
+        Row("summed", "window_mm", high - low, note=f"with pile-up and margins (y {low:.4g} to {high:.4g} mm)"),
+        Row("", "window_edges_mm", list(track.window)),
         Row("mean profile", "depth_of_mean_profile_um", 1e3 * track.depth, note="deep"),
         Row("single sections", "section_below_um2", [_spread(track.below)], note=f"below, {rough}"),
         Row("single sections", "section_above_um2", [_spread(track.above)], note=f"above, {rough}"),
@@ -186,6 +191,17 @@ def track_rows(track: Track, *, length: float | None) -> list[Row]:
     return [*rows, Row("", "whole_length_mm", length), whole]
 
 
+def before_rows(changed: Difference, *, file: str) -> list[Row]:
+    """Declare how a measurement from before the wear was laid over the later one."""
+    return [
+        Row("", "file", file),
+        Row("shifted", "shift_um", [1e3 * s for s in changed.shift], digits=4),
+        Row("turned", "rotation_degrees", math.degrees(changed.rotation), digits=3, unit="°"),
+        Row("correlation beside the track", "correlation", changed.correlation, digits=4),
+        Row("shared", "grid", list(changed.heights.shape), note="points"),
+    ]
+
+
 def ball_rows(ball: WornBall) -> list[Row]:
     """Declare what is said of a worn ball from its topography."""
     patch = [
@@ -193,7 +209,7 @@ def ball_rows(ball: WornBall) -> list[Row]:
         Row("along", "patch_along_mm", ball.along),
         Row("across", "patch_across_mm", ball.across),
     ]
-    lost = "lost in the patch (standard error, of roughness and of the sphere's fit)"
+    lost = f"lost in the patch {ERROR}"
     beside = "net above the sphere in the rim beside the patch"
     volume, piled_up = ("volume_error_mm3", ball.volume_error), ("piled_up_error_mm3", ball.piled_up_error)
     return [
