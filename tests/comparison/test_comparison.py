@@ -346,3 +346,18 @@ def test_shape_of_a_noisy_square_root_and_of_too_few_points() -> None:
     late = shape_of(Experiment("late", distance[2000:], np.sqrt(distance[2000:])))
     assert set(late) == {"exponent_m"}
     assert shape_of(Experiment("few", distance[::2000], np.sqrt(distance[::2000]))) == {}
+
+
+def test_names_that_a_spreadsheet_would_compute(runs: Path, measured: Path, tmp_path: Path) -> None:
+    """Names of files are text; numbers, negative ones too, stay numbers."""
+    record = shutil.copy(measured, tmp_path / "=1+1.csv")
+    out = tmp_path / "out"
+    done = warpwear_compare(runs / "a", "--experiment", record, "--out", out)
+    assert done.exit_code == 0, done.output
+    with (out / "table.csv").open(encoding="utf-8") as file:
+        _, header, *rows = "", *csv.reader(file)
+    assert [row[0] for row in rows] == ["v3-fine", "'=1+1"]
+    for row in rows:
+        for value in filter(None, row[2:]):
+            float(value)
+    assert "rms_cof =1+1 [1]" in header

@@ -42,7 +42,8 @@ def save(part: Part) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
 def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
     """Give a part the state that another one of the same make saved.
 
-    arrays, numbers: what `save` returned, the numbers perhaps by way of JSON.
+    arrays, numbers: what `save` returned, the numbers perhaps by way of JSON. Raises KeyError, TypeError or
+    ValueError for what `save` did not return.
     """
     _restore(part, "", arrays, numbers)
 
@@ -81,7 +82,8 @@ def _restore(part: Any, path: str, arrays: Mapping[str, np.ndarray], numbers: Ma
         before, place = getattr(part, name), path + name.lstrip("_")
         if kind is Columns:
             host = before.numpy()
-            _columns(part, host)[:] = arrays[place]
+            columns = _columns(part, host)
+            columns[:] = _alike(arrays[place], columns, place)
             before.assign(host)
             continue
         after = _take(kind, before, numbers[name], place, arrays)
@@ -97,10 +99,10 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
         _restore(before, f"{path}.", arrays, saved)
         return before
     if isinstance(before, wp.array):
-        before.assign(arrays[path])
+        before.assign(_alike(arrays[path], before.numpy(), path))
         return before
     if path in arrays:
-        return arrays[path]
+        return _alike(arrays[path], before, path) if isinstance(before, np.ndarray) else arrays[path]
     if saved is None:
         return None
     members = _members(kind)
@@ -118,6 +120,13 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
         if isinstance(before, deque):
             return deque(taken, before.maxlen)
         return taken if isinstance(before, list) else tuple(taken)
+    return saved
+
+
+def _alike(saved: Any, before: np.ndarray, path: str) -> Any:
+    """An array that can take the place of another. Raises ValueError."""
+    if getattr(saved, "shape", None) != before.shape or saved.dtype != before.dtype:
+        raise ValueError(f"{path} is no array of {before.dtype} of the shape {before.shape}")
     return saved
 
 

@@ -52,6 +52,17 @@ class TileList(ABC):
     def reach(self, approach: float, *, margin: float = 0.0) -> None:
         """List all that touches up to an approach [mm]; a new list reaches a margin beyond [mm]."""
 
+    def _readopt(self) -> None:
+        """The list of another time. Raises ValueError for one that leads beyond the field."""
+        listed, count = self.list.numpy(), self.count.numpy()
+        if (
+            min(listed.min(), count.min()) < 0
+            or listed.max() >= listed.shape[1]
+            or count.max() > listed.shape[1]
+        ):
+            raise ValueError("the list of tiles leads beyond the field")
+        self._adopt(self.limit)
+
     def _adopt(self, limit: float) -> None:
         """The list that a kernel has made for a limit."""
         self.limit = limit
@@ -99,7 +110,7 @@ class Tiles(TileList):
 
     def restored(self) -> None:
         """Go on with the list of another time, on the fields of that time."""
-        self._adopt(self.limit)
+        self._readopt()
 
     def begin(self) -> None:
         """From every tile, which is what is listed at first, to the lowest."""

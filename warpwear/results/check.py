@@ -87,9 +87,9 @@ def _check_record(record: Any) -> None:
     if not isinstance(record, dict):
         raise ValueError("its record is none")
     for name, kind in RECORD.items():
-        if name in record and not isinstance(record[name], kind):
-            raise ValueError(f"the {name} of its record is {record[name]!r:.40}")
-    if not all(isinstance(warning, str) for warning in record.get("warnings", ())):
+        if not isinstance(record.get(name), kind):
+            raise ValueError(f"the {name} of its record is {record.get(name)!r:.40}")
+    if not all(isinstance(warning, str) for warning in record["warnings"]):
         raise ValueError("a warning of its record is no text")
 
 

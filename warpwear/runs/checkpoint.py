@@ -134,11 +134,27 @@ class StoredCheckpoint:
         self.file = file
         #: Whether the heights made anew differ from the stored ones, by rounding.
         self.heights_differ = False
-        try:
-            self._about: dict[str, Any] = json.loads(file["about"][()])
+        with self.reading():
+            about = json.loads(file["about"][()])
+            self._about = {
+                name: about[name] for name in (*OF_THE_RUN, "version", "study", "device", "surface")
+            }
+            self._study = Study.stored(about["study"])
             self._rows = Rows(map(str, file["rows"].attrs["columns"]), file["rows"][()])
-        except (KeyError, ValueError, OSError) as error:
-            raise InputError(f"{path} is no checkpoint that can be read: {error}.") from error
+            if not isinstance(self._about["device"], str):
+                raise ValueError("its device is no text")
+            if file["rows"].dtype != np.float64 or file["rows"].shape[1] != len(self._rows.names):
+                raise ValueError("its rows are none")
+
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """Raises InputError for whatever a file sealed by hand may lack or hold instead."""
+        try:
+            yield
+        except InputError:
+            raise
+        except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError) as error:
+            raise InputError(f"{self._path} is no checkpoint that can be read: {error}.") from error
 
     @property
     def version(self) -> str:
@@ -147,7 +163,7 @@ class StoredCheckpoint:
 
     def refuse_changes(self, study: Study, *, device: str) -> None:
         """Raises InputError for a run that would not go on where this one stopped."""
-        changed = changed_keys(Study.stored(self._about["study"]), study)
+        changed = changed_keys(self._study, study)
         if changed:
             raise InputError(
                 f"{self._path} is of another study ({', '.join(changed)}); {RESUME_IT} with the study as it "
@@ -171,7 +187,8 @@ class StoredCheckpoint:
         """
         if checksum(made) == self._about["surface"]:
             return made
-        kept: FloatArray = self.file["heights"][()]
+        with self.reading():
+            kept: FloatArray = np.asarray(self.file["heights"][()], dtype=np.float64)
         if kept.shape != made.shape or not np.abs(kept - made).max() <= SAME_HEIGHTS:
             raise InputError(
                 f"{self._path} cannot go on: the disc's heights are not what they were when the run began, "

@@ -116,10 +116,11 @@ class StepLoop:
             self._checkpoints.remove()
 
     def _restore(self, found: StoredCheckpoint) -> None:
-        then = found.read()
-        state.restore(self._model, then.arrays, then.numbers)
         assert self._writer is not None
-        self._writer.take_snapshots_from(found.file)
+        with found.reading():
+            then = found.read()
+            state.restore(self._model, then.arrays, then.numbers)
+            self._writer.take_snapshots_from(found.file)
         self._rows = then.rows
         self.warnings, self._reported = then.warnings, then.reported_violations
         self._elapsed_before = then.elapsed
