@@ -24,9 +24,9 @@ UTF16 = (b"\xff\xfe", b"\xfe\xff")
 BLOCK = 2**20  # bytes of a file that are looked at together
 TEXT = (".xyz", ".txt", ".csv", ".asc", ".dat", ".tsv", ".hfm")
 CUT = "the file's last line has no end: it may have been cut short, and its last value with it"
-#: Formats of SurfaceTopography that are not looked for: maps of the Earth without a header, for which any 2n²
-#: bytes pass, and what is read here.
-NOT_SOUGHT = ("hgt", "npy", "npz")
+#: Formats of SurfaceTopography that are not looked for: those without a mark, for which other files pass (hgt,
+#: any 2n² bytes; nms, two small numbers), and what is read here.
+NOT_SOUGHT = ("hgt", "nms", "npy", "npz")
 #: Its formats of plain text, whose readers take a minute for a few MB of anything else.
 PLAIN = ("asc", "xyz")
 #: Points that a file may declare for each of its bytes: packed zeros give 130.
@@ -133,9 +133,7 @@ def _real(path: Path, array: Any) -> np.ndarray:
     return array
 
 
-def _read_text(
-    path: Path, given: tuple[float, float] | None, *, otherwise: InputError | None = None
-) -> Raw:
+def _read_text(path: Path, given: tuple[float, float] | None, *, otherwise: InputError | None = None) -> Raw:
     """Read points x y z of a grid, or a matrix whose lines follow y.
 
     otherwise: what an instrument's reader has refused the file for, if it was asked.

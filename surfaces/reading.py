@@ -61,7 +61,11 @@ def read(
     try:
         size, is_file = path.stat().st_size, path.is_file()  # a pipe would be waited for without end
     except (OSError, ValueError) as error:
-        why = "does not exist" if isinstance(error, FileNotFoundError) else f"cannot be read: {getattr(error, 'strerror', None) or error}"
+        why = (
+            "does not exist"
+            if isinstance(error, FileNotFoundError)
+            else f"cannot be read: {getattr(error, 'strerror', None) or error}"
+        )
         raise InputError(f"disc.surface '{path}' {why}") from error
     if size == 0 or not is_file:
         raise InputError(f"disc.surface '{path}' {'is empty' if is_file else 'is not a file'}")

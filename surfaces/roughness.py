@@ -221,7 +221,9 @@ def profile_roughness(
     rest = rough - (np.sum(rough, axis=1, where=there) / points)[:, None]
     values = np.sum(np.abs(rest), axis=1, where=there) / points
     if flat := not values.size or values.mean() < FLAT:
-        notes.append("no Ra: " + ("the filters leave no height of 1 pm" if values.size else "too much is missing"))
+        notes.append(
+            "no Ra: " + ("the filters leave no height of 1 pm" if values.size else "too much is missing")
+        )
     return ProfileRoughness(
         ra=None if flat else float(values.mean()),
         scatter=None if flat else float(spread if (spread := values.std()) >= FLAT else 0.0),

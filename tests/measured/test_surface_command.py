@@ -110,7 +110,10 @@ def test_a_worn_ball(here: Path) -> None:
     [
         ([], "FILE is missing"),
         (["none.sur"], "the file 'none.sur' does not exist."),
-        (["../files/rough.npy"], "--height-unit is not given and the file '../files/rough.npy' names no unit"),
+        (
+            ["../files/rough.npy"],
+            "--height-unit is not given and the file '../files/rough.npy' names no unit",
+        ),
         (["../files/rough.npy", *GIVEN, "--level", "cubic"], "--level = 'cubic' is not allowed"),
         (["../files/rough.npy", *GIVEN, "--outliers", "many"], "--outliers is 'many'"),
         (["../files/rough.npy", *GIVEN, "--outliers", "1"], "--outliers = 1.0: must be at least 3"),

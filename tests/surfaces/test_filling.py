@@ -38,7 +38,9 @@ def read(folder: Path, heights: np.ndarray, **preparation) -> Measured:
 
 
 def test_parameters_are_of_measured_points_alone(tmp_path: Path, rough: np.ndarray) -> None:
-    spiked = rough.copy()  # a rim as instruments leave it, which a continuation would carry on into the corners
+    spiked = (
+        rough.copy()
+    )  # a rim as instruments leave it, which a continuation would carry on into the corners
     spiked[ROUND & (np.hypot.outer(*POINTS) < 0.282)] = 0.15
     rim = spiked == 0.15
     holed = np.where(ROUND & ~rim, np.nan, spiked)
@@ -108,7 +110,9 @@ def test_slopes_do_not_count_what_is_smooth(rough: np.ndarray) -> None:
     whole = completed(np.where(measured, rough, np.nan), pixel=PIXEL)
     cut_offs = np.array([0.01])
     found = slope_against_cut_off(whole, pixel=PIXEL, cut_offs=cut_offs, measured=measured)
-    assert found[0] == pytest.approx(slope_against_cut_off(rough, pixel=PIXEL, cut_offs=cut_offs)[0], rel=0.05)
+    assert found[0] == pytest.approx(
+        slope_against_cut_off(rough, pixel=PIXEL, cut_offs=cut_offs)[0], rel=0.05
+    )
 
 
 @pytest.mark.parametrize(("rows", "warns"), [(5, False), (6, True)])

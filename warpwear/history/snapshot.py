@@ -24,7 +24,9 @@ class Snapshot:
     gap: FloatArray  # [mm], after the step's wear
     plastic_disc: FloatArray | None = None  # [mm], displaced for good, of a swept disc that keeps its dents
     row: int | None = None  # of the track, under the sphere's first row
-    load_on_filled: float | None = None  # share of the load, see `share_on`; None of a disc without such points
+    load_on_filled: float | None = (
+        None  # share of the load, see `share_on`; None of a disc without such points
+    )
 
     @property
     def fields(self) -> dict[str, FloatArray]:

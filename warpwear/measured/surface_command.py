@@ -104,7 +104,9 @@ def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
     file = surface.record()
     rows = [Row("", "surface", file), Row("", "track", track_rows(track, length=length))]
     then = f"polynomial of degree {degree} through the surface beside the track taken off"
-    return Outcome(rows, [*file_lines(file, then), *lines(rows)], lambda: track_figure(track, filled=surface.filled))
+    return Outcome(
+        rows, [*file_lines(file, then), *lines(rows)], lambda: track_figure(track, filled=surface.filled)
+    )
 
 
 def track_in(surface: Measured, *, level: str | None, width: float | None) -> tuple[Track, int]:
@@ -129,7 +131,11 @@ def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
         Row("", "ball", ball_rows(ball)),
         Row("by two diagonals", "by_two_diagonals", cap_rows(flat), note=", were the patch flat"),
     ]
-    return Outcome(rows, [*file_lines(file), *lines(rows)], lambda: ball_figure(ball, size=surface.size, filled=surface.filled))
+    return Outcome(
+        rows,
+        [*file_lines(file), *lines(rows)],
+        lambda: ball_figure(ball, size=surface.size, filled=surface.filled),
+    )
 
 
 def _by_diagonals(diagonals: tuple[str, str], radius: str | None, *, as_json: bool) -> str:

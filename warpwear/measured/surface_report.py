@@ -103,7 +103,11 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     by_wave = {"wavelength_um": 1e3 * spectrum.wavelength, "density_um4": 1e12 * spectrum.density}
     rows = [
         *(Row("", key, value) for key, value in own.items()),
-        Row("roughness", "", [Row(label, key, own[key]) for key, label in ROUGHNESS.items()] if rough else FLAT),
+        Row(
+            "roughness",
+            "",
+            [Row(label, key, own[key]) for key, label in ROUGHNESS.items()] if rough else FLAT,
+        ),
         Row("", "grid", list(heights.shape)),
         Row("", "pixel_um", [1e3 * p for p in pixel]),
         Row("", "extent_mm", list(surface.size)),

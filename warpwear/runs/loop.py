@@ -164,7 +164,10 @@ class StepLoop:
         """
         speed, left = self.study.sliding.speed, plan[len(self._rows) :]
         first = len(self._rows) + 1
-        looks = [keep or (self._filled is not None and n & (n - 1) == 0) for n, (*_, keep) in enumerate(left, first)]
+        looks = [
+            keep or (self._filled is not None and n & (n - 1) == 0)
+            for n, (*_, keep) in enumerate(left, first)
+        ]
         plan_of_fields = zip((increment for increment, *_ in left), looks, strict=True)
         steps = self._model.steps((increment, look or with_fields) for increment, look in plan_of_fields)
         for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
@@ -172,14 +175,14 @@ class StepLoop:
             stop = self._check(
                 self._invariants.of_row(row, touches_edge=step.touches_edge, touches_rim=step.touches_rim)
             )
-            writer = self._writer if keep else None
-            snapshot = self._model.snapshot(step, distance) if writer or (look and not keep) else None
+            wanted = look and (self._filled is not None or self._writer is not None)
+            snapshot = self._model.snapshot(step, distance) if wanted else None
             if snapshot is not None and self._filled is not None:
                 snapshot = replace(snapshot, load_on_filled=snapshot.share_on(self._filled))
                 stop = stop or self._check(self._invariants.of_filled(snapshot, row))
-            if snapshot is not None and writer is not None:
+            if snapshot is not None and keep and self._writer is not None:
                 self._check(self._invariants.of_fields(vars(snapshot), row))
-                writer.add_snapshot(snapshot)
+                self._writer.add_snapshot(snapshot)
             row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             self._progress.step(row)
