@@ -28,11 +28,11 @@ def opd(path: Path, raster: np.ndarray, *, wavelength: float, multiplier: float 
 
 
 def metropro(path: Path, heights: np.ndarray) -> None:
-    """A header of 834 bytes, then lines along x of counts, the missing among them; heights [m], shape (nx, ny)."""
+    """A header of 834 bytes, then lines along x of counts. heights [m], shape (nx, ny), NaN if missing."""
     header = bytearray(834)
     fields = {0: (">4s", b"\x88\x1b\x03\x6f"), 4: (">H", 1), 6: (">I", 834), 80: (">82s", b"a disc")}
     fields |= {68: (">H", heights.shape[0]), 70: (">H", heights.shape[1]), 72: (">I", 4 * heights.size)}
-    # interferometer's factor, wavelength [m], obliquity, distance of the points [m], whose heights are in 32768.
+    # interferometer's factor, wavelength [m], obliquity, distance of the points [m]; a phase has 32768 parts
     fields |= {164: (">f", 0.5), 168: (">f", 600e-9), 176: (">f", 1.0), 184: (">f", 2e-6), 218: (">h", 1)}
     for at, (form, value) in fields.items():
         struct.pack_into(form, header, at, value)

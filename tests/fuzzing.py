@@ -47,7 +47,7 @@ VALUES = st.one_of(
 
 @contextmanager
 def watched(seconds: float = LONGEST) -> Iterator[None]:
-    """Fails what uses the processor for longer, an endless loop too, or a reader that swallows every error."""
+    """Fails what uses the processor for longer, an endless loop too, or what swallows every error."""
     started = time.process_time()
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield

@@ -35,7 +35,7 @@ def shares(result: Result, study: Study, hole: int) -> list[float]:
     """By the fields: at rest of the load of the step, on a track of the disc's wear."""
     half = study.track.x if study.is_swept else study.cells.x
     rows, columns = ((x / CELL + 50).round().astype(int) % 101 for x in (half, study.cells.y))
-    inside = [(50 <= place) & (place < 50 + hole) for place in (rows, columns)]
+    inside = [(place >= 50) & (place < 50 + hole) for place in (rows, columns)]
     where = np.logical_and.outer(*inside)
     fields = [s.wear_disc if study.is_swept else s.pressure for s in result.snapshots]
     return [100.0 * float(field[where].sum() / field.sum()) for field in fields]

@@ -7,7 +7,6 @@ What a read may be wrong about depends on the format:
 - In a .npy, a matrix of text and the other instrument formats nothing tells a changed digit or bit of a
   height from a measured one, nor "um" that became "nm", nor, in text, rows that are gone whole. A read must
   be a height map of finite numbers on a possible pixel.
-- What lies between the heights of an instrument's file, such as a comment, may be cut out and move what follows.
 - A file cut short is refused; text, which declares no length, may also be read as the beginning of the intact
   file, and unless the cut is at the end of a line the reading says so.
 """

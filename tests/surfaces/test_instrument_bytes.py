@@ -1,5 +1,5 @@
-"""Files of instruments that cannot be had freely, built here byte by byte: Wyko's .opd, Sensofar's .plu, Zygo's
-.dat. Which way is up in them, and in the maps, beside the instrument's own picture.
+"""Files of instruments that cannot be had freely, built byte by byte: .opd of Wyko, .plu of Sensofar, .dat of
+Zygo. Which way is up in them, and in the maps, beside the instrument's own picture.
 """
 
 import struct

@@ -78,7 +78,7 @@ def test_more_points_than_a_file_can_hold_are_not_made(tmp_path: Path) -> None:
     pytest.importorskip("SurfaceTopography")
     with h5py.File(tmp_path / "disc.h5", "w") as file:  # 3 GB of nothing, in 2 kB
         file.create_dataset("heights", shape=(20_000, 20_000), dtype=float, chunks=(100, 100))
-    with watched(), pytest.raises(InputError, match="points in .* bytes, which is more than can be there"):
+    with watched(), pytest.raises(InputError, match=r"points in .* bytes, which is more than can be there"):
         read(tmp_path / "disc.h5", **GIVEN)
 
 

@@ -163,13 +163,11 @@ class StepLoop:
         with_fields: whether every step can be asked for its fields, not only those that are kept.
         """
         speed, left = self.study.sliding.speed, plan[len(self._rows) :]
-        first = len(self._rows) + 1
-        looks = [
-            keep or (self._filled is not None and n & (n - 1) == 0)
-            for n, (*_, keep) in enumerate(left, first)
-        ]
-        plan_of_fields = zip((increment for increment, *_ in left), looks, strict=True)
-        steps = self._model.steps((increment, look or with_fields) for increment, look in plan_of_fields)
+        # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
+        numbers, doubtful = range(len(self._rows) + 1, len(plan) + 1), self._filled is not None
+        looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=True)]
+        asked = ((step[0], look or with_fields) for step, look in zip(left, looks, strict=True))
+        steps = self._model.steps(asked)
         for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
             row = step.row | {"distance": distance}
             stop = self._check(
