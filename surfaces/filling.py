@@ -38,7 +38,7 @@ def completed(heights: FloatArray, *, pixel: tuple[float, float]) -> FloatArray:
 
 
 def _beyond(missing: BoolArray) -> BoolArray:
-    """Return which missing points lie beyond the measured region: between measured ones along neither axis."""
+    """Return which missing points lie beyond the measured region: along no axis between measured ones."""
     along, across = (_between(there) for there in (~missing, ~missing.T))
     return missing & ~along & ~across.T
 

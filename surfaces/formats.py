@@ -24,9 +24,9 @@ UTF16 = (b"\xff\xfe", b"\xfe\xff")
 BLOCK = 2**20  # bytes of a file that are looked at together
 TEXT = (".xyz", ".txt", ".csv", ".asc", ".dat", ".tsv", ".hfm")
 CUT = "the file's last line has no end: it may have been cut short, and its last value with it"
-#: Formats of SurfaceTopography that are not looked for: maps of the Earth without a header, for which any 2n²
-#: bytes pass, and what is read here.
-NOT_SOUGHT = ("hgt", "npy", "npz")
+#: Formats of SurfaceTopography that are not looked for: those without a mark, for which other files pass (of
+#: hgt any 2n² bytes, of nms two small numbers), and what is read here.
+NOT_SOUGHT = ("hgt", "nms", "npy", "npz")
 #: Its formats of plain text, whose readers take a minute for a few MB of anything else.
 PLAIN = ("asc", "xyz")
 #: Points that a file may declare for each of its bytes: packed zeros give 130.
@@ -142,9 +142,9 @@ def _read_text(path: Path, given: tuple[float, float] | None, *, otherwise: Inpu
         table = read_table(path)
         values = table.numbers()
     except NoTable:  # an instrument's own format by that name
-        if otherwise is not None:
-            raise otherwise
-        return _read_instrument(path, given)
+        if otherwise is None:
+            return _read_instrument(path, given)
+        raise otherwise from otherwise.__cause__
     except ValueError as error:
         raise refusal(path, f"cannot be read as text ({error})") from error
     told = () if table.ended else (CUT,)
@@ -194,7 +194,7 @@ def _check_hdf5(path: Path) -> None:
 
 
 def _open_topography(path: Path, *, plain: bool) -> Any:
-    """Open a file with the first reader of SurfaceTopography that knows it. plain: also with those of text."""
+    """Open a file with the first reader of SurfaceTopography that knows it. plain: those of text, too."""
     io = lazy.load("SurfaceTopography").IO  # 2 s, so only when needed
     with path.open("rb") as file:
         start = file.read(io.MAGIC_BUFFER_SIZE)

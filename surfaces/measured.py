@@ -60,7 +60,10 @@ class Measured:
         return self.levelled if self.filled is None else np.where(self.filled, np.nan, self.levelled)
 
     def filled_at(self, x: FloatArray, y: FloatArray) -> BoolArray | None:
-        """Return whether the pixel at each point of x × y [mm] was filled, shape (x.size, y.size); None: no."""
+        """Return whether the pixel at each point of x × y [mm] was filled, shape (x.size, y.size).
+
+        It is None where none was.
+        """
         if self.filled is None:
             return None
         edge = "grid-wrap" if self.extend == "periodic" else "reflect"
@@ -142,8 +145,9 @@ class Measured:
         filled = 0.0 if self.filled is None else 100.0 * float(self.filled.mean())
         if max(filled, filled_percent) >= MUCH_MISSING:
             told.append(
-                f"{filled:.3g} % of the measurement is missing and was filled in, as are {filled_percent:.3g} % "
-                "of the points used: the surface there is not known, so a contact there means nothing"
+                f"{filled:.3g} % of the measurement is missing and was filled in, as are "
+                f"{filled_percent:.3g} % of the points used: the surface there is not known, so that a "
+                "contact there means nothing"
             )
         sq = float(np.nanstd(self.measured))
         if min(self.pixel) > COARSE and sq > COARSE:

@@ -127,8 +127,8 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
     if missing + removed:
         heights = completed(heights, pixel=pixel)
         done.append(
-            f"{missing + removed} missing points ({100 * share:.3g} %) filled: holes from their rim, what lies "
-            "beyond the measured region with its mean plane"
+            f"{missing + removed} missing points ({100 * share:.3g} %) filled: holes from their rim, what "
+            "lies beyond the measured region with its mean plane"
         )
     return Prepared(
         heights=heights,

@@ -60,13 +60,11 @@ def read(
     path = Path(path)
     try:
         size, is_file = path.stat().st_size, path.is_file()  # a pipe would be waited for without end
+    except FileNotFoundError as error:
+        raise InputError(f"disc.surface '{path}' does not exist") from error
     except (OSError, ValueError) as error:
-        why = (
-            "does not exist"
-            if isinstance(error, FileNotFoundError)
-            else f"cannot be read: {getattr(error, 'strerror', None) or error}"
-        )
-        raise InputError(f"disc.surface '{path}' {why}") from error
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"disc.surface '{path}' cannot be read: {why}") from error
     if size == 0 or not is_file:
         raise InputError(f"disc.surface '{path}' {'is empty' if is_file else 'is not a file'}")
     given = None if pixel is None else _given_pixel(pixel)

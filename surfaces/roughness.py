@@ -54,8 +54,8 @@ def height_parameters(heights: FloatArray) -> dict[str, float]:
 def rms_slope(heights: FloatArray, *, pixel: tuple[float, float]) -> float:
     """Return the root mean square gradient [-] by forward differences: Sdq of ISO 25178-2.
 
-    heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm]. A difference over a pixel is blind to
-    waves near two pixels, so the value grows with finer pixels until the shortest waves of the surface are
+    heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm]. A difference over a pixel is blind
+    to waves near two pixels, so the value grows with finer pixels until the shortest waves of the surface are
     resolved.
     """
     along, across = (_mean_square_slope(heights, pixel=pixel, axis=axis) for axis in (0, 1))
@@ -95,8 +95,8 @@ class Bearing:
 def material_ratio_curve(heights: FloatArray, *, points: int = 501) -> tuple[FloatArray, FloatArray]:
     """Return material ratios [%] from 0 to 100 and the height [mm] that such a part of the area reaches.
 
-    heights [mm], any shape, NaN where missing. Both arrays have the shape (points,): highest at 0 %, lowest at
-    100 %.
+    heights [mm], any shape, NaN where missing. Both arrays have the shape (points,): highest at 0 %, lowest
+    at 100 %.
     """
     falling = np.sort(_there(heights), axis=None)[::-1]
     ratio = np.linspace(0.0, 100.0, points)
@@ -108,9 +108,9 @@ def bearing_parameters(heights: FloatArray) -> Bearing:
 
     heights [mm], any shape, NaN where missing, levelled. The equivalent line is that of least squares through
     the 40 % of the curve whose secant is flattest (the first, should there be several); it cuts the axes 0
-    and 100 % Sk apart. Spk and Svk are heights of the triangles over Smr1 and 100 % − Smr2 with the areas of the peaks
-    above and valleys below the core. They are meant for S-shaped curves: on a pure sine the flattest 40 % is
-    an end.
+    and 100 % Sk apart. Spk and Svk are heights of the triangles over Smr1 and 100 % − Smr2 with the areas of
+    the peaks above and valleys below the core. They are meant for S-shaped curves: on a pure sine the
+    flattest 40 % is an end.
     """
     falling = np.sort(_there(heights), axis=None)[::-1]
     count = falling.size
@@ -221,9 +221,8 @@ def profile_roughness(
     rest = rough - (np.sum(rough, axis=1, where=there) / points)[:, None]
     values = np.sum(np.abs(rest), axis=1, where=there) / points
     if flat := not values.size or values.mean() < FLAT:
-        notes.append(
-            "no Ra: " + ("the filters leave no height of 1 pm" if values.size else "too much is missing")
-        )
+        why = "the filters leave no height of 1 pm" if values.size else "too much is missing"
+        notes.append(f"no Ra: {why}")
     return ProfileRoughness(
         ra=None if flat else float(values.mean()),
         scatter=None if flat else float(spread if (spread := values.std()) >= FLAT else 0.0),

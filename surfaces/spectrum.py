@@ -49,9 +49,9 @@ def power_spectrum(
     """Return the power spectrum of complete, levelled heights [mm], shape (nx, ny), over all directions.
 
     pixel: (px, py) [mm]. measured: which points are, shape (nx, ny), all by default; filled ones are smooth,
-    and their lack of power is made up for. It is computed from the Fourier transform under a Hann window, which keeps the jump
-    between opposite edges out of the spectrum; its loss of power is made up for (Jacobs, Junge and Pastewka
-    2017, sections 3 and 4). Up to the Nyquist frequency of the coarser pixel.
+    and their lack of power is made up for. It is computed from the Fourier transform under a Hann window,
+    which keeps the jump between opposite edges out of the spectrum; its loss of power is made up for (Jacobs,
+    Junge and Pastewka 2017, sections 3 and 4). Up to the Nyquist frequency of the coarser pixel.
     """
     nx, ny = heights.shape
     window = np.multiply.outer(_hann(nx), _hann(ny))
@@ -93,8 +93,9 @@ def slope_against_cut_off(
 ) -> FloatArray:
     """Return the rms slope [-] after an S-filter with each of the cut-offs [mm], shape (n,); 0 is none.
 
-    heights [mm], shape (nx, ny), complete; measured: as in `power_spectrum`. The filter is the Gaussian one of ISO 16610-61, mirrored at the
-    edges; slopes are those of the waves themselves, so that pixels only limit the waves.
+    heights [mm], shape (nx, ny), complete; measured: as in `power_spectrum`. The filter is the Gaussian one
+    of ISO 16610-61, mirrored at the edges; slopes are those of the waves themselves, so that pixels only
+    limit the waves.
     """
     nx, ny = heights.shape
     waves = fft.dctn(heights - heights.mean(), type=2, norm="ortho")

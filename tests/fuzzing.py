@@ -3,6 +3,7 @@
 import random
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -51,7 +52,8 @@ VALUES = st.one_of(
 
 @contextmanager
 def watched(seconds: float = LONGEST) -> Iterator[None]:
-    """Fails what uses the processor for longer, an endless loop too."""
+    """Fails what uses the processor for longer, an endless loop too, or what swallows every error."""
+    started = time.process_time()
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -66,6 +68,7 @@ def watched(seconds: float = LONGEST) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
         signal.signal(signal.SIGVTALRM, before)
+    assert time.process_time() - started < seconds + 1.0, f"takes more than {seconds:g} s"
 
 
 def check_sentence(error: Exception) -> None:

@@ -15,8 +15,8 @@ from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.measured import Measured, read_measured
 from warpwear.surfaces.preparation import Preparation
 from warpwear.surfaces.roughness import bearing_parameters, height_parameters, profile_roughness
-from warpwear.surfaces.sphere import places, sag
 from warpwear.surfaces.spectrum import slope_against_cut_off
+from warpwear.surfaces.sphere import places, sag
 from warpwear.surfaces.worn.ball import find_worn_ball
 from warpwear.surfaces.worn.track import find_track
 

@@ -1,5 +1,5 @@
-"""Files of instruments that cannot be had freely, built here byte by byte: Wyko's .opd, Sensofar's .plu, Zygo's
-.dat. Which way is up in them, and in the maps, beside the instrument's own picture.
+"""Files of instruments that cannot be had freely, built byte by byte: .opd of Wyko, .plu of Sensofar, .dat of
+Zygo. Which way is up in them, and in the maps, beside the instrument's own picture.
 """
 
 import struct
@@ -8,6 +8,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pytest
+from cases_instruments import metropro, opd
 
 from warpwear.measured.surface_figure import _map_of_heights
 from warpwear.surfaces.levelling import without_polynomial
@@ -20,27 +21,6 @@ REAL = Path(__file__).resolve().parents[3] / "shared" / "surfaces"
 #: Heights along x and y [µm], without a symmetry that would hide a wrong axis; one point is missing.
 HEIGHTS = np.round(np.random.default_rng(4).normal(size=(5, 7)), 2)
 HEIGHTS[1, 2] = np.nan
-
-
-def opd(path: Path, raster: np.ndarray, *, wavelength: float, multiplier: float | None) -> None:
-    """Blocks after a directory of names, types and lengths; points along y first, the last one first.
-
-    wavelength: [nm], to which a raster of multiplier 1 is relative.
-    """
-    nx, ny = raster.shape
-    data = struct.pack("<3H", nx, ny, raster.itemsize) + raster[:, ::-1].tobytes()
-    blocks = [
-        (b"RAW_DATA", 3, data),
-        (b"Wavelength", 7, struct.pack("<f", wavelength)),
-        (b"Pixel_size", 7, struct.pack("<f", 0.002)),  # mm
-        (b"Aspect", 7, struct.pack("<f", 1.5)),
-    ]
-    if multiplier is not None:
-        blocks.append((b"Mult", 6, struct.pack("<h", round(multiplier))))
-    entry = struct.Struct("<16shlH")
-    directory = entry.pack(b"Directory", 1, entry.size * (len(blocks) + 1), 0xFFFF)
-    directory += b"".join(entry.pack(name, kind, len(content), 0) for name, kind, content in blocks)
-    path.write_bytes(b"\x01\x00" + directory + b"".join(content for *_, content in blocks))
 
 
 def test_opd_of_integers(tmp_path: Path) -> None:
@@ -75,19 +55,6 @@ def test_plu(tmp_path: Path) -> None:
     np.testing.assert_allclose(reading.heights, 1e-3 * HEIGHTS, rtol=1e-6)
     assert reading.pixel == pytest.approx((0.002, 0.003))
     assert not reading.unit_given
-
-
-def metropro(path: Path, heights: np.ndarray) -> None:
-    """A header of 834 bytes, then lines along x of counts, the missing among them; heights [m], shape (nx, ny)."""
-    header = bytearray(834)
-    fields = {0: (">4s", b"\x88\x1b\x03\x6f"), 4: (">H", 1), 6: (">I", 834), 80: (">82s", b"a disc")}
-    fields |= {68: (">H", heights.shape[0]), 70: (">H", heights.shape[1]), 72: (">I", 4 * heights.size)}
-    # interferometer's factor, wavelength [m], obliquity, distance of the points [m], whose heights are in 32768.
-    fields |= {164: (">f", 0.5), 168: (">f", 600e-9), 176: (">f", 1.0), 184: (">f", 2e-6), 218: (">h", 1)}
-    for at, (form, value) in fields.items():
-        struct.pack_into(form, header, at, value)
-    counts = np.where(np.isnan(heights), 2147483640, heights * 32768 / 300e-9).T.round().astype(">i4")
-    path.write_bytes(bytes(header) + counts.tobytes())
 
 
 @pytest.mark.parametrize("missing", [0, 34, 60])

@@ -54,16 +54,22 @@ def test_hdf5_reads_no_other_file(tmp_path: Path, make: Callable[[h5py.File, Pat
     check_sentence(error.value)
 
 
-@pytest.mark.parametrize("name", ["disc.txt", "disc.dat", "disc.sur", "disc.xyz", "disc.h5"])
+@pytest.mark.parametrize("name", ["disc.txt", "disc.sur"])
 @pytest.mark.parametrize(
     "content",
-    [bytes(4_000_000), b"a" + bytes(4_000_000), bytes(4_000_000) + b"1 2\n", 500_000 * b"words, "],
-    ids=["zeros", "a letter", "zeros and numbers", "words"],
+    [
+        bytes(4_000_000),
+        b"a" + bytes(4_000_000),
+        bytes(4_000_000) + b"1 2\n",
+        b"\xff\xfe" + 1_000_000 * b"\0\0\n\0",
+        4_000_000 * b".",
+    ],
+    ids=["zeros", "a letter", "zeros and numbers", "zeros of two bytes", "points"],
 )
 def test_what_is_no_surface_is_refused_soon(tmp_path: Path, name: str, content: bytes) -> None:
-    pytest.importorskip("SurfaceTopography").IO  # which takes seconds to import
+    assert pytest.importorskip("SurfaceTopography").IO  # which takes seconds to import
     (tmp_path / name).write_bytes(content)
-    with watched(3.0), pytest.raises(InputError) as error:
+    with watched(1.0), pytest.raises(InputError) as error:
         read(tmp_path / name, **GIVEN)
     check_sentence(error.value)
 
@@ -72,7 +78,7 @@ def test_more_points_than_a_file_can_hold_are_not_made(tmp_path: Path) -> None:
     pytest.importorskip("SurfaceTopography")
     with h5py.File(tmp_path / "disc.h5", "w") as file:  # 3 GB of nothing, in 2 kB
         file.create_dataset("heights", shape=(20_000, 20_000), dtype=float, chunks=(100, 100))
-    with watched(), pytest.raises(InputError, match="points in .* bytes, which is more than can be there"):
+    with watched(), pytest.raises(InputError, match=r"points in .* bytes, which is more than can be there"):
         read(tmp_path / "disc.h5", **GIVEN)
 
 

@@ -24,9 +24,7 @@ class Snapshot:
     gap: FloatArray  # [mm], after the step's wear
     plastic_disc: FloatArray | None = None  # [mm], displaced for good, of a swept disc that keeps its dents
     row: int | None = None  # of the track, under the sphere's first row
-    load_on_filled: float | None = (
-        None  # share of the load, see `share_on`; None of a disc without such points
-    )
+    load_on_filled: float | None = None  # share of the load, see `share_on`; None where all was measured
 
     @property
     def fields(self) -> dict[str, FloatArray]:
@@ -38,7 +36,7 @@ class Snapshot:
         return f"<Snapshot at {self.distance:g} mm, {nx} × {ny} cells: {', '.join(self.fields)}>"
 
     def share_on(self, filled: BoolArray) -> float:
-        """Share of the load on points that were not measured: shape of the disc's field, (nx, ny) or (rows, ny).
+        """Share of the load on points of the disc that were not measured, a field as that of its wear.
 
         At rest it is that of the step. Of a swept run it is the mean over its way so far, by the wear of the
         disc, or, where that does not wear, that of the step.

@@ -101,17 +101,13 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("from:", "from", roll_off.source),
         Row("Hurst exponent", "hurst", roll_off.hurst, digits=2),
     ]
-    rough = own["sz_um"] > 0.0
+    rough_rows = [Row(label, key, own[key]) for key, label in ROUGHNESS.items()]
     ra_rows = [row for axis, found in zip("xy", profiles, strict=True) for row in _ra(axis, found, lay)]
     by_cut_off = {"cut_off_um": (1e3 * cut_offs).tolist(), "rms_slope": slopes.tolist()}
     by_wave = {"wavelength_um": 1e3 * spectrum.wavelength, "density_um4": 1e12 * spectrum.density}
     rows = [
         *(Row("", key, value) for key, value in own.items()),
-        Row(
-            "roughness",
-            "",
-            [Row(label, key, own[key]) for key, label in ROUGHNESS.items()] if rough else FLAT,
-        ),
+        Row("roughness", "", rough_rows if own["sz_um"] > 0.0 else FLAT),
         Row("", "grid", list(heights.shape)),
         Row("", "pixel_um", [1e3 * p for p in pixel]),
         Row("", "extent_mm", list(surface.size)),

@@ -227,7 +227,7 @@ class ResultFile:
 
     @cached_property
     def load_on_filled(self) -> FloatArray:
-        """Share of the load on points that the disc's file lacks, a snapshot each; empty where it lacks none."""
+        """Share of the load on points that the disc's file lacks, one a snapshot; empty where it is whole."""
         with self._reading() as file:
             found = [group.attrs.get("load_on_filled") for group in file["snapshots"].values()]
             return np.array([share for share in found if share is not None], dtype=np.float64)

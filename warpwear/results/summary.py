@@ -102,10 +102,10 @@ def summarise(result: ResultFile) -> dict[str, Any]:
 
 def _on_filled(shares: FloatArray) -> dict[str, Any]:
     """Shares of the load on points that were not measured, (snapshots,); nothing where there are none."""
-    found = (
-        {"end": 100.0 * float(shares[-1]), "largest": 100.0 * float(shares.max())} if shares.size else None
-    )
-    return {"load_on_filled_percent": found} if found else {}
+    if not shares.size:
+        return {}
+    percent = 100.0 * shares
+    return {"load_on_filled_percent": {"end": float(percent[-1]), "largest": float(percent.max())}}
 
 
 def _track(result: ResultFile) -> dict[str, Any]:

@@ -86,8 +86,8 @@ class Invariants:
         if share > ON_FILLED:
             yield Violation(
                 "filled",
-                f"{100.0 * share:.3g} % of the load {_where(row)} rests on points that disc.surface lacks and that "
-                f"were filled in, where {100.0 * ON_FILLED:g} % is allowed",
+                f"{100.0 * share:.3g} % of the load {_where(row)} rests on points that disc.surface lacks "
+                f"and that were filled in, where {100.0 * ON_FILLED:g} % is allowed",
                 "a part of the measurement with fewer missing points is needed (disc.crop)",
                 sound=True,
             )

@@ -180,26 +180,24 @@ class StepLoop:
         with_fields: whether every step can be asked for its fields, not only those that are kept.
         """
         speed, left = self.study.sliding.mean_speed, plan[len(self._rows) :]
-        begin = len(self._rows) + 1
-        looks = [
-            keep or (self._filled is not None and n & (n - 1) == 0)
-            for n, (*_, keep) in enumerate(left, begin)
-        ]
-        plan_of_fields = zip((increment for increment, *_ in left), looks, strict=True)
-        steps = self._model.steps((increment, look or with_fields) for increment, look in plan_of_fields)
+        # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
+        numbers, doubtful = range(len(self._rows) + 1, len(plan) + 1), self._filled is not None
+        looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=True)]
+        asked = ((step[0], look or with_fields) for step, look in zip(left, looks, strict=True))
+        steps = self._model.steps(asked)
         for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
             row = step.row | {"distance": distance}
             stop = self._check(
                 self._invariants.of_row(row, touches_edge=step.touches_edge, touches_rim=step.touches_rim)
             )
-            writer = self._writer if keep else None
-            snapshot = self._model.snapshot(step, distance) if writer or (look and not keep) else None
+            wanted = look and (self._filled is not None or self._writer is not None)
+            snapshot = self._model.snapshot(step, distance) if wanted else None
             if snapshot is not None and self._filled is not None:
                 snapshot = replace(snapshot, load_on_filled=snapshot.share_on(self._filled))
                 stop = stop or self._check(self._invariants.of_filled(snapshot, row))
-            if snapshot is not None and writer is not None:
+            if snapshot is not None and keep and self._writer is not None:
                 self._check(self._invariants.of_fields(vars(snapshot), row))
-                writer.add_snapshot(snapshot)
+                self._writer.add_snapshot(snapshot)
             row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             self._progress.step(row)

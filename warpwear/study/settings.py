@@ -87,8 +87,8 @@ class Checks(Section):
 
     strict: bool = key(
         True,
-        "stop when a step breaks what must hold: finite numbers, balance, volumes, a contact off the edge; "
-        "false records a warning",
+        "stop when a step breaks what must hold: finite numbers, balance, volumes, a contact off the edge "
+        "and on measured points; false records a warning",
     )
 
 
