@@ -91,6 +91,8 @@ class Executor:
         on_cpu = self.device.is_cpu
         self.slots_per_row = 1 if on_cpu else min(max(SLOTS_CUDA // grid.nx, 1), self.tiles_per_row)
         self.slots = grid.nx * self.slots_per_row
+        #: Whether steps are made in blocks on one core, where launches cost as much as what they do.
+        self.in_one_launch = on_cpu and grid.cells < 2 * CELLS_PER_THREAD
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if on_cpu else 0
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
         self._launches: dict[tuple[Any, int], tuple[Any, list[Any]]] = {}

@@ -15,6 +15,7 @@ from warpwear.contact.balance import (
     STEPS_AHEAD,
     Balance,
     Balancer,
+    Carried,
     Foundation,
     Lookahead,
     residual_of,
@@ -28,12 +29,14 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import contact, wear
+from warpwear.kernels.blocks import wear_gap
 from warpwear.kernels.cells import WearMost, WearSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.wear_loops import Increment, Tables
 from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
+from warpwear.models.on_cpu import Block, Found, in_launches
 from warpwear.models.rest.bodies import RestingBodies
 from warpwear.models.rest.on_gpu import DeviceLoop
 
@@ -81,6 +84,10 @@ class OneScaleModel(Model):
         self._law, self._increment = arguments(Law), arguments(Increment)
         sums, maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
         self._tables = arguments(Tables, sums=sums, maxima=maxima, ahead=self._balancer.lookahead)
+        self._block: Block | None = None
+        if executor.in_one_launch and self._foreseen:
+            parts = [self.state.unworn, self.tiles.rest, self.state.gap, self._tables]
+            self._block = Block(executor, task, wear_gap, parts, (SUMS, MAXIMA))
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -98,11 +105,16 @@ class OneScaleModel(Model):
     @property
     def in_blocks(self) -> bool:
         """Whether the device makes the next steps by itself."""
-        return self.blocks_allowed and self._last is not None
+        return (self.blocks_allowed or self._block is not None) and self._last is not None
 
-    def block(self, increments: Sequence[float]) -> Iterator[Step]:
+    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, before the first of them is seen."""
         assert self._last is not None
+        if not self.blocks_allowed:
+            assert self._block is not None
+            for self.steps_in_flight, made_alone in self._in_one_launch(self._block, increments, then):
+                yield made_alone
+            return
         if self._loop is None:
             self._loop = DeviceLoop(self._executor, self.task, self.state.gap, self.state.unworn)
         removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
@@ -114,6 +126,49 @@ class OneScaleModel(Model):
             reference = self._ledger.row["pressure_mean"]
             total, most = (divided(found, self.state.fractions) for found in (step.totals, step.most))
             yield self._ledger.enter(step.balance, increment, removed, reference, total, most)
+
+    def _in_one_launch(
+        self, block: Block, increments: Sequence[float], then: float | None
+    ) -> Iterator[tuple[int, Step]]:
+        """Steps as `advance` makes them, as many in a launch as it can, and how many are made beyond each."""
+        known = [*increments, *([] if then is None else [then])]
+        removals = removals_of(self.task.wear, self._ledger.row["distance"], known)
+        plan = np.array([(sum(removed), 0.0, 0.0, self._stiffness_of(*removed)) for removed in removals])
+
+        def launch(done: int) -> Sequence[Found]:
+            ahead = self._lookahead
+            assert self._last is not None
+            foreseen = {}
+            if ahead is not None and ahead.stiffness == plan[done, 3]:
+                foreseen = {"known": 1.0, "ahead": ahead.offset} | ahead.carried._asdict()
+            made, left = block.run(
+                plan[done:],
+                len(increments) - done,
+                self.tiles,
+                self._ledger.most,
+                approach=self._last.approach,
+                mean=self._ledger.row["pressure_mean"],
+                **self._foresight.numbers,
+                **foreseen,
+            )
+            for (balance, _, _), removal in zip(made, removals[done:], strict=False):
+                self._foresight.note(balance.approach, sum(removal))
+            if made:
+                self._last, self._lookahead = made[-1][0], None
+            if made and left["known"]:
+                carried = Carried(left["force"], left["slope"], left["straight"])
+                self._lookahead = Lookahead(float(plan[done + len(made), 3]), left["ahead"], carried)
+            return made
+
+        def enter(number: int, found: Found) -> Step:
+            balance, total, most = found
+            reference = self._ledger.row["pressure_mean"]
+            return self._enter(balance, increments[number], removals[number], reference, total, most)
+
+        def alone(number: int) -> Step:
+            return self.advance(increments[number], then=known[number + 1] if number + 1 < len(known) else None)
+
+        return in_launches(len(increments), launch, enter, alone)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -157,12 +212,25 @@ class OneScaleModel(Model):
             self._lookahead = Lookahead(stiffness_next, step_next, carried)
         total = dict(zip(SUMS, self._tables.sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(MAXIMA, self._tables.maxima.numpy().max(axis=1).tolist(), strict=True))
-        total, most = (divided(found, self.state.fractions) for found in (total, most))
-        if not task.rigid:
-            force = total["pressure"] * self._executor.grid.cell_area
-            residual = residual_of(force, task.load, approach=balance.approach)
-            balance = replace(balance, load_residual=residual)
         self._last = balance
+        return self._enter(balance, increment, removal, reference, total, most, pressure)
+
+    def _enter(
+        self,
+        balance: Balance,
+        increment: float,
+        removal: tuple[float, float],
+        reference: float,
+        total: dict[str, float],
+        most: dict[str, float],
+        pressure: FloatArray | None = None,
+    ) -> Step:
+        """Book a step that wore the gap. Raises ConvergenceError where its pressures do not carry the load."""
+        if not self.task.rigid:
+            force = total["pressure"] * self._executor.grid.cell_area
+            residual = residual_of(force, self.task.load, approach=balance.approach)
+            balance = replace(balance, load_residual=residual)
+        total, most = (divided(found, self.state.fractions) for found in (total, most))
         return self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
 
     def _pressures(self, stiffness: float) -> FloatArray:

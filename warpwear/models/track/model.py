@@ -59,11 +59,15 @@ class SweptModel(Model):
         row = self._track.row(self._done)
         return self._placed(self.contact.step(row, increment, with_pressure=with_pressure))
 
-    def block(self, increments: Sequence[float]) -> Iterator[Step]:
+    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, before the first of them is seen."""
         assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
+        if not self.contact.blocks_allowed:
+            for self.steps_in_flight, step in self.contact.in_one_launch(increments):
+                yield self._placed(step)
+            return
         rows = [self._track.row(self._done + i) for i in range(len(increments))]
-        return map(self._placed, self.contact.steps(rows, increments))
+        yield from map(self._placed, self.contact.steps(rows, increments))
 
     def _placed(self, step: Step) -> Step:
         step.row["position"] = self._track.place(self._done)
