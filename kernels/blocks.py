@@ -7,7 +7,7 @@ before a step that asks for more, a new list of tiles or a tie, say, which is th
 
 import warp as wp
 
-from warpwear.kernels.cells import Cells, TileSums, TrackMost, TrackSum, WearMost, WearSum
+from warpwear.kernels.cells import EXTENTS, Cells, TileSums, TrackMost, TrackSum, WearMost, WearSum
 from warpwear.kernels.contact import Law
 from warpwear.kernels.sliding import (
     INFINITE,
@@ -30,8 +30,6 @@ wp.set_module_options({"enable_backward": False})
 PLAN = ("sphere", "disc", "compliance", "stiffness")
 #: What a row says of the balance, before the sums and maxima of its step.
 BALANCE = ("base", "offset", "cap", "residual", "evaluations")
-#: Extents of what was ever touched, first ones negated, as the tables of maxima have them.
-EXTENTS = ("first_row", "last_row", "first_column", "last_column")
 #: Numbers that a block begins with and leaves as they are after its last step.
 MEMORY = (
     "made",  # steps of the block
@@ -112,7 +110,7 @@ _BEGIN = LANES_IN_C + """
 {
     #pragma clang fp contract(off)
     const double inf = __builtin_inf();
-    const auto sum_part = [](const auto& self, const double* v, int n) -> double {
+    const auto sum_part = [](const auto& self, const double* v, int n) __attribute__((noinline)) -> double {
         if (n > 128) {
             const int half = n / 2 - n / 2 % 8;
             return self(self, v, half) + self(self, v + half, n - half);
@@ -127,7 +125,7 @@ _BEGIN = LANES_IN_C + """
         for (; i < n; ++i) sum += v[i];
         return sum;
     };
-    const auto sum_of_row = [&](const auto& table, int line) {
+    const auto sum_of_row = [&](const auto& table, int line) __attribute__((noinline)) {
         return sum_part(sum_part, &wp::index(table, line, 0), table.shape[1]);
     };
     const auto most_of_row = [&](const auto& table, int line) {
@@ -463,7 +461,7 @@ MADE, MEAN, AHEAD, FIRST_COLUMN, LAST_COLUMN = (
 )
 
 
-@wp.kernel(module="unique")
+@wp.kernel(module="unique", enable_backward=False)
 def wear_gap(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
@@ -500,7 +498,7 @@ def wear_gap(
             n += 1
 
 
-@wp.kernel(module="unique")
+@wp.kernel(module="unique", enable_backward=False)
 def wear_bodies(
     first_slot: wp.int32,
     slots_per_row: wp.int32,

@@ -83,16 +83,13 @@ LANES_IN_C = """
         for (int j = 0; j < lanes; ++j) sum += ((const double*)&v)[j];
         return sum;
     };
-    const auto count = [&](const Counts& v) {
-        long long sum = 0;
-        for (int j = 0; j < lanes; ++j) sum += ((const long long*)&v)[j];
-        return double(sum);
-    };
-    const auto most = [&](const Lanes& v) {
-        double top = ((const double*)&v)[0];
-        for (int j = 1; j < lanes; ++j) top = wp::max(top, ((const double*)&v)[j]);
-        return top;
-    };
+#if defined(__CUDA_ARCH__)
+    const auto count = [&](Counts v) { return double(v); };
+    const auto most = [&](Lanes v) { return v; };
+#else
+    const auto count = [&](Counts v) { return double(__builtin_reduce_add(v)); };
+    const auto most = [&](Lanes v) { return __builtin_reduce_max(v); };
+#endif
 """
 
 #: What the loops share: their sums, a cell, and where the sums go.

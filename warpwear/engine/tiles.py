@@ -145,5 +145,6 @@ class Tiles(TileList):
             tiles.select,
             inputs=[limit, *self._fields],
             outputs=[self._lowest, self._kept, self.rest, self.list, self.count],
+            often=True,
         )
         self._adopt(limit)

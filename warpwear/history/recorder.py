@@ -2,19 +2,17 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from warpwear.contact.balance import Balance
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import per
-from warpwear.kernels.cells import MAXIMA
+from warpwear.kernels.cells import EXTENTS, MAXIMA
 from warpwear.laws.task import ContactTask
 
 
-@dataclass(frozen=True)
-class Step:
+class Step(NamedTuple):
     """A step holds what one increment left: its balance, its row, and what it touched."""
 
     balance: Balance
@@ -26,9 +24,8 @@ class Step:
 
 def divided(found: Mapping[str, float], fractions: tuple[float, float]) -> dict[str, float]:
     """Sums or maxima of "worn", by both bodies, as those of sphere and disc: a small one is no difference."""
-    rest = {name: value for name, value in found.items() if name != "worn"}
-    sphere, disc = fractions
-    return rest | {"wear_sphere": sphere * found["worn"], "wear_disc": disc * found["worn"]}
+    (sphere, disc), worn = fractions, found["worn"]
+    return {**found, "wear_sphere": sphere * worn, "wear_disc": disc * worn}
 
 
 class Ledger:
@@ -52,14 +49,16 @@ class Ledger:
     ) -> None:
         self._task, self._grid, self._weight, self._margin = task, grid, weight, margin
         self._track_fraction = track_fraction
-        self._x, self._y = grid.x, grid.y
+        self._x, self._y = grid.x.tolist(), grid.y.tolist()
+        #: What `_of_extents` told last, and of which.
+        self._told: tuple[tuple[float, ...], tuple[float, float, bool, bool]] | None = None
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
 
     @property
     def columns(self) -> tuple[int, int]:
         """First column that was ever touched, and the one after the last; 0, 0 before the first step."""
-        first, last = (self.most[name] for name in ("first_column", "last_column"))
+        first, last = self.most["first_column"], self.most["last_column"]
         return (int(-first), int(last) + 1) if math.isfinite(first) else (0, 0)
 
     def enter(
@@ -87,11 +86,11 @@ class Ledger:
         if not count > 0.0 or not math.isfinite(total["pressure"]):
             raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
         # What was reached once stays so, also where the tiles visited now do not show it.
-        self.most = {name: max(most[name], self.most[name]) for name in self.most}
-        first_row, last_row = int(-self.most["first_row"]), int(self.most["last_row"])
-        first_column, last_column = int(-self.most["first_column"]), int(self.most["last_column"])
-        along = (last_row - first_row + 1) * grid.cell
-        across = (last_column - first_column + 1) * grid.cell
+        self.most = {name: max(most[name], kept) for name, kept in self.most.items()}
+        extents = tuple(self.most[name] for name in EXTENTS)
+        if self._told is None or self._told[0] != extents:  # few steps widen the contact
+            self._told = extents, self._of_extents(*extents)
+        along, across, at_edge, beyond_sphere = self._told[1]
         mean = total["pressure"] / count
         variance = total["deviation_squared"] / count - (mean - reference) ** 2
         in_contact = (count if bearing is None else bearing) * area
@@ -124,10 +123,18 @@ class Ledger:
         }
         if "pressed_disc" in total:
             self.row["plastic_volume_disc"] = total["pressed_disc"] / self._track_fraction * area
-        margin = self._margin
-        at_edge = min(first_row, first_column) < margin
-        at_edge |= last_row >= grid.nx - margin or last_column >= grid.ny - margin
-        # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
-        reach = max(-self._x[first_row], self._x[last_row], -self._y[first_column], self._y[last_column])
-        beyond_sphere = bool((reach + 1.5 * grid.cell) * self._task.curvature >= 1.0)
         return Step(balance, self.row, at_edge, beyond_sphere, pressure)
+
+    def _of_extents(
+        self, first_row: float, last_row: float, first_column: float, last_column: float
+    ) -> tuple[float, float, bool, bool]:
+        """Tell how far the touched cells reach along and across [mm]; if to the domain's edge or the rim."""
+        grid, margin = self._grid, self._margin
+        first_x, last_x, first_y, last_y = int(-first_row), int(last_row), int(-first_column), int(last_column)
+        at_edge = min(first_x, first_y) < margin
+        at_edge |= last_x >= grid.nx - margin or last_y >= grid.ny - margin
+        # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
+        reach = max(-self._x[first_x], self._x[last_x], -self._y[first_y], self._y[last_y])
+        beyond_sphere = (reach + 1.5 * grid.cell) * self._task.curvature >= 1.0
+        along, across = (last_x - first_x + 1) * grid.cell, (last_y - first_y + 1) * grid.cell
+        return along, across, at_edge, beyond_sphere

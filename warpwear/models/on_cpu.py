@@ -25,7 +25,8 @@ from warpwear.engine.tiles import TileList
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.kernels import blocks
-from warpwear.kernels.blocks import BALANCE, EXTENTS, MEMORY
+from warpwear.kernels.blocks import BALANCE, MEMORY
+from warpwear.kernels.cells import EXTENTS
 from warpwear.laws.task import ContactTask
 
 #: Steps of a block at most: interrupts and checkpoints wait for its end.

@@ -6,7 +6,6 @@ those of a track on which the disc does not move.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -229,7 +228,7 @@ class OneScaleModel(Model):
         if not self.task.rigid:
             force = total["pressure"] * self._executor.grid.cell_area
             residual = residual_of(force, self.task.load, approach=balance.approach)
-            balance = replace(balance, load_residual=residual)
+            balance = balance._replace(load_residual=residual)
         total, most = (divided(found, self.state.fractions) for found in (total, most))
         return self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
 
