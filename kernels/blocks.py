@@ -29,7 +29,7 @@ wp.set_module_options({"enable_backward": False})
 #: Columns of the plan: K ΔL of both bodies or of each [mm³/N], compliance [mm³/N] and 1/c [N/mm³].
 PLAN = ("sphere", "disc", "compliance", "stiffness")
 #: What a row says of the balance, before the sums and maxima of its step.
-BALANCE = ("base", "offset", "cap", "residual", "evaluations")
+BALANCE = ("base", "offset", "cap", "residual", "evaluations", "reference")
 #: Numbers that a block begins with and leaves as they are after its last step.
 MEMORY = (
     "made",  # steps of the block
@@ -202,9 +202,9 @@ _SEARCH = """
     const auto fill = [&](double value) {
         for (int i = 0; i < of_row; ++i) ((Stored*)block.stiffness.data)[i] = value;
     };
-    const auto write = [&](double base, double cap, double residual) {
-        const double numbers[] = {base, offset, cap, residual, evaluations};
-        for (int i = 0; i < 5; ++i) wp::index(block.found, n, i) = numbers[i];
+    const auto write = [&](double base, double cap, double residual, double reference) {
+        const double numbers[] = {base, offset, cap, residual, evaluations, reference};
+        for (int i = 0; i < 6; ++i) wp::index(block.found, n, i) = numbers[i];
     };
 """
 
@@ -252,7 +252,7 @@ _ONE_GAP = """
         solved_evaluations = evaluations;
         if (listed < 2 && !serves(here + wp::max(next, 0.0), next, 2)) return 0;
     }
-    write(approach, cap, now_force - load);
+    write(approach, cap, now_force - load, mean);
     slid = slid_now;
     rates = count_now;
     where_0 = w0;
@@ -317,7 +317,7 @@ _TWO_BODIES = """
         }
         if (!balance(0.0, scatter, lying.factored == 1 ? inf : stiffness, false)) return 0;
         if (approach + offset > limit) return 0;
-        write(approach, cap, now_force - load);
+        write(approach, cap, now_force - load, mean);
         return 1;
     }
     // A bearing area. Counts are needed of levels up to one that surely holds too many cells.
@@ -332,10 +332,13 @@ _TWO_BODIES = """
         for (int row = 0; row < rows; ++row)
             for (int t = 0; t < columns; ++t)
                 if (wp::index(lying.lowest, row, t) < level)
-                    for (int i = t * 32; i < wp::min(t * 32 + 32, of_row * lanes); ++i) {
-                        const double g = gaps[row * of_row * lanes + i];
-                        cells[some] = g;
-                        some += g < level;
+                    for (int i = t * of_tile; i < wp::min((t + 1) * of_tile, of_row); ++i) {
+                        const double* const g = gaps + (row * of_row + i) * lanes;
+                        if (-most(-*(const Stored*)g) < level)
+                            for (int j = 0; j < lanes; ++j) {
+                                cells[some] = g[j];
+                                some += g[j] < level;
+                            }
                     }
         if (some - lying.needed >= lying.allowed || level >= high) break;
         scatter *= 4.0;
@@ -350,8 +353,8 @@ _TWO_BODIES = """
         if (!is_above && wp::abs(below - lying.needed) < lying.allowed && below > 0) {
             evaluations = trial;
             list(at);
-            write(at, load / (below * block.cell_area),
-                  (below - lying.needed) * cap * block.cell_area);
+            const double shared = load / (below * block.cell_area);
+            write(at, shared, (below - lying.needed) * cap * block.cell_area, shared);
             return 1;
         }
         const double before = high - low;
@@ -365,12 +368,12 @@ _TWO_BODIES = """
 #: Sums and maxima of a step, and what the next one needs of them. A block ends where the contact grew: the
 #: run may have to stop there, and be kept as it is.
 _END = """
-    double* found = &wp::index(block.found, n, 5);
-    const double base = found[-5], offset = found[-4];
+    double* found = &wp::index(block.found, n, 6);
+    const double base = found[-6], offset = found[-5];
     for (int line = 0; line < tables.sums.shape[0]; ++line) *found++ = sum_of_row(tables.sums, line);
     const double* const sums = found - tables.sums.shape[0], *const maxima = found;
     for (int line = 0; line < tables.maxima.shape[0]; ++line) *found++ = most_of_row(tables.maxima, line);
-    bool goes_on = sums[2] > 0.0;
+    bool goes_on = sums[2] > 0.0 && sums[0] < inf;
     mean = sums[0] / sums[2];
     made = n + 1;
     const auto extend = [&](double& extent, double index) {
@@ -389,7 +392,8 @@ _END_OF_ONE_GAP = f"""
     straight = inf;
     for (int i = 0; i < tables.ahead.shape[1]; ++i) straight = wp::min(straight, wp::index(tables.ahead, 2, i));
     known = ahead != 0.0;
-    return goes_on;
+    const double residual = sums[0] * block.cell_area - block.load;
+    return goes_on && wp::abs(residual) <= 2.0 * block.rules.tolerance * block.load;
 }}
 """
 _END_OF_TWO_BODIES = f"""
@@ -455,9 +459,9 @@ def end_bodies(n: wp.int32, block: Block, lying: Lying, tables: StepTables) -> w
     ...
 
 
-MADE, MEAN, AHEAD, FIRST_COLUMN, LAST_COLUMN = (
+MADE, AHEAD, FIRST_COLUMN, LAST_COLUMN = (
     wp.constant(wp.int32(MEMORY.index(name)))
-    for name in ("made", "mean", "ahead", "first_column", "last_column")
+    for name in ("made", "ahead", "first_column", "last_column")
 )
 
 
@@ -486,7 +490,7 @@ def wear_gap(
             step = Increment()
             step.wear_per_pressure = block.plan[n, 0]
             step.stiffness = block.plan[n, 3]
-            step.reference = block.memory[MEAN]
+            step.reference = block.found[n, 5]
             step.base_next = law.base + law.offset
             step.offset_next = block.memory[AHEAD]
             step.stiffness_next = block.plan[wp.min(n + 1, block.plan.shape[0] - 1), 3]
@@ -522,7 +526,7 @@ def wear_bodies(
             step.wear_per_pressure_sphere = block.plan[n, 0]
             step.wear_per_pressure_disc = block.plan[n, 1]
             step.factored = lying.factored
-            step.reference = wp.where(block.plan[n, 2] > 0.0, block.memory[MEAN], law.cap)
+            step.reference = block.found[n, 5]
             step.full_depth = INFINITE
             step.first_column = -wp.int32(block.memory[FIRST_COLUMN])
             step.last_column = wp.int32(block.memory[LAST_COLUMN])

@@ -28,6 +28,12 @@ class Foresight:
             known |= {f"where_{number}": where, f"rate_{number}": rate}
         return known
 
+    @numbers.setter
+    def numbers(self, known: dict[str, float]) -> None:
+        self._slid, self._approach = known["slid"], known["approach"]
+        pairs = [(known[f"where_{number}"], known[f"rate_{number}"]) for number in range(int(known["rates"]))]
+        self._rates = deque(pairs, maxlen=REMEMBERED)
+
     def note(self, approach: float, removal: float) -> None:
         """Learn from a step that ended at an approach [mm]; removal: its K ΔL of both bodies [mm³/N]."""
         where = self._slid + 0.5 * removal

@@ -3,9 +3,9 @@
 Where a step asks for more than the launch can do, it makes no further, and that step is made by itself.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from itertools import accumulate, cycle
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import accumulate
+from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
@@ -23,7 +23,7 @@ from warpwear.contact.balance import (
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.tiles import TileList
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Step
+from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import blocks
 from warpwear.kernels.blocks import BALANCE, MEMORY
 from warpwear.kernels.cells import EXTENTS
@@ -31,8 +31,16 @@ from warpwear.laws.task import ContactTask
 
 #: Steps of a block at most: interrupts and checkpoints wait for its end.
 LONGEST_BLOCK = 500
-#: Balance, sums and maxima of a step.
-Found = tuple[Balance, dict[str, float], dict[str, float]]
+
+
+class Found(NamedTuple):
+    """What a launch found of the steps that it made: of each quantity an array."""
+
+    made: int
+    balance: Balance
+    reference: FloatArray  # that the scatter of the pressure counts from [MPa]
+    total: dict[str, FloatArray]
+    most: dict[str, FloatArray]
 
 
 class Block:
@@ -84,7 +92,7 @@ class Block:
         *,
         changes: Sequence[float] = (),
         **memory: float,
-    ) -> tuple[list[Found], dict[str, float]]:
+    ) -> tuple[Found, dict[str, float]]:
         """Make steps of a plan; return balance, sums and maxima of those made, and the memory after them.
 
         plan: of numbers by `kernels.blocks.PLAN`; steps: at most, of the plan's. extents: touched so far. memory, changes: by `kernels.blocks.MEMORY`.
@@ -109,35 +117,61 @@ class Block:
             )
             if not known[MEMORY.index("asks")]:
                 break
-            tiles.reach(known[MEMORY.index("reach")], margin=known[MEMORY.index("margin")])
-        made: list[Found] = []
-        for row in found[: int(known[0])].tolist():
-            base, offset, cap, residual, evaluations = row[: ends[0]]
-            balance = Balance(base, offset, cap, residual, evaluations=int(evaluations))
-            total: dict[str, float] = {}
-            most: dict[str, float] = {}
-            for kept, names, start, end in zip(cycle((total, most)), self._columns, ends, ends[1:], strict=False):
-                kept.update(zip(names, row[start:end], strict=True))
-            made.append((balance, total, most))
-        return made, dict(zip(MEMORY, known.tolist(), strict=False))
+            tiles.reach(float(known[MEMORY.index("reach")]), margin=float(known[MEMORY.index("margin")]))
+        made = int(known[0])
+        of_steps = np.ascontiguousarray(found[:made].T)
+        base, offset, cap, residual, evaluations, reference = of_steps[: ends[0]]
+        groups = [dict(zip(names, of_steps[end:], strict=False)) for names, end in zip(self._columns, ends, strict=False)]
+        total, most = ({k: v for group in groups[i::2] for k, v in group.items()} for i in (0, 1))
+        none = np.zeros(made)  # no ties: a launch makes no such step
+        balance = Balance(base, offset, cap, residual, none, none, evaluations)
+        return Found(made, balance, reference, total, most), dict(zip(MEMORY, known.tolist(), strict=False))
+
+
+def booked(
+    found: Found,
+    ledger: Ledger,
+    increments: FloatArray,
+    removals: Sequence[tuple[float, float]],
+    enter: Callable[..., Step],
+) -> Iterator[Step]:
+    """Enter steps that a launch made into the books, and yield them.
+
+    enter: books the last of them, which may have widened the contact or failed, as one made by itself.
+    """
+    count, balance, reference, total, most = found
+    if not count:
+        return
+    before, wear = slice(0, count - 1), np.array(removals[:count]).T
+
+    def part(values: dict[str, FloatArray], which: Any) -> dict[str, Any]:
+        return {name: column[which] for name, column in values.items()}
+
+    yield from ledger.enter_all(
+        Balance(*(column[before] for column in balance)),
+        increments[before],
+        (wear[0, before], wear[1, before]),
+        reference[before],
+        part(total, before),
+        part(most, before),
+    )
+    last = count - 1
+    alone = Balance(*(float(column[last]) for column in balance))
+    sums, maxima = ({n: float(v) for n, v in part(values, last).items()} for values in (total, most))
+    yield enter(alone, float(increments[last]), removals[last], float(reference[last]), sums, maxima)
 
 
 def in_launches(
-    steps: int,
-    launch: Callable[[int], Sequence[Found]],
-    enter: Callable[[int, Found], Step],
-    alone: Callable[[int], Step],
+    steps: int, launch: Callable[[int], tuple[int, Iterable[Step]]], alone: Callable[[int], Step]
 ) -> Iterator[tuple[int, Step]]:
     """Yield steps in order, each with the number of those that the state is ahead of it.
 
-    launch: makes steps from a number on, perhaps none; enter: books one of them; alone: makes and books one.
+    launch: makes steps from a number on, perhaps none, and books them; alone: makes and books one.
     """
     done = 0
     while done < steps:
-        made = launch(done)
-        for left, found in zip(reversed(range(len(made))), made, strict=True):
-            yield left, enter(done, found)
-            done += 1
+        made, booked_now = launch(done)
+        yield from zip(reversed(range(made)), booked_now, strict=True)
         if not made:
             yield 0, alone(done)
-            done += 1
+        done += max(made, 1)

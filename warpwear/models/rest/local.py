@@ -35,7 +35,7 @@ from warpwear.kernels.wear_loops import Increment, Tables
 from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
-from warpwear.models.on_cpu import Block, Found, in_launches
+from warpwear.models.on_cpu import Block, booked, in_launches
 from warpwear.models.rest.bodies import RestingBodies
 from warpwear.models.rest.on_gpu import DeviceLoop
 
@@ -132,15 +132,16 @@ class OneScaleModel(Model):
         """Steps as `advance` makes them, as many in a launch as it can, and how many are made beyond each."""
         known = [*increments, *([] if then is None else [then])]
         removals = removals_of(self.task.wear, self._ledger.row["distance"], known)
+        slid = np.array(increments)
         plan = np.array([(sum(removed), 0.0, 0.0, self._stiffness_of(*removed)) for removed in removals])
 
-        def launch(done: int) -> Sequence[Found]:
+        def launch(done: int) -> tuple[int, Iterator[Step]]:
             ahead = self._lookahead
             assert self._last is not None
             foreseen = {}
             if ahead is not None and ahead.stiffness == plan[done, 3]:
                 foreseen = {"known": 1.0, "ahead": ahead.offset} | ahead.carried._asdict()
-            made, left = block.run(
+            found, left = block.run(
                 plan[done:],
                 len(increments) - done,
                 self.tiles,
@@ -150,24 +151,23 @@ class OneScaleModel(Model):
                 **self._foresight.numbers,
                 **foreseen,
             )
-            for (balance, _, _), removal in zip(made, removals[done:], strict=False):
-                self._foresight.note(balance.approach, sum(removal))
-            if made:
-                self._last, self._lookahead = made[-1][0], None
-            if made and left["known"]:
+            if found.made:
+                self._foresight.numbers, self._lookahead = left, None
+                self._last = Balance(*(float(part[-1]) for part in found.balance))
+            if found.made and left["known"]:
                 carried = Carried(left["force"], left["slope"], left["straight"])
-                self._lookahead = Lookahead(float(plan[done + len(made), 3]), left["ahead"], carried)
-            return made
-
-        def enter(number: int, found: Found) -> Step:
-            balance, total, most = found
-            reference = self._ledger.row["pressure_mean"]
-            return self._enter(balance, increments[number], removals[number], reference, total, most)
+                self._lookahead = Lookahead(float(plan[done + found.made, 3]), left["ahead"], carried)
+            residual = found.total["pressure"] * self._executor.grid.cell_area - self.task.load
+            total, most = (divided(part, self.state.fractions) for part in (found.total, found.most))
+            found = found._replace(
+                balance=found.balance._replace(load_residual=residual), total=total, most=most
+            )
+            return found.made, booked(found, self._ledger, slid[done:], removals[done:], self._enter)
 
         def alone(number: int) -> Step:
             return self.advance(increments[number], then=known[number + 1] if number + 1 < len(known) else None)
 
-        return in_launches(len(increments), launch, enter, alone)
+        return in_launches(len(increments), launch, alone)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -211,6 +211,7 @@ class OneScaleModel(Model):
             self._lookahead = Lookahead(stiffness_next, step_next, carried)
         total = dict(zip(SUMS, self._tables.sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(MAXIMA, self._tables.maxima.numpy().max(axis=1).tolist(), strict=True))
+        total, most = (divided(found, self.state.fractions) for found in (total, most))
         self._last = balance
         return self._enter(balance, increment, removal, reference, total, most, pressure)
 
@@ -229,7 +230,6 @@ class OneScaleModel(Model):
             force = total["pressure"] * self._executor.grid.cell_area
             residual = residual_of(force, self.task.load, approach=balance.approach)
             balance = balance._replace(load_residual=residual)
-        total, most = (divided(found, self.state.fractions) for found in (total, most))
         return self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
 
     def _pressures(self, stiffness: float) -> FloatArray:

@@ -3,7 +3,7 @@
 import math
 from collections import deque
 from collections.abc import Iterator, Sequence
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -21,7 +21,7 @@ from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTi
 from warpwear.laws.archard import distance_factor, removals_of
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
-from warpwear.models.on_cpu import Block, Found, in_launches
+from warpwear.models.on_cpu import Block, booked, in_launches
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.on_gpu import DeviceSliding
 from warpwear.models.track.recession import Recession
@@ -188,11 +188,9 @@ class SlidingContact:
             self._recession.recede()
         self._note(balance.approach)
         total, most = self._found()
-        step = self._ledger.enter(
+        return self._enter(
             balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
         )
-        self.state.columns = self._ledger.columns
-        return step
 
     @property
     def in_blocks(self) -> bool:
@@ -215,9 +213,7 @@ class SlidingContact:
         for increment, removal, step in zip(increments, removals, made, strict=True):
             self._note(step.balance.approach)
             reference = self._ledger.row["pressure_mean"]
-            entered = self._ledger.enter(step.balance, increment, removal, reference, step.totals, step.most)
-            self.state.columns = self._ledger.columns
-            yield entered
+            yield self._enter(step.balance, increment, removal, reference, step.totals, step.most)
 
     def in_one_launch(self, increments: Sequence[float]) -> Iterator[tuple[int, Step]]:
         """Steps of a disc that lies still as `step` makes them, as many in a launch as it can.
@@ -227,14 +223,14 @@ class SlidingContact:
         block, task, track = self._block, self.task, self._track_fraction
         assert block is not None
         removals = removals_of(task.wear, self._ledger.row["distance"], increments)
-        plan = np.empty((len(removals), len(PLAN)))
+        slid, plan = np.array(increments), np.empty((len(removals), len(PLAN)))
         for number, (of_sphere, removal_disc) in enumerate(removals):
             compliance = task.compliance + (of_sphere + track * removal_disc) * task.implicit
             plan[number] = of_sphere, track * removal_disc, compliance, stiffness_of(compliance)
 
-        def launch(done: int) -> Sequence[Found]:
+        def launch(done: int) -> tuple[int, Iterator[Step]]:
             assert self._approach is not None
-            made, _ = block.run(
+            found, _ = block.run(
                 plan[done:],
                 len(plan) - done,
                 self.tiles,
@@ -243,19 +239,18 @@ class SlidingContact:
                 approach=self._approach,
                 mean=self._ledger.row["pressure_mean"],
             )
-            for balance, _, _ in made:
-                self._note(balance.approach)
-            return made
+            for approach in found.balance.approach.tolist():
+                self._note(approach)
+            found.total["pressed_disc"] = np.zeros(found.made)  # the disc springs back
+            return found.made, booked(found, self._ledger, slid[done:], removals[done:], self._enter)
 
-        def enter(number: int, found: Found) -> Step:
-            balance, total, most = found
-            reference = self._ledger.row["pressure_mean"] if plan[number, 2] else balance.cap
-            total["pressed_disc"] = 0.0  # the disc springs back
-            step = self._ledger.enter(balance, increments[number], removals[number], reference, total, most)
-            self.state.columns = self._ledger.columns
-            return step
+        return in_launches(len(plan), launch, lambda number: self.step(0, increments[number]))
 
-        return in_launches(len(plan), launch, enter, lambda number: self.step(0, increments[number]))
+    def _enter(self, *found: Any, **more: Any) -> Step:
+        """Book a step as `Ledger.enter` does."""
+        step = self._ledger.enter(*found, **more)
+        self.state.columns = self._ledger.columns
+        return step
 
     def _made_block(self) -> Block | None:
         """What makes many steps in a launch; None where none can: of rare laws, and of large fields."""
