@@ -322,7 +322,7 @@ _TWO_BODIES = """
     }
     // A bearing area. Counts are needed of levels up to one that surely holds too many cells.
     fill(stiffness);
-    double low = inf, high = lying.highest + 2.0 * lying.tie, level = approach + scatter;
+    double low = inf, high = lying.highest + 2.0 * lying.tie, level = approach + 0.25 * scatter;
     for (int i = 0; i < rows * columns; ++i) low = wp::min(low, lying.lowest.data[i]);
     if (largest >= high) return 0;
     double* const cells = lying.cells.data;
@@ -332,17 +332,14 @@ _TWO_BODIES = """
         for (int row = 0; row < rows; ++row)
             for (int t = 0; t < columns; ++t)
                 if (wp::index(lying.lowest, row, t) < level)
-                    for (int i = t * of_tile; i < wp::min((t + 1) * of_tile, of_row); ++i) {
-                        const double* const g = gaps + (row * of_row + i) * lanes;
-                        if (-most(-*(const Stored*)g) < level)
-                            for (int j = 0; j < lanes; ++j) {
-                                cells[some] = g[j];
-                                some += g[j] < level;
-                            }
+                    for (int i = t * 32; i < wp::min(t * 32 + 32, of_row * lanes); ++i) {
+                        const double g = gaps[row * of_row * lanes + i];
+                        cells[some] = g;
+                        some += g < level;
                     }
         if (some - lying.needed >= lying.allowed || level >= high) break;
-        scatter *= 4.0;
         level = approach + scatter;
+        scatter *= 4.0;
     }
     double at = 0.5 * (low + high);
     for (int trial = 1; trial < block.rules.most; ++trial) {
