@@ -7,7 +7,7 @@ before a step that asks for more, a new list of tiles or a tie, say, which is th
 
 import warp as wp
 
-from warpwear.kernels.cells import EXTENTS, Cells, TileSums, TrackMost, TrackSum, WearMost, WearSum
+from warpwear.kernels.cells import EXTENTS, Cells, TileSums, TrackMost, WearMost
 from warpwear.kernels.contact import Law
 from warpwear.kernels.sliding import (
     INFINITE,
@@ -106,7 +106,9 @@ class Lying:
 
 _MEMORY = "".join(f"    double& {name} = memory[{index}];\n" for index, name in enumerate(MEMORY))
 #: A sum as NumPy makes it of a row of numbers.
-_BEGIN = LANES_IN_C + """
+_BEGIN = (
+    LANES_IN_C
+    + """
 {
     #pragma clang fp contract(off)
     const double inf = __builtin_inf();
@@ -134,7 +136,9 @@ _BEGIN = LANES_IN_C + """
         return found;
     };
     double* const memory = block.memory.data;
-""" + _MEMORY
+"""
+    + _MEMORY
+)
 #: The load carried at an offset, and the search for the load.
 _SEARCH = """
     const int rows = gap_in.shape[0], of_tile = 32 / lanes, of_row = gap_in.shape[1];
@@ -324,7 +328,7 @@ _TWO_BODIES = """
     fill(stiffness);
     double low = inf, high = lying.highest + 2.0 * lying.tie, level = approach + 0.25 * scatter;
     for (int i = 0; i < rows * columns; ++i) low = wp::min(low, lying.lowest.data[i]);
-    if (largest >= high) return 0;
+    if (largest != lying.highest) return 0;  // a cell that high is worn: rarer than rare
     double* const cells = lying.cells.data;
     int some = 0;
     while (true) {
@@ -387,7 +391,8 @@ _END_OF_ONE_GAP = f"""
     force = sum_of_row(tables.ahead, 0) * block.cell_area;
     slope = sum_of_row(tables.ahead, 1) * block.cell_area;
     straight = inf;
-    for (int i = 0; i < tables.ahead.shape[1]; ++i) straight = wp::min(straight, wp::index(tables.ahead, 2, i));
+    const int rows = tables.ahead.shape[1];
+    for (int i = 0; i < rows; ++i) straight = wp::min(straight, wp::index(tables.ahead, 2, i));
     known = ahead != 0.0;
     const double residual = sums[0] * block.cell_area - block.load;
     return goes_on && wp::abs(residual) <= 2.0 * block.rules.tolerance * block.load;
@@ -457,8 +462,7 @@ def end_bodies(n: wp.int32, block: Block, lying: Lying, tables: StepTables) -> w
 
 
 MADE, AHEAD, FIRST_COLUMN, LAST_COLUMN = (
-    wp.constant(wp.int32(MEMORY.index(name)))
-    for name in ("made", "ahead", "first_column", "last_column")
+    wp.constant(wp.int32(MEMORY.index(name))) for name in ("made", "ahead", "first_column", "last_column")
 )
 
 
@@ -529,7 +533,16 @@ def wear_bodies(
             step.last_column = wp.int32(block.memory[LAST_COLUMN])
             for row in range(count_in.shape[0]):
                 wear_tiles(
-                    row, 1, tiles_in, count_in, law, step, lying.of_cells, lying.bodies, lying.of_tiles, tables
+                    row,
+                    1,
+                    tiles_in,
+                    count_in,
+                    law,
+                    step,
+                    lying.of_cells,
+                    lying.bodies,
+                    lying.of_tiles,
+                    tables,
                 )
                 if count_in[row] > 0:
                     total_row(row, row, lying.of_eight, lying.of_rows)

@@ -210,7 +210,8 @@ _WEAR_TILES = f"""
     Stored *const disc = line(bodies.disc, under), *const plastic = line(bodies.plastic_disc, under);
     Stored *const wear_sphere = line(bodies.wear_sphere, row), *const reached = line(bodies.reached, row);
     Stored* const wear_disc = line(bodies.wear_disc, under);
-    const Stored *const stiffness = line(of_cells.stiffness, row), *const factor = line(of_cells.factor, under);
+    const Stored *const stiffness = line(of_cells.stiffness, row);
+    const Stored *const factor = line(of_cells.factor, under);
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const bool presses = step.full_depth < 1.0e300, factored = step.factored == 1;
     const int of_tile = 32 / lanes, of_row = bodies.gap.shape[1] * 8 / lanes;
@@ -221,7 +222,8 @@ _WEAR_TILES = f"""
     Counts contact = 0, capped = 0;
     double first_column = -1.0e9, last_column = -1.0e9;
     for (int n = lane; n < listed; n += slots_per_row) {{
-        const int t = wp::index(tiles_in, row, n), first = t * of_tile, last = wp::min(first + of_tile, of_row);
+        const int t = wp::index(tiles_in, row, n), first = t * of_tile;
+        const int last = wp::min(first + of_tile, of_row);
         Lanes low = 1.0e30, high = -1.0e30, worn_sphere = 0.0, worn_disc = 0.0, pressed = 0.0;
         Counts touched = 0;
         Lanes was_touched[32 / lanes];
@@ -273,7 +275,8 @@ _WEAR_TILES = f"""
         wp::index(of_tiles.touched, row, t) = count(touched);
         if (presses) wp::index(of_tiles.pressed_disc, under, t) = total(pressed);
         // Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
-        if (count(touched) > 0.0 && (first * lanes < step.first_column || last * lanes - 1 > step.last_column))
+        const bool reaches_beyond = first * lanes < step.first_column || last * lanes - 1 > step.last_column;
+        if (reaches_beyond && count(touched) > 0.0)
             for (int j = 0; j < (last - first) * lanes; ++j)
                 if (((const double*)was_touched)[j] > 0.0) {{
                     first_column = wp::max(first_column, -double(first * lanes + j));

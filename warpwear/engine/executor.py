@@ -15,7 +15,7 @@ import warp as wp
 
 from warpwear.engine.device import check_memory, check_threads, find_device
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, gap, gpu_steps, gpu_steps_sliding, sliding, tiles, wear
+from warpwear.kernels import contact, gpu_steps, gpu_steps_sliding, sliding, tiles, wear
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
@@ -99,7 +99,7 @@ class Executor:
         self._whole = self.split_rows(np.full(grid.nx, self.vectors * LANES))
         # Compiled before any thread needs them.
         of_gpu = () if on_cpu else (gpu_steps, gpu_steps_sliding)
-        for module in (gap, contact, wear, sliding, tiles, *of_gpu):
+        for module in (contact, wear, sliding, tiles, *of_gpu):
             wp.load_module(module, device=self.device)
 
     def __enter__(self) -> Self:

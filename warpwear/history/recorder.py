@@ -111,15 +111,17 @@ class Ledger:
         total: Mapping[str, FloatArray],
         most: Mapping[str, FloatArray],
     ) -> list[Step]:
-        """Book steps in a row as `enter` does, of which none widens what was touched; a number a step of each.
+        """Book steps in a row, of which none widens what was touched, as `enter` does one.
 
-        balance: of arrays too.
+        All are arrays of one number a step, those of the balance too.
         """
         count = len(increment)
         if not count:
             return []
         most = {
-            name: np.maximum.accumulate(np.maximum(most[name], self.most[name])) if name in DEPTHS else most[name]
+            name: np.maximum.accumulate(np.maximum(most[name], self.most[name]))
+            if name in DEPTHS
+            else most[name]
             for name in ("pressure", *DEPTHS)
         }
         row = self._row(balance, increment, removal, reference, total, most)
@@ -146,7 +148,7 @@ class Ledger:
         most: Mapping[str, Number],
         bearing: Number | None = None,
     ) -> dict[str, Any]:
-        """The columns of a step, or of many in arrays: of `RUNNING` what they grow by, of the std its square."""
+        """Return the columns of a step, or of many: of `RUNNING` what they grow by, of the std its square."""
         area, load = self._weight * self._grid.cell_area, self._task.load
         along, across, _, _ = self._of_extents()
         count = total["contact"]

@@ -47,7 +47,8 @@ class Block:
     """Steps of one contact in one launch of a kernel of `kernels.blocks`.
 
     inputs: of the kernel, those that follow the block. columns: names of what the kernel leaves of a step,
-    sums and maxima in turns. stiffness: room for that of a row of cells. changes: that are remembered of the approach.
+    sums and maxima in turns. stiffness: room for that of a row of cells. changes: of the approach, that are
+    remembered.
     """
 
     def __init__(
@@ -95,7 +96,8 @@ class Block:
     ) -> tuple[Found, dict[str, float]]:
         """Make steps of a plan; return balance, sums and maxima of those made, and the memory after them.
 
-        plan: of numbers by `kernels.blocks.PLAN`; steps: at most, of the plan's. extents: touched so far. memory, changes: by `kernels.blocks.MEMORY`.
+        plan: numbers of each step by `kernels.blocks.PLAN`; steps: at most. extents: touched so far. memory,
+        changes: by `kernels.blocks.MEMORY`.
         """
         begin = dict.fromkeys(MEMORY, 0.0) | memory | {name: extents[name] for name in EXTENTS}
         known = np.full(len(MEMORY) - 1 + self._changes, -1.0)
@@ -121,7 +123,10 @@ class Block:
         made = int(known[0])
         of_steps = np.ascontiguousarray(found[:made].T)
         base, offset, cap, residual, evaluations, reference = of_steps[: ends[0]]
-        groups = [dict(zip(names, of_steps[end:], strict=False)) for names, end in zip(self._columns, ends, strict=False)]
+        groups = [
+            dict(zip(names, of_steps[end:], strict=False))
+            for names, end in zip(self._columns, ends, strict=False)
+        ]
         total, most = ({k: v for group in groups[i::2] for k, v in group.items()} for i in (0, 1))
         none = np.zeros(made)  # no ties: a launch makes no such step
         balance = Balance(base, offset, cap, residual, none, none, evaluations)

@@ -111,8 +111,9 @@ class OneScaleModel(Model):
         assert self._last is not None
         if not self.blocks_allowed:
             assert self._block is not None
-            for self.steps_in_flight, made_alone in self._in_one_launch(self._block, increments, then):
-                yield made_alone
+            for ahead, made in self._in_one_launch(self._block, increments, then):
+                self.steps_in_flight = ahead
+                yield made
             return
         if self._loop is None:
             self._loop = DeviceLoop(self._executor, self.task, self.state.gap, self.state.unworn)
@@ -165,7 +166,9 @@ class OneScaleModel(Model):
             return found.made, booked(found, self._ledger, slid[done:], removals[done:], self._enter)
 
         def alone(number: int) -> Step:
-            return self.advance(increments[number], then=known[number + 1] if number + 1 < len(known) else None)
+            return self.advance(
+                increments[number], then=known[number + 1] if number + 1 < len(known) else None
+            )
 
         return in_launches(len(increments), launch, alone)
 
@@ -225,7 +228,7 @@ class OneScaleModel(Model):
         most: dict[str, float],
         pressure: FloatArray | None = None,
     ) -> Step:
-        """Book a step that wore the gap. Raises ConvergenceError where its pressures do not carry the load."""
+        """Book a step. Raises ConvergenceError where its pressures do not carry the load."""
         if not self.task.rigid:
             force = total["pressure"] * self._executor.grid.cell_area
             residual = residual_of(force, self.task.load, approach=balance.approach)

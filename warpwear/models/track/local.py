@@ -261,8 +261,6 @@ class SlidingContact:
             return None
         if self._recession is not None or (factored and task.implicit and self._factor.shape[0] > 1):
             return None
-        if task.rigid and not (self._highest < 0.5 * PADDING and needed <= tiles.fewest):
-            return None
         stiffness = executor.zeros(1)
         lying = arguments(
             Lying,

@@ -10,7 +10,7 @@ from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.tiles import TileList
 from warpwear.grid import FloatArray
 from warpwear.kernels import sliding
-from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
+from warpwear.kernels.cells import LANES, Cells
 
 #: A list that holds too little reaches deeper, by this much at first [mm].
 FIRST_DEPTH = 1.0e-5
@@ -82,12 +82,6 @@ class SlidingTiles(TileList):
             highest=self.highest.vectors,
         )
         self._split_scan()
-
-    @property
-    def fewest(self) -> int:
-        """Number of cells that a list holds at least, where each has a surface."""
-        narrowest = self._executor.grid.ny - (self._executor.tiles_per_row - 1) * LANES * int(TILE_VECTORS)
-        return self._least * narrowest
 
     @property
     def smallest(self) -> float:
