@@ -104,6 +104,8 @@ def names_of(rows: type[IntEnum]) -> tuple[str, ...]:
 PATCH_SUMS, PATCH_MAXIMA = names_of(WearSum), names_of(WearMost)
 #: Maxima of two bodies, by name.
 MAXIMA = names_of(PressureMost)
+#: Extents of what was touched, among them.
+EXTENTS = ("first_row", "last_row", "first_column", "last_column")
 
 wp.set_module_options({"enable_backward": False})
 

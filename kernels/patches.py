@@ -22,8 +22,7 @@ from warpwear.kernels.cells import (
     lowest_of,
     sum_of,
 )
-from warpwear.kernels.contact import Law, pressure_of
-from warpwear.kernels.gap import sag
+from warpwear.kernels.contact import Law, pressure_of, sag
 from warpwear.kernels.wear_loops import Approaches, Increment, Layout, Tables, wear_patches
 
 wp.set_module_options({"enable_backward": False})

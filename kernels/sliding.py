@@ -11,9 +11,6 @@ import warp as wp
 from warpwear.kernels.cells import (
     ABSENT,
     LANES,
-    NO_INDEX,
-    NONE,
-    ONE,
     TILE_VECTORS,
     ZERO,
     Cells,
@@ -22,7 +19,8 @@ from warpwear.kernels.cells import (
     lowest_of,
     sum_of,
 )
-from warpwear.kernels.contact import Law, pressure_of
+from warpwear.kernels.contact import Law
+from warpwear.kernels.wear_loops import LANES_IN_C
 
 wp.set_module_options({"enable_backward": False})
 
@@ -184,6 +182,135 @@ def select(
     count_out[row] = count
 
 
+#: Every cell of the tiles that a row lists. Each sum grows lane by lane, in the order of the cells.
+_WEAR_TILES = f"""
+{{
+#if !defined(__CUDA_ARCH__)
+    #pragma clang fp contract(off)
+#endif
+    const Lanes one = 1.0;
+    const int row = slot / slots_per_row, lane = slot % slots_per_row, listed = wp::index(count_in, row);
+    const int sums = tables.sums.shape[0], maxima = tables.maxima.shape[0];
+    if (lane >= listed) {{  // nothing to do: most rows
+        for (int n = 0; n < sums; ++n) wp::index(tables.sums, n, slot) = 0.0;
+        for (int n = 0; n < maxima; ++n)
+            wp::index(tables.maxima, n, slot) = n < {TrackMost.FIRST_COLUMN.value} ? 0.0 : -1.0e9;
+        return;
+    }}
+    const int rows = bodies.disc.shape[0], displaced = row + step.shift;
+    const int under = displaced < rows ? displaced : displaced - rows;
+    // Rows lie in one piece each.
+    const auto line = [&](const auto& field, int number) {{
+        return (Stored*)&wp::index(field, wp::min(number, field.shape[0] - 1), 0);
+    }};
+    Stored *const gap = line(bodies.gap, row), *const sphere = line(bodies.sphere, row);
+    Stored *const disc = line(bodies.disc, under), *const plastic = line(bodies.plastic_disc, under);
+    Stored *const wear_sphere = line(bodies.wear_sphere, row), *const reached = line(bodies.reached, row);
+    Stored* const wear_disc = line(bodies.wear_disc, under);
+    const Stored *const stiffness = line(of_cells.stiffness, row);
+    const Stored *const factor = line(of_cells.factor, under);
+    const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
+    const bool presses = step.full_depth < 1.0e300, factored = step.factored == 1;
+    const int of_tile = 32 / lanes, of_row = bodies.gap.shape[1] * 8 / lanes;
+    const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
+    const double of_sphere = step.wear_per_pressure_sphere, of_disc = step.wear_per_pressure_disc;
+    Lanes pressure = 0.0, weighted = 0.0, deviation = 0.0, highest = 0.0, deepest_sphere = 0.0;
+    Lanes deepest_disc = 0.0;
+    Counts contact = 0, capped = 0;
+    double first_column = -1.0e9, last_column = -1.0e9;
+    for (int n = lane; n < listed; n += slots_per_row) {{
+        const int t = wp::index(tiles_in, row, n), first = t * of_tile;
+        const int last = wp::min(first + of_tile, of_row);
+        Lanes low = 1.0e30, high = -1.0e30, worn_sphere = 0.0, worn_disc = 0.0, pressed = 0.0;
+        Counts touched = 0;
+        Lanes was_touched[32 / lanes];
+        for (int i = first; i < last; ++i) {{
+            const Lanes overlap = (base - gap[i]) + offset;
+            Lanes p = (overlap - tie_width) * stiffness[i];
+            p = p > zero ? p : zero;
+            p = p < cap ? p : cap;
+            p = size_of(overlap) > tie_width ? p : law.tie_pressure;
+            Lanes d = disc[i];
+            if (presses) {{
+                Lanes beyond = overlap - step.full_depth;
+                beyond = beyond > zero ? beyond : zero;
+                d -= beyond;
+                const Lanes x = plastic[i] + beyond;
+                plastic[i] = x;
+                pressed += x;
+            }}
+            const Lanes f = factored ? factor[i] : one, da = of_sphere * p, db = of_disc * f * p;
+            const Lanes s = sphere[i] + da, a = wear_sphere[i] + da, b = wear_disc[i] + db;
+            d -= db;
+            gap[i] = s - d;
+            sphere[i] = s;
+            disc[i] = d;
+            wear_sphere[i] = a;
+            wear_disc[i] = b;
+            pressure += p;
+            weighted += p * f;
+            highest = highest > p ? highest : p;
+            const Lanes from_reference = p > zero ? p - step.reference : zero;
+            deviation += from_reference * from_reference;
+            contact += p > zero ? yes : no;
+            capped += p >= cap ? yes : no;
+            low = low < s ? low : s;
+            high = high > d ? high : d;
+            worn_sphere += a;
+            worn_disc += b;
+            deepest_sphere = deepest_sphere > a ? deepest_sphere : a;
+            deepest_disc = deepest_disc > b ? deepest_disc : b;
+            const Lanes ever = p + (keeps_reached ? (Lanes)reached[i] : a) > zero ? one : zero;
+            touched += ever > zero ? yes : no;
+            was_touched[i - first] = ever;
+            if (keeps_reached) reached[i] = ever;
+        }}
+        wp::index(of_tiles.lowest, row, t) = -most(-low);
+        wp::index(of_tiles.highest, under, t) = most(high);
+        wp::index(of_tiles.worn_sphere, row, t) = total(worn_sphere);
+        wp::index(of_tiles.worn_disc, under, t) = total(worn_disc);
+        wp::index(of_tiles.touched, row, t) = count(touched);
+        if (presses) wp::index(of_tiles.pressed_disc, under, t) = total(pressed);
+        // Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
+        const bool reaches_beyond = first * lanes < step.first_column || last * lanes - 1 > step.last_column;
+        if (reaches_beyond && count(touched) > 0.0)
+            for (int j = 0; j < (last - first) * lanes; ++j)
+                if (((const double*)was_touched)[j] > 0.0) {{
+                    first_column = wp::max(first_column, -double(first * lanes + j));
+                    last_column = wp::max(last_column, double(first * lanes + j));
+                }}
+    }}
+    wp::index(tables.sums, {TrackSum.PRESSURE.value}, slot) = total(pressure);
+    wp::index(tables.sums, {TrackSum.DEVIATION_SQUARED.value}, slot) = total(deviation);
+    wp::index(tables.sums, {TrackSum.CONTACT.value}, slot) = count(contact);
+    wp::index(tables.sums, {TrackSum.CAPPED.value}, slot) = count(capped);
+    wp::index(tables.sums, {TrackSum.PRESSURE_TIMES_FACTOR.value}, slot) = total(weighted);
+    wp::index(tables.maxima, {TrackMost.PRESSURE.value}, slot) = most(highest);
+    wp::index(tables.maxima, {TrackMost.WEAR_SPHERE.value}, slot) = most(deepest_sphere);
+    wp::index(tables.maxima, {TrackMost.WEAR_DISC.value}, slot) = most(deepest_disc);
+    wp::index(tables.maxima, {TrackMost.FIRST_COLUMN.value}, slot) = first_column;
+    wp::index(tables.maxima, {TrackMost.LAST_COLUMN.value}, slot) = last_column;
+}}
+"""
+
+
+@wp.func_native(LANES_IN_C + _WEAR_TILES)
+def wear_tiles(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
+    law: Law,
+    step: Slide,
+    of_cells: OfCells,
+    bodies: Bodies,
+    of_tiles: OfTiles,
+    tables: StepTables,
+):
+    """Wears the tiles listed of a slot and sums up what it finds; arguments as of `wear_step`."""
+    ...
+
+
 @wp.kernel
 def wear_step(
     first_slot: wp.int32,
@@ -199,146 +326,36 @@ def wear_step(
 ):
     """One increment of wear in place: each body loses K p ΔL.
 
-    What goes beyond the full depth is displaced from the disc for good, not worn. Of the tiles listed, the
-    bounds and what `totals` sums are made anew from their cells, and their gap gives way to their pressure.
-    Columns count that lie beyond the known ones.
+    What goes beyond the full depth is displaced from the disc for good, not worn. Of the tiles listed the
+    gap, the bounds and what `totals` sums are made anew. Columns count that lie beyond the known ones.
     """
     slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    lane = slot % slots_per_row
-    stiffness_row = wp.min(row, of_cells.stiffness.shape[0] - 1)
-    under = beneath(row, step.shift, bodies.disc.shape[0])
-    factor_row = wp.min(under, of_cells.factor.shape[0] - 1)
-    vectors = bodies.gap.shape[1]
-    keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0]
+    wear_tiles(slot, slots_per_row, tiles_in, count_in, law, step, of_cells, bodies, of_tiles, tables)
 
-    if lane >= count_in[row]:  # nothing to do: most rows
-        for i in range(wp.static(len(TrackSum))):
-            tables.sums[i, slot] = ZERO
-        for i in range(wp.static(len(TrackMost))):
-            tables.maxima[i, slot] = ZERO
-        tables.maxima[TrackMost.FIRST_COLUMN, slot] = NO_INDEX
-        tables.maxima[TrackMost.LAST_COLUMN, slot] = NO_INDEX
-        return
 
-    pressure = Cells(ZERO)
-    factored = Cells(ZERO)
-    deviation = Cells(ZERO)
-    contact = Cells(ZERO)
-    capped = Cells(ZERO)
-    highest_pressure = Cells(ZERO)
-    deepest_sphere = Cells(ZERO)
-    deepest_disc = Cells(ZERO)
-    first_column = NO_INDEX
-    last_column = NO_INDEX
-
-    for n in range(lane, count_in[row], slots_per_row):
-        t = tiles_in[row, n]
-        first = t * TILE_VECTORS
-        end = wp.min(first + TILE_VECTORS, vectors)
-        if step.full_depth < NONE:
-            pressed = Cells(ZERO)
-            for k in range(first, end):
-                g = bodies.gap[row, k]
-                d = bodies.disc[under, k]
-                x = bodies.plastic_disc[under, k]
-                for j in range(LANES):
-                    beyond = wp.max(((law.base - g[j]) + law.offset) - step.full_depth, ZERO)
-                    d[j] = d[j] - beyond
-                    x[j] = x[j] + beyond
-                bodies.disc[under, k] = d
-                bodies.plastic_disc[under, k] = x
-                pressed += x
-            of_tiles.pressed_disc[under, t] = sum_of(pressed)
-        for k in range(first, end):
-            stiffness = of_cells.stiffness[stiffness_row, k]
-            g = bodies.gap[row, k]
-            s = bodies.sphere[row, k]
-            d = bodies.disc[under, k]
-            a = bodies.wear_sphere[row, k]
-            b = bodies.wear_disc[under, k]
-            p = Cells(ZERO)
-            f = Cells(ONE)
-            if step.factored == 1:
-                f = of_cells.factor[factor_row, k]
-            for j in range(LANES):
-                q = pressure_of(law, g[j], stiffness[j])
-                da = step.wear_per_pressure_sphere * q
-                db = step.wear_per_pressure_disc * f[j] * q
-                p[j] = q
-                s[j] = s[j] + da
-                a[j] = a[j] + da
-                d[j] = d[j] - db
-                b[j] = b[j] + db
-            bodies.gap[row, k] = p
-            bodies.sphere[row, k] = s
-            bodies.disc[under, k] = d
-            bodies.wear_sphere[row, k] = a
-            bodies.wear_disc[under, k] = b
-            if step.factored == 1:
-                factored += wp.cw_mul(p, f)
-        low = Cells(ABSENT)
-        high = Cells(-ABSENT)
-        worn_sphere = Cells(ZERO)
-        worn_disc = Cells(ZERO)
-        for k in range(first, end):
-            low = wp.min(low, bodies.sphere[row, k])
-            high = wp.max(high, bodies.disc[under, k])
-            a = bodies.wear_sphere[row, k]
-            b = bodies.wear_disc[under, k]
-            worn_sphere += a
-            worn_disc += b
-            deepest_sphere = wp.max(deepest_sphere, a)
-            deepest_disc = wp.max(deepest_disc, b)
-        of_tiles.lowest[row, t] = lowest_of(low)
-        of_tiles.highest[under, t] = wp.max(high)
-        of_tiles.worn_sphere[row, t] = sum_of(worn_sphere)
-        of_tiles.worn_disc[under, t] = sum_of(worn_disc)
-        touched = Cells(ZERO)
-        for k in range(first, end):
-            p = bodies.gap[row, k]
-            a = bodies.wear_sphere[row, k]
-            if keeps_reached:
-                a = bodies.reached[row, k]
-            from_reference = Cells(ZERO)
-            is_contact = Cells(ZERO)
-            is_capped = Cells(ZERO)
-            is_touched = Cells(ZERO)
-            for j in range(LANES):
-                from_reference[j] = wp.where(p[j] > ZERO, p[j] - step.reference, ZERO)
-                is_contact[j] = wp.where(p[j] > ZERO, ONE, ZERO)
-                is_capped[j] = wp.where(p[j] >= law.cap, ONE, ZERO)
-                is_touched[j] = wp.where(p[j] + a[j] > ZERO, ONE, ZERO)
-            highest_pressure = wp.max(highest_pressure, p)
-            pressure += p
-            deviation += wp.cw_mul(from_reference, from_reference)
-            contact += is_contact
-            capped += is_capped
-            touched += is_touched
-            if keeps_reached:
-                bodies.reached[row, k] = is_touched
-        of_tiles.touched[row, t] = sum_of(touched)
-        # Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
-        if first * LANES < step.first_column or end * LANES - 1 > step.last_column:
-            for k in range(first, end):
-                p = bodies.gap[row, k]
-                a = bodies.wear_sphere[row, k]
-                for j in range(LANES):
-                    if p[j] + a[j] > ZERO:
-                        column = wp.float64(k * LANES + j)
-                        first_column = wp.max(first_column, -column)
-                        last_column = wp.max(last_column, column)
-    tables.sums[TrackSum.PRESSURE, slot] = sum_of(pressure)
-    tables.sums[TrackSum.DEVIATION_SQUARED, slot] = sum_of(deviation)
-    tables.sums[TrackSum.CONTACT, slot] = sum_of(contact)
-    tables.sums[TrackSum.CAPPED, slot] = sum_of(capped)
-    weighted = wp.where(step.factored == 1, sum_of(factored), sum_of(pressure))
-    tables.sums[TrackSum.PRESSURE_TIMES_FACTOR, slot] = weighted
-    tables.maxima[TrackMost.PRESSURE, slot] = wp.max(highest_pressure)
-    tables.maxima[TrackMost.WEAR_SPHERE, slot] = wp.max(deepest_sphere)
-    tables.maxima[TrackMost.WEAR_DISC, slot] = wp.max(deepest_disc)
-    tables.maxima[TrackMost.FIRST_COLUMN, slot] = first_column
-    tables.maxima[TrackMost.LAST_COLUMN, slot] = last_column
+@wp.func
+def total_row(
+    row: wp.int32,
+    under: wp.int32,
+    of_tiles: OfEightTiles,
+    of_rows: OfRows,
+):
+    """Sums over a row of the sphere and the disc's row beneath it."""
+    touched = Cells(ZERO)
+    worn_sphere = Cells(ZERO)
+    worn_disc = Cells(ZERO)
+    if of_tiles.pressed_disc.shape[0] == of_tiles.worn_disc.shape[0]:
+        pressed = Cells(ZERO)
+        for m in range(of_tiles.touched.shape[1]):
+            pressed += of_tiles.pressed_disc[under, m]
+        of_rows.pressed_disc[under] = sum_of(pressed)
+    for m in range(of_tiles.touched.shape[1]):
+        touched += of_tiles.touched[row, m]
+        worn_sphere += of_tiles.worn_sphere[row, m]
+        worn_disc += of_tiles.worn_disc[under, m]
+    of_rows.touched[row] = sum_of(touched)
+    of_rows.worn_sphere[row] = sum_of(worn_sphere)
+    of_rows.worn_disc[under] = sum_of(worn_disc)
 
 
 @wp.kernel
@@ -359,19 +376,4 @@ def totals(
     row = slot // slots_per_row
     if slot % slots_per_row > 0 or count_in[row] == 0:
         return
-    under = beneath(row, shift, of_tiles.worn_disc.shape[0])
-    touched = Cells(ZERO)
-    worn_sphere = Cells(ZERO)
-    worn_disc = Cells(ZERO)
-    if of_tiles.pressed_disc.shape[0] == of_tiles.worn_disc.shape[0]:
-        pressed = Cells(ZERO)
-        for m in range(of_tiles.touched.shape[1]):
-            pressed += of_tiles.pressed_disc[under, m]
-        of_rows.pressed_disc[under] = sum_of(pressed)
-    for m in range(of_tiles.touched.shape[1]):
-        touched += of_tiles.touched[row, m]
-        worn_sphere += of_tiles.worn_sphere[row, m]
-        worn_disc += of_tiles.worn_disc[under, m]
-    of_rows.touched[row] = sum_of(touched)
-    of_rows.worn_sphere[row] = sum_of(worn_sphere)
-    of_rows.worn_disc[under] = sum_of(worn_disc)
+    total_row(row, beneath(row, shift, of_tiles.worn_disc.shape[0]), of_tiles, of_rows)

@@ -24,9 +24,9 @@ from warpwear.kernels.wear_loops import Increment, Tables, wear
 wp.set_module_options({"enable_backward": False})
 
 
-@wp.kernel
-def wear_step(
-    first_slot: wp.int32,
+@wp.func
+def wear_slot(
+    slot: wp.int32,
     slots_per_row: wp.int32,
     tiles_in: wp.array2d(dtype=wp.int32),
     count_in: wp.array(dtype=wp.int32),
@@ -37,11 +37,7 @@ def wear_step(
     gap_out: wp.array2d(dtype=Cells),
     tables: Tables,
 ):
-    """One increment of wear in place: the gap opens by K p ΔL of both bodies.
-
-    rest_in: of the tiles of each row that are not listed. Sums and maxima of the step go to `tables`.
-    """
-    slot = first_slot + wp.tid()
+    """One increment of wear of the tiles listed of a slot; arguments as of `wear_step`."""
     row = slot // slots_per_row
     lane = slot % slots_per_row
 
@@ -103,3 +99,24 @@ def wear_step(
     tables.maxima[WearMost.LAST_ROW, slot] = wp.where(here, wp.float64(row), NO_INDEX)
     tables.maxima[WearMost.FIRST_COLUMN, slot] = first_column
     tables.maxima[WearMost.LAST_COLUMN, slot] = last_column
+
+
+@wp.kernel
+def wear_step(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    tiles_in: wp.array2d(dtype=wp.int32),
+    count_in: wp.array(dtype=wp.int32),
+    law: Law,
+    step: Increment,
+    unworn_in: wp.array2d(dtype=Cells),
+    rest_in: wp.array(dtype=TileSums),
+    gap_out: wp.array2d(dtype=Cells),
+    tables: Tables,
+):
+    """One increment of wear in place: the gap opens by K p ΔL of both bodies.
+
+    rest_in: of the tiles of each row that are not listed. Sums and maxima of the step go to `tables`.
+    """
+    slot = first_slot + wp.tid()
+    wear_slot(slot, slots_per_row, tiles_in, count_in, law, step, unworn_in, rest_in, gap_out, tables)

@@ -83,16 +83,19 @@ LANES_IN_C = """
         for (int j = 0; j < lanes; ++j) sum += ((const double*)&v)[j];
         return sum;
     };
-    const auto count = [&](const Counts& v) {
-        long long sum = 0;
-        for (int j = 0; j < lanes; ++j) sum += ((const long long*)&v)[j];
-        return double(sum);
+#if defined(__CUDA_ARCH__)
+    const auto count = [&](Counts v) { return double(v); };
+    const auto most = [&](Lanes v) { return v; };
+#else
+    const auto count = [&](Counts v) { return double(__builtin_reduce_add(v)); };
+    const auto most = [&](Lanes v) {  // by halves: the built-in reduction minds NaN and takes thrice as long
+        Lanes w = __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3);
+        v = v > w ? v : w;
+        w = __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5);
+        v = v > w ? v : w;
+        return v[0] > v[1] ? v[0] : v[1];
     };
-    const auto most = [&](const Lanes& v) {
-        double top = ((const double*)&v)[0];
-        for (int j = 1; j < lanes; ++j) top = wp::max(top, ((const double*)&v)[j]);
-        return top;
-    };
+#endif
 """
 
 #: What the loops share: their sums, a cell, and where the sums go.

@@ -66,7 +66,7 @@ class Package:
         return self._solved(self._model.advance(increment, then=increment if then is None else then))
 
     def advance_all(self, increments: Iterable[float]) -> list[Solved]:
-        """Steps in a row, on a GPU in blocks."""
+        """Steps in a row, in blocks where a run makes them so."""
         return [self._solved(step) for step in self._model.steps((d, False) for d in increments)]
 
     @staticmethod

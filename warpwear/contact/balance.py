@@ -62,8 +62,7 @@ class Lookahead:
     carried: Carried
 
 
-@dataclass(frozen=True)
-class Balance:
+class Balance(NamedTuple):
     """A solved contact: what `contact.pressure_of` needs, and how well the load is met."""
 
     base: float  # approach = base + offset [mm]

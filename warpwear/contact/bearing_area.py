@@ -11,7 +11,7 @@ from warpwear.contact.balance import DEEPER, HOPELESS, MAX_EVALUATIONS, Balance
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.tiles import TileList
 from warpwear.errors import ConvergenceError
-from warpwear.kernels import contact, gap
+from warpwear.kernels import contact
 
 #: Gaps that differ by less are tied [mm]: a picometre-thousandth, below anything a surface has.
 TIE = 1.0e-12
@@ -27,7 +27,9 @@ class BearingArea:
 
     def bounds(self, gap_field: Field, tiles: TileList) -> tuple[float, float]:
         """Smallest and largest gap of the tiles listed [mm]."""
-        self._executor.launch(gap.bounds, inputs=[gap_field], outputs=[self._sums], over=tiles, often=True)
+        self._executor.launch(
+            contact.bounds, inputs=[gap_field], outputs=[self._sums], over=tiles, often=True
+        )
         extremes = self._sums.numpy()
         return float(extremes[0].min()), float(extremes[1].max())
 

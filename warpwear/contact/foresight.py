@@ -20,6 +20,20 @@ class Foresight:
         self._approach: float | None = None
         self._rates: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)  # where [mm³/N], rate [MPa]
 
+    @property
+    def numbers(self) -> dict[str, float]:
+        """What it goes by, by the names of `kernels.blocks.MEMORY`."""
+        known: dict[str, float] = {"slid": self._slid, "rates": len(self._rates)}
+        for number, (where, rate) in enumerate(self._rates):
+            known |= {f"where_{number}": where, f"rate_{number}": rate}
+        return known
+
+    @numbers.setter
+    def numbers(self, known: dict[str, float]) -> None:
+        self._slid, self._approach = known["slid"], known["approach"]
+        pairs = [(known[f"where_{number}"], known[f"rate_{number}"]) for number in range(int(known["rates"]))]
+        self._rates = deque(pairs, maxlen=REMEMBERED)
+
     def note(self, approach: float, removal: float) -> None:
         """Learn from a step that ended at an approach [mm]; removal: its K ΔL of both bodies [mm³/N]."""
         where = self._slid + 0.5 * removal

@@ -16,7 +16,7 @@ import warp as wp
 from warpwear.engine.device import check_memory, check_threads, find_device
 from warpwear.engine.kernel_cache import check_kernels, load_kernels
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, gap, gpu_steps, gpu_steps_rest, gpu_steps_sliding, sliding, tiles, wear
+from warpwear.kernels import contact, gpu_steps, gpu_steps_rest, gpu_steps_sliding, sliding, tiles, wear
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
@@ -92,6 +92,8 @@ class Executor:
         on_cpu = self.device.is_cpu
         self.slots_per_row = 1 if on_cpu else min(max(SLOTS_CUDA // grid.nx, 1), self.tiles_per_row)
         self.slots = grid.nx * self.slots_per_row
+        #: Whether steps are made in blocks on one core, where launches cost as much as what they do.
+        self.in_one_launch = on_cpu and grid.cells < 2 * CELLS_PER_THREAD
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if on_cpu else 0
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
         self._launches: dict[tuple[Any, int], tuple[Any, list[Any]]] = {}
@@ -99,7 +101,7 @@ class Executor:
         # Compiled before any thread needs them.
         of_gpu = () if on_cpu else (gpu_steps, gpu_steps_rest, gpu_steps_sliding)
         check_kernels()
-        for module in (gap, contact, wear, sliding, tiles, *of_gpu):
+        for module in (contact, wear, sliding, tiles, *of_gpu):
             load_kernels(module, self.device)
 
     def __enter__(self) -> Self:

@@ -44,6 +44,16 @@ class TileList(ABC):
     def smallest(self) -> float:
         """No gap is lower [mm]."""
 
+    @property
+    def least(self) -> int:
+        """Number of tiles that a list holds at least, where there are as many."""
+        return self._least
+
+    @property
+    def asked(self) -> float:
+        """Approach that the list was asked to serve [mm]; to hold enough it may serve more."""
+        return self.limit
+
     @abstractmethod
     def begin(self) -> None:
         """To a list of the lowest tiles, where a search from the lowest cell begins."""
@@ -108,6 +118,11 @@ class Tiles(TileList):
         """Lowest gap before anything was worn [mm]; none is lower later."""
         return self._smallest
 
+    @property
+    def asked(self) -> float:
+        """Approach that the list was asked to serve [mm]."""
+        return self._asked
+
     def restored(self) -> None:
         """Go on with the list of another time, on the fields of that time."""
         self._readopt()
@@ -141,5 +156,6 @@ class Tiles(TileList):
             tiles.select,
             inputs=[limit, *self._fields],
             outputs=[self._lowest, self._kept, self.rest, self.list, self.count],
+            often=True,
         )
         self._adopt(limit)

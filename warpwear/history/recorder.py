@@ -2,19 +2,26 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
 
 from warpwear.contact.balance import Balance
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import per
-from warpwear.kernels.cells import MAXIMA
+from warpwear.kernels.cells import EXTENTS, MAXIMA
 from warpwear.laws.task import ContactTask
 
+#: Columns that grow from step to step.
+RUNNING = ("distance", "area_cumulative", "archard_volume_sphere", "archard_volume_disc")
+#: Maxima of what only grows, beside the extents.
+DEPTHS = ("wear_sphere", "wear_disc")
+#: One of a step, or an array of those of many.
+Number = Any
 
-@dataclass(frozen=True)
-class Step:
+
+class Step(NamedTuple):
     """A step holds what one increment left: its balance, its row, and what it touched."""
 
     balance: Balance
@@ -26,9 +33,8 @@ class Step:
 
 def divided(found: Mapping[str, float], fractions: tuple[float, float]) -> dict[str, float]:
     """Sums or maxima of "worn", by both bodies, as those of sphere and disc: a small one is no difference."""
-    rest = {name: value for name, value in found.items() if name != "worn"}
-    sphere, disc = fractions
-    return rest | {"wear_sphere": sphere * found["worn"], "wear_disc": disc * found["worn"]}
+    (sphere, disc), worn = fractions, found["worn"]
+    return {**found, "wear_sphere": sphere * worn, "wear_disc": disc * worn}
 
 
 class Ledger:
@@ -52,14 +58,16 @@ class Ledger:
     ) -> None:
         self._task, self._grid, self._weight, self._margin = task, grid, weight, margin
         self._track_fraction = track_fraction
-        self._x, self._y = grid.x, grid.y
+        self._x, self._y = grid.x.tolist(), grid.y.tolist()
+        #: What `_of_extents` told last, and of which.
+        self._told: tuple[tuple[float, ...], tuple[float, float, bool, bool]] | None = None
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
 
     @property
     def columns(self) -> tuple[int, int]:
         """First column that was ever touched, and the one after the last; 0, 0 before the first step."""
-        first, last = (self.most[name] for name in ("first_column", "last_column"))
+        first, last = self.most["first_column"], self.most["last_column"]
         return (int(-first), int(last) + 1) if math.isfinite(first) else (0, 0)
 
     def enter(
@@ -82,22 +90,74 @@ class Ledger:
 
         Raises ConvergenceError where nothing is in contact.
         """
-        grid, area, load = self._grid, self._weight * self._grid.cell_area, self._task.load
-        count = total["contact"]
-        if not count > 0.0 or not math.isfinite(total["pressure"]):
+        if not total["contact"] > 0.0 or not math.isfinite(total["pressure"]):
             raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
         # What was reached once stays so, also where the tiles visited now do not show it.
-        self.most = {name: max(most[name], self.most[name]) for name in self.most}
-        first_row, last_row = int(-self.most["first_row"]), int(self.most["last_row"])
-        first_column, last_column = int(-self.most["first_column"]), int(self.most["last_column"])
-        along = (last_row - first_row + 1) * grid.cell
-        across = (last_column - first_column + 1) * grid.cell
+        self.most = {name: max(most[name], kept) for name, kept in self.most.items()}
+        largest = self.most | {"pressure": most["pressure"]}
+        row = self._row(balance, increment, removal, reference, total, largest, bearing)
+        row["pressure_std"] = math.sqrt(max(row["pressure_std"], 0.0))
+        for name in RUNNING:
+            row[name] += self.row[name]
+        self.row = row
+        return Step(balance, row, *self._of_extents()[2:], pressure)
+
+    def enter_all(
+        self,
+        balance: Balance,
+        increment: FloatArray,
+        removal: tuple[FloatArray, FloatArray],
+        reference: FloatArray,
+        total: Mapping[str, FloatArray],
+        most: Mapping[str, FloatArray],
+    ) -> list[Step]:
+        """Book steps in a row, of which none widens what was touched, as `enter` does one.
+
+        All are arrays of one number a step, those of the balance too.
+        """
+        count = len(increment)
+        if not count:
+            return []
+        most = {
+            name: np.maximum.accumulate(np.maximum(most[name], self.most[name]))
+            if name in DEPTHS
+            else most[name]
+            for name in ("pressure", *DEPTHS)
+        }
+        row = self._row(balance, increment, removal, reference, total, most)
+        row["pressure_std"] = np.sqrt(np.maximum(row["pressure_std"], 0.0))
+        for name in RUNNING:
+            row[name] = np.add.accumulate([self.row[name], *row[name]])[1:]
+        table = np.empty((count, len(row)))
+        for number, values in enumerate(row.values()):
+            table[:, number] = values
+        rows = [dict(zip(row, values, strict=True)) for values in table.tolist()]
+        balances = [Balance(*numbers) for numbers in zip(*(part.tolist() for part in balance), strict=True)]
+        self.row = rows[-1]
+        self.most |= {name: max(self.most[name], float(values.max())) for name, values in most.items()}
+        told = self._of_extents()[2:]
+        return [Step(*made, *told) for made in zip(balances, rows, strict=True)]
+
+    def _row(
+        self,
+        balance: Balance,
+        increment: Number,
+        removal: tuple[Number, Number],
+        reference: Number,
+        total: Mapping[str, Number],
+        most: Mapping[str, Number],
+        bearing: Number | None = None,
+    ) -> dict[str, Any]:
+        """Return the columns of a step, or of many: of `RUNNING` what they grow by, of the std its square."""
+        area, load = self._weight * self._grid.cell_area, self._task.load
+        along, across, _, _ = self._of_extents()
+        count = total["contact"]
         mean = total["pressure"] / count
-        variance = total["deviation_squared"] / count - (mean - reference) ** 2
+        apart = mean - reference  # squared by Python for many as for one: NumPy rounds squares differently
+        squared = apart**2 if isinstance(apart, float) else np.array([one**2 for one in apart.tolist()])
         in_contact = (count if bearing is None else bearing) * area
-        before = self.row
-        self.row = {
-            "distance": before["distance"] + increment,
+        row = {
+            "distance": increment,
             "increment": increment,
             "approach": balance.approach,
             "load": load,
@@ -105,29 +165,39 @@ class Ledger:
             "area_contact": in_contact,
             "area_plastic": total["capped"] * area,
             "area_touched": total["touched"] * area,
-            "area_cumulative": before["area_cumulative"] + in_contact,
+            "area_cumulative": in_contact,
             "area_nominal": math.pi / 4.0 * along * across,
             "patch_along": along,
             "patch_across": across,
             "pressure_mean": mean,
-            "pressure_std": math.sqrt(max(variance, 0.0)),
+            "pressure_std": total["deviation_squared"] / count - squared,
             "pressure_max": most["pressure"],
             "wear_volume_sphere": total["wear_sphere"] * area,
             "wear_volume_disc": total["wear_disc"] / self._track_fraction * area,
-            "wear_depth_sphere": self.most["wear_sphere"],
-            "wear_depth_disc": self.most["wear_disc"],
+            "wear_depth_sphere": most["wear_sphere"],
+            "wear_depth_disc": most["wear_disc"],
             "cells_in_contact": count,
-            "archard_volume_sphere": before["archard_volume_sphere"] + removal[0] * load,
-            "archard_volume_disc": before["archard_volume_disc"]
-            + removal[1] * total.get("pressure_times_factor", total["pressure"]) * area,
-            "evaluations": float(balance.evaluations),
+            "archard_volume_sphere": removal[0] * load,
+            "archard_volume_disc": removal[1] * total.get("pressure_times_factor", total["pressure"]) * area,
+            "evaluations": 1.0 * balance.evaluations,
         }
         if "pressed_disc" in total:
-            self.row["plastic_volume_disc"] = total["pressed_disc"] / self._track_fraction * area
-        margin = self._margin
+            row["plastic_volume_disc"] = total["pressed_disc"] / self._track_fraction * area
+        return row
+
+    def _of_extents(self) -> tuple[float, float, bool, bool]:
+        """Tell how far the touched cells reach along and across [mm]; if to the domain's edge or the rim."""
+        extents = tuple(self.most[name] for name in EXTENTS)
+        if self._told is not None and self._told[0] == extents:  # few steps widen the contact
+            return self._told[1]
+        grid, margin = self._grid, self._margin
+        first_row, last_row = int(-extents[0]), int(extents[1])
+        first_column, last_column = int(-extents[2]), int(extents[3])
         at_edge = min(first_row, first_column) < margin
         at_edge |= last_row >= grid.nx - margin or last_column >= grid.ny - margin
         # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
         reach = max(-self._x[first_row], self._x[last_row], -self._y[first_column], self._y[last_column])
-        beyond_sphere = bool((reach + 1.5 * grid.cell) * self._task.curvature >= 1.0)
-        return Step(balance, self.row, at_edge, beyond_sphere, pressure)
+        beyond_sphere = (reach + 1.5 * grid.cell) * self._task.curvature >= 1.0
+        along, across = (last_row - first_row + 1) * grid.cell, (last_column - first_column + 1) * grid.cell
+        self._told = extents, (along, across, at_edge, beyond_sphere)
+        return self._told[1]

@@ -60,7 +60,7 @@ class Rows:
     def append(self, row: Mapping[str, float]) -> None:
         """Add a row, by the names of its columns."""
         self.names = self.names or [*row]
-        self._values.extend([row[name] for name in self.names])
+        self._values.fromlist([row[name] for name in self.names])
 
     def __len__(self) -> int:
         return len(self._values) // max(len(self.names), 1)

@@ -36,8 +36,11 @@ class Model(ABC):
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
 
-    def block(self, increments: Sequence[float]) -> Iterator[Step]:
-        """Steps made on the device in one go, before the first of them is seen."""
+    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
+        """Steps made on the device in one go, or in a few, before the first of each is seen.
+
+        then: the increment after them [mm], where it is known. Sets `steps_in_flight` where it makes a few.
+        """
         raise NotImplementedError
 
     def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
@@ -47,21 +50,17 @@ class Model(ABC):
         for this, following in itertools.pairwise(itertools.chain(plan, end)):
             assert this is not None
             increment, with_pressure = this
-            if self.in_blocks and not with_pressure:
-                block.append(increment)
-                if len(block) < self.longest_block:
-                    continue
-            yield from self._given(block)
-            block = []
+            then = following[0] if following else None
             if with_pressure or not self.in_blocks:
-                then = following[0] if following else None
                 yield self.advance(increment, with_pressure=with_pressure, then=then)
-        yield from self._given(block)
+                continue
+            block.append(increment)
+            if following is None or following[1] or len(block) == self.longest_block:
+                yield from self._given(block, then)
+                block = []
 
-    def _given(self, increments: Sequence[float]) -> Iterator[Step]:
+    def _given(self, increments: Sequence[float], then: float | None) -> Iterator[Step]:
         """The steps of a block, one by one."""
-        if not increments:
-            return
-        made = self.block(increments)
+        made = self.block(increments, then)
         for self.steps_in_flight in reversed(range(len(increments))):
             yield next(made)

@@ -5,7 +5,7 @@ from typing import ClassVar, Self
 
 from warpwear.engine.executor import Executor, Field
 from warpwear.grid import FloatArray
-from warpwear.kernels import gap
+from warpwear.kernels import contact
 from warpwear.laws.task import ContactTask
 
 
@@ -29,5 +29,7 @@ class RestingBodies:
         grid = executor.grid
         made = cls(executor.zeros(), executor.zeros(), task.wear_fractions)
         place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
-        executor.launch(gap.gap, inputs=[*place, executor.field(heights)], outputs=[made.gap, made.unworn])
+        executor.launch(
+            contact.gap, inputs=[*place, executor.field(heights)], outputs=[made.gap, made.unworn]
+        )
         return made

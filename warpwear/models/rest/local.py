@@ -6,7 +6,6 @@ those of a track on which the disc does not move.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -15,6 +14,7 @@ from warpwear.contact.balance import (
     STEPS_AHEAD,
     Balance,
     Balancer,
+    Carried,
     Foundation,
     Lookahead,
     residual_of,
@@ -28,12 +28,14 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear
+from warpwear.kernels.blocks import wear_gap
 from warpwear.kernels.cells import WearMost, WearSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.wear_loops import Increment, Tables
 from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
+from warpwear.models.on_cpu import Block, booked, in_launches
 from warpwear.models.on_gpu import DeviceSteps, at_rest
 from warpwear.models.rest.bodies import RestingBodies
 
@@ -81,6 +83,10 @@ class OneScaleModel(Model):
         self._law, self._increment = arguments(Law), arguments(Increment)
         sums, maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
         self._tables = arguments(Tables, sums=sums, maxima=maxima, ahead=self._balancer.lookahead)
+        self._block: Block | None = None
+        if executor.in_one_launch and self._foreseen:
+            parts = [self.state.unworn, self.tiles.rest, self.state.gap, self._tables]
+            self._block = Block(executor, task, wear_gap, parts, (SUMS, MAXIMA))
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -98,11 +104,17 @@ class OneScaleModel(Model):
     @property
     def in_blocks(self) -> bool:
         """Whether the device makes the next steps by itself."""
-        return self.blocks_allowed and self._last is not None
+        return (self.blocks_allowed or self._block is not None) and self._last is not None
 
-    def block(self, increments: Sequence[float]) -> Iterator[Step]:
+    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, before the first of them is seen."""
         assert self._last is not None
+        if not self.blocks_allowed:
+            assert self._block is not None
+            for ahead, made in self._in_one_launch(self._block, increments, then):
+                self.steps_in_flight = ahead
+                yield made
+            return
         if self._loop is None:
             self._loop = at_rest(self._executor, self.task, self.state.gap, self.state.unworn)
         removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
@@ -114,6 +126,51 @@ class OneScaleModel(Model):
             reference = self._ledger.row["pressure_mean"]
             total, most = (divided(of_both, self.state.fractions) for of_both in found)
             yield self._ledger.enter(balance, increment, removed, reference, total, most)
+
+    def _in_one_launch(
+        self, block: Block, increments: Sequence[float], then: float | None
+    ) -> Iterator[tuple[int, Step]]:
+        """Steps as `advance` makes them, as many in a launch as it can, and how many are made beyond each."""
+        known = [*increments, *([] if then is None else [then])]
+        removals = removals_of(self.task.wear, self._ledger.row["distance"], known)
+        slid = np.array(increments)
+        plan = np.array([(sum(removed), 0.0, 0.0, self._stiffness_of(*removed)) for removed in removals])
+
+        def launch(done: int) -> tuple[int, Iterator[Step]]:
+            ahead = self._lookahead
+            assert self._last is not None
+            foreseen = {}
+            if ahead is not None and ahead.stiffness == plan[done, 3]:
+                foreseen = {"known": 1.0, "ahead": ahead.offset} | ahead.carried._asdict()
+            found, left = block.run(
+                plan[done:],
+                len(increments) - done,
+                self.tiles,
+                self._ledger.most,
+                approach=self._last.approach,
+                mean=self._ledger.row["pressure_mean"],
+                **self._foresight.numbers,
+                **foreseen,
+            )
+            if found.made:
+                self._foresight.numbers, self._lookahead = left, None
+                self._last = Balance(*(float(part[-1]) for part in found.balance))
+            if found.made and left["known"]:
+                carried = Carried(left["force"], left["slope"], left["straight"])
+                self._lookahead = Lookahead(float(plan[done + found.made, 3]), left["ahead"], carried)
+            residual = found.total["pressure"] * self._executor.grid.cell_area - self.task.load
+            total, most = (divided(part, self.state.fractions) for part in (found.total, found.most))
+            found = found._replace(
+                balance=found.balance._replace(load_residual=residual), total=total, most=most
+            )
+            return found.made, booked(found, self._ledger, slid[done:], removals[done:], self._enter)
+
+        def alone(number: int) -> Step:
+            return self.advance(
+                increments[number], then=known[number + 1] if number + 1 < len(known) else None
+            )
+
+        return in_launches(len(increments), launch, alone)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -161,11 +218,24 @@ class OneScaleModel(Model):
         total = dict(zip(SUMS, self._tables.sums.numpy().sum(axis=1).tolist(), strict=True))
         most = dict(zip(MAXIMA, self._tables.maxima.numpy().max(axis=1).tolist(), strict=True))
         total, most = (divided(found, self.state.fractions) for found in (total, most))
-        if not task.rigid:
-            force = total["pressure"] * self._executor.grid.cell_area
-            residual = residual_of(force, task.load, approach=balance.approach)
-            balance = replace(balance, load_residual=residual)
         self._last = balance
+        return self._enter(balance, increment, removal, reference, total, most, pressure)
+
+    def _enter(
+        self,
+        balance: Balance,
+        increment: float,
+        removal: tuple[float, float],
+        reference: float,
+        total: dict[str, float],
+        most: dict[str, float],
+        pressure: FloatArray | None = None,
+    ) -> Step:
+        """Book a step. Raises ConvergenceError where its pressures do not carry the load."""
+        if not self.task.rigid:
+            force = total["pressure"] * self._executor.grid.cell_area
+            residual = residual_of(force, self.task.load, approach=balance.approach)
+            balance = balance._replace(load_residual=residual)
         return self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
 
     def _balance(self, stiffness: float, removal: float) -> Balance:

@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.state import Columns
 from warpwear.grid import FloatArray
-from warpwear.kernels import gap
+from warpwear.kernels import contact
 from warpwear.kernels.cells import PADDING
 from warpwear.laws.task import ContactTask
 
@@ -71,5 +71,5 @@ def _sphere(task: ContactTask, executor: Executor) -> Field:
     """Heights of the task's sphere, by the kernel that makes the gap of a smooth disc."""
     grid, heights = executor.grid, executor.zeros()
     place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
-    executor.launch(gap.gap, inputs=[*place, executor.zeros()], outputs=[heights, heights])
+    executor.launch(contact.gap, inputs=[*place, executor.zeros()], outputs=[heights, heights])
     return heights

@@ -3,27 +3,29 @@
 import math
 from collections import deque
 from collections.abc import Iterator, Sequence
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import RIGID, Balance, Balancer, Foundation, stiffness_of
-from warpwear.contact.bearing_area import BearingArea
+from warpwear.contact.bearing_area import TIE, BearingArea
 from warpwear.engine.executor import Executor, Field, arguments, set_numbers
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import sliding
+from warpwear.kernels.blocks import PLAN, Lying, wear_bodies
 from warpwear.kernels.cells import LANES, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTiles, Slide, StepTables
 from warpwear.laws.archard import distance_factor, removals_of
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
+from warpwear.models.on_cpu import Block, booked, in_launches
 from warpwear.models.on_gpu import DeviceSteps, displaced
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.recession import Recession
-from warpwear.models.track.tiles import PerTile, SlidingTiles
+from warpwear.models.track.tiles import DEEPER, DEEPEST, FIRST_DEPTH, PerTile, SlidingTiles
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 1.25
@@ -116,6 +118,7 @@ class SlidingContact:
         self._recession = None
         if bearing_curve is not None:
             self._recession = Recession(bearing_curve, executor, self._bodies, self._of_cells.factor)
+        self._block = self._made_block()
 
     def _gather(self, factored: bool) -> None:
         """Make the arguments of the kernels, which change in place."""
@@ -185,20 +188,16 @@ class SlidingContact:
         )
         if self._recession is not None:
             self._recession.recede()
-        if self._approach is not None:
-            self._changes.append(abs(balance.approach - self._approach))
-        self._approach = balance.approach
+        self._note(balance.approach)
         total, most = self._found()
-        step = self._ledger.enter(
+        return self._enter(
             balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
         )
-        self.state.columns = self._ledger.columns
-        return step
 
     @property
     def in_blocks(self) -> bool:
         """Whether `steps` can be made on the device in one go from here on."""
-        return self.blocks_allowed and self._approach is not None
+        return (self.blocks_allowed or self._block is not None) and self._approach is not None
 
     def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[Step]:
         """Steps as `step` makes them, on the device in one go before the first of them is seen."""
@@ -214,12 +213,89 @@ class SlidingContact:
             mean_pressure=self._ledger.row["pressure_mean"],
         )
         for increment, removal, (balance, total, most) in zip(increments, removals, made, strict=True):
-            self._changes.append(abs(balance.approach - self._approach))
-            self._approach = balance.approach
+            self._note(balance.approach)
             reference = self._ledger.row["pressure_mean"]
-            step = self._ledger.enter(balance, increment, removal, reference, total, most)
-            self.state.columns = self._ledger.columns
-            yield step
+            yield self._enter(balance, increment, removal, reference, total, most)
+
+    def in_one_launch(self, increments: Sequence[float]) -> Iterator[tuple[int, Step]]:
+        """Steps of a disc that lies still as `step` makes them, as many in a launch as it can.
+
+        With each it is told how many are made beyond it.
+        """
+        block, task, track = self._block, self.task, self._track_fraction
+        assert block is not None
+        removals = removals_of(task.wear, self._ledger.row["distance"], increments)
+        slid, plan = np.array(increments), np.empty((len(removals), len(PLAN)))
+        for number, (of_sphere, removal_disc) in enumerate(removals):
+            compliance = task.compliance + (of_sphere + track * removal_disc) * task.implicit
+            plan[number] = of_sphere, track * removal_disc, compliance, stiffness_of(compliance)
+
+        def launch(done: int) -> tuple[int, Iterator[Step]]:
+            assert self._approach is not None
+            found, _ = block.run(
+                plan[done:],
+                len(plan) - done,
+                self.tiles,
+                self._ledger.most,
+                changes=self._changes,
+                approach=self._approach,
+                mean=self._ledger.row["pressure_mean"],
+            )
+            for approach in found.balance.approach.tolist():
+                self._note(approach)
+            found.total["pressed_disc"] = np.zeros(found.made)  # the disc springs back
+            return found.made, booked(found, self._ledger, slid[done:], removals[done:], self._enter)
+
+        return in_launches(len(plan), launch, lambda number: self.step(0, increments[number]))
+
+    def _enter(self, *found: Any, **more: Any) -> Step:
+        """Book a step as `Ledger.enter` does."""
+        step = self._ledger.enter(*found, **more)
+        self.state.columns = self._ledger.columns
+        return step
+
+    def _made_block(self) -> Block | None:
+        """What makes many steps in a launch; None where none can: of rare laws, and of large fields."""
+        executor, task, tiles, grid = self._executor, self.task, self.tiles, self._executor.grid
+        factored = bool(self._slide.factored)
+        needed = task.load / (task.hardness * grid.cell_area)
+        if not executor.in_one_launch or self._moves or self.keeps_dents or task.bulk_updated:
+            return None
+        if self._recession is not None or (factored and task.implicit and self._factor.shape[0] > 1):
+            return None
+        stiffness = executor.zeros(1)
+        lying = arguments(
+            Lying,
+            of_cells=arguments(OfCells, stiffness=stiffness, factor=self._of_cells.factor),
+            bodies=self._bodies,
+            of_tiles=self._of_tiles,
+            of_eight=self._of_eight,
+            of_rows=self._of_rows,
+            lowest=wp.zeros((grid.nx, executor.tiles_per_row), dtype=wp.float64, device=executor.device),
+            cells=wp.zeros(grid.nx * executor.vectors * LANES, dtype=wp.float64, device=executor.device),
+            factored=int(factored),
+            own=task.compliance if factored and task.implicit else -1.0,
+            least=tiles.least,
+            first_depth=FIRST_DEPTH,
+            deeper=DEEPER,
+            deepest=DEEPEST,
+            scatter=FIRST_SCATTER,
+            least_scatter=LEAST_SCATTER,
+            times=TIMES,
+            needed=needed,
+            allowed=task.load_tolerance / (task.hardness * grid.cell_area),
+            highest=self._highest if task.rigid else -math.inf,
+            tie=TIE,
+        )
+        names = (SUMS, MAXIMA, ("touched", "wear_sphere", "wear_disc"), ("first_row", "last_row"))
+        inputs = [lying, self._tables]
+        return Block(executor, task, wear_bodies, inputs, names, stiffness=stiffness, changes=CHANGES)
+
+    def _note(self, approach: float) -> None:
+        """Learn from a step how much the approach [mm] changes."""
+        if self._approach is not None:
+            self._changes.append(abs(approach - self._approach))
+        self._approach = approach
 
     def _stiffness_of(self, compliance: float, own: float) -> Field:
         """1/c of the cells in the step at hand [N/mm³], one row where they are alike.

@@ -68,11 +68,16 @@ class SweptModel(Model):
         self._row = self._track.row(self._done, done, cells)
         return self._row
 
-    def block(self, increments: Sequence[float]) -> Iterator[Step]:
+    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, before the first of them is seen."""
         assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
+        if not self.contact.blocks_allowed:
+            for ahead, step in self.contact.in_one_launch(increments):
+                self.steps_in_flight = ahead
+                yield self._placed(step)
+            return
         rows = [self._track.row(self._done + i) for i in range(len(increments))]
-        return map(self._placed, self.contact.steps(rows, increments))
+        yield from map(self._placed, self.contact.steps(rows, increments))
 
     def _placed(self, step: Step) -> Step:
         step.row["position"] = self._track.place(self._done)

@@ -1,0 +1,210 @@
+"""Small grids on a CPU: steps made many in a launch are the steps made one by one, bit for bit."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import reference
+import warp as wp
+from numpy.testing import assert_allclose, assert_array_equal
+
+import warpwear
+from warpwear import Study
+from warpwear.engine import state as saved
+from warpwear.engine.executor import CELLS_PER_THREAD, Executor
+from warpwear.errors import InvariantError
+from warpwear.grid import Grid
+from warpwear.history.recorder import Step
+from warpwear.kernels import blocks
+from warpwear.models.model import Model
+from warpwear.models.on_cpu import Block
+from warpwear.runs.make import model_at_rest
+
+SHAPE, CELL = (150, 203), 0.005  # a width that needs padding, rows whose sum NumPy makes in two parts
+SPRINGS = {"contact.stiffness": "1.9e6 N/mm^3"}
+EXPLICIT = {"stepping.scheme": "explicit", "stepping.force": True}
+ACROSS = {"wear.distance_factor": "across"}
+KINDS: dict[str, dict[str, Any]] = {
+    "implicit": {},
+    "capped springs": SPRINGS,
+    "no cap": {"contact.hardness": "inf MPa"},
+    "smooth": {"study.model": "macro", "contact.bulk_stiffness": "pressure", "contact.hardness": "inf MPa"},
+    "exponential": {"wear.law": "exponential", "wear.decay": "0.5 1/mm"},
+    "no wear of the disc": {"wear.disc": "0 mm^3/N/m"},
+    "across": SPRINGS | ACROSS,
+    "across, rigid but for wear": ACROSS,
+    "explicit, across": EXPLICIT | ACROSS | {"contact.stiffness": "2e5 N/mm^3"},
+    "explicit, radial": EXPLICIT | {"wear.distance_factor": "radial", "contact.stiffness": "2e5 N/mm^3"},
+    "bearing area": EXPLICIT | ACROSS | {"stepping.load_tolerance": "0.02 N"},
+    "running in": {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1e-2 mm^3/N/m"},
+    "no wear of the sphere": ACROSS | SPRINGS | {"wear.sphere": "0 mm^3/N/m"},
+}
+INCREMENTS = (0.003 * 1.05 ** np.arange(90)).tolist()
+
+
+def study(kind: str) -> Study:
+    return Study.load("v3-fine").replace(KINDS[kind])
+
+
+def model_of(kind: str, executor: Executor, *, smooth: bool = False) -> Model:
+    heights = np.zeros(SHAPE)
+    if not smooth:
+        heights = np.random.default_rng(5).normal(0.0, 1e-3, SHAPE).cumsum(axis=1) * 0.1
+    return model_at_rest(study(kind).contact_task, heights, executor)
+
+
+def made_in_launches(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Numbers of steps that launches make from now on."""
+    made: list[int] = []
+    run = Block.run
+
+    def counted(*args: Any, **options: Any) -> Any:
+        found = run(*args, **options)
+        made.append(found[0].made)
+        return found
+
+    monkeypatch.setattr(Block, "run", counted)
+    return made
+
+
+def state_of(model: Model) -> dict[str, Any]:
+    """What checkpoints keep, but for lists of tiles that displaced bodies make anew in each step."""
+    arrays, numbers = saved.save(model)
+    return {name: np.array(values) for name, values in arrays.items()} | {"numbers": numbers}
+
+
+def assert_same(one: list[Step], other: list[Step]) -> None:
+    for number, (a, b) in enumerate(zip(one, other, strict=True)):
+        assert a.row == b.row, number
+        assert a.balance.approach == b.balance.approach
+        assert (a.touches_edge, a.touches_rim) == (b.touches_edge, b.touches_rim)
+
+
+def made_by(model: Model, increments: Iterable[float], pressure_of: Iterable[int] = ()) -> list[Step]:
+    return list(model.steps((d, n in set(pressure_of)) for n, d in enumerate(increments)))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_launch_makes_the_steps(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every row, the state after them and the fields between them."""
+    made, outcomes = made_in_launches(monkeypatch), []
+    for cells_per_thread in (1, CELLS_PER_THREAD):
+        monkeypatch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", cells_per_thread)
+        with Executor(Grid(*SHAPE, CELL), threads=1) as executor:
+            model = model_of(kind, executor)
+            steps = made_by(model, INCREMENTS, pressure_of=(30, 31, 89))
+            outcomes.append((steps, state_of(model)))
+        assert (sum(made) > 60) == (cells_per_thread > 1)
+    (one_by_one, before), (in_launches, after) = outcomes
+    assert_same(one_by_one, in_launches)
+    for number in (30, 31, 89):
+        assert_array_equal(one_by_one[number].pressure, in_launches[number].pressure)  # type: ignore[arg-type]
+    assert before.keys() == after.keys()
+    for name in before.keys() - {"numbers"}:
+        assert_array_equal(before[name], after[name], err_msg=name)
+    assert before["numbers"] == after["numbers"]
+
+
+@pytest.mark.parametrize("longest", [1, 7])
+@pytest.mark.parametrize("kind", ["capped springs", "explicit, across", "bearing area"])
+def test_blocks_may_end_anywhere(kind: str, longest: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    outcomes = []
+    for length in (longest, 500):
+        with Executor(Grid(*SHAPE, CELL)) as executor:
+            model = model_of(kind, executor)
+            monkeypatch.setattr(type(model), "longest_block", length)
+            outcomes.append(made_by(model, INCREMENTS))
+    assert_same(*outcomes)
+
+
+def test_ties_are_made_by_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a smooth disc eight cells tie, of which the load asks for a part."""
+    made, outcomes = made_in_launches(monkeypatch), []
+    for cells_per_thread in (1, CELLS_PER_THREAD):
+        monkeypatch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", cells_per_thread)
+        with Executor(Grid(150, 150, CELL)) as executor:
+            task = replace(study("bearing area").contact_task, load_tolerance=1.0e-3)
+            model = model_at_rest(task, np.zeros((150, 150)), executor)
+            outcomes.append(made_by(model, [0.003] * 20))
+    assert made
+    assert any(step.balance.tie_width for step in outcomes[0])
+    assert_same(*outcomes)
+
+
+@pytest.mark.parametrize("model", ["macro", "micro"])
+def test_a_contact_at_the_edge_stops_where_it_did(
+    model: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """With the same rows, and a checkpoint after the step that reached it."""
+    small = Study.load("v1" if model == "macro" else "v3").replace(
+        {"grid.extent": "0.5 mm", "checks.strict": True, "output.snapshots": []}
+    )
+    monkeypatch.setattr("warpwear.runs.loop.too_small", lambda study: None)
+    found = {}
+    for name, cells_per_thread in (("one by one", 1), ("in launches", CELLS_PER_THREAD)):
+        monkeypatch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", cells_per_thread)
+        with pytest.raises(InvariantError, match="edge"):
+            warpwear.run(small, out=tmp_path / name, plots=False, threads=1)
+        with warpwear.Result.open(tmp_path / name) as result:
+            found[name] = {column: np.array(values) for column, values in result.history.items()}
+        assert (tmp_path / name / "checkpoint.h5").exists()
+    one, other = found.values()
+    assert len(one["distance"]) > 20
+    for column, values in one.items():
+        assert_array_equal(values, other[column], err_msg=column)
+
+
+@pytest.mark.parametrize("kind", ["capped springs", "smooth", "across", "explicit, across", "bearing area"])
+def test_against_plain_numpy(kind: str) -> None:
+    """Areas are those of an independent loop over every cell, volumes and depths too, to 1e-12."""
+    this, shape = study(kind), (61, 75)
+    task, grid = this.contact_task, Grid(*shape, CELL)
+    heights = np.random.default_rng(3).normal(0.0, 5e-4, shape)
+    expected = reference.wear_run(
+        reference.sphere_gap(grid.x, grid.y, 1.0 / task.curvature, heights),
+        load=task.load,
+        hardness=task.hardness,
+        cell=CELL,
+        wear=(9.4e-7, 12.7e-7),
+        increments=INCREMENTS[:60],
+        implicit=task.implicit,
+        stiffness=1.0 / task.compliance if task.compliance else np.inf,
+        factor=np.sqrt(1.0 - (grid.y[None, :] * task.curvature) ** 2)
+        if "across" in kind or task.rigid
+        else 1.0,
+        tolerance=task.load_tolerance,
+    ).history
+    with Executor(grid) as executor:
+        steps = made_by(model_at_rest(task, heights.copy(), executor), INCREMENTS[:60])
+    for name, values in expected.items():
+        found = np.array([step.row[name] for step in steps])
+        if name.startswith(("area", "patch")):
+            assert_allclose(found, values, rtol=1e-13, err_msg=name)
+        elif name.startswith(("wear", "pressure_m")):
+            assert_allclose(found, values, rtol=1e-12, err_msg=name)
+
+
+@wp.func_native(blocks._BEGIN + "wp::index(block.sums, 0, 0) = sum_of_row(block.found, 0);}")
+def summed(block: blocks.Block) -> None:
+    """Sums up the first row of `found` as blocks do."""
+    ...
+
+
+@wp.kernel(module="unique", enable_backward=False)
+def sum_row(block: blocks.Block) -> None:
+    summed(block)
+
+
+@pytest.mark.parametrize("count", [1, 7, 8, 9, 127, 128, 129, 150, 300, 447])
+def test_sums_are_those_of_numpy(count: int) -> None:
+    """Where they were not, steps made many at a time would differ from steps made by themselves."""
+    values = np.random.default_rng(count).lognormal(0.0, 3.0, (1, count))
+    block = blocks.Block()
+    block.found = wp.array(values, dtype=wp.float64, device="cpu")
+    block.sums = wp.zeros((1, 1), dtype=wp.float64, device="cpu")
+    block.memory = wp.zeros(len(blocks.MEMORY), dtype=wp.float64, device="cpu")
+    wp.launch(sum_row, dim=1, inputs=[block], device="cpu")
+    assert block.sums.numpy()[0, 0] == values.sum(axis=1)[0]
