@@ -7,8 +7,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from warpwear.errors import OTHER_FOLDER, OVERWRITE_IT, RESUME_IT, InputError
-from warpwear.lazy import resolve
-from warpwear.result import PLOTTER, Result
+from warpwear.figures.table import FIGURES
+from warpwear.result import Result
 from warpwear.results import file as results
 from warpwear.results.file import FILE_NAME, MAGIC, SURFACE_FILE
 from warpwear.results.seal import seal
@@ -122,9 +122,8 @@ def move_into_place(work: Path, folder: Path) -> None:
     """
     owned = (folder / SURFACE_FILE).is_file() and _owns_surface(folder)
     there = list((folder / "figures").glob("*"))
-    known = resolve(PLOTTER).NAMES if there else ()
     for figure in there:
-        if figure.stem in known:  # of the run that is replaced
+        if figure.stem in FIGURES:  # of the run that is replaced
             figure.unlink()
     with (work / FILE_NAME).open("r+b") as file:
         seal(file, MAGIC)
