@@ -36,7 +36,7 @@ def run(
     study.toml     the whole study, with every default and assumption
     result.h5      history and snapshots, in plain HDF5
     history.csv    one row a step, units in the header
-    surface.csv    roughness inside the scar and islands of contact, one row a snapshot
+    surface.csv    roughness in the middle of the scar and islands of contact, one row a snapshot
     summary.json   the numbers at the end, every assumption and warning
     figures/       what goes into a paper; with --plots all, all that can be drawn of the run
     log.txt        what was computed, where and how long it took

@@ -9,6 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LightSource, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
+from numpy.typing import NDArray
 
 from warpwear.figures import style as fs
 from warpwear.figures.view import Window
@@ -20,6 +21,8 @@ ALONG, ACROSS = "along sliding, x, mm", "across sliding, y, mm"
 BAR = (1.04, 0.0, 0.05, 1.0)
 #: Decades of a colour bar up to which 2 and 5 are labelled.
 LABELLED = 2.5
+#: Part of an axis at the corners of a box in 3-D, where the labels of two axes meet.
+CORNER = 0.06
 #: Height of a box in 3-D over its side.
 BOX = 0.4
 #: Height of a figure in 3-D [inch].
@@ -90,7 +93,7 @@ def finish_sections(axes: Any) -> None:
 
 def draw_map(
     axes: Axes,
-    values: FloatArray,
+    values: NDArray[Any],
     window: Window,
     colours: Any,
     label: str | None,
@@ -166,8 +169,11 @@ def finish_3d(axes: Any, window: Window, label: str, title: str) -> None:
         axes.set_title(title, y=1.0, pad=7)
     for artist in axes.collections:  # the box is larger than the square that axes in 3-D keep to
         artist.set_clip_on(False)
-    for axis, ticks, prune in ((axes.xaxis, 4, "both"), (axes.yaxis, 4, "both"), (axes.zaxis, 3, None)):
-        axis.set_major_locator(MaxNLocator(ticks, prune=prune))  # the ends of x and y meet in a corner
+    axes.zaxis.set_major_locator(MaxNLocator(3))
+    for axis, low, high in ((axes.xaxis, x0, x1), (axes.yaxis, y0, y1)):
+        ticks, room = MaxNLocator(4).tick_values(low, high), CORNER * (high - low)
+        axis.set_ticks([tick for tick in ticks if low + room < tick < high - room])
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
     axes.tick_params(pad=-2.5)
 

@@ -179,8 +179,11 @@ class FigureData:
     @cached_property
     def grooves(self) -> list[SimpleNamespace]:
         """The groove of a track at the snapshots shown, see `warpwear.results.track.Groove`."""
-        found = [groove(self.result, index) for index in self.shown]
-        return [SimpleNamespace(**vars(g), depth=g.depth, width=g.width, mean_depth=g.mean_depth) for g in found]
+        found, derived = (
+            (groove(self.result, index) for index in self.shown),
+            ("depth", "width", "mean_depth"),
+        )
+        return [SimpleNamespace(**vars(g), **{name: getattr(g, name) for name in derived}) for g in found]
 
     @cached_property
     def depth_along(self) -> tuple[FloatArray, FloatArray]:
@@ -188,7 +191,7 @@ class FigureData:
         return depth_along(self.result, self.shown[-1], TRACK_BINS)
 
     @cached_property
-    def track(self) -> SimpleNamespace:
+    def track(self) -> Any:
         """The whole track at the end, see `warpwear.results.track.Blocks`."""
         return SimpleNamespace(**vars(blocks(self.result, self.shown[-1], TRACK_BLOCKS)))
 

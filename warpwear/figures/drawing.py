@@ -12,7 +12,8 @@ from warpwear.figures import fields, history, patches, shape, snapshots, track
 from warpwear.figures import style as fs
 
 #: The files that places of figures name.
-FILES = {file.__name__.rpartition(".")[2]: file for file in (fields, history, patches, shape, snapshots, track)}
+FILES = (fields, history, patches, shape, snapshots, track)
+BY_NAME = {file.__name__.rpartition(".")[2]: file for file in FILES}
 
 
 def main() -> None:
@@ -26,6 +27,6 @@ def main() -> None:
             for name, place in places.items():
                 file, _, function = place.partition(":")
                 with suppress(Exception):  # who ordered it draws it then, and says what is wrong
-                    pictures[name] = fs.bytes_of(getattr(FILES[file], function)(data))
+                    pictures[name] = fs.bytes_of(getattr(BY_NAME[file], function)(data))
     pickle.dump(pictures, sys.stdout.buffer)
     sys.stdout.flush()

@@ -1,4 +1,4 @@
-"""Figures of fields over the domain: pressure, state of contact and sliding distance, as maps, in 3-D, as lines."""
+"""Figures of fields: pressure, state of contact, sliding distance; as maps, in 3-D, as lines."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from warpwear.figures import style as fs
 from warpwear.figures.axes import (
@@ -55,7 +56,7 @@ def pressure_scale(fields: Sequence[FloatArray], means: Sequence[float]) -> Norm
 
 
 def pressure_map(data: "FigureData") -> Figure:
-    """Pressure on the cells in contact at the snapshots, all on one scale, with its mean ± standard deviation."""
+    """Pressure on the cells in contact at the snapshots, all on one scale, with its mean ± deviation."""
     means, scatter = (data.history[name] for name in ("pressure_mean", "pressure_std"))
     norm = pressure_scale([view.pressure for view in data.views], [means[view.row] for view in data.views])
 
@@ -137,6 +138,7 @@ def contact_map(data: "FigureData") -> Figure:
 def hertz(axes: Any, data: "FigureData") -> None:
     """Pressure along the sliding direction through the middle, beside Hertz's of the unworn bodies."""
     theory, places = data.hertz, data.middle.places
+    assert theory is not None  # or the figure is left out
     r = np.linspace(0.0, theory.radius, 200)
     both = np.concatenate([-r[::-1], r])
     unworn = {"color": fs.NEUTRAL, "ls": "--", "label": "Hertz, unworn bodies"}
@@ -148,6 +150,7 @@ def hertz(axes: Any, data: "FigureData") -> None:
         panel.step(places[shown], line[shown], **worn)
         half = MARGIN * max(theory.radius, float(np.abs(places[shown]).max()))
         panel.set(xlim=(-half, half), xlabel=ALONG, ylabel="pressure, MPa")
+        panel.xaxis.set_major_locator(MaxNLocator(5))
         panel.set_title(fs.after(distance))
     axes[0].set_ylim(bottom=0.0)
     fs.logarithmic(axes[1])

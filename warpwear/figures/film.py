@@ -115,8 +115,8 @@ class _Film:
             self._disc_axes.set_aspect("auto")
             self._disc_axes.set_xlabel("along the track, x, mm (line: the sphere)")
             self._apex = self._disc_axes.axvline(0.0, color=fs.SPHERE, lw=1.2)
-        ends = [self._read(index).pressure for index in (0, len(self._rows) - 1)]
-        first, norm = positive(ends[0]), pressure_scale(ends, [float(mean) for mean in means])
+        seen = [self._read(index).pressure for index in (0, len(self._rows) - 1)]
+        first, norm = positive(seen[0]), pressure_scale(seen, [float(mean) for mean in means])
         self._pressure = draw_map(
             self._pressure_axes, first, window, fs.PRESSURES, "pressure, MPa", norm=norm
         )

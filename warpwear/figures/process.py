@@ -57,7 +57,7 @@ class Painter:
             self._process.wait()
 
     def order(self, plot: Plotter, *, but: Sequence[str] = ()) -> None:
-        """Ask for the essential figures of a result that were not asked for yet, `but` some; returns at once."""
+        """Ask for the essential figures of a result, `but` some, that were not asked for yet; do not wait."""
         if self._process is not None:
             names = [n for n in plot.names("essential") if n not in but and n not in self._ordered]
             needed = dict.fromkeys(need for name in names for need in ESSENTIAL[name])
@@ -66,7 +66,7 @@ class Painter:
             self._ordered.update(names)
 
     def pictures(self) -> dict[str, bytes]:
-        """Wait for the pictures; return the content of PNG files by the names of figures, as far as there are."""
+        """Wait for the pictures; return those that there are: content of PNG files, by the figure's name."""
         if self._process is not None:
             self._orders.put(None)
             self._thread.join(PATIENCE)

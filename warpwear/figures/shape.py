@@ -208,8 +208,7 @@ def profiles(axes: Any, data: "FigureData") -> None:
     worn = any(lost.any() for cut in cuts for lost in (cut.wear_sphere, cut.wear_disc))
     slider = data.about.name_of("sphere")
     seen = [
-        _both(panel, cut, approach, slider=slider, worn=worn)
-        for panel, cut in zip(axes, cuts, strict=True)
+        _both(panel, cut, approach, slider=slider, worn=worn) for panel, cut in zip(axes, cuts, strict=True)
     ]
     finish_sections(axes)
     low, high = min(low for low, _ in seen), max(high for _, high in seen)

@@ -1,4 +1,4 @@
-"""Figures of the disc's roughness inside the scar and of the islands of contact, over the snapshots."""
+"""Figures of the disc's roughness in the scar and of the islands of contact, over the snapshots."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -23,12 +23,12 @@ PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
 
 @fs.panels()
 def roughness(axes: Axes, data: "FigureData") -> None:
-    """Height parameters of the disc inside the nominal scar, its bowl taken off, over the distance slid."""
+    """Height parameters of the disc in the middle of the scar, its bowl taken off, over the distance slid."""
     table = data.roughness
     for name, (label, line) in PARAMETERS.items():
         fs.over_distance(axes, table["distance"], table[name], label=label, ms=3, **line)
     fs.scale_distance(axes, table["distance"])
-    axes.set(ylabel="roughness inside the scar, µm", ylim=(0.0, None))
+    axes.set(ylabel="roughness in the scar, µm", ylim=(0.0, None))
     fs.legend_above(axes, columns=5)
 
 

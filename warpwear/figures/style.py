@@ -43,7 +43,7 @@ DEPTHS = matplotlib.colormaps["magma_r"]
 #: Formats of files, each with the metadata of them in which Matplotlib would write the date.
 FORMATS: dict[str, dict[str, None]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
-STYLE = {
+STYLE: Any = {
     "font.size": 8.0,
     "axes.labelsize": 8.0,
     "axes.titlesize": 8.0,
@@ -85,7 +85,8 @@ def write_figure(figure: Figure, path: Path) -> None:
 
 def bytes_of(figure: Figure, file_format: str = "png", *, dpi: float | str = "figure") -> bytes:
     """Return the content of the file that holds a figure in one of `FORMATS`."""
-    written, more = BytesIO(), {"pil_kwargs": COMPRESSION} if file_format == "png" else {}
+    written = BytesIO()
+    more: Any = {"pil_kwargs": COMPRESSION} if file_format == "png" else {}
     with style():
         figure.savefig(written, format=file_format, dpi=dpi, metadata=FORMATS[file_format], **more)
     return written.getvalue()
@@ -97,7 +98,8 @@ class Room:
 
     left: float = 0.56  # of tick labels and a label
     ticks: float = 0.34  # of tick labels alone
-    right: float = 0.56  # of a second scale or a colour bar
+    right: float = 0.56  # of a second scale or one colour bar for all
+    bar: float = 0.7  # of a colour bar of a panel's own
     below: float = 0.4
     line: float = 0.135  # of a title
     legend: float = 0.165  # of a row of a legend
@@ -114,14 +116,16 @@ class Sheet(Figure):
 
     #: Axes of a colour bar that is for all panels.
     bar: Axes | None = None
+    _legend_rows = 0
 
     def legend_above(self, handles: list[Any], labels: list[str], *, columns: int) -> None:
         """Put a legend over all panels."""
-        where = "outside upper center" if self.get_layout_engine() else "upper center"
+        where: Any = "outside upper center" if self.get_layout_engine() else "upper center"
         self.legend(handles, labels, loc=where, ncols=columns, borderaxespad=0.3)
+        self._legend_rows = -(-len(labels) // columns)
 
     def place(self, panels: "np.ndarray[Any, Any]", *, square: bool) -> None:
-        """Give panels, (rows, columns), their places by what they say, which is much faster than by measuring.
+        """Give panels, (rows, columns), their places by what they say: measuring it takes most of the time.
 
         square: the height of the figure follows from its width.
         """
@@ -137,8 +141,10 @@ class Sheet(Figure):
 
         def right(column: Any) -> float:
             twins = (axes for axes in self.axes if axes is not self.bar and axes not in panels)
-            there = [*(panel for panel in column if panel.child_axes), *twins]
-            return ROOM.right if there else 0.0
+            beside = [axes for panel in column for axes in panel.child_axes]
+            if any(hasattr(axes, "_colorbar") for axes in beside):
+                return ROOM.bar
+            return ROOM.right if beside or any(twins) else 0.0
 
         def above(row: Any) -> float:
             lines = max(panel.get_title().count("\n") + 1 if panel.get_title() else 0 for panel in row)
@@ -147,7 +153,7 @@ class Sheet(Figure):
         lefts, rights = [left(c) + ROOM.edge for c in panels.T], [right(c) for c in panels.T]
         aboves = [above(row) for row in panels]
         belows = [ROOM.below if says(row, "get_xlabel") else 0.5 * ROOM.edge for row in panels]
-        legend = sum(-(-len(found.get_texts()) // found._ncols) * ROOM.legend for found in self.legends)
+        legend = self._legend_rows * ROOM.legend
         end = ROOM.right + 2.0 * ROOM.edge if self.bar is not None else ROOM.edge
         width, height = self.get_size_inches()
         side = (width - sum(lefts) - sum(rights) - end) / panels.shape[1]
@@ -218,8 +224,8 @@ class Panels(Generic[Data]):
     def __call__(self, data: Data, ax: Axes | None = None) -> Figure:
         """Draw the data; returns the figure, that of `ax` where it is given. Needs one column for `ax`."""
         if ax is None:
-            draw = partial(self._draw, data=data)
-            return new_figure(draw, columns=self.columns, height=self._height, fixed=True)
+            columns, height = self.columns, self._height
+            return new_figure(lambda axes: self._draw(axes, data), columns=columns, height=height, fixed=True)
         self._draw(ax, data)
         return ax.figure.figure  # the outermost one
 

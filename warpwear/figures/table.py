@@ -1,4 +1,4 @@
-"""The table of a result's figures: their names, what draws them, why a run has none, and how they are written.
+"""The table of a result's figures: their names, what draws them, why a run has none; how they are written.
 
 Nothing here imports Matplotlib: a run only asks which figures there are, and another process draws them.
 """
@@ -166,9 +166,7 @@ class Plotter:
             for name in self.names(plots)
         ]
 
-    def save(
-        self, name: str, folder: Path, *, file_format: str = "png", drawn: bytes | None = None
-    ) -> Path:
+    def save(self, name: str, folder: Path, *, file_format: str = "png", drawn: bytes | None = None) -> Path:
         """Write one figure, or the file's content as it was drawn; returns its path.
 
         Raises InputError for a name or a format that is not known.

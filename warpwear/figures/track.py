@@ -75,6 +75,7 @@ def track_map(data: "FigureData") -> Figure:
 def wear_per_pass(axes: Any, data: "FigureData") -> None:
     """Volumes that each pass takes off sphere and disc, and the depth that it adds to the groove."""
     table, stroke = data.passes, data.about.lap
+    assert stroke is not None  # or the figure is left out
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():
         whole[:] = True
@@ -107,6 +108,7 @@ def wear_per_pass(axes: Any, data: "FigureData") -> None:
 def cof_stroke(axes: Axes, data: "FigureData") -> None:
     """Coefficient of friction over the position in the stroke, for some passes."""
     history, stroke = data.course, data.about.lap
+    assert stroke is not None  # or the figure is left out
     number = np.maximum(np.ceil(history["distance"] / stroke - 1e-9).astype(int), 1)
     passes = np.unique(number)
     places = np.linspace(0, passes.size - 1, min(SHOWN, passes.size)).round().astype(int)

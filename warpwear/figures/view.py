@@ -3,8 +3,8 @@
 Nothing here reads a result or draws one, so that a process that only draws starts quickly.
 
 How a block of cells is reduced follows from what is asked of it. Pressure and state of contact are drawn as
-the block's *largest*: contact is islands of a few cells, which means would fade out; islands look larger by up
-to a block, so areas are written out as numbers. Heights and depths are *means*, which keep volumes. Where
+the block's *largest*: contact is islands of a few cells, which means would fade out; islands look larger by
+up to a block, so areas are written out as numbers. Heights and depths are *means*, which keep volumes. Where
 pressure is shown as a height (in 3-D) or along a line it is the mean too, cells without contact included: the
 volume under it is then the load at any block size.
 """

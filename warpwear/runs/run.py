@@ -55,11 +55,13 @@ def run(
     the resolved study names, so that it runs again by itself.
     out: run folder to write (study.toml, result.h5, history.csv, summary.json, figures, log.txt); without it
     the result lives in memory. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
-    result depends on it. plots: figures to draw into `out`: "essential" (True), "all", "none" (False). overwrite: replace a run that is there already. resume: go on from the checkpoint
-    that an unfinished run left in `out`, from the start where there is none; a finished run is returned as it
-    is. progress: report on standard error. callback: is called with every step, see `steps`, so
-    that on a GPU each is made alone, slower and with other rounding; an exception of it stops the run as an
-    interrupt does: what there is so far is kept, with a checkpoint, and it is raised.
+    result depends on it. plots: figures to draw into `out`, "essential" (True), "all" or "none" (False); with
+    two cores another process draws the essential ones. overwrite: replace a run that is there already.
+    resume: go on from the checkpoint that an unfinished run left in `out`, from the start where there is
+    none; a finished run is returned as it is. progress: report on standard error. callback: is called with
+    every step, see `steps`, so that on a GPU each is made alone, slower and with other rounding; an exception
+    of it stops the run as an interrupt does: what there is so far is kept, with a checkpoint, and it is
+    raised.
 
     What misleads (keys that are not used, a contact of few cells) is a warning of Python (StudyWarning), in
     `result.summary["warnings"]` too; with progress it is a note on standard error instead.
@@ -74,7 +76,7 @@ def run(
         raise InputError(f"callback = {callback!r}: a function is expected, which is called with every step.")
     if resume and (folder is None or overwrite):
         raise InputError(f"resume needs out, a run folder{', and excludes overwrite' if overwrite else ''}.")
-    drawn = {True: "essential", False: "none"}.get(plots, plots)
+    drawn = plots if isinstance(plots, str) else "essential" if plots else "none"
     if drawn not in PLOTS:
         raise InputError(f"plots = {plots!r} is not known; allowed: {', '.join(PLOTS)}, true and false.")
     study, given = _prepare(study, surface, folder)
