@@ -42,7 +42,7 @@ class Result(ResultFile):
         """
         return to_xarray(self)
 
-    @property
+    @cached_property
     def plot(self) -> Any:
         """Figures: `result.plot.cof()` and so on return a matplotlib figure."""
         return resolve(PLOTTER)(self)

@@ -9,15 +9,19 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from cases_figures import OF_PATCHES, OF_TRACKS, drawn, faults_of, is_empty
+from cases_figures import OF_PATCHES, OF_TRACKS, axes_lines, drawn, faults_of, is_empty, shown_ticks
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from PIL import Image
 
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import main
-from warpwear.figures.data import FigureData, State
+from warpwear.figures.data import FigureData
 from warpwear.figures.film import FFMpegWriter, animate
+from warpwear.figures.style import short
+from warpwear.figures.table import ESSENTIAL
+from warpwear.figures.view import State
 
 SMALL = {"grid.cell": "20 um", "sliding.distance": "30 mm"}
 RUNS: dict[str, dict[str, Any]] = {
@@ -110,6 +114,66 @@ def test_an_interrupted_run_without_snapshots_still_plots(results: dict[str, Res
         assert "interrupted" in result._repr_html_()
 
 
+def test_all_maps_of_pressure_share_one_scale(results: dict[str, Result]) -> None:
+    """62, 13 and 6 MPa are told apart by their colours, and the hardness is at the end of the scale."""
+    for run, logarithmic in (("rough", True), ("static", False)):
+        figure = results[run].plot.pressure_map()
+        norms = [axes.images[0].norm for axes in figure.axes if axes is not figure.bar]
+        assert len({(type(norm), norm.vmin, norm.vmax) for norm in norms}) == 1
+        assert isinstance(norms[0], LogNorm) == logarithmic
+        assert norms[0].vmax == results[run].history["pressure_max"].max() == pytest.approx(590.0, rel=0.01)
+    rough = results["rough"]
+    figure = rough.plot.pressure_map()
+    means = [
+        rough.history["pressure_mean"][np.searchsorted(rough.history["distance"], at)]
+        for at in rough.snapshot_distances
+    ]
+    places = [figure.axes[0].images[0].norm(mean) for mean in means]
+    assert (np.diff(places) < -0.05).all()
+
+
+def test_a_body_that_hardly_wears_is_seen(results: dict[str, Result]) -> None:
+    """On a scale of its own, which is said; bodies that wear alike have one scale."""
+    study = Study.load("v3-fine").replace(SMALL | {"wear.sphere": "9.4e-6 mm^3/N/m", "output.snapshots": []})
+    for result, own in ((results["rough"], False), (warpwear.run(study), True)):
+        sphere, disc = result.plot.wear_map().axes[:2]
+        assert ("a scale of its own" in sphere.get_title()) == own
+        shown = float(np.nanmax(sphere.images[0].get_array().filled(np.nan)))
+        assert (sphere.images[0].norm.vmax == pytest.approx(shown)) == own
+        assert (sphere.images[0].norm.vmax == disc.images[0].norm.vmax) != own
+
+
+def test_friction_that_was_calibrated_is_called_so(results: dict[str, Result]) -> None:
+    assert "calibrated" not in results["rough"].plot.cof().axes[0].get_title()
+    changes = SMALL | {"friction.shear_strength": None, "friction.coefficient": 0.55, "output.snapshots": []}
+    for when, told in (("end", "at the end"), ("initial", "at the start")):
+        study = Study.load("v3-fine").replace(changes | {"friction.calibrate": when})
+        title = warpwear.run(study).plot.cof().axes[0].get_title()
+        assert title.endswith(f"\ncalibrated to 0.55 {told}")
+
+
+def test_ticks_are_plain_numbers(results: dict[str, Result]) -> None:
+    """Not 4 × 10⁰; without formulas, whose setting takes long."""
+    for name in ("islands", "areas", "pressure_profiles", "contact_radius"):
+        figure, _ = drawn(results["rough"], name)
+        ticks = [t.get_text() for axes in figure.axes for axis in axes_lines(axes) for t in shown_ticks(axis)]
+        assert ticks
+        assert not any("$" in tick for tick in ticks), ticks
+    assert [short(value) for value in (0.002, 4.0, 2e4, 1e-5, 3e6, -1e-4)] == [
+        "0.002", "4", "20000", "10⁻⁵", "3·10⁶", "-1·10⁻⁴",
+    ]  # fmt: skip
+
+
+def test_what_goes_into_a_paper_is_drawn_by_default(results: dict[str, Result], tmp_path: Path) -> None:
+    plot = results["rough"].plot
+    essential = {"setup", "pressure_map", "contact_map", "areas", "cof", "profiles", "volumes", "roughness"}
+    assert set(plot.names("essential")) == essential
+    assert set(plot.names()) == set(plot.NAMES) - set(plot.left_out) > essential
+    assert set(results["smooth"].plot.names("essential")) == essential - {"roughness"} | {"hertz"}
+    assert {path.stem for path in plot.save_all(tmp_path, plots="essential")} == essential
+    assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES} == essential | {"hertz"}
+
+
 def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:
     plot = results["rough"].plot
     for kind, start in (("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")):
@@ -192,20 +256,20 @@ def test_plot_on_the_command_line(
 def test_reduction_keeps_what_it_promises(results: dict[str, Result]) -> None:
     result = results["rough"]
     data = FigureData(result)
-    view, snapshot = data.read(0, blocks=20), result.snapshot(0)
+    view, bodies, snapshot = data.view(0, most=20), data.bodies_at(0, most=20), result.snapshot(0)
     window = data.window_of(20)
     side = (window.extent[1] - window.extent[0]) / view.pressure.shape[0]
     assert window.factor > 1
     # The scar is inside the window, so the load and the volumes are too.
-    assert view.pressure_mean.sum() * side**2 == pytest.approx(8.0, rel=1e-12)
+    assert window.means(snapshot.pressure).sum() * side**2 == pytest.approx(8.0, rel=1e-12)
     volume = snapshot.wear_disc.sum() * result.study.cells.cell_area
-    assert view.wear_disc.sum() * side**2 == pytest.approx(volume, rel=1e-12)
+    assert bodies.wear_disc.sum() * side**2 == pytest.approx(volume, rel=1e-12)
     assert view.pressure.max() == snapshot.pressure.max()
-    last = data.last
+    last = data.views[-1]
     assert (last.state > State.TOUCHED).sum() * (20e-3) ** 2 == pytest.approx(
         result.history["area_contact"][-1]
     )
-    published = FigureData(results["published"]).last
+    published = FigureData(results["published"]).views[-1]
     assert set(np.unique(published.state)) == {State.UNTOUCHED, State.TOUCHED, State.AT_HARDNESS}
 
 

@@ -106,6 +106,19 @@ def test_what_was_touched_is_the_sphere_s(result: Result) -> None:
     assert along == pytest.approx(result.history["patch_along"][-1])
 
 
+def test_a_track_is_compared_by_its_groove(result: Result, tmp_path: Path) -> None:
+    """Its section times its length is the worn volume; the middle of the track need not have been touched."""
+    folder = result.folder
+    assert folder is not None
+    shutil.copytree(folder, tmp_path / "other")
+    run = gather([folder, tmp_path / "other"]).runs[0]
+    cell = result.study.grid.cell
+    assert 3.0 * run.wear["disc"].sum() * cell == pytest.approx(
+        result.history["wear_volume_disc"][-1], rel=1e-12
+    )
+    assert run.wear["disc"].shape == run.wear["sphere"].shape == run.across.shape
+
+
 def test_a_groove_that_was_only_pressed() -> None:
     dented = warpwear.run(
         small("representative", sliding__plastic="keep", wear__disc="0 mm^3/N/m", sliding__distance="3 mm")

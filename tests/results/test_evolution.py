@@ -8,6 +8,7 @@ import warpwear
 from warpwear import Result, Study
 from warpwear.history.quantities import EVOLUTION
 from warpwear.results.evolution import surface_evolution
+from warpwear.results.export import worn_heights
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,20 @@ def test_wear_takes_the_peaks_off(result: Result) -> None:
     assert abs(table["ssk"][0]) < 0.3
     assert table["spk"][1] < table["spk"][0]
     assert table["svk"][2] / table["spk"][2] > 1.3 * table["svk"][0] / table["spk"][0]
+
+
+def test_the_rim_does_not_count(result: Result) -> None:
+    """Bodies that conform share the roughness as they share the wear: K_s/(K_s + K_d) of it is the disc's.
+
+    The rim of the scar, which was touched here and there, has nearly all of it still.
+    """
+    study = result.study.replace({"sliding.distance": "600 mm", "output.snapshots": []})
+    worn = warpwear.run(study)
+    sphere, disc = study.wear_coefficients
+    snapshot = worn.snapshot(-1)
+    before = worn_heights(worn, snapshot, "disc") + snapshot.wear_disc
+    share = surface_evolution(worn).table["sq"][-1] / (1e3 * before[snapshot.touched].std())
+    assert share == pytest.approx(sphere / (sphere + disc), rel=0.08)
 
 
 def test_a_flat_disc_has_no_roughness() -> None:

@@ -17,19 +17,28 @@ from warpwear.cli.study import CHANGES, STUDY, load_study
 @DEVICE
 @THREADS
 @CHANGES
-@click.option("--no-plots", is_flag=True, help="Draw no figures; `warpwear plot` draws them later.")
+@click.option(
+    "--plots",
+    type=click.Choice(("essential", "all", "none")),
+    default="essential",
+    show_default=True,
+    help="Figures to draw: what goes into a paper, or all; `warpwear plot` draws them later.",
+)
+@click.option("--no-plots", is_flag=True, help="Draw no figures, as --plots none.")
 @click.option("--overwrite", is_flag=True, help="Replace the run that the folder holds.")
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint in the folder.")
-def run(study: str, changes: tuple[str, ...], out: Path | None, no_plots: bool, **options: Any) -> None:
+def run(
+    study: str, changes: tuple[str, ...], out: Path | None, plots: str, no_plots: bool, **options: Any
+) -> None:
     """Run STUDY and write its run folder.
 
     \b
     study.toml     the whole study, with every default and assumption
     result.h5      history and snapshots, in plain HDF5
     history.csv    one row a step, units in the header
-    surface.csv    roughness inside the scar and islands of contact, one row a snapshot
+    surface.csv    roughness in the middle of the scar and islands of contact, one row a snapshot
     summary.json   the numbers at the end, every assumption and warning
-    figures/       what can be drawn of the run
+    figures/       what goes into a paper; with --plots all, all that can be drawn of the run
     log.txt        what was computed, where and how long it took
 
     A checkpoint for --resume is written every 2 minutes (key run.checkpoint) and on Ctrl-C.
@@ -41,7 +50,7 @@ def run(study: str, changes: tuple[str, ...], out: Path | None, no_plots: bool, 
         click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
         return
     try:
-        result = runner.run(loaded, out=folder, plots=not no_plots, progress=True, **options)
+        result = runner.run(loaded, out=folder, plots="none" if no_plots else plots, progress=True, **options)
     except KeyboardInterrupt:
         if (folder / "result.h5").is_file():
             with results.Result.open(folder) as result:

@@ -44,6 +44,10 @@ def cof(axes: Any, comparison: Comparison) -> None:
             if values.size < run.cof.size and values.size < 2:
                 distance, values = run.history["distance"], run.cof
             fs.over_distance(axes[0], distance, values, **line)
+            if run.study.friction.shear_strength is None:
+                at = -1 if run.study.friction.calibrate == "end" else 0
+                axes[0].plot(distance[at], values[at], "o", ms=4, mfc="white", mec=line["color"], zorder=3)
+                axes[0].set_title("○: calibrated to this value")
             end = mean_of_last_tenth(distance, values)
             if values.size > 1 and end > 0.0:
                 fs.over_distance(axes[1], distance, values / end, **line)
@@ -89,7 +93,10 @@ def volumes(axes: Any, comparison: Comparison) -> None:
 
 
 def profiles(axes: Any, comparison: Comparison) -> None:
-    """Draw the wear of sphere and disc across sliding at each run's end, mean of the scar's middle eighth."""
+    """Draw the wear of sphere and disc across sliding at each run's end, mean of the scar's middle eighth.
+
+    A track's is the mean cross-section of its groove.
+    """
     reach = 0.0
     for run, line in _runs(comparison):
         for panel, body in zip(axes, BODIES, strict=True):

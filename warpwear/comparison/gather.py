@@ -15,7 +15,7 @@ from warpwear.measured.course import Experiment, check_coverage, read_experiment
 from warpwear.measured.options import optional
 from warpwear.result import Result
 from warpwear.results.summary import course, shape_of_growth
-from warpwear.results.track import whole_steps
+from warpwear.results.track import groove, whole_steps
 from warpwear.study.study import Study
 
 BODIES = ("sphere", "disc")
@@ -195,6 +195,9 @@ def _read_run(folder: Path) -> RunData:
             last = result.snapshot(-1)
             along = 0.5 * STRIP * summary["scar_mm"]["along"] / study.grid.cell
             for body in BODIES:
+                if body == "disc" and study.is_swept:  # its middle was in contact at times only
+                    wear[body] = groove(result, len(result.snapshots) - 1).worn
+                    continue
                 depth: FloatArray = getattr(last, f"wear_{body}")
                 rows = np.abs(np.arange(depth.shape[0]) - 0.5 * (depth.shape[0] - 1)) <= max(along, 0.5)
                 wear[body] = depth[rows].mean(axis=0)

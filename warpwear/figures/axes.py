@@ -6,17 +6,23 @@ from typing import Any, TypeVar
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LightSource, Normalize
+from matplotlib.colors import LightSource, LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator
+from numpy.typing import NDArray
 
 from warpwear.figures import style as fs
-from warpwear.figures.data import Window
+from warpwear.figures.view import Window
 from warpwear.grid import FloatArray
-from warpwear.results.track import Blocks
 
 Shown = TypeVar("Shown")
 ALONG, ACROSS = "along sliding, x, mm", "across sliding, y, mm"
+#: Left, bottom, width and height of a colour bar beside a map, over the map's.
+BAR = (1.04, 0.0, 0.05, 1.0)
+#: Decades of a colour bar up to which 2 and 5 are labelled.
+LABELLED = 2.5
+#: Part of an axis at the corners of a box in 3-D, where the labels of two axes meet.
+CORNER = 0.06
 #: Height of a box in 3-D over its side.
 BOX = 0.4
 #: Height of a figure in 3-D [inch].
@@ -37,8 +43,7 @@ def map_figure(draw: Callable[[Any], None], panels: int, *, above: float = 0.0) 
 
     def draw_and_tidy(axes: Any) -> None:
         draw(axes)
-        for panel in np.atleast_1d(axes):
-            panel.label_outer()
+        _tidy(axes)
 
     if panels == 4:
         return fs.new_figure(draw_and_tidy, rows=2, columns=2, height=3.0 + above)
@@ -46,14 +51,30 @@ def map_figure(draw: Callable[[Any], None], panels: int, *, above: float = 0.0) 
     return fs.new_figure(draw_and_tidy, columns=panels, height=height)
 
 
-def maps_of(shown: Sequence[Shown], draw: Callable[[Any, Shown], None], *, above: float = 0.0) -> Figure:
-    """Draw each of what is shown in a panel of its own, which `draw` gets with it; see `map_figure`."""
+def _tidy(axes: Any) -> None:
+    """Leave labels of axes to the panels at the left and at the bottom."""
+    for panel in np.atleast_1d(axes):
+        panel.label_outer()
+
+
+def maps_of(
+    shown: Sequence[Shown],
+    draw: Callable[[Any, Shown], None],
+    *,
+    finish: Callable[[Any], None] = lambda figure: None,
+) -> Figure:
+    """Draw each of what is shown in a square panel of its own, which `draw` gets with it, side by side.
+
+    finish: gets the figure, for a legend or a colour bar of all panels.
+    """
 
     def draw_all(axes: Any) -> None:
         for panel, thing in zip(np.atleast_1d(axes), shown, strict=True):
             draw(panel, thing)
+        finish(panel.figure)
+        _tidy(axes)
 
-    return map_figure(draw_all, len(shown), above=above)
+    return fs.new_figure(draw_all, columns=len(shown), fixed=True, square=True)
 
 
 def panels_of(axes: Any, shown: Sequence[Shown]) -> Iterator[tuple[Axes, Shown]]:
@@ -72,8 +93,8 @@ def finish_sections(axes: Any) -> None:
 
 def draw_map(
     axes: Axes,
-    values: FloatArray,
-    window: Window | Blocks,
+    values: NDArray[Any],
+    window: Window,
     colours: Any,
     label: str | None,
     *,
@@ -97,14 +118,28 @@ def draw_map(
         interpolation="nearest",
     )
     if label is not None:
-        ticks = MaxNLocator(5) if norm is None else None
-        bar = axes.figure.colorbar(image, ax=axes, label=label, shrink=0.9, ticks=ticks)
-        if norm is not None:
-            fs.plain_numbers(bar.ax.yaxis)
+        colour_bar(axes.inset_axes(BAR), image, label)
     axes.set(xlabel=ALONG, ylabel=ACROSS)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(4))
     return image
+
+
+def colour_bar(beside: Axes, image: Any, label: str, **kind: Any) -> None:
+    """Draw the colour bar of an image into axes beside it."""
+    logarithmic = isinstance(image.norm, LogNorm)
+    ticks = None if logarithmic else MaxNLocator(5)
+    bar = beside.figure.colorbar(image, cax=beside, label=label, ticks=ticks, **kind)
+    if logarithmic:
+        bar.ax.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+        bar.ax.yaxis.set_major_formatter(fs.PlainNumbers())
+        bar.ax.yaxis.set_minor_formatter(fs.PlainNumbers(minor_thresholds=(LABELLED, LABELLED)))
+
+
+def shared_bar(figure: Any, image: Any, label: str, **kind: Any) -> None:
+    """Draw one colour bar for all maps of a figure whose places are fixed."""
+    figure.bar = figure.add_axes((0.0, 0.0, 0.1, 0.1))
+    colour_bar(figure.bar, image, label, **kind)
 
 
 def new_3d_figure(panels: int) -> tuple[Figure, list[Any]]:
@@ -134,8 +169,11 @@ def finish_3d(axes: Any, window: Window, label: str, title: str) -> None:
         axes.set_title(title, y=1.0, pad=7)
     for artist in axes.collections:  # the box is larger than the square that axes in 3-D keep to
         artist.set_clip_on(False)
-    for axis, ticks, prune in ((axes.xaxis, 4, "both"), (axes.yaxis, 4, "both"), (axes.zaxis, 3, None)):
-        axis.set_major_locator(MaxNLocator(ticks, prune=prune))  # the ends of x and y meet in a corner
+    axes.zaxis.set_major_locator(MaxNLocator(3))
+    for axis, low, high in ((axes.xaxis, x0, x1), (axes.yaxis, y0, y1)):
+        ticks, room = MaxNLocator(4).tick_values(low, high), CORNER * (high - low)
+        axis.set_ticks([tick for tick in ticks if low + room < tick < high - room])
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
     axes.tick_params(pad=-2.5)
 

@@ -1,114 +1,83 @@
-"""What figures need of a result, read once and reduced to what paper shows.
+"""What figures need of a result, read once and reduced to what paper shows, see `warpwear.figures.view`.
 
 A field of 1500² cells is drawn on some 700 pixels, and matplotlib takes an image's memory several times.
-So each snapshot is read once, cropped to the scar, reduced block by block, and let go.
-
-How a block is reduced follows from what is asked of it. Pressure and state of contact are drawn as the
-block's *largest*: contact is islands of a few cells, which means would fade out; islands look larger by up to
-a block, so areas are written out as numbers. Heights and depths are *means*, which keep volumes. Where
-pressure is shown as a height (in 3-D) or along a line it is the mean too, cells without contact included: the
-volume under it is then the load at any block size.
+So a snapshot is cropped to the scar, reduced block by block, and let go.
 """
 
-from dataclasses import dataclass
-from enum import IntEnum
+import math
+from collections.abc import Sequence
 from functools import cached_property
-from typing import Self
+from types import SimpleNamespace
+from typing import Any, Self
 
 import numpy as np
 
+from warpwear.figures.view import About, Bodies, Loads, Profile, State, View, Window, sag_or_nan
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.elastic import Hertz
+from warpwear.laws.patches import Patches
+from warpwear.models.patches.smooth import SmoothContact
+from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.export import worn_heights
 from warpwear.results.file import ResultFile
-from warpwear.results.track import whole_steps
-from warpwear.surfaces.sphere import sag
+from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
 
-#: Most blocks along a side of a map, and of a surface in 3-D.
-MAP_BLOCKS = 500
-SURFACE_BLOCKS = 70
-#: Bins along a line of pressures.
-BINS = 50
+#: Most blocks along a side of a map, of the relief in 3-D, and of a track's map.
+MAP_BLOCKS, SURFACE_BLOCKS, TRACK_BLOCKS = 500, 60, 600
+#: Bins along a line of pressures, and along a track.
+BINS, TRACK_BINS = 50, 200
 #: Snapshots in one figure.
 SHOWN = 4
 #: Side of what is shown over the scar's largest extent.
 MARGIN = 1.15
 #: Width of a strip of pressures over the side of what is shown.
 STRIP = 0.125
-
-
-class State(IntEnum):
-    """What a cell does, by rank: a block shows the highest of its cells."""
-
-    UNTOUCHED = 0
-    TOUCHED = 1
-    IN_CONTACT = 2
-    AT_HARDNESS = 3
-
-
-@dataclass(frozen=True)
-class Window:
-    """A part of the grid, cut into blocks of factor × factor cells."""
-
-    x: slice
-    y: slice
-    factor: int
-    extent: tuple[float, float, float, float]  # first x, last x, first y, last y [mm], edges of cells
-
-    @classmethod
-    def of(cls, grid: Grid, x: slice, y: slice, *, factor: int = 1) -> Self:
-        """Make the window of these rows and columns of a grid, whose middle is the origin."""
-        x0, x1 = ((row - 0.5 * grid.nx) * grid.cell for row in (x.start, x.stop))
-        y0, y1 = ((column - 0.5 * grid.ny) * grid.cell for column in (y.start, y.stop))
-        return cls(x, y, factor, (x0, x1, y0, y1))
-
-    def means(self, field: FloatArray) -> FloatArray:
-        """Return the mean of every block of a field of the grid, shape (blocks, blocks)."""
-        return _blocks(field[self.x, self.y], self.factor).mean(axis=(1, 3))
-
-    def largest(self, field: FloatArray) -> FloatArray:
-        """Return the largest of every block of a field of the grid, shape (blocks, blocks)."""
-        return _blocks(field[self.x, self.y], self.factor).max(axis=(1, 3))
-
-
-@dataclass(frozen=True)
-class Profile:
-    """Lines through the middle in one direction."""
-
-    place: FloatArray  # [mm]
-    sphere: FloatArray  # height over the apex it had, its material above [mm]
-    disc: FloatArray  # height over its mean plane [mm]
-    wear_sphere: FloatArray  # [mm]
-    wear_disc: FloatArray  # [mm]
-    bins: FloatArray  # [mm]
-    pressure: FloatArray  # mean of the middle strip in each bin [MPa]
-
-
-@dataclass(frozen=True)
-class View:
-    """One snapshot, reduced."""
-
-    distance: float  # [mm]
-    row: int  # of the history
-    pressure: FloatArray  # largest of each block [MPa]
-    pressure_mean: FloatArray  # mean of each block, cells without contact included [MPa]
-    state: FloatArray  # highest `State` of each block
-    sphere: FloatArray  # heights, positive out of the material, mean of each block [mm]
-    disc: FloatArray
-    wear_sphere: FloatArray
-    wear_disc: FloatArray
-    along: Profile
-    across: Profile
+#: Room around the macro contact [macro cells].
+ROOM = 1
+#: What every figure may use.
+ALWAYS = ("about", "history", "course", "distances")
 
 
 class FigureData:
-    """History, study and reduced snapshots of a result."""
+    """History, study and reduced snapshots of a result, each made when it is first asked for."""
 
     def __init__(self, result: ResultFile) -> None:
         self.result = result
-        self.history = result.history
         self.study = result.study
-        self._views: dict[int, View] = {}
+        self.history: dict[str, FloatArray] = dict(result.history)
+        self._read: tuple[int, Snapshot] | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Let go the snapshot at hand."""
+        self._read = None
+
+    def packed(self, names: Sequence[str]) -> dict[str, Any]:
+        """Return what these names of attributes and `ALWAYS` come to: all that some figures need."""
+        with self:
+            return {name: getattr(self, name) for name in (*ALWAYS, *names)}
+
+    @cached_property
+    def about(self) -> About:
+        study, friction, calibrated = self.study, self.study.friction, ""
+        if friction.shear_strength is None:
+            whole = "the end" if friction.calibrate == "end" else "the start"
+            passed = "in the last pass" if friction.calibrate == "end" else "in the first pass"
+            when = f"at {whole}" if study.lap is None else passed
+            calibrated = f"calibrated to {friction.coefficient:g} {when}"
+        return About(
+            slider="sphere" if study.sphere.curvature else "flat",
+            curvature=study.sphere.curvature,
+            extent=study.grid.extent,
+            cell=study.grid.cell,
+            load=study.contact.load,
+            friction_area=friction.area,
+            calibrated=calibrated,
+            lap=study.lap,
+        )
 
     @cached_property
     def course(self) -> dict[str, FloatArray]:
@@ -116,58 +85,60 @@ class FigureData:
         whole = whole_steps(self.result)
         return {name: values[whole] for name, values in self.history.items()}
 
-    @property
+    @cached_property
     def shown(self) -> list[int]:
         """Numbers of the snapshots that figures show: the first, the last and some between."""
         kept = self.result.snapshot_distances.size
         places = np.linspace(0, kept - 1, min(SHOWN, kept))
         return sorted({round(float(place)) for place in places})
 
-    @property
+    @cached_property
+    def distances(self) -> list[float]:
+        """Distances of the snapshots shown [mm]."""
+        return [float(self.result.snapshot_distances[index]) for index in self.shown]
+
+    def snapshot(self, index: int) -> Snapshot:
+        """Return snapshot number `index`, from 0; the one asked for last is at hand."""
+        if self._read is None or self._read[0] != index:
+            self._read = None  # let go before another is read
+            self._read = index, self.result.snapshot(index)
+        return self._read[1]
+
+    @cached_property
     def views(self) -> list[View]:
-        """The snapshots shown, in order of distance."""
-        return [self.view(index) for index in self.shown]
+        """The contact at the snapshots shown, in order of distance."""
+        return [self.view(index) for index in reversed(self.shown)][::-1]  # the last has set the window
 
-    @property
-    def last(self) -> View:
-        return self.view(self.result.snapshot_distances.size - 1)
-
-    def view(self, index: int) -> View:
-        """Return snapshot number `index`, reduced, and keep it."""
-        if index not in self._views:
-            self._views[index] = self.read(index)
-        return self._views[index]
-
-    def read(self, index: int, *, blocks: int = MAP_BLOCKS) -> View:
-        """Return snapshot number `index`, reduced to at most `blocks` blocks along a side."""
-        result, window = self.result, self.window_of(blocks)
-        snapshot = result.snapshot(index)
+    def view(self, index: int, *, most: int = MAP_BLOCKS) -> View:
+        """Return the contact at snapshot number `index`, in at most `most` blocks along a side."""
+        snapshot, window = self.snapshot(index), self.window_of(most)
         row = self.row_of(snapshot.distance)
-        return View(
-            distance=snapshot.distance,
-            row=row,
-            pressure=window.largest(snapshot.pressure),
-            pressure_mean=window.means(snapshot.pressure),
-            state=window.largest(self._state(snapshot, row)),
-            sphere=window.means(worn_heights(result, snapshot, "sphere")),
-            disc=window.means(worn_heights(result, snapshot, "disc")),
-            wear_sphere=window.means(snapshot.wear_sphere),
-            wear_disc=window.means(snapshot.lost_beneath),
-            along=self._profile(snapshot, 0),
-            across=self._profile(snapshot, 1),
-        )
+        pressure = window.largest(snapshot.pressure)
+        least = self.study.hardness * (1.0 - 1e-9)
+        # The bearing area scales its pressure to the load, so that the hardness is met within a tolerance.
+        if self.history["area_plastic"][row] >= self.history["area_contact"][row] * (1.0 - 1e-9):
+            least = 0.0
+        state = window.largest(snapshot.touched).astype(np.uint8)
+        state[pressure > 0.0] = State.IN_CONTACT
+        state[(pressure > 0.0) & (pressure >= least)] = State.AT_HARDNESS
+        along, across = self._profile(snapshot, 0), self._profile(snapshot, 1)
+        return View(snapshot.distance, row, pressure, state, along, across)
+
+    @cached_property
+    def bodies(self) -> list[Bodies]:
+        """Both bodies at the snapshots shown, in order of distance."""
+        return [self.bodies_at(index) for index in reversed(self.shown)][::-1]
+
+    def bodies_at(self, index: int, *, most: int = MAP_BLOCKS) -> Bodies:
+        """Return both bodies at snapshot number `index`, in at most `most` blocks along a side."""
+        snapshot, window = self.snapshot(index), self.window_of(most)
+        sphere, disc = (worn_heights(self.result, snapshot, body) for body in ("sphere", "disc"))
+        wear = snapshot.wear_sphere, snapshot.lost_beneath
+        return Bodies(*(window.means(field) for field in (sphere, disc, *wear)))
 
     def row_of(self, distance: float) -> int:
         """Return the row of the history whose step ends at a snapshot's distance [mm]."""
         return min(int(np.searchsorted(self.history["distance"], distance)), self.steps - 1)
-
-    def pressure_at(self, row: int) -> tuple[float, float]:
-        """Return mean and standard deviation [MPa] of the pressure in contact, of a row of the history."""
-        return float(self.history["pressure_mean"][row]), float(self.history["pressure_std"][row])
-
-    def name_of(self, body: str) -> str:
-        """Return what a figure calls the body "sphere" or "disc"."""
-        return "flat" if body == "sphere" and self.study.sphere.curvature == 0.0 else body
 
     @property
     def steps(self) -> int:
@@ -178,16 +149,16 @@ class FigureData:
         """The scar at the end and some room: what maps show. Touched cells only ever become more."""
         return self.window_of(MAP_BLOCKS)
 
-    def window_of(self, blocks: int) -> Window:
-        """Return the scar at the end and some room, in at most `blocks` blocks along a side."""
-        return self._centred(self._half, blocks)
+    def window_of(self, most: int) -> Window:
+        """Return the scar at the end and some room, in at most `most` blocks along a side."""
+        return self._centred(self._half, most)
 
     @cached_property
     def relief(self) -> tuple[FloatArray, Window]:
         """Heights [mm] of the unworn disc over the whole domain, for 3-D."""
-        snapshot, window = self.result.snapshot(0), self._centred(np.inf, SURFACE_BLOCKS)
-        unworn = worn_heights(self.result, snapshot, "disc") + snapshot.lost_beneath
-        return window.means(unworn), window
+        snapshot, window = self.snapshot(0), self._centred(np.inf, SURFACE_BLOCKS)
+        worn = worn_heights(self.result, snapshot, "disc")
+        return window.means(worn + snapshot.lost_beneath), window
 
     @cached_property
     def strip(self) -> float:
@@ -196,12 +167,84 @@ class FigureData:
         return max(1, round(STRIP * 2.0 * self._half / cell)) * cell
 
     @cached_property
+    def evolution(self) -> SurfaceEvolution:
+        """Roughness inside the scar and islands of contact at every snapshot."""
+        return surface_evolution(self.result)
+
+    @property
+    def roughness(self) -> dict[str, FloatArray]:
+        """One value a snapshot, see `SurfaceEvolution.table`."""
+        return self.evolution.table
+
+    @cached_property
+    def grooves(self) -> list[SimpleNamespace]:
+        """The groove of a track at the snapshots shown, see `warpwear.results.track.Groove`."""
+        found, derived = (
+            (groove(self.result, index) for index in self.shown),
+            ("depth", "width", "mean_depth"),
+        )
+        return [SimpleNamespace(**vars(g), **{name: getattr(g, name) for name in derived}) for g in found]
+
+    @cached_property
+    def depth_along(self) -> tuple[FloatArray, FloatArray]:
+        """Places along a track and the groove's depth there at the end [mm]."""
+        return depth_along(self.result, self.shown[-1], TRACK_BINS)
+
+    @cached_property
+    def track(self) -> Any:
+        """The whole track at the end, see `warpwear.results.track.Blocks`."""
+        return SimpleNamespace(**vars(blocks(self.result, self.shown[-1], TRACK_BLOCKS)))
+
+    @cached_property
+    def track_roughness(self) -> dict[str, FloatArray]:
+        """Height parameters in the middle of the groove, see `warpwear.results.track.roughness_in_track`."""
+        return roughness_in_track(self.result)
+
+    @cached_property
+    def passes(self) -> dict[str, FloatArray]:
+        """One value a pass, see `warpwear.results.track.by_pass`."""
+        return by_pass(self.result, "patch_across")
+
+    @property
+    def hertz(self) -> Hertz | None:
+        """Hertz's contact of the unworn bodies, where it is known."""
+        return self.study.hertz
+
+    @cached_property
+    def middle(self) -> SimpleNamespace:
+        """The pressure along the middle at the first and the last snapshot [MPa], and its median at last."""
+        result, row = self.result, self.result.y.size // 2
+        lines = []
+        for index in (self.shown[0], self.shown[-1]):
+            snapshot = self.snapshot(index)
+            lines.append((snapshot.distance, np.array(snapshot.pressure[:, row])))
+        median = float(np.median(snapshot.pressure[snapshot.pressure > 0.0]))
+        return SimpleNamespace(places=result.x, pressures=lines, median=median)
+
+    @cached_property
+    def loads(self) -> Loads:
+        """Loads of the patches at the snapshots shown, beside those of a smooth contact with its own wear."""
+        patches, rows = self.study.patch_layout, [self.row_of(distance) for distance in self.distances]
+        found = {"patches": self.result.load_share[rows]}
+        smooth = smooth_shares(self.result, rows)
+        if smooth is not None:
+            found["smooth contact"] = smooth
+        window = macro_window(patches, np.array([*found.values()]).max(axis=(0, 1)))
+        square = (len(rows), patches.across, patches.across)
+        of = {
+            name: loads.reshape(square)[:, window.x, window.y] / patches.area for name, loads in found.items()
+        }
+        both = zip(*found.values(), strict=True) if smooth is not None else ()
+        apart = tuple(load_share_error(second, first) for first, second in both)
+        return Loads(of, apart, window, self.study.patches.coupling == "load")
+
+    @cached_property
     def _half(self) -> float:
         """Half the side [mm] of the square that is shown; the domain is a square, too."""
         places, cell = self.result.x, self.study.grid.cell
         if self.study.sphere.curvature == 0.0:
             return float(places[-1]) + 0.5 * cell
-        touched = self.result.snapshot(-1).touched
+        touched = self.snapshot(self.shown[-1]).touched
         reach = max(float(np.abs(places[touched.any(axis=axis)]).max()) for axis in (0, 1))
         return min(MARGIN * reach + cell, float(places[-1]))
 
@@ -213,17 +256,6 @@ class FigureData:
         first = (self.result.x.size - whole) // 2
         part = slice(first, first + whole)
         return Window.of(self.study.cells, part, part, factor=factor)
-
-    def _state(self, snapshot: Snapshot, row: int) -> FloatArray:
-        """Return the `State` of every cell at a snapshot. row: of the history."""
-        history, least = self.history, self.study.hardness * (1.0 - 1e-9)
-        # The bearing area scales its pressure to the load, so that the hardness is met within a tolerance.
-        if history["area_plastic"][row] >= history["area_contact"][row] * (1.0 - 1e-9):
-            least = 0.0
-        state = snapshot.touched.astype(np.float64)
-        state[snapshot.pressure > 0.0] = State.IN_CONTACT
-        state[(snapshot.pressure > 0.0) & (snapshot.pressure >= least)] = State.AT_HARDNESS
-        return state
 
     def _profile(self, snapshot: Snapshot, axis: int) -> Profile:
         """Cut through the middle of a snapshot. axis: 0 along sliding, 1 across it."""
@@ -251,24 +283,38 @@ class FigureData:
         )
 
 
-def _blocks(field: FloatArray, n: int) -> FloatArray:
-    """View a field in squares of n × n, shape (blocks, n, blocks, n); part of a square is left out."""
-    nx, ny = field.shape[0] // n, field.shape[1] // n
-    return field[: nx * n, : ny * n].reshape(nx, n, ny, n)
+def macro_window(patches: Patches, carried: FloatArray) -> Window:
+    """Find the macro cells around the middle that ever carry something, and some room. carried: (patches,)"""
+    across = patches.across
+    square = carried.reshape(across, across) > 0.0
+    places = np.abs(np.arange(across) - 0.5 * (across - 1))
+    reach = max(float(places[square.any(axis=axis)].max(initial=0.0)) for axis in (0, 1)) + ROOM
+    first = max(math.floor(0.5 * (across - 1) - reach), 0)
+    part = slice(first, across - first)
+    return Window.of(Grid(across, across, patches.pitch * patches.domain.cell), part, part)
 
 
-def coarsen(field: FloatArray, most: int) -> tuple[FloatArray, int]:
-    """Return means over squares, at most `most` along a side, and how many places a square is wide."""
-    n = -(-max(field.shape) // most)
-    return _blocks(field, n).mean(axis=(1, 3)), n
+def load_share_error(shares: FloatArray, others: FloatArray) -> float:
+    """Return ½ Σ|ΔF_k| / F: the part of the load that two distributions put on different patches."""
+    return float(0.5 * np.abs(shares - others).sum() / others.sum())
 
 
-def positive(values: FloatArray) -> FloatArray:
-    """Return values with NaN, which is not drawn, where they are not above zero."""
-    return np.where(values > 0.0, values, np.nan)
+def smooth_shares(result: ResultFile, rows: Sequence[int]) -> FloatArray | None:
+    """Return the loads [N] that a smooth macro contact with a wear of its own would give the patches.
 
-
-def sag_or_nan(x: FloatArray, y: FloatArray, curvature: float) -> FloatArray:
-    """Return heights [mm] of the unworn sphere over its apex at x × y; NaN beyond it. curvature: [1/mm]"""
-    heights = sag(x, y, radius=1.0 / curvature if curvature else np.inf)
-    return np.where(np.isinf(heights), np.nan, heights)
+    rows: of the history; the loads have the shape (rows, patches). None where the study has no bulk stiffness
+    K_N: its elastic constants are not known.
+    """
+    study = result.study
+    if isinstance(study.contact.bulk_stiffness, str) and study.hertz is None:
+        return None
+    smooth = SmoothContact(study.contact_task, study.patch_layout)
+    found: dict[int, FloatArray] = {}
+    slid = 0.0
+    for row, increment in enumerate(result.history["increment"][: max(rows) + 1]):
+        removal = sum(law.removal(slid, float(increment)) for law in study.wear_laws)
+        pressure = smooth.press(foundation=study.bulk_stiffness(), removal=removal)
+        slid += float(increment)
+        if row in rows:
+            found[row] = smooth.area * pressure
+    return np.array([found[row] for row in rows])

@@ -1,15 +1,31 @@
-"""Figures of fields over the domain: pressure and state of contact, as maps, in 3-D and along lines."""
+"""Figures of fields: pressure, state of contact, sliding distance; as maps, in 3-D, as lines."""
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.colors import ListedColormap
+from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from warpwear.figures import style as fs
-from warpwear.figures.axes import draw_map, finish_3d, finish_sections, maps_of, new_3d_figure
-from warpwear.figures.data import FigureData, State, View, coarsen, positive
+from warpwear.figures.axes import (
+    ACROSS,
+    ALONG,
+    draw_map,
+    finish_3d,
+    finish_sections,
+    maps_of,
+    new_3d_figure,
+    shared_bar,
+)
+from warpwear.figures.view import State, View, coarsen, positive
+from warpwear.grid import FloatArray
+from warpwear.laws.archard import distance_factor
+
+if TYPE_CHECKING:
+    from warpwear.figures.data import FigureData
 
 STATES = {
     State.UNTOUCHED: ("never touched", "#FFFFFF"),
@@ -17,48 +33,66 @@ STATES = {
     State.IN_CONTACT: ("in contact", fs.CONTACT),
     State.AT_HARDNESS: ("at hardness", fs.HARDNESS),
 }
-#: Pressures that scatter by less than this part of their mean count as one.
-UNIFORM = 0.1
+#: Pressures over more than this many times the lowest mean are drawn on a logarithmic scale.
+WIDE = 5.0
+#: Percentage of places whose pressure may lie below a logarithmic scale, and its largest span.
+BELOW, SPAN = 2.0, 1e3
 #: Bars along a side.
 BARS = 45
+#: Half the width shown over the wider of two contacts.
+MARGIN = 1.3
 
 
-def pressure_map(data: FigureData) -> Figure:
-    """Pressure on the cells in contact at the snapshots, with its mean ± standard deviation."""
+def pressure_scale(fields: Sequence[FloatArray], means: Sequence[float]) -> Normalize:
+    """Choose one scale for pressures: logarithmic where they span much, else linear from 0.
+
+    fields: [MPa], of any shape, 0 where there is no contact; means: of the pressure in contact of each [MPa].
+    """
+    most = max(float(field.max()) for field in fields)
+    if most <= WIDE * min(means):
+        return Normalize(0.0, most or 1.0)
+    low = min(float(np.percentile(field[field > 0.0], BELOW)) for field in fields if field.any())
+    return LogNorm(max(0.8 * low, most / SPAN), most)
+
+
+def pressure_map(data: "FigureData") -> Figure:
+    """Pressure on the cells in contact at the snapshots, all on one scale, with its mean ± deviation."""
+    means, scatter = (data.history[name] for name in ("pressure_mean", "pressure_std"))
+    norm = pressure_scale([view.pressure for view in data.views], [means[view.row] for view in data.views])
 
     def draw(panel: Any, view: View) -> None:
-        mean, scatter = data.pressure_at(view.row)
-        top = float(data.history["pressure_max"][view.row])
-        # A uniform pressure gets the middle of the colours; their end is for the hardness.
-        if scatter < UNIFORM * mean and not (view.state == State.AT_HARDNESS).any():
-            top *= 2.0
-        pressure = positive(view.pressure)
-        draw_map(panel, pressure, data.window, fs.PRESSURES, "pressure, MPa", low=0.0, high=top)
-        panel.set_title(f"{fs.after(view.distance)}\n{fs.with_scatter(mean, scatter)} MPa")
+        draw_map(panel, positive(view.pressure), data.window, fs.PRESSURES, None, norm=norm)
+        told = fs.with_scatter(float(means[view.row]), float(scatter[view.row]))
+        panel.set_title(f"{fs.after(view.distance)}\n{told} MPa")
 
-    return maps_of(data.views, draw)
+    def bar(figure: Any) -> None:
+        below = "min" if isinstance(norm, LogNorm) else "neither"
+        shared_bar(figure, figure.axes[0].images[0], "pressure in contact, MPa", extend=below)
+
+    return maps_of(data.views, draw, finish=bar)
 
 
-def pressure_3d(data: FigureData) -> Figure:
+def pressure_3d(data: "FigureData") -> Figure:
     """Load over area on coarse squares at the first and the last snapshot, as bars."""
-    views = [data.view(index) for index in sorted({data.shown[0], data.shown[-1]})]
-    figure, panels = new_3d_figure(len(views))
-    for axes, view in zip(panels, views, strict=True):
-        pressure, blocks = coarsen(view.pressure_mean, BARS)
-        side = blocks * data.window.factor * data.study.grid.cell
+    shown = sorted({data.shown[0], data.shown[-1]})
+    figure, panels = new_3d_figure(len(shown))
+    for axes, index in zip(panels, shown, strict=True):
+        snapshot = data.snapshot(index)
+        pressure, blocks = coarsen(data.window.means(snapshot.pressure), BARS)
+        side = blocks * data.window.factor * data.about.cell
         x, y = np.nonzero(pressure)
         values = pressure[x, y]
         colours = fs.PRESSURES(0.15 + 0.7 * values / values.max())
         left, bottom = data.window.extent[0], data.window.extent[2]
         axes.bar3d(left + side * x, bottom + side * y, 0.0, side, side, values, color=colours, linewidth=0.0)
         axes.set_zlim(0.0, 1.15 * values.max())
-        title = f"{fs.after(view.distance)}\nload over area, {1e3 * side:.3g} µm squares"
+        title = f"{fs.after(snapshot.distance)}\nload over area, {1e3 * side:.3g} µm squares"
         finish_3d(axes, data.window, "pressure, MPa", title)
     return figure
 
 
 @fs.panels(2)
-def pressure_profiles(axes: Any, data: FigureData) -> None:
+def pressure_profiles(axes: Any, data: "FigureData") -> None:
     """Pressure along and across the sliding direction in the middle, all snapshots overlaid."""
     views = data.views
     tops = [float(max(v.along.pressure.max(), v.across.pressure.max())) for v in views]
@@ -77,7 +111,7 @@ def pressure_profiles(axes: Any, data: FigureData) -> None:
     fs.legend_above(axes[0], columns=4)
 
 
-def contact_map(data: FigureData) -> Figure:
+def contact_map(data: "FigureData") -> Figure:
     """What each cell does at the snapshots: in contact, at the hardness, touched before or never."""
     views = data.views
     colours = ListedColormap([colour for _, colour in STATES.values()])
@@ -93,7 +127,45 @@ def contact_map(data: FigureData) -> Figure:
         area = float(data.history["area_contact"][view.row])
         panel.set_title(f"{fs.after(view.distance)}\n{area:.3g} mm² in contact")
 
-    figure = maps_of(views, draw, above=0.25)
-    with fs.style():
-        figure.legend(handles=handles, loc="outside upper center", ncols=4 if len(views) > 1 else 2)
-    return figure
+    def legend(figure: Any) -> None:
+        labels = [str(handle.get_label()) for handle in handles]
+        figure.legend_above(handles, labels, columns=4 if len(views) > 1 else 2)
+
+    return maps_of(views, draw, finish=legend)
+
+
+@fs.panels(2)
+def hertz(axes: Any, data: "FigureData") -> None:
+    """Pressure along the sliding direction through the middle, beside Hertz's of the unworn bodies."""
+    theory, places = data.hertz, data.middle.places
+    assert theory is not None  # or the figure is left out
+    r = np.linspace(0.0, theory.radius, 200)
+    both = np.concatenate([-r[::-1], r])
+    unworn = {"color": fs.NEUTRAL, "ls": "--", "label": "Hertz, unworn bodies"}
+    worn = {"color": fs.MEAN_PRESSURE, "where": "mid", "label": "elastic foundation"}
+    for panel, (distance, line) in zip(axes, data.middle.pressures, strict=True):
+        shown = np.flatnonzero(line > 0.0)
+        shown = np.arange(max(shown[0] - 1, 0), min(shown[-1] + 2, line.size))
+        panel.plot(both, theory.pressure(np.abs(both)), **unworn)
+        panel.step(places[shown], line[shown], **worn)
+        half = MARGIN * max(theory.radius, float(np.abs(places[shown]).max()))
+        panel.set(xlim=(-half, half), xlabel=ALONG, ylabel="pressure, MPa")
+        panel.xaxis.set_major_locator(MaxNLocator(5))
+        panel.set_title(fs.after(distance))
+    axes[0].set_ylim(bottom=0.0)
+    fs.logarithmic(axes[1])
+    axes[1].set_ylim(0.3 * data.middle.median, 2.0 * theory.peak_pressure)
+    fs.legend_above(axes[0], columns=2)
+
+
+@fs.panels(2, height=2.9)
+def factor(axes: Any, data: "FigureData") -> None:
+    """Sliding distance of disc cells over that in the middle (thesis eq 4.22), at the scar and its margin."""
+    study, window = data.study, data.window
+    factors = distance_factor(study.cells, study.wear.distance_factor, curvature=study.sphere.curvature)
+    whole = np.broadcast_to(factors, study.cells.shape)
+    draw_map(axes[0], whole[window.x, window.y], window, fs.HEIGHTS, "relative sliding distance, –")
+    axes[1].plot(study.cells.y[window.y], whole[study.cells.nx // 2, window.y], color=fs.DISC)
+    axes[1].set(xlabel=ACROSS, ylabel="relative sliding distance, –")
+    axes[1].set_title("1 = sliding distance in the middle")
+    axes[1].ticklabel_format(axis="y", useOffset=False)

@@ -11,14 +11,15 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from warpwear.errors import OVERWRITE_IT, InputError
 from warpwear.figures import style as fs
 from warpwear.figures.axes import draw_map
-from warpwear.figures.data import FigureData, View, positive
+from warpwear.figures.data import FigureData
+from warpwear.figures.fields import pressure_scale
+from warpwear.figures.view import View, positive
 from warpwear.grid import FloatArray
 from warpwear.results.file import ResultFile
 from warpwear.results.track import blocks
@@ -103,7 +104,7 @@ class _Film:
         self.figure = Figure(figsize=SIZE, layout="constrained")
         FigureCanvasAgg(self.figure)
         self._disc_axes, self._pressure_axes, friction = self.figure.subplots(1, 3)
-        window, pressures = self._data.window_of(BLOCKS), self._data.history["pressure_max"][self._rows]
+        window, means = self._data.window_of(BLOCKS), self._data.history["pressure_mean"][self._rows]
         disc = np.stack([self._disc_at(index) for index in (0, len(self._rows) - 1)])
         ends: dict[str, Any] = {"low": float(np.nanmin(disc)), "high": float(np.nanmax(disc))}
         label = "height of the disc, µm"
@@ -114,12 +115,11 @@ class _Film:
             self._disc_axes.set_aspect("auto")
             self._disc_axes.set_xlabel("along the track, x, mm (line: the sphere)")
             self._apex = self._disc_axes.axvline(0.0, color=fs.SPHERE, lw=1.2)
-        # Logarithmic where the pressure falls by much as the scar grows: all frames share one scale.
-        most, least = float(pressures.max()), float(self._data.history["pressure_mean"][self._rows].min())
-        norm = LogNorm(0.5 * least, most, clip=True) if most > 5.0 * least else None
-        ends = {"norm": norm} if norm else {"low": 0.0, "high": most}
-        first = positive(self._read(0).pressure)
-        self._pressure = draw_map(self._pressure_axes, first, window, fs.PRESSURES, "pressure, MPa", **ends)
+        seen = [self._read(index).pressure for index in (0, len(self._rows) - 1)]
+        first, norm = positive(seen[0]), pressure_scale(seen, [float(mean) for mean in means])
+        self._pressure = draw_map(
+            self._pressure_axes, first, window, fs.PRESSURES, "pressure, MPa", norm=norm
+        )
         if result.study.is_swept:
             self._pressure_axes.set_xlabel("along sliding, from the sphere's apex, mm")
         self._line, self._point = self._course(friction)
@@ -129,10 +129,11 @@ class _Film:
         view = self._read(index)
         self._disc.set_data(self._disc_at(index).T)
         self._pressure.set_data(positive(view.pressure).T)
+        history = self._data.history
         self._disc_axes.set_title(f"{'track' if self._apex else 'disc'} {fs.after(view.distance)}")
         if self._apex is not None:
-            self._apex.set_xdata([self._data.history["position"][view.row]] * 2)
-        told = fs.with_scatter(*self._data.pressure_at(view.row))
+            self._apex.set_xdata([history["position"][view.row]] * 2)
+        told = fs.with_scatter(*(float(history[f"pressure_{name}"][view.row]) for name in ("mean", "std")))
         self._pressure_axes.set_title(f"{told} MPa in contact")
         course = self._data.course["distance"]
         so_far = slice(0, max(int(np.searchsorted(course, view.distance, side="right")), 1))
@@ -144,10 +145,10 @@ class _Film:
         result = self._data.result
         if result.study.is_swept:
             return 1e3 * blocks(result, index, BLOCKS).heights
-        return np.asarray(1e3 * self._read(index).disc)
+        return np.asarray(1e3 * self._data.bodies_at(index, most=BLOCKS).disc)
 
     def _read(self, index: int) -> View:
-        return self._data.read(index, blocks=BLOCKS)
+        return self._data.view(index, most=BLOCKS)
 
     def _course(self, axes: Axes) -> Any:
         """Draw the third panel's line up to now and its end, of the area where there is no friction."""

@@ -3,14 +3,17 @@
 Where a sphere slides over a track, steps that are cut short are not drawn, except in volumes and depths.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
-from warpwear.figures.data import FigureData, positive
+from warpwear.figures.view import positive
 from warpwear.laws.friction import mean_over
+
+if TYPE_CHECKING:
+    from warpwear.figures.data import FigureData
 
 AREAS: dict[str, tuple[str, dict[str, Any]]] = {
     "contact": ("in contact", {"color": fs.CONTACT, "ls": "-"}),
@@ -24,14 +27,14 @@ TIMES = ((36000.0, "h", 3600.0), (600.0, "min", 60.0), (0.0, "s", 1.0))
 
 
 @fs.panels()
-def cof(axes: Axes, data: FigureData) -> None:
+def cof(axes: Axes, data: "FigureData") -> None:
     """Coefficient of friction over the distance slid, and relative to its end: to a last pass's mean."""
     fs.over_distance(axes, data.course["distance"], data.course["cof"], color=fs.NEUTRAL)
     _finish_cof(axes, data)
 
 
 @fs.panels()
-def cof_time(axes: Axes, data: FigureData) -> None:
+def cof_time(axes: Axes, data: "FigureData") -> None:
     """Coefficient of friction over the sliding time, and relative to its end: to a last pass's mean."""
     time = data.course["time"]
     unit, seconds = next((unit, s) for least, unit, s in TIMES if time[-1] >= least)
@@ -40,24 +43,22 @@ def cof_time(axes: Axes, data: FigureData) -> None:
     _finish_cof(axes, data)
 
 
-def _finish_cof(axes: Axes, data: FigureData) -> None:
+def _finish_cof(axes: Axes, data: "FigureData") -> None:
     """Label the coefficient, with a second scale relative to its end on the right."""
     axes.set(ylabel="coefficient of friction, –", xlim=(0.0, None), ylim=(0.0, None))
-    lap = data.study.lap
+    lap = data.about.lap
     end = mean_over(data.history, data.history["cof"], "end", lap)
     if end > 0.0:
         to_relative: Any = (lambda v: v / end, lambda v: v * end)
         relative = axes.secondary_yaxis("right", functions=to_relative)
         relative.set_ylabel(f"relative to {'its end value' if lap is None else 'the last pass’s mean'}, –")
         relative.spines["right"].set_visible(True)
-    given = {"end": ", the end is an input", "initial": ", the start is an input", None: ""}
-    axes.set_title(
-        f"area that shears: {AREAS[data.study.friction.area][0]}{given[data.study.friction.fitted]}"
-    )
+    title = f"area that shears: {AREAS[data.about.friction_area][0]}"
+    axes.set_title(f"{title}\n{data.about.calibrated}" if data.about.calibrated else title)
 
 
 @fs.panels()
-def areas(axes: Axes, data: FigureData) -> None:
+def areas(axes: Axes, data: "FigureData") -> None:
     """The four areas and the nominal one over the distance slid."""
     distance = data.course["distance"]
     values = [data.course[f"area_{name}"] for name in AREAS]
@@ -71,7 +72,7 @@ def areas(axes: Axes, data: FigureData) -> None:
 
 
 @fs.panels()
-def pressure(axes: Axes, data: FigureData) -> None:
+def pressure(axes: Axes, data: "FigureData") -> None:
     """Mean and largest pressure of the cells in contact over the distance slid."""
     history, hardness = data.course, data.study.hardness
     distance, mean, largest = history["distance"], history["pressure_mean"], history["pressure_max"]
@@ -88,7 +89,7 @@ def pressure(axes: Axes, data: FigureData) -> None:
 
 
 @fs.panels()
-def contact_radius(axes: Axes, data: FigureData) -> None:
+def contact_radius(axes: Axes, data: "FigureData") -> None:
     """Radius of the scar, radius of a circle of the area in contact, and mean pressure over the distance."""
     history = data.course
     distance, mean = history["distance"], history["pressure_mean"]
@@ -107,11 +108,11 @@ def contact_radius(axes: Axes, data: FigureData) -> None:
 
 
 @fs.panels(2)
-def volumes(axes: Any, data: FigureData) -> None:
+def volumes(axes: Any, data: "FigureData") -> None:
     """Worn volume and deepest cell of both bodies over the distance slid."""
     history = data.history
     for body, color, line in (("sphere", fs.SPHERE, "--"), ("disc", fs.DISC, "-")):
-        style = {"color": color, "ls": line, "label": data.name_of(body)}
+        style = {"color": color, "ls": line, "label": data.about.name_of(body)}
         volume, depth = history[f"wear_volume_{body}"], history[f"wear_depth_{body}"]
         fs.over_distance(axes[0], history["distance"], 1e3 * volume, **style)
         fs.over_distance(axes[1], history["distance"], 1e3 * depth, **style)

@@ -1,6 +1,6 @@
 """Figures of the bodies' shapes: how they stood before sliding, what is left of them and what is gone."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,26 +15,34 @@ from warpwear.figures.axes import (
     finish_sections,
     maps_of,
     new_3d_figure,
+    shared_bar,
 )
-from warpwear.figures.data import SURFACE_BLOCKS, FigureData, Profile, coarsen, positive, sag_or_nan
+from warpwear.figures.view import Profile, coarsen, positive, sag_or_nan
 from warpwear.grid import FloatArray
 
+if TYPE_CHECKING:
+    from warpwear.figures.data import FigureData
+
 COLOURS = {"sphere": fs.SPHERE, "disc": fs.DISC}
+#: Where one body is worn this many times as deep as the other, each has a scale of its own.
+UNLIKE = 4.0
+#: Blocks along a side of a body in 3-D.
+RELIEF = 70
 #: Length of the arrow of sliding over the domain's side.
 ARROW = 0.4
 
 
-def setup(data: FigureData) -> Figure:
+def setup(data: "FigureData") -> Figure:
     """The sphere over the unworn disc at first contact, true to scale in x and y.
 
     Only the sphere's far half is drawn, so that the disc below it is seen; the disc is shown as far as it is
     computed.
     """
-    study = data.study
+    about = data.about
     disc, window = data.relief
     x0, x1, y0, y1 = window.extent
     x, y = np.linspace(x0, x1, 61), np.linspace(0.5 * (y0 + y1), y1, 31)
-    curvature, approach = study.sphere.curvature, float(data.history["approach"][0])
+    curvature, approach = about.curvature, float(data.history["approach"][0])
     sphere = 1e3 * (sag_or_nan(x, y, curvature) - approach)
 
     figure, (axes,) = new_3d_figure(1)
@@ -49,8 +57,8 @@ def setup(data: FigureData) -> Figure:
     axes.set_zlim(low, max(high, top) + 0.05 * (high - low))
     shape = f"sphere, R = {1.0 / curvature:.3g} mm," if curvature else "rigid flat"
     title = (
-        f"{shape} on the disc; domain {study.grid.extent:.4g} mm wide\n"
-        f"{study.contact.load:.3g} N; heights drawn {exaggeration(axes, window):g} times as large"
+        f"{shape} on the disc; domain {about.extent:.4g} mm wide\n"
+        f"{about.load:.3g} N; heights drawn {exaggeration(axes, window):g} times as large"
     )
     finish_3d(axes, window, "height, µm", title)
     middle, half = 0.5 * (x0 + x1), 0.5 * ARROW * (x1 - x0)
@@ -68,60 +76,65 @@ def _arrow(axes: Any, start: float, end: float, y: float, height: float) -> None
         axes.annotate("sliding", (x0, y0), ha="right", va="bottom", fontsize=7, bbox=paper, zorder=21)
 
 
-def wear_map(data: FigureData) -> Figure:
-    """Wear depth of both bodies at the end."""
-    last = data.last
-    deepest = 1.0e3 * max(last.wear_sphere.max(), last.wear_disc.max())
+def wear_map(data: "FigureData") -> Figure:
+    """Wear depth of both bodies at the end; on scales of their own where one lost far less."""
+    last, distance = data.bodies[-1], data.distances[-1]
+    depths = {body: 1.0e3 * getattr(last, f"wear_{body}") for body in COLOURS}
+    deepest = {body: float(depth.max()) for body, depth in depths.items()}
+    unlike = UNLIKE * min(deepest.values()) < max(deepest.values())
 
     def draw(panel: Any, body: str) -> None:
-        depth = positive(1.0e3 * getattr(last, f"wear_{body}"))
-        draw_map(panel, depth, data.window, fs.DEPTHS, "wear depth, µm", low=0.0, high=deepest)
-        panel.set_title(f"{data.name_of(body)} {fs.after(last.distance)}")
+        high = deepest[body] if unlike else max(deepest.values())
+        draw_map(
+            panel, positive(depths[body]), data.window, fs.DEPTHS, "wear depth, µm", low=0.0, high=high or 1.0
+        )
+        own = ", a scale of its own" if unlike else ""
+        panel.set_title(f"{data.about.name_of(body)} {fs.after(distance)}{own}")
 
     return maps_of([*COLOURS], draw)
 
 
-def sphere_map(data: FigureData) -> Figure:
+def sphere_map(data: "FigureData") -> Figure:
     """Shape of the sphere, unworn and at the snapshots."""
     return _maps(data, "sphere")
 
 
-def disc_map(data: FigureData) -> Figure:
+def disc_map(data: "FigureData") -> Figure:
     """Shape of the disc, unworn and at the snapshots."""
     return _maps(data, "disc")
 
 
-def sphere_3d(data: FigureData) -> Figure:
+def sphere_3d(data: "FigureData") -> Figure:
     """The sphere turned over, unworn and at the end, in 3-D."""
     return _surfaces(data, "sphere")
 
 
-def disc_3d(data: FigureData) -> Figure:
+def disc_3d(data: "FigureData") -> Figure:
     """The disc, unworn and at the end, in 3-D."""
     return _surfaces(data, "disc")
 
 
 @fs.panels(2)
-def sphere_profiles(axes: Any, data: FigureData) -> None:
+def sphere_profiles(axes: Any, data: "FigureData") -> None:
     """The sphere's shape through the middle, all snapshots overlaid."""
     _profiles(axes, data, "sphere")
 
 
 @fs.panels(2)
-def disc_profiles(axes: Any, data: FigureData) -> None:
+def disc_profiles(axes: Any, data: "FigureData") -> None:
     """The disc's shape through the middle, all snapshots overlaid."""
     _profiles(axes, data, "disc")
 
 
-def _maps(data: FigureData, body: str) -> Figure:
-    views = data.views
-    if len(views) == 4:  # with the unworn one four panels; the third says least
-        views = [views[0], views[1], views[3]]
-    titles = ["unworn", *(fs.after(view.distance) for view in views)]
-    fields = [1e3 * _unworn(data, body), *(1e3 * getattr(view, body) for view in views)]
+def _maps(data: "FigureData", body: str) -> Figure:
+    bodies = [*zip(data.distances, data.bodies, strict=True)]
+    if len(bodies) == 4:  # with the unworn one four panels; the third says least
+        del bodies[2]
+    titles = ["unworn", *(fs.after(distance) for distance, _ in bodies)]
+    fields = [1e3 * _unworn(data, body), *(1e3 * getattr(worn, body) for _, worn in bodies)]
     high = max(float(np.nanmax(field)) for field in fields)
-    label, extend, scaled = f"height of the {data.name_of(body)}, µm", "neither", fields
-    if data.name_of(body) == "sphere":  # its flank at the corners would take half of the colours
+    label, extend, scaled = f"height of the {data.about.name_of(body)}, µm", "neither", fields
+    if data.about.name_of(body) == "sphere":  # its flank at the corners would take half of the colours
         scaled, extend = [field[:, field.shape[1] // 2] for field in fields], "min"
     low = min(float(np.nanmin(field)) for field in scaled)
 
@@ -130,17 +143,17 @@ def _maps(data: FigureData, body: str) -> Figure:
         draw_map(panel, field, data.window, fs.HEIGHTS, None, low=low, high=high)
         panel.set_title(title)
 
-    figure = maps_of([*zip(titles, fields, strict=True)], draw)
-    panels = figure.axes
-    with fs.style():  # one scale for all: what changes is the disc, not the colours
-        figure.colorbar(panels[0].images[0], ax=panels, label=label, shrink=0.8, extend=extend)
-    return figure
+    def bar(figure: Any) -> None:  # one scale for all: what changes is the disc, not the colours
+        shared_bar(figure, figure.axes[0].images[0], label, extend=extend)
+
+    return maps_of([*zip(titles, fields, strict=True)], draw, finish=bar)
 
 
-def _surfaces(data: FigureData, body: str) -> Figure:
-    states = {"unworn": _unworn(data, body), fs.after(data.last.distance): getattr(data.last, body)}
-    states = {state: coarsen(field, SURFACE_BLOCKS)[0] for state, field in states.items()}
-    name, turned = data.name_of(body), ", turned over" if body == "sphere" else ""
+def _surfaces(data: "FigureData", body: str) -> Figure:
+    worn = getattr(data.bodies[-1], body)
+    states = {"unworn": _unworn(data, body), fs.after(data.distances[-1]): worn}
+    states = {state: coarsen(field, RELIEF)[0] for state, field in states.items()}
+    name, turned = data.about.name_of(body), ", turned over" if body == "sphere" else ""
     if name == "sphere":  # a cap, whose corners do not set the scale
         states = {state: _cap(field) for state, field in states.items()}
     low = min(float(np.nanmin(field)) for field in states.values())
@@ -155,10 +168,10 @@ def _surfaces(data: FigureData, body: str) -> Figure:
     return figure
 
 
-def _unworn(data: FigureData, body: str) -> FloatArray:
+def _unworn(data: "FigureData", body: str) -> FloatArray:
     """Return the unworn shape of a body [mm]: the mean of the worn shape plus the mean of the wear."""
-    worn: FloatArray = getattr(data.last, body)
-    return worn + getattr(data.last, f"wear_{body}")
+    worn: FloatArray = getattr(data.bodies[-1], body)
+    return worn + getattr(data.bodies[-1], f"wear_{body}")
 
 
 def _cap(field: FloatArray) -> FloatArray:
@@ -167,7 +180,7 @@ def _cap(field: FloatArray) -> FloatArray:
     return np.where(np.add.outer(x**2, y**2) <= 1.0, field, np.nan)
 
 
-def _profiles(axes: Any, data: FigureData, body: str) -> None:
+def _profiles(axes: Any, data: "FigureData", body: str) -> None:
     views = data.views
     sign = -1.0 if body == "sphere" else 1.0  # heights are positive out of the material
 
@@ -187,15 +200,15 @@ def _profiles(axes: Any, data: FigureData, body: str) -> None:
 
 
 @fs.panels(2)
-def profiles(axes: Any, data: FigureData) -> None:
+def profiles(axes: Any, data: "FigureData") -> None:
     """Both bodies along and across the sliding direction through the middle, in contact, at the end."""
-    last = data.last
+    last = data.views[-1]
     approach = float(data.history["approach"][last.row])
-    worn = bool(last.wear_sphere.any() or last.wear_disc.any())
-    slider = data.name_of("sphere")
+    cuts = (last.along, last.across)
+    worn = any(lost.any() for cut in cuts for lost in (cut.wear_sphere, cut.wear_disc))
+    slider = data.about.name_of("sphere")
     seen = [
-        _both(panel, cut, approach, slider=slider, worn=worn)
-        for panel, cut in zip(axes, (last.along, last.across), strict=True)
+        _both(panel, cut, approach, slider=slider, worn=worn) for panel, cut in zip(axes, cuts, strict=True)
     ]
     finish_sections(axes)
     low, high = min(low for low, _ in seen), max(high for _, high in seen)

@@ -1,14 +1,15 @@
-"""Figures of the disc's roughness inside the scar and of the islands of contact, over the snapshots."""
+"""Figures of the disc's roughness in the scar and of the islands of contact, over the snapshots."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
-from warpwear.figures.data import FigureData
 from warpwear.grid import FloatArray
-from warpwear.results.evolution import surface_evolution
+
+if TYPE_CHECKING:
+    from warpwear.figures.data import FigureData
 
 #: Parameter -> line. Sq and Sk are heights of the whole, Spk and Svk of peaks and valleys.
 PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
@@ -21,20 +22,20 @@ PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 @fs.panels()
-def roughness(axes: Axes, data: FigureData) -> None:
-    """Height parameters of the disc inside the nominal scar, its bowl taken off, over the distance slid."""
-    table = surface_evolution(data.result).table
+def roughness(axes: Axes, data: "FigureData") -> None:
+    """Height parameters of the disc in the middle of the scar, its bowl taken off, over the distance slid."""
+    table = data.roughness
     for name, (label, line) in PARAMETERS.items():
         fs.over_distance(axes, table["distance"], table[name], label=label, ms=3, **line)
     fs.scale_distance(axes, table["distance"])
-    axes.set(ylabel="roughness inside the scar, µm", ylim=(0.0, None))
+    axes.set(ylabel="roughness in the scar, µm", ylim=(0.0, None))
     fs.legend_above(axes, columns=5)
 
 
 @fs.panels(2)
-def islands(axes: Any, data: FigureData) -> None:
+def islands(axes: Any, data: "FigureData") -> None:
     """Number of islands of contact over the distance slid, and how their areas are distributed."""
-    evolution = surface_evolution(data.result)
+    evolution = data.evolution
     table = evolution.table
     number, sizes = axes
     for name, label, line in (
@@ -53,6 +54,8 @@ def islands(axes: Any, data: FigureData) -> None:
         # Islands at least as large: between two areas, those of the larger.
         sizes.step(falling, np.arange(1, falling.size + 1), where="post", **line)
     sizes.set(xscale="log", yscale="log")
+    fs.plain_numbers(sizes.xaxis)
+    fs.plain_numbers(sizes.yaxis)
     sizes.set(xlabel="area of an island, mm²", ylabel="islands at least as large, –")
     # To a whole decade, and only decades labelled: labels between them would run into each other.
     everything = np.log10(np.concatenate(evolution.island_areas))
@@ -62,13 +65,13 @@ def islands(axes: Any, data: FigureData) -> None:
 
 
 @fs.panels(height=2.9)
-def junctions(axes: Axes, data: FigureData) -> None:
+def junctions(axes: Axes, data: "FigureData") -> None:
     """Share of the contact area in islands up to a diameter, a line a snapshot, beside d* and the mesh.
 
     An island's diameter is that of the circle of its area. The legend says what share of the contact area
     is in islands larger than d*; a study without a critical junction has neither that share nor the line.
     """
-    evolution = surface_evolution(data.result)
+    evolution = data.evolution
     critical = data.study.critical_junction
     shown = [index for index in data.shown if evolution.island_areas[index].size]
     for index, line in zip(shown, fs.in_time(fs.CONTACT, len(shown)), strict=True):

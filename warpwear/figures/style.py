@@ -1,7 +1,9 @@
 """The one style of all figures: sizes, colours, line styles, axes. Nothing here knows what is drawn."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial, update_wrapper
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -12,7 +14,7 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter, MaxNLocator
+from matplotlib.ticker import LogFormatter, LogLocator, MaxNLocator
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
@@ -41,9 +43,28 @@ DEPTHS = matplotlib.colormaps["magma_r"]
 #: Formats of files, each with the metadata of them in which Matplotlib would write the date.
 FORMATS: dict[str, dict[str, None]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
-STYLE = matplotlib.rc_params_from_file(
-    Path(__file__).parent / "warpwear.mplstyle", use_default_template=False
-)
+STYLE: Any = {
+    "font.size": 8.0,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 8.0,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
+    "legend.fontsize": 7.0,
+    "legend.frameon": False,
+    "legend.handlelength": 2.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 1.2,
+    "grid.color": "#DDDDDD",
+    "figure.dpi": 300.0,
+    "pdf.fonttype": 42,  # TrueType: publishers refuse Type 3
+    "svg.hashsalt": "warpwear",
+}
+#: Compression of PNG: more makes files a quarter smaller, and takes a third of a figure's time.
+COMPRESSION = {"compress_level": 1}
 
 
 def style() -> Any:
@@ -59,12 +80,108 @@ def check_format(file_format: str) -> None:
 
 def write_figure(figure: Figure, path: Path) -> None:
     """Write a figure as its path ends, without a date: the same run gives the same file."""
+    path.write_bytes(bytes_of(figure, path.suffix.removeprefix(".")))
+
+
+def bytes_of(figure: Figure, file_format: str = "png", *, dpi: float | str = "figure") -> bytes:
+    """Return the content of the file that holds a figure in one of `FORMATS`."""
+    written = BytesIO()
+    more: Any = {"pil_kwargs": COMPRESSION} if file_format == "png" else {}
     with style():
-        figure.savefig(path, metadata=FORMATS[path.suffix.removeprefix(".")])
+        figure.savefig(written, format=file_format, dpi=dpi, metadata=FORMATS[file_format], **more)
+    return written.getvalue()
+
+
+@dataclass(frozen=True)
+class Room:
+    """Room around panels that are placed without measuring their texts [inch]."""
+
+    left: float = 0.56  # of tick labels and a label
+    ticks: float = 0.34  # of tick labels alone
+    right: float = 0.56  # of a second scale or one colour bar for all
+    bar: float = 0.7  # of a colour bar of a panel's own
+    below: float = 0.4
+    line: float = 0.135  # of a title
+    legend: float = 0.165  # of a row of a legend
+    edge: float = 0.1
+
+
+ROOM = Room()
+#: Left edge, from the right edge of its panel, and width of a colour bar [inch].
+BAR, BAR_WIDTH = 0.08, 0.08
 
 
 class Sheet(Figure):
     """A figure that holds nothing of others, so that one legend may stand over all of it."""
+
+    #: Axes of a colour bar that is for all panels.
+    bar: Axes | None = None
+    _legend_rows = 0
+
+    def legend_above(self, handles: list[Any], labels: list[str], *, columns: int) -> None:
+        """Put a legend over all panels."""
+        where: Any = "outside upper center" if self.get_layout_engine() else "upper center"
+        self.legend(handles, labels, loc=where, ncols=columns, borderaxespad=0.3)
+        self._legend_rows = -(-len(labels) // columns)
+
+    def place(self, panels: "np.ndarray[Any, Any]", *, square: bool) -> None:
+        """Give panels, (rows, columns), their places by what they say: measuring it takes most of the time.
+
+        square: the height of the figure follows from its width.
+        """
+        for axis in (axis for panel in self.axes for axis in (panel.xaxis, panel.yaxis)):
+            _thin_ticks(axis)
+
+        def says(line: Any, what: str) -> bool:
+            return any(getattr(panel, what)() for panel in line)
+
+        def left(column: Any) -> float:
+            shown = any(panel.yaxis.get_tick_params().get("labelleft", True) for panel in column)
+            return ROOM.left if says(column, "get_ylabel") else ROOM.ticks if shown else 0.0
+
+        def right(column: Any) -> float:
+            twins = (axes for axes in self.axes if axes is not self.bar and axes not in panels)
+            beside = [axes for panel in column for axes in panel.child_axes]
+            if any(hasattr(axes, "_colorbar") for axes in beside):
+                return ROOM.bar
+            return ROOM.right if beside or any(twins) else 0.0
+
+        def above(row: Any) -> float:
+            lines = max(panel.get_title().count("\n") + 1 if panel.get_title() else 0 for panel in row)
+            return ROOM.line * lines + ROOM.edge
+
+        lefts, rights = [left(c) + ROOM.edge for c in panels.T], [right(c) for c in panels.T]
+        aboves = [above(row) for row in panels]
+        belows = [ROOM.below if says(row, "get_xlabel") else 0.5 * ROOM.edge for row in panels]
+        legend = self._legend_rows * ROOM.legend
+        end = ROOM.right + 2.0 * ROOM.edge if self.bar is not None else ROOM.edge
+        width, height = self.get_size_inches()
+        side = (width - sum(lefts) - sum(rights) - end) / panels.shape[1]
+        taken = legend + sum(aboves) + sum(belows)
+        high = side if square else (height - taken) / panels.shape[0]
+        height = taken + high * panels.shape[0]
+        self.set_size_inches(width, height)
+        top = height - legend
+        for row, over, under in zip(panels, aboves, belows, strict=True):
+            top -= over + high
+            at = 0.0
+            for panel, before, after in zip(row, lefts, rights, strict=True):
+                at += before
+                panel.set_position((at / width, top / height, side / width, high / height))
+                at += side + after
+            top -= under
+        if self.bar is not None:
+            whole = height - legend - aboves[0] - belows[-1]
+            low, tall = belows[-1] + 0.1 * whole, 0.8 * whole
+            start = width - ROOM.right - ROOM.edge
+            self.bar.set_position((start / width, low / height, BAR_WIDTH / width, tall / height))
+
+
+def _thin_ticks(axis: Axis) -> None:
+    """Keep two ticks between decades where a logarithmic axis spans many: each takes time."""
+    low, high = axis.get_view_interval()
+    if axis.get_scale() == "log" and low > 0.0 and high > 1e3 * low:
+        axis.set_minor_locator(LogLocator(subs=(2.0, 5.0), numticks=50))
 
 
 def new_figure(
@@ -74,17 +191,22 @@ def new_figure(
     columns: int = 1,
     height: float = ROW,
     width: float | None = None,
+    fixed: bool = False,
+    square: bool = False,
 ) -> Figure:
     """Make a figure of one column's width, or of the page's where panels stand side by side.
 
-    draw: gets the axes, one or an array of shape (rows × columns,). height: of a row [inch].
+    draw: gets the axes, one or an array of shape (rows × columns,). height: of a row [inch]. fixed: panels
+    are placed without measuring texts, see `Sheet.place`; square: and are square, whatever the height.
     """
     with style():
         size = (width or (COLUMN if columns == 1 else PAGE), height * rows)
-        figure = Sheet(figsize=size, layout="constrained")
+        figure = Sheet(figsize=size, layout=None if fixed else "constrained")
         FigureCanvasAgg(figure)
-        axes = figure.subplots(rows, columns)
-        draw(axes.ravel() if rows * columns > 1 else axes)
+        axes = figure.subplots(rows, columns, squeeze=False)
+        draw(axes.ravel() if rows * columns > 1 else axes[0, 0])
+        if fixed:
+            figure.place(axes, square=square)
     return figure
 
 
@@ -102,7 +224,8 @@ class Panels(Generic[Data]):
     def __call__(self, data: Data, ax: Axes | None = None) -> Figure:
         """Draw the data; returns the figure, that of `ax` where it is given. Needs one column for `ax`."""
         if ax is None:
-            return new_figure(lambda axes: self._draw(axes, data), columns=self.columns, height=self._height)
+            columns, height = self.columns, self._height
+            return new_figure(lambda axes: self._draw(axes, data), columns=columns, height=height, fixed=True)
         self._draw(ax, data)
         return ax.figure.figure  # the outermost one
 
@@ -140,6 +263,7 @@ def scale_distance(axes: Axes, distance: FloatArray) -> None:
     """Make the distance logarithmic where the steps span decades; call it after the lines are drawn."""
     if distance[-1] > 30.0 * distance[0]:
         axes.set_xscale("log")
+        plain_numbers(axes.xaxis)
 
 
 def scale_values(axes: Axes, *values: FloatArray) -> None:
@@ -154,15 +278,13 @@ def scale_values(axes: Axes, *values: FloatArray) -> None:
 
 
 def logarithmic(axes: Axes) -> None:
-    """Make values logarithmic, with plain numbers where they are short; call it before setting limits."""
+    """Make values logarithmic; call it before setting limits."""
     axes.set_yscale("log")
-    low, high = axes.get_ylim()
-    if low > 1e-3 and high < 1e4:
-        plain_numbers(axes.yaxis)
+    plain_numbers(axes.yaxis)
 
 
 def plain_numbers(axis: Axis, *, decades: float = 0.5) -> None:
-    """Write 0.1 instead of 1e-01 along a logarithmic axis, between decades where it spans few.
+    """Write 0.1 or 10⁻⁵ instead of 1e-01 along a logarithmic axis, between decades where it spans few.
 
     decades: span of the axis up to which all ticks are labelled, see `minor_thresholds` of LogFormatter.
     """
@@ -171,10 +293,22 @@ def plain_numbers(axis: Axis, *, decades: float = 0.5) -> None:
 
 
 class PlainNumbers(LogFormatter):
-    """Writes 0.1 instead of 1e-01, at the ticks that a logarithmic axis labels."""
+    """Writes 0.1 or 10⁻⁵ instead of 1e-01, at the ticks that a logarithmic axis labels.
+
+    Without the setting of formulas, which takes as long as the rest of a small figure.
+    """
 
     def __call__(self, x: float, pos: int | None = None) -> str:
-        return f"{x:g}" if super().__call__(x, pos) else ""
+        return short(x) if super().__call__(x, pos) else ""
+
+
+def short(value: float) -> str:
+    """Write a number as people do: 0.001, 20, 10⁻⁵, 2·10⁶."""
+    if 1e-3 <= abs(value) < 1e5 or value == 0.0:
+        return f"{value:g}"
+    digits, _, power = f"{value:e}".partition("e")
+    raised = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"10{raised}" if float(digits) == 1.0 else f"{float(digits):g}·10{raised}"
 
 
 def legend_above(*panels: Axes, columns: int) -> None:
@@ -185,7 +319,7 @@ def legend_above(*panels: Axes, columns: int) -> None:
             found.setdefault(label, handle)
     figure = panels[0].figure.figure
     if isinstance(figure, Sheet):
-        figure.legend(list(found.values()), list(found), loc="outside upper center", ncols=columns)
+        figure.legend_above(list(found.values()), list(found), columns=columns)
     else:
         panels[-1].legend(list(found.values()), list(found))
 

@@ -1,6 +1,6 @@
 """Figures of a sphere that slides over a track: groove, track, each pass, friction along the stroke."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,16 +8,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator, MaxNLocator, NullLocator
 
 from warpwear.figures import style as fs
-from warpwear.figures.axes import ACROSS, ALONG, draw_map
-from warpwear.figures.data import FigureData, positive
+from warpwear.figures.axes import ACROSS, ALONG, colour_bar, draw_map
 from warpwear.figures.snapshots import PARAMETERS
+from warpwear.figures.view import positive
 from warpwear.grid import FloatArray
-from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track
 
-#: Bins along a track.
-BINS = 200
-#: Blocks along a side of a track's map.
-BLOCKS = 600
+if TYPE_CHECKING:
+    from warpwear.figures.data import FigureData
+
 #: Passes in one figure.
 SHOWN = 4
 #: More decades of passes than this have a number at each only.
@@ -25,12 +23,11 @@ DECADES = 2.2
 
 
 @fs.panels(2)
-def groove_figure(axes: Any, data: FigureData) -> None:
+def groove_figure(axes: Any, data: "FigureData") -> None:
     """Mean cross-section of the groove at the snapshots; its mean depth along the track at the end."""
-    result = data.result
-    sections = [groove(result, index) for index in data.shown]
+    sections = data.grooves
     last = sections[-1]
-    shown = float(np.abs(result.y[last.depth > 0.0]).max(initial=2.0 * result.study.grid.cell)) * 1.15
+    shown = float(np.abs(last.y[last.depth > 0.0]).max(initial=2.0 * data.about.cell)) * 1.15
     across, along = axes
     for section, line in zip(sections, fs.in_time(fs.DISC, len(sections)), strict=True):
         across.plot(section.y, -1e3 * section.depth, label=fs.after(section.distance), **line)
@@ -38,7 +35,7 @@ def groove_figure(axes: Any, data: FigureData) -> None:
         across.plot(last.y, -1e3 * last.worn, color=fs.NEUTRAL, lw=0.8, label="of which worn")
     across.set(xlabel=ACROSS, ylabel="change of height, µm", xlim=(-shown, shown))
     across.set_title("mean along sliding")
-    places, depths = depth_along(result, data.shown[-1], BINS)
+    places, depths = data.depth_along
     along.plot(places, -1e3 * depths, color=fs.shades(fs.DISC)(1.0), lw=0.9)
     mean = {"color": fs.NOMINAL, "lw": 0.8, "ls": "--"}
     along.axhline(-1e3 * last.mean_depth, label=f"mean depth {1e3 * last.mean_depth:.3g} µm", **mean)
@@ -50,19 +47,17 @@ def groove_figure(axes: Any, data: FigureData) -> None:
     fs.legend_above(across, along, columns=6)
 
 
-def track_map(data: FigureData) -> Figure:
+def track_map(data: "FigureData") -> Figure:
     """The whole track at the end: its heights, and what is gone of them; x and y not to one scale."""
-    result = data.result
-    track = blocks(result, data.shown[-1], BLOCKS)
-    distance = float(result.snapshot_distances[data.shown[-1]])
-    title = f"track {fs.after(distance)} (x and y not to one scale)"
+    track = data.track
+    title = f"track {fs.after(data.distances[-1])} (x and y not to one scale)"
 
     def show(panel: Any, field: FloatArray, colours: Any, label: str, low: float | None = None) -> None:
         known = field[np.isfinite(field)]
         least, most = np.percentile(known, (0.1, 99.9)) if known.size else (0.0, 1.0)
         low, beyond = (least, "both") if low is None else (low, "max")
         image = draw_map(panel, field, track, colours, None, low=low, high=most)
-        panel.figure.colorbar(image, ax=panel, label=label, ticks=MaxNLocator(4), extend=beyond)
+        colour_bar(panel.inset_axes((1.012, 0.0, 0.012, 1.0)), image, label, extend=beyond)
         panel.set_aspect("auto")
         panel.xaxis.set_major_locator(AutoLocator())
 
@@ -73,20 +68,20 @@ def track_map(data: FigureData) -> Figure:
         axes[1].set_title("what is gone of it, worn or pressed down")
         axes[0].tick_params(labelbottom=False)
 
-    return fs.new_figure(draw, rows=2, height=1.9, width=fs.PAGE)
+    return fs.new_figure(draw, rows=2, height=1.9, width=fs.PAGE, fixed=True)
 
 
 @fs.panels(2)
-def wear_per_pass(axes: Any, data: FigureData) -> None:
+def wear_per_pass(axes: Any, data: "FigureData") -> None:
     """Volumes that each pass takes off sphere and disc, and the depth that it adds to the groove."""
-    table = by_pass(data.result, "patch_across")
-    stroke = data.study.track.stroke
+    table, stroke = data.passes, data.about.lap
+    assert stroke is not None  # or the figure is left out
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():
         whole[:] = True
     volume, depth = axes
     lines = (
-        ("wear_volume_sphere", data.name_of("sphere"), {"color": fs.SPHERE, "ls": "--"}),
+        ("wear_volume_sphere", data.about.name_of("sphere"), {"color": fs.SPHERE, "ls": "--"}),
         ("wear_volume_disc", "disc, worn", {"color": fs.DISC, "ls": "-"}),
         ("plastic_volume_disc", "disc, displaced", {"color": fs.NEUTRAL, "ls": ":"}),
     )
@@ -110,9 +105,10 @@ def wear_per_pass(axes: Any, data: FigureData) -> None:
 
 
 @fs.panels()
-def cof_stroke(axes: Axes, data: FigureData) -> None:
+def cof_stroke(axes: Axes, data: "FigureData") -> None:
     """Coefficient of friction over the position in the stroke, for some passes."""
-    history, stroke = data.course, data.study.track.stroke
+    history, stroke = data.course, data.about.lap
+    assert stroke is not None  # or the figure is left out
     number = np.maximum(np.ceil(history["distance"] / stroke - 1e-9).astype(int), 1)
     passes = np.unique(number)
     places = np.linspace(0, passes.size - 1, min(SHOWN, passes.size)).round().astype(int)
@@ -125,9 +121,9 @@ def cof_stroke(axes: Axes, data: FigureData) -> None:
 
 
 @fs.panels()
-def track_roughness(axes: Axes, data: FigureData) -> None:
+def track_roughness(axes: Axes, data: "FigureData") -> None:
     """Height parameters of the disc in the middle of the groove over the passes."""
-    table = roughness_in_track(data.result)
+    table = data.track_roughness
     for name, (label, line) in PARAMETERS.items():
         axes.plot(table["passes"], table[name], label=label, ms=3, **line)
     _passes_from_none(axes, table["passes"])

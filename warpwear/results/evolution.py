@@ -1,4 +1,4 @@
-"""Roughness of the disc inside the scar and islands of contact, against the distance slid.
+"""Roughness of the disc in the middle of the scar and islands of contact, against the distance slid.
 
 Taken from the snapshots of a result; ask for more with `output.snapshots`.
 """
@@ -20,6 +20,8 @@ from warpwear.surfaces.roughness import bearing_parameters, height_parameters
 LENGTHS = ("sa", "sq", "sk", "spk", "svk")
 #: A worn scar is a bowl, a groove a trough: a polynomial of this degree is taken off as their form.
 FORM_DEGREE = 2
+#: Part of the scar's area whose roughness is taken.
+MIDDLE = 0.5
 #: A part of fewer cells has no roughness worth a number.
 FEWEST_CELLS = 100
 
@@ -52,8 +54,16 @@ def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
 
 def island_areas(result: ResultFile, snapshot: Snapshot) -> FloatArray:
     """Areas [mm²] of the connected regions in contact, shape (islands,)."""
-    labels, _ = ndimage.label(snapshot.pressure > 0.0)
+    pressed = snapshot.pressure > 0.0
+    labels, _ = ndimage.label(pressed[_extents(pressed)])
     return np.asarray(np.bincount(labels.ravel())[1:] * result.study.cells.cell_area, dtype=np.float64)
+
+
+def _extents(where: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]") -> tuple[slice, slice]:
+    """Rows and columns from the first to the last that has a place; none where there is no place."""
+    found = (np.flatnonzero(where.any(axis=axis)) for axis in (1, 0))
+    rows, columns = (slice(at[0], at[-1] + 1) if at.size else slice(0, 0) for at in found)
+    return rows, columns
 
 
 def _count_islands(areas: FloatArray, one_cell: float) -> dict[str, float]:
@@ -68,13 +78,17 @@ def _count_islands(areas: FloatArray, one_cell: float) -> dict[str, float]:
 
 
 def _roughness_in_scar(result: ResultFile, snapshot: Snapshot) -> dict[str, float]:
-    """Roughness of the worn disc inside the nominal scar: the ellipse in the extents of the touched cells."""
-    rows, columns = (np.flatnonzero(snapshot.touched.any(axis=axis)) for axis in (1, 0))
-    box = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    heights = worn_heights(result, snapshot, "disc")[box]
+    """Roughness of the worn disc in the middle of the scar, without its ragged rim, which is hardly worn.
+
+    The scar is the ellipse in the extents of the touched cells; its middle has the same shape and half the
+    area. Cells between islands of contact count: without them valleys would be missing.
+    """
+    extents = _extents(snapshot.touched)
+    heights = worn_heights(result, snapshot, "disc", extents)
     x, y = (np.linspace(-1.0, 1.0, 2 * n + 1)[1::2] for n in heights.shape)
-    inside = (x[:, None] ** 2 + y[None, :] ** 2 <= 1.0) & np.isfinite(heights)
-    return roughness_without_form(heights, inside)
+    inside = (x[:, None] ** 2 + y[None, :] ** 2 <= MIDDLE) & np.isfinite(heights)
+    box = _extents(inside)
+    return roughness_without_form(heights[box], inside[box])
 
 
 def roughness_without_form(

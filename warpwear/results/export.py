@@ -15,12 +15,16 @@ from warpwear.study.surface import surface_in
 from warpwear.surfaces.sphere import sag
 
 BODIES = ("sphere", "disc")
+#: All rows or columns of a field.
+ALL = slice(None)
 #: A gap beyond this stands for a place beyond the sphere's rim [mm].
 NO_SURFACE = 1.0e20
 
 
-def worn_heights(result: ResultFile, snapshot: Snapshot, body: str) -> FloatArray:
-    """Heights of a worn body [mm], positive out of its material, shape (nx, ny).
+def worn_heights(
+    result: ResultFile, snapshot: Snapshot, body: str, part: tuple[slice, slice] = (ALL, ALL)
+) -> FloatArray:
+    """Heights of a worn body [mm], positive out of its material, shape (nx, ny) or that of a part of it.
 
     The disc's are over its mean plane, the sphere's over the apex it had, so that its cap lies below 0.
     Beyond the sphere's edge the sphere is NaN and the disc as it was before; NaN too if its file is gone, and
@@ -29,15 +33,16 @@ def worn_heights(result: ResultFile, snapshot: Snapshot, body: str) -> FloatArra
     """
     curvature = result.study.sphere.curvature
     radius = 1.0 / curvature if curvature else np.inf
-    sphere = sag(result.x, result.y, radius=radius) + snapshot.wear_sphere
+    x, y, gap = result.x[part[0]], result.y[part[1]], snapshot.gap[part]
+    sphere = sag(x, y, radius=radius) + snapshot.wear_sphere[part]
     with np.errstate(invalid="ignore"):  # beyond the sphere's edge
-        heights = -sphere if body == "sphere" else sphere - snapshot.gap
-    not_covered = np.isnan(snapshot.gap)  # by the patches of a two-scale run
-    beyond = (~np.isfinite(sphere) | (snapshot.gap > NO_SURFACE)) & ~not_covered
-    heights = np.where(beyond | not_covered, np.nan, heights)
+        heights = -sphere if body == "sphere" else sphere - gap
+    not_covered = np.isnan(gap)  # by the patches of a two-scale run
+    beyond = (~np.isfinite(sphere) | (gap > NO_SURFACE)) & ~not_covered
+    heights[beyond | not_covered] = np.nan
     if body == "disc" and beyond.any() and snapshot.row is None:
         with suppress(InputError):
-            heights[beyond] = surface_in(result.study).heights(result.x, result.y)[beyond]
+            heights[beyond] = surface_in(result.study).heights(x, y)[beyond]
     return heights
 
 

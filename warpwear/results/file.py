@@ -91,6 +91,8 @@ class ResultFile:
         self._file = file
         self.path = path
         self._derived: dict[str, Any] = {}
+        #: Number -> snapshot, of those that need not be read.
+        self.at_hand: dict[int, Snapshot] = {}
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
@@ -240,6 +242,8 @@ class ResultFile:
     def snapshot(self, index: SupportsIndex) -> Snapshot:
         """Snapshot number `index`; -1 is the end. Raises InputError for what is no number, IndexError."""
         number = _number(index, self.snapshot_distances.size)
+        if number in self.at_hand:
+            return self.at_hand[number]
         with self._reading() as file:
             group = file["snapshots"][list(file["snapshots"])[number]]
             row = int(group.attrs["row"]) if "row" in group.attrs else None
@@ -282,7 +286,9 @@ class ResultFile:
     def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:
         """Depths worn off the track, and displaced of it for good, at snapshot number `index` [mm]."""
         with self._reading() as file:
-            group = file["snapshots"][list(file["snapshots"])[index]]
+            number = _number(index, self.snapshot_distances.size)
+            kept, name = self.at_hand.get(number), list(file["snapshots"])[number]
+            group = kept.fields if kept else file["snapshots"][name]
             worn: FloatArray = group["wear_disc"][rows]
             return worn, group["plastic_disc"][rows] if "plastic_disc" in group else np.zeros_like(worn)
 

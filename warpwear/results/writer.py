@@ -14,6 +14,7 @@ from typing import Any
 
 import h5py
 import numpy as np
+import psutil
 
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import FIELDS, OF_THE_TRACK, PATCH_TABLES, Quantity, columns_of
@@ -27,6 +28,8 @@ from warpwear.version import __version__
 SPACE_FOR_THE_REST = 2 * 2**20
 #: Cells along a side of a compressed block.
 CHUNK = 256
+#: Part of the memory that is free which a snapshot may take to be kept.
+AT_HAND = 0.1
 #: Errors of a file system that cannot set room aside.
 NO_PREALLOCATION = (errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL, errno.EPERM)
 
@@ -36,6 +39,8 @@ class ResultWriter:
 
     def __init__(self, file: h5py.File, study: Study, grid: Grid, *, device: str, threads: int) -> None:
         self._file, self._study = file, study
+        #: Number -> snapshot, of those whose files need not be read back.
+        self.at_hand: dict[int, Snapshot] = {}
         self._require_space(0)
         file.attrs.update(
             version=__version__,
@@ -53,6 +58,7 @@ class ResultWriter:
         """Keep the fields of one distance."""
         self._require_space(sum(values.nbytes for values in snapshot.fields.values()))
         snapshots = self._file["snapshots"]
+        self._keep(len(snapshots), snapshot)
         group = snapshots.create_group(f"{len(snapshots):04d}")
         group.attrs["distance"] = snapshot.distance
         if snapshot.row is not None:
@@ -62,6 +68,13 @@ class ResultWriter:
         for name, values in snapshot.fields.items():
             chunks = tuple(min(CHUNK, n) for n in values.shape)
             _add(group, FIELDS[name], values, chunks=chunks, compression_opts=1)
+
+    def _keep(self, number: int, snapshot: Snapshot) -> None:
+        """Keep a copy of a snapshot for what is made of it at the end, as long as memory is plenty."""
+        size = sum(values.nbytes for values in snapshot.fields.values())
+        if self._file.driver != "core" and size < AT_HAND * psutil.virtual_memory().available:
+            copies = {name: values.copy() for name, values in snapshot.fields.items()}
+            self.at_hand[number] = Snapshot(snapshot.distance, row=snapshot.row, **copies)
 
     def add_track(self, x: FloatArray, heights: FloatArray) -> None:
         """Keep the disc of a swept run: places of its rows [mm], heights before any wear [mm]."""

@@ -10,8 +10,7 @@ from pathlib import Path
 from uuid import uuid4
 
 from warpwear.errors import OTHER_FOLDER, OVERWRITE_IT, RESUME_IT, InputError
-from warpwear.lazy import resolve
-from warpwear.result import PLOTTER, Result
+from warpwear.result import Result
 from warpwear.results import file as results
 from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, MAGIC, SURFACE_FILE

@@ -9,8 +9,10 @@ from uuid import uuid4
 import h5py
 from numpy.typing import ArrayLike
 
-from warpwear.engine.device import find_device, report_out_of_memory
+from warpwear.engine.device import check_threads, find_device, report_out_of_memory
 from warpwear.errors import InputError
+from warpwear.figures.process import LATE, Painter
+from warpwear.figures.table import PLOTS
 from warpwear.result import Result
 from warpwear.results.file import FILE_NAME, OWN_SURFACE, SURFACE_FILE
 from warpwear.results.seal import HEADER
@@ -38,7 +40,7 @@ def run(
     out: str | Path | None = None,
     device: str = "cpu",
     threads: int | None = None,
-    plots: bool = True,
+    plots: bool | str = True,
     overwrite: bool = False,
     resume: bool = False,
     progress: bool = False,
@@ -53,11 +55,13 @@ def run(
     the resolved study names, so that it runs again by itself.
     out: run folder to write (study.toml, result.h5, history.csv, summary.json, figures, log.txt); without it
     the result lives in memory. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
-    result depends on it. overwrite: replace a run that is there already. resume: go on from the checkpoint
-    that an unfinished run left in `out`, from the start where there is none; a finished run is returned as it
-    is. progress: report on standard error. callback: is called with every step, see `steps`, so
-    that on a GPU each is made alone, slower and with other rounding; an exception of it stops the run as an
-    interrupt does: what there is so far is kept, with a checkpoint, and it is raised.
+    result depends on it. plots: figures to draw into `out`, "essential" (True), "all" or "none" (False); with
+    two cores another process draws the essential ones. overwrite: replace a run that is there already.
+    resume: go on from the checkpoint that an unfinished run left in `out`, from the start where there is
+    none; a finished run is returned as it is. progress: report on standard error. callback: is called with
+    every step, see `steps`, so that on a GPU each is made alone, slower and with other rounding; an exception
+    of it stops the run as an interrupt does: what there is so far is kept, with a checkpoint, and it is
+    raised.
 
     What misleads (keys that are not used, a contact of few cells) is a warning of Python (StudyWarning), in
     `result.summary["warnings"]` too; with progress it is a note on standard error instead.
@@ -72,6 +76,9 @@ def run(
         raise InputError(f"callback = {callback!r}: a function is expected, which is called with every step.")
     if resume and (folder is None or overwrite):
         raise InputError(f"resume needs out, a run folder{', and excludes overwrite' if overwrite else ''}.")
+    drawn = plots if isinstance(plots, str) else "essential" if plots else "none"
+    if drawn not in PLOTS:
+        raise InputError(f"plots = {plots!r} is not known; allowed: {', '.join(PLOTS)}, true and false.")
     study, given = _prepare(study, surface, folder)
     if folder is not None:
         run_folder.check(folder, overwrite=overwrite, resume=resume)
@@ -83,43 +90,52 @@ def run(
             with opened(folder / CHECKPOINT) as found:  # before anything is made that takes long
                 if found is not None:
                     found.refuse_changes(study, device=str(find_device(device)))
-    with report_out_of_memory(study.cells):
-        executor = executor_of(study, device=device, threads=threads)
-        with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
-            with _log_to(work), _result_file(work) as file:
-                LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
-                if work and given:
-                    given.save(work)
-                writer = ResultWriter(
-                    file, study, study.cells, device=str(executor.device), threads=executor.threads
-                )
-                if folder and study.disc.surface == str(folder.resolve() / SURFACE_FILE):
-                    file.attrs[OWN_SURFACE] = True
-                loop = StepLoop(
-                    study,
-                    executor,
-                    writer,
-                    Progress(study, quiet=not progress),
-                    surface=given.surface if given else None,
-                    resume=folder if resume else None,
-                )
-                if folder and work:
-                    loop.checkpoint_in(folder, work)
-                loop.run(callback)
-                result = Result(file)
-                if work:
-                    write_tables(work, study, result)
-            if work and folder:
-                result.close()
-                run_folder.move_into_place(work, folder)
-                loop.end_checkpoints()
-                result = Result.open(folder)
-    if loop.failed is not None:
-        raise loop.failed
-    if loop.interrupted is not None:
-        raise loop.interrupted
-    if folder and plots:
-        result.plot.save_all(folder / "figures")
+    cores = check_threads(threads)
+    with Painter(cores if folder and drawn != "none" else 1) as painter:
+        with report_out_of_memory(study.cells):
+            executor = executor_of(study, device=device, threads=cores)
+            with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
+                with _log_to(work), _result_file(work) as file:
+                    LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, cores)
+                    if work and given:
+                        given.save(work)
+                    writer = ResultWriter(
+                        file, study, study.cells, device=str(executor.device), threads=executor.threads
+                    )
+                    if folder and study.disc.surface == str(folder.resolve() / SURFACE_FILE):
+                        file.attrs[OWN_SURFACE] = True
+                    loop = StepLoop(
+                        study,
+                        executor,
+                        writer,
+                        Progress(study, quiet=not progress),
+                        surface=given.surface if given else None,
+                        resume=folder if resume else None,
+                    )
+                    if folder and work:
+                        loop.checkpoint_in(folder, work)
+                    loop.run(callback)
+                    result = Result(file)
+                    result.at_hand = writer.at_hand
+                    if loop.finished:
+                        painter.order(result.plot, but=LATE)
+                    if work:
+                        write_tables(work, study, result)
+                    if loop.finished:
+                        painter.order(result.plot)
+                if work and folder:
+                    result.close()
+                    run_folder.move_into_place(work, folder)
+                    loop.end_checkpoints()
+                    result = Result.open(folder)
+        if loop.failed is not None:
+            raise loop.failed
+        if loop.interrupted is not None:
+            raise loop.interrupted
+        if folder and drawn != "none":
+            result.at_hand = writer.at_hand
+            result.plot.save_all(folder / "figures", plots=drawn, drawn=painter.pictures())
+            result.at_hand = {}
     return result
 
 

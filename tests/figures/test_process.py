@@ -1,0 +1,166 @@
+"""Figures that a second process draws while a run goes on: the same pictures, and all, whatever happens."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cases_track import small
+from click.testing import CliRunner
+from PIL import Image
+
+import warpwear
+from warpwear import InputError, Study
+from warpwear.cli.main import commands
+from warpwear.figures import process
+from warpwear.figures.table import ESSENTIAL
+from warpwear.results.file import ResultFile
+
+PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
+OF_PATCHES = {"grid.cell": "10 um", "disc.synthetic.cut_off": "20 um", "sliding.distance": "3 mm"}
+#: Cores with which a run has another process draw.
+CORES = 2
+
+
+def studies() -> dict[str, Study]:
+    """A study of each kind, so that every essential figure is drawn of one of them."""
+    track = small("full", output__snapshots=["3 mm"], grid__cell="10 um", sliding__shift=8)
+    return {
+        "rough": Study.load("v3-fine").replace(PLAIN),
+        "smooth": Study.load("v3-fine").replace(PLAIN | {"study.model": "macro"}),
+        "two-scale": Study.load("two-scale").replace(OF_PATCHES | {"output.snapshots": ["0.3 mm"]}),
+        "track": track,
+    }
+
+
+@pytest.fixture
+def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run that has a core for another process, wherever the tests run."""
+    start = process.Painter.__init__
+    monkeypatch.setattr(process.Painter, "__init__", lambda self, cores: start(self, cores and CORES))
+
+
+def figures_in(folder: Path) -> dict[str, Path]:
+    return {path.stem: path for path in (folder / "figures").iterdir()}
+
+
+@pytest.mark.usefixtures("two_cores")
+def test_pictures_are_those_that_the_run_itself_would_draw(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Pixel for pixel, of every essential figure; and the run draws none of them itself."""
+    drawn, found = [], set()
+    wait = process.Painter.pictures
+    monkeypatch.setattr(process.Painter, "pictures", lambda self: drawn.append(wait(self)) or drawn[-1])
+    for name, study in studies().items():
+        with warpwear.run(study, out=tmp_path / name) as result:
+            there = figures_in(tmp_path / name)
+            assert set(drawn[-1]) == set(there) == set(result.plot.names("essential"))
+            for figure, path in there.items():
+                again = result.plot.save(figure, tmp_path / "again")
+                with Image.open(path) as one, Image.open(again) as other:
+                    np.testing.assert_array_equal(np.asarray(one), np.asarray(other), err_msg=figure)
+            found |= set(there)
+    assert found == set(ESSENTIAL)
+
+
+@pytest.mark.usefixtures("two_cores")
+@pytest.mark.parametrize("fault", ["it does not start", "it dies", "it says nothing", "a figure fails"])
+def test_figures_are_there_whatever_happens_to_the_other_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: str
+) -> None:
+    if fault == "it does not start":
+        monkeypatch.setattr(sys, "executable", str(tmp_path / "nothing"))
+    elif fault == "it dies":
+        monkeypatch.setattr(process, "COMMAND", "import os; os._exit(1)  # {path!r}")
+    elif fault == "it says nothing":
+        monkeypatch.setattr(process, "COMMAND", "import time; time.sleep(60)  # {path!r}")
+        monkeypatch.setattr(process, "PATIENCE", 0.2)
+    else:
+        of_cof = process.FIGURES["cof"]._replace(place="history:nothing")
+        monkeypatch.setattr(process, "FIGURES", process.FIGURES | {"cof": of_cof})
+    study = studies()["rough"]
+    with warpwear.run(study, out=tmp_path / "run") as result:
+        assert set(figures_in(tmp_path / "run")) == set(result.plot.names("essential"))
+
+
+def test_the_other_process_imports_neither_studies_nor_results() -> None:
+    """Nor Warp: they take as long as all figures together."""
+    code = "import sys, warpwear.figures.drawing; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    slow = {"warp", "pydantic", "pint", "h5py", "scipy.ndimage", "warpwear.study.study"}
+    assert not slow & set(done.stdout.split())
+
+
+def test_asking_for_figures_imports_no_matplotlib() -> None:
+    code = "import sys, warpwear.runs.run; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "matplotlib" not in done.stdout.split()
+
+
+@pytest.mark.parametrize("cores", [1, CORES])
+def test_no_snapshot_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cores: int) -> None:
+    """Tables and all figures come from the fields that the run had in its hands."""
+    start, read = process.Painter.__init__, ResultFile.snapshot
+    monkeypatch.setattr(process.Painter, "__init__", lambda self, _: start(self, cores))
+    missed: list[Any] = []
+
+    def snapshot(self: ResultFile, index: int) -> Any:
+        missed.extend([] if index % self.snapshot_distances.size in self.at_hand else [index])
+        return read(self, index)
+
+    monkeypatch.setattr(ResultFile, "snapshot", snapshot)
+    result = warpwear.run(studies()["rough"], out=tmp_path / "run", plots="all")
+    assert not missed
+    assert not result.at_hand  # memory is given back
+    result.snapshots[-1]
+    assert missed == [result.snapshot_distances.size - 1]
+
+
+def test_which_figures_are_asked_for(tmp_path: Path) -> None:
+    study = studies()["rough"].replace({"sliding.distance": "1 mm", "output.snapshots": []})
+    for given, names in (("none", None), (False, None), ("essential", "essential"), (True, "essential")):
+        folder = tmp_path / str(given)
+        with warpwear.run(study, out=folder, plots=given) as result:
+            there = set(figures_in(folder)) if (folder / "figures").exists() else None
+            assert there == (None if names is None else set(result.plot.names(names)))
+    with pytest.raises(InputError, match="plots = 'some' is not known; allowed: essential, all, none"):
+        warpwear.run(study, out=tmp_path / "some", plots="some")
+    assert not (tmp_path / "some").exists()
+
+
+def test_figures_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    def run(study: Study, *, plots: str, **_: Any) -> None:
+        asked.append(plots)
+        raise InputError("enough")
+
+    monkeypatch.setattr("warpwear.runs.run.run", run)
+    for options in ([], ["--plots", "all"], ["--no-plots"], ["--plots", "none"]):
+        CliRunner().invoke(commands, ["run", "v1", "--out", str(tmp_path / "out"), *options])
+    assert asked == ["essential", "all", "none", "none"]
+    told = CliRunner().invoke(commands, ["run", "v1", "--plots", "some"])
+    assert told.exit_code == 2
+    assert "'some' is not one of 'essential', 'all', 'none'" in told.output
+
+
+@pytest.mark.usefixtures("two_cores")
+def test_an_interrupted_run_leaves_no_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[subprocess.Popen[bytes]] = []
+
+    class Started(subprocess.Popen[bytes]):
+        def __init__(self, *given: Any, **more: Any) -> None:
+            super().__init__(*given, **more)
+            seen.append(self)
+
+    def stop(step: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(subprocess, "Popen", Started)
+    with pytest.raises(KeyboardInterrupt):
+        warpwear.run(studies()["rough"], out=tmp_path / "run", callback=stop)
+    assert [started.poll() is None for started in seen] == [False]
+    assert not (tmp_path / "run" / "figures").exists()

@@ -1,0 +1,142 @@
+"""What figures show, as plain arrays: reduced snapshots, lines through them, and the window they lie in.
+
+Nothing here reads a result or draws one, so that a process that only draws starts quickly.
+
+How a block of cells is reduced follows from what is asked of it. Pressure and state of contact are drawn as
+the block's *largest*: contact is islands of a few cells, which means would fade out; islands look larger by
+up to a block, so areas are written out as numbers. Heights and depths are *means*, which keep volumes. Where
+pressure is shown as a height (in 3-D) or along a line it is the mean too, cells without contact included: the
+volume under it is then the load at any block size.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warpwear.grid import FloatArray, Grid
+from warpwear.surfaces.sphere import sag
+
+
+class State(IntEnum):
+    """What a cell does, by rank: a block shows the highest of its cells."""
+
+    UNTOUCHED = 0
+    TOUCHED = 1
+    IN_CONTACT = 2
+    AT_HARDNESS = 3
+
+
+@dataclass(frozen=True)
+class About:
+    """What figures say of a study."""
+
+    slider: str  # "sphere" or "flat"
+    curvature: float  # of the sphere [1/mm]
+    extent: float  # of the domain [mm]
+    cell: float  # [mm]
+    load: float  # [N]
+    friction_area: str  # which area shears
+    calibrated: str  # what fixed the shear strength, "" where it was given
+    lap: float | None  # slid in a pass [mm]; None where the disc lies still
+
+    def name_of(self, body: str) -> str:
+        """Return what a figure calls the body "sphere" or "disc"."""
+        return self.slider if body == "sphere" else body
+
+
+@dataclass(frozen=True)
+class Window:
+    """A part of the grid, cut into blocks of factor × factor cells."""
+
+    x: slice
+    y: slice
+    factor: int
+    extent: tuple[float, float, float, float]  # first x, last x, first y, last y [mm], edges of cells
+
+    @classmethod
+    def of(cls, grid: Grid, x: slice, y: slice, *, factor: int = 1) -> Self:
+        """Make the window of these rows and columns of a grid, whose middle is the origin."""
+        x0, x1 = ((row - 0.5 * grid.nx) * grid.cell for row in (x.start, x.stop))
+        y0, y1 = ((column - 0.5 * grid.ny) * grid.cell for column in (y.start, y.stop))
+        return cls(x, y, factor, (x0, x1, y0, y1))
+
+    def means(self, field: FloatArray) -> FloatArray:
+        """Return the mean of every block of a field of the grid, shape (blocks, blocks)."""
+        return _over_blocks(np.add, field[self.x, self.y], self.factor) / self.factor**2
+
+    def largest(self, field: "NDArray[Any]") -> "NDArray[Any]":
+        """Return the largest of every block of a field of the grid, shape (blocks, blocks)."""
+        return _over_blocks(np.maximum, field[self.x, self.y], self.factor)
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Lines through the middle in one direction."""
+
+    place: FloatArray  # [mm]
+    sphere: FloatArray  # height over the apex it had, its material above [mm]
+    disc: FloatArray  # height over its mean plane [mm]
+    wear_sphere: FloatArray  # [mm]
+    wear_disc: FloatArray  # [mm]
+    bins: FloatArray  # [mm]
+    pressure: FloatArray  # mean of the middle strip in each bin [MPa]
+
+
+@dataclass(frozen=True)
+class View:
+    """The contact at one snapshot, reduced to blocks and to lines through the middle."""
+
+    distance: float  # [mm]
+    row: int  # of the history
+    pressure: FloatArray  # largest of each block [MPa]
+    state: "NDArray[np.uint8]"  # highest `State` of each block
+    along: Profile
+    across: Profile
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Both bodies at one snapshot: mean of each block [mm], heights positive out of the material."""
+
+    sphere: FloatArray
+    disc: FloatArray
+    wear_sphere: FloatArray
+    wear_disc: FloatArray
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Loads of the patches around the macro contact over their area [MPa], (snapshots shown, x, y)."""
+
+    of: dict[str, FloatArray]  # "patches", and "smooth contact" where the study has one
+    apart: tuple[float, ...]  # parts of the load that both put on other patches
+    window: Window
+    prescribed: bool  # the smooth contact's are the patches'
+
+
+def _over_blocks(combine: np.ufunc, field: "NDArray[Any]", n: int) -> "NDArray[Any]":
+    """Combine the places of squares of n × n, shape (blocks, blocks); part of a square is left out."""
+    nx, ny = field.shape[0] // n, field.shape[1] // n
+    # Rows first: what is left for the slow direction is smaller by n.
+    rows = combine.reduce(field[: nx * n, : ny * n].reshape(nx, n, ny * n), axis=1)
+    return np.asarray(combine.reduce(rows.reshape(nx, ny, n), axis=2))
+
+
+def coarsen(field: FloatArray, most: int) -> tuple[FloatArray, int]:
+    """Return means over squares, at most `most` along a side, and how many places a square is wide."""
+    n = -(-max(field.shape) // most)
+    return _over_blocks(np.add, field, n) / n**2, n
+
+
+def positive(values: FloatArray) -> FloatArray:
+    """Return values with NaN, which is not drawn, where they are not above zero."""
+    return np.where(values > 0.0, values, np.nan)
+
+
+def sag_or_nan(x: FloatArray, y: FloatArray, curvature: float) -> FloatArray:
+    """Return heights [mm] of the unworn sphere over its apex at x × y; NaN beyond it. curvature: [1/mm]"""
+    heights = sag(x, y, radius=1.0 / curvature if curvature else np.inf)
+    return np.where(np.isinf(heights), np.nan, heights)
