@@ -1,6 +1,7 @@
 """Designs: which values of the varied keys go together in one run."""
 
 import itertools
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -79,7 +80,7 @@ class Design:
                 told = ", ".join(f"{factor.key} {len(factor.values)}" for factor in factors)
                 raise InputError(f"design = 'zip' needs as many values of every key; given: {told}.")
             rows = zip(*lists, strict=True) if self.kind == "zip" else itertools.product(*lists)
-            _check_number(lengths[0] if self.kind == "zip" else np.prod([float(len(v)) for v in lists]))
+            _check_number(lengths[0] if self.kind == "zip" else math.prod(map(len, lists)))
             return [dict(zip(keys, row, strict=True)) for row in rows]
         u = self.unit_samples(len(factors))
         _check_number(len(u))
@@ -105,7 +106,7 @@ class Design:
             return u
         if self.samples != 2**power:
             raise InputError(
-                f"sweep.samples = {self.samples}: design = 'saltelli' needs a power of two, such as {2**power}."
+                f"sweep.samples = {self.samples}: 'saltelli' needs a power of two, such as {2**power}."
             )
         a, b = u[:, :factors], u[:, factors:]
         mixed = []

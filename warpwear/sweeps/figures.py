@@ -63,7 +63,6 @@ def courses(result: SweepResult, columns: list[str], experiments: tuple[Experime
             panels[0].plot(experiment.distance, experiment.cof, color=colour, lw=0.8, label=experiment.name)
         for panel, name in zip(panels, columns, strict=False):
             panel.set(xlabel="sliding distance, mm", ylabel=SHOWN[name])
-            fs.scale_distance(panel, result.distance)
             panel.set_ylim(0.0, None)
         for panel in panels[len(columns) :]:
             panel.set_visible(False)

@@ -1,15 +1,17 @@
 """One run of a sweep, in whatever process a worker is: found finished, resumed or computed, then read."""
 
 import time
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from warpwear import lazy
-from warpwear.errors import ConvergenceError, InputError
+from warpwear.errors import ConvergenceError, InputError, InvariantError, StudyWarning
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.result import Result
@@ -50,20 +52,27 @@ class Row:
 
 def run_one(task: Task) -> Row:
     """Compute a run, or go on with it, unless its folder holds it finished; a run that fails is a row too."""
-    start = time.perf_counter()
-    folder = Path(task.folder)
+    start, folder = time.perf_counter(), Path(task.folder)
+    how: dict[str, Any] = {"device": task.device, "threads": task.threads, "plots": False, "resume": True}
     try:
         study = Study.stored(task.study)
         folder.mkdir(parents=True, exist_ok=True)
-        with (
-            _alone_in(folder),
-            run(
-                study, out=folder, device=task.device, threads=task.threads, plots=False, resume=True
-            ) as result,
-        ):
-            return row_of(result, time.perf_counter() - start)
-    except (InputError, ConvergenceError) as error:
-        return Row(f"failed: {' '.join(str(error).split())}", time.perf_counter() - start)
+        with _alone_in(folder):
+            was_there = is_there(folder)
+            with _warnings_left_to_the_summary(), run(study, out=folder, **how) as result:
+                found = row_of(result)
+        return found if was_there else replace(found, seconds=time.perf_counter() - start)
+    except (InputError, ConvergenceError, InvariantError, MemoryError) as error:
+        why = " ".join(str(error).split()) or "the memory ran out"
+        return Row(f"failed: {why}", time.perf_counter() - start)
+
+
+@contextmanager
+def _warnings_left_to_the_summary() -> Iterator[None]:
+    """What misleads stands in the summary of each run: a thousand of them need not say it on the screen."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StudyWarning)
+        yield
 
 
 def row_of(result: Result) -> Row:

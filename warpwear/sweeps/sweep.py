@@ -41,7 +41,8 @@ def sweep(
 
     vary: dotted key -> a list of values, a range "1:20" (both ends), {"positions": 12, "seed": 1} for
     disc.crop of a measured disc, or a distribution such as "normal 9.4e-4 +- 0.7e-4 mm^3/N/m". design:
-    "grid", "zip"; or "sobol", "latin-hypercube", "saltelli" with samples. band_over: keys whose scatter bands show.
+    "grid", "zip"; or "sobol", "latin-hypercube", "saltelli" with samples. band_over: keys whose scatter
+    bands show.
     out: folder of the sweep; runs that it holds are not made again, and without it nothing is kept.
     executor: anything like concurrent.futures.Executor, such as `Client(address).get_executor(pure=False)`
     of dask.distributed or mpi4py's MPIPoolExecutor; by default `workers` processes here, one a core.

@@ -36,7 +36,7 @@ class SweepResult:
 
     @property
     def table(self) -> dict[str, list[Any]]:
-        """Column -> a value a run: `run`, `status`, `seconds`, keys by dotted names, end values with units."""
+        """Column -> a value a run: `run`, `status`, `seconds`, keys by dotted names, end values."""
         points = self.plan.points
         found: dict[str, list[Any]] = {
             "run": [point.run for point in points],
