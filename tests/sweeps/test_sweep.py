@@ -146,7 +146,8 @@ def test_friction_over_wear_and_load_follows_the_closed_form() -> None:
     assert found.ends("wear_volume_sphere") == pytest.approx(worn, rel=1e-9)
     assert found.ends("area_contact") == pytest.approx(area, rel=0.01)
     assert found.ends("cof") == pytest.approx(study.friction.shear_strength * area / load, rel=0.01)
-    assert list(found.influence("cof")) == ["wear.sphere", "contact.load"]
+    influence = found.influence("cof")
+    assert influence["wear.sphere"] > 0.0 > influence["contact.load"]
 
 
 # Workers of this machine.
