@@ -10,8 +10,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-import warpwear
-
 #: How often a call is made again whose worker died.
 RETRIES = 2
 #: Variables by which numerical libraries are told their number of threads.
@@ -102,7 +100,7 @@ class Workers(ThreadPoolExecutor):
 
 def _started(environment: Mapping[str, str]) -> "subprocess.Popen[bytes]":
     """A worker process that imports this very package, wherever this process found it."""
-    home = str(Path(warpwear.__file__).parents[1])
+    home = str(Path(__file__).parents[2])
     path = os.pathsep.join([home, *filter(None, [os.environ.get("PYTHONPATH")])])
     return subprocess.Popen(
         [sys.executable, "-m", "warpwear.sweeps.worker"],
