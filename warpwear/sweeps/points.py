@@ -83,7 +83,7 @@ def _digest(path: str, modified: int) -> str:
 
 
 def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:
-    """The same values, with parts of the measured disc where {positions = 12, seed = 1} stands for them.
+    """Put parts of the measured disc where {positions = 12, seed = 1} stands for them in what is varied.
 
     Each part is as large as the domain, or the track, and lies anywhere in the file, as often as not over
     another. Raises InputError for a disc that is not measured, or too small for any choice.
