@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from warpwear.result import Result
     from warpwear.runs.run import run, steps
     from warpwear.study.study import Study
+    from warpwear.sweeps.sweep import sweep
 
 _PUBLIC = {
     "ConvergenceError": "warpwear.errors:ConvergenceError",
@@ -28,6 +29,7 @@ _PUBLIC = {
     "run": "warpwear.runs.run:run",
     "solve_contact": "warpwear.contact.solve:solve_contact",
     "steps": "warpwear.runs.run:steps",
+    "sweep": "warpwear.sweeps.sweep:sweep",
 }
 
 __all__ = [
@@ -40,6 +42,7 @@ __all__ = [
     "run",
     "solve_contact",
     "steps",
+    "sweep",
 ]
 
 

@@ -15,8 +15,8 @@ from click.testing import CliRunner
 from warpwear.calibration.wear import diameter_of_cap
 from warpwear.cli.report import report
 from warpwear.errors import InputError
+from warpwear.page import html as report_page
 from warpwear.study.study import Study
-from warpwear.thesis import page as report_page
 from warpwear.thesis.figures import CAPTIONS
 from warpwear.thesis.items import ALL_ITEMS, SUMMARY, Item
 from warpwear.thesis.report import FIGURES, judge, thesis_report

@@ -16,6 +16,7 @@ from warpwear.cli.result import animate, export_command, plot
 from warpwear.cli.run import run
 from warpwear.cli.study import list_materials, show, studies
 from warpwear.cli.surface import surface
+from warpwear.cli.sweep import sweep
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.version import __version__
 
@@ -106,6 +107,7 @@ for command in (
     list_materials,
     surface,
     compare,
+    sweep,
     calibrate,
     report,
 ):

@@ -59,18 +59,15 @@ def list_materials() -> None:
 
 def load_study(study: str, changes: tuple[str, ...]) -> Any:
     """Return the Study of a file, folder or preset, changed by texts KEY=VALUE. InputError for bad ones."""
+    return study_types.Study.load(study).replace(parsed_changes(changes))
+
+
+def parsed_changes(changes: tuple[str, ...]) -> dict[str, Any]:
+    """Return changes of a study from texts KEY=VALUE. Raises InputError for bad ones."""
     parsed = {}
     for change in changes:
         key, equals, value = change.partition("=")
         if not equals:
             raise InputError(f"--set {change!r}: KEY=VALUE is expected, such as grid.cell='2 um'.")
-        parsed[key.strip()] = _value(value.strip())
-    return study_types.Study.load(study).replace(parsed)
-
-
-def _value(text: str) -> Any:
-    """Read a value as TOML does; anything else is text, so that quotes may be left to the shell."""
-    try:
-        return study_files.parse_toml(f"value = {text}")["value"]
-    except (ValueError, RecursionError):  # no TOML, a number of thousands of digits, endless nesting
-        return text
+        parsed[key.strip()] = study_files.value_of_text(value.strip())
+    return parsed

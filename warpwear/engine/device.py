@@ -86,10 +86,21 @@ def check_memory(grid: Grid, device: str, fields_needed: float) -> None:
 
 
 def check_threads(threads: int | None) -> int:
-    process = psutil.Process()
-    cores = len(process.cpu_affinity()) if hasattr(process, "cpu_affinity") else psutil.cpu_count() or 1
+    cores = usable_cores()
     if threads is None:
         return cores
     if not isinstance(threads, int) or not 1 <= threads <= cores:
         raise InputError(f"threads = {threads!r} is not possible; allowed are 1 to {cores}, the cores here.")
     return threads
+
+
+def usable_cores() -> int:
+    """The number of cores that this process may use."""
+    process = psutil.Process()
+    return len(process.cpu_affinity()) if hasattr(process, "cpu_affinity") else psutil.cpu_count() or 1
+
+
+def gpu_count() -> int:
+    """The number of GPUs of CUDA here."""
+    find_device("cpu")
+    return int(wp.get_cuda_device_count())

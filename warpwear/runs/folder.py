@@ -10,6 +10,7 @@ from pathlib import Path
 from uuid import uuid4
 
 from warpwear.errors import OTHER_FOLDER, OVERWRITE_IT, RESUME_IT, InputError
+from warpwear.figures.table import FIGURES
 from warpwear.result import Result
 from warpwear.results import file as results
 from warpwear.results import manifest
@@ -68,8 +69,7 @@ def _refuse_to_replace(folder: Path) -> None:
         raise InputError(f"{figures} is a link; a run draws its figures into its own folder: move it away.")
     foreign = [name for name in NAMES if os.path.lexists(folder / name) and name not in ours]
     drawn = [path for path in figures.glob("*.png") if f"{manifest.FIGURES}/{path.name}" not in ours]
-    known = resolve(PLOTTER).NAMES if drawn else ()
-    foreign += [f"{manifest.FIGURES}/{path.name}" for path in drawn if path.stem in known]
+    foreign += [f"{manifest.FIGURES}/{path.name}" for path in drawn if path.stem in FIGURES]
     for name, is_one in ((FILE_NAME, results.is_one), (checkpoint.FILE_NAME, checkpoint.is_one)):
         if os.path.lexists(folder / name) and not is_one(folder / name) and name not in ours:
             foreign.append(name)

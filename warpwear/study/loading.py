@@ -85,6 +85,14 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
     return sections
 
 
+def value_of_text(text: str) -> Any:
+    """Return a value as TOML reads it; anything else is text, so that quotes may be left to the shell."""
+    try:
+        return parse_toml(f"value = {text}")["value"]
+    except (ValueError, RecursionError):  # no TOML, a number of thousands of digits, endless nesting
+        return text
+
+
 def _no_such_study(name: str) -> str:
     near = get_close_matches(name, presets(), n=1)
     hint = f" Did you mean '{near[0]}'?" if near else ""

@@ -71,7 +71,10 @@ class Study(Content):
     @classmethod
     def load(cls, path_or_preset: str | Path) -> Self:
         """Return the study in a TOML file or a run folder, or the preset of that name. Raises InputError."""
-        found = cls(**loading.read_sections(path_or_preset))
+        sections = loading.read_sections(path_or_preset)
+        if "sweep" in sections:
+            raise InputError(f"STUDY = '{path_or_preset}' has a section [sweep]; 'warpwear sweep' makes it.")
+        found = cls(**sections)
         if Path(path_or_preset).is_dir():  # whose study.toml no person wrote
             found._old_names = ()
         return found

@@ -9,6 +9,7 @@ from typing import Any
 
 import warp
 
+from warpwear.page.html import embedded, render, write_report
 from warpwear.result import Result
 from warpwear.results.folder import check_folder
 from warpwear.results.report import to_json
@@ -18,7 +19,6 @@ from warpwear.thesis import curves, maps
 from warpwear.thesis.figures import CAPTIONS, OF_RUNS
 from warpwear.thesis.items import ALL_ITEMS, FINDINGS, OF_THESIS, SUMMARY, Row
 from warpwear.thesis.numbers import Numbers, collect
-from warpwear.thesis.page import embedded, render, write_report
 from warpwear.thesis.printed import TOLERANCES
 from warpwear.thesis.runs import LABELS, SURFACE, VERSIONS, Plan, Runs, published, running
 from warpwear.thesis.verdicts import Kind, Verdict, as_printed, number

@@ -1,0 +1,305 @@
+"""Sweeps through the public door: rows, folders that are the truth, workers that die, bands."""
+
+import csv
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import warpwear
+from warpwear import InputError, Study
+from warpwear.sweeps.plan import Plan, section_of
+from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
+from warpwear.sweeps.run_one import run_one
+from warpwear.sweeps.sweep import make_runs, task_of
+
+ROOT = Path(__file__).parents[2]
+#: A rough contact that takes a tenth of a second.
+SMALL = {"grid.cell": "10 um", "grid.extent": "1 mm", "sliding.distance": "3 mm", "output.snapshots": []}
+VARY = {"contact.load": ["4 N", "8 N"], "disc.synthetic.seed": "1:3"}
+
+
+class Here(Executor):
+    """An executor that calls at once, in this thread."""
+
+    def submit(self, function: Any, /, *arguments: Any, **named: Any) -> "Future[Any]":
+        future: Future[Any] = Future()
+        future.set_result(function(*arguments))
+        return future
+
+
+def small(**changes: Any) -> Study:
+    return Study.load("v3-fine").replace({**SMALL, **changes})
+
+
+def table_without_seconds(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8") as file:
+        return [{k: v for k, v in row.items() if k != "seconds"} for row in csv.DictReader(file)]
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    out = tmp_path_factory.mktemp("swept") / "s"
+    result = warpwear.sweep(small(), vary=VARY, band_over="disc.synthetic.seed", out=out, executor=Here())
+    return result
+
+
+def test_rows_are_the_runs(swept: Any) -> None:
+    table = swept.table
+    assert table["status"] == ["done"] * 6
+    assert table["contact.load"] == ["4 N"] * 3 + ["8 N"] * 3
+    with warpwear.run(small(**{"contact.load": "8 N", "disc.synthetic.seed": 2}), plots=False) as result:
+        assert table["cof [1]"][4] == result.history["cof"][-1]
+        assert table["area_contact [mm^2]"][4] == result.history["area_contact"][-1]
+
+
+def test_folder_has_tables_figures_and_a_page(swept: Any) -> None:
+    there = {path.name for path in swept.folder.rglob("*") if path.is_file()}
+    assert {"table.csv", "sweep.html", "courses.png", "scatter.png", "tornado.png"} <= there
+    page = (swept.folder / "sweep.html").read_text(encoding="utf-8")
+    assert "http" not in page
+    assert "load 8 N" in page
+
+
+def test_data_set_has_the_dimensions_run_and_distance(swept: Any) -> None:
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("h5netcdf")
+    with xarray.open_dataset(swept.folder / "sweep.nc", engine="h5netcdf") as data:
+        assert data["cof"].dims == ("run", "distance")
+        assert data["contact.load"].attrs["units"] == "N"
+        assert list(data["contact.load"]) == [4.0] * 3 + [8.0] * 3
+        assert float(data["cof"][4, -1]) == swept.table["cof [1]"][4]
+
+
+def test_band_lies_around_its_mean(swept: Any) -> None:
+    groups = swept.plan.groups
+    assert list(groups) == ["load 4 N", "load 8 N"]
+    mean, low, high = swept.band("cof", groups["load 4 N"])
+    values = swept.courses("cof")[:3]
+    assert np.allclose(mean, values.mean(axis=0))
+    assert np.allclose([low, high], np.percentile(values, (5.0, 95.0), axis=0))
+    assert np.all((low <= mean * (1.0 + 1e-12)) & (mean <= high * (1.0 + 1e-12)))
+
+
+def test_finished_runs_are_not_made_again(swept: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def not_again(*_: Any, **__: Any) -> None:
+        raise AssertionError("a finished run was made again")
+
+    monkeypatch.setattr("warpwear.runs.run.StepLoop", not_again)
+    again = warpwear.sweep(small(), vary=VARY, out=swept.folder, executor=Here())
+    assert again.table["cof [1]"] == swept.table["cof [1]"]
+
+
+def test_name_of_a_run_follows_what_decides_its_numbers() -> None:
+    def name(**changes: Any) -> str:
+        plan = Plan(small(**changes), section_of({"vary": {"disc.synthetic.seed": [1]}}, {}))
+        return plan.points[0].run
+
+    assert name() == name(**{"study.name": "another", "run.checkpoint": "1 s"})
+    assert name() != name(**{"contact.load": "7 N"})
+
+
+def test_failed_run_is_a_row_with_its_sentence() -> None:
+    vary = {"contact.hardness": ["0.001 MPa", "590 MPa", "-1 MPa"]}
+    table = warpwear.sweep(small(), vary=vary, executor=Here()).table
+    assert table["status"][1] == "done"
+    assert table["status"][0].startswith("failed: ")
+    assert table["status"][2].startswith("failed: contact.hardness")
+    assert math.isnan(table["cof [1]"][0])
+
+
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        ({"vary": {"contact.lod": ["1 N"]}}, "contact.lod"),
+        ({"vary": {"contact.load": ["1 N"]}, "band_over": "grid.cell"}, "not varied"),
+        ({"vary": {"contact.load": ["1 N"]}, "design": "cross"}, "sweep.design"),
+        ({"vary": {"disc.crop": {"positions": 3}}}, "measured disc"),
+    ],
+)
+def test_what_makes_no_sweep_is_refused(asked: dict, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        warpwear.sweep(small(), executor=Here(), **asked)
+
+
+def test_friction_over_wear_and_load_follows_the_closed_form() -> None:
+    """A paraboloid on springs k sinks by what is worn and pressed in: A² = 4π R (K F s + F/k)."""
+    study = Study.load("v1").replace({"sliding.distance": "600 mm", "wear.disc": "0 mm^3/N/m"})
+    study = study.replace({"output.snapshots": []})
+    vary = {"wear.sphere": ["5e-4 mm^3/N/m", "1e-3 mm^3/N/m"], "contact.load": ["4 N", "8 N"]}
+    found = warpwear.sweep(study, vary=vary, executor=Here())
+    wear, load = found.numbers("wear.sphere")[0], found.numbers("contact.load")[0]
+    stiffness = np.array([point.study.bulk_stiffness() for point in found.plan.points])
+    worn = 1.0e-3 * wear * load * 600.0
+    area = np.sqrt(4.0 * np.pi / study.sphere.curvature * (worn + load / stiffness))
+    assert found.ends("wear_volume_sphere") == pytest.approx(worn, rel=1e-9)
+    assert found.ends("area_contact") == pytest.approx(area, rel=0.01)
+    assert found.ends("cof") == pytest.approx(study.friction.shear_strength * area / load, rel=0.01)
+    influence = found.influence("cof")
+    assert influence["wear.sphere"] > 0.0 > influence["contact.load"]
+
+
+# Workers of this machine.
+
+
+def test_worker_that_dies_is_started_again(tmp_path: Path) -> None:
+    with local_workers(1, cores=1) as pool:
+        first = pool.submit(os.getpid).result()
+        os.kill(first, signal.SIGKILL)
+        assert pool.submit(os.getpid).result() != first
+
+
+def test_call_whose_worker_always_dies_is_given_up() -> None:
+    with local_workers(1, cores=1) as pool:
+        with pytest.raises(WorkerDiedError, match="died 3 times"):
+            pool.submit(os._exit, 3).result()
+        assert pool.submit(math.sqrt, 4.0).result() == 2.0
+
+
+def test_error_of_a_call_is_raised() -> None:
+    with local_workers(1, cores=1) as pool, pytest.raises(ValueError, match="math domain"):
+        pool.submit(math.sqrt, -1.0).result()
+
+
+def test_sweep_from_a_script_without_a_guard(tmp_path: Path) -> None:
+    """And its rows are those of another executor."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import warpwear\n"
+        f"study = warpwear.Study.load('v3-fine').replace({SMALL!r})\n"
+        f"found = warpwear.sweep(study, vary={VARY!r}, out='s', workers=2)\n"
+        "print(found.table['status'])\n",
+        encoding="utf-8",
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    ran = subprocess.run(
+        [sys.executable, str(script)],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert ran.stdout.count("done") == 6
+    other = warpwear.sweep(small(), vary=VARY, out=tmp_path / "t", executor=Here())
+    rows = table_without_seconds(tmp_path / "s" / "table.csv")
+    assert rows == table_without_seconds(tmp_path / "t" / "table.csv")
+    assert len(other.rows) == 6
+
+
+def test_killed_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
+    plan = Plan(small(), section_of({"vary": VARY}, {}))
+    done = []
+
+    def interrupt(number: int, row: object) -> None:
+        done.append(number)
+        if len(done) == 2:
+            raise KeyboardInterrupt
+
+    with local_workers(2, cores=2) as pool, pytest.raises(KeyboardInterrupt):
+        make_runs(plan, tmp_path, pool, threads=1, told=interrupt)
+    finished = [path.parent.name for path in tmp_path.glob("runs/*/result.h5")]
+    assert 2 <= len(finished) <= 6
+    times = {path: path.stat().st_mtime_ns for path in tmp_path.glob("runs/*/result.h5")}
+    rows = make_runs(plan, tmp_path, Here(), threads=1)
+    assert [row.status for row in rows] == ["done"] * 6
+    assert all(path.stat().st_mtime_ns == when for path, when in times.items())
+
+
+@contextmanager
+def processes(*commands: list[str]) -> Iterator[list["subprocess.Popen[str]"]]:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    started = [subprocess.Popen(command, env=environment, text=True) for command in commands]
+    try:
+        yield started
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
+    """A scheduler and three workers of their own; one is killed, one frozen for a while."""
+    distributed = pytest.importorskip("distributed")
+    from warpwear.sweeps.cluster import connected
+
+    place = tmp_path / "scheduler.json"
+    run_dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
+    scheduler = [
+        *run_dask,
+        "--host",
+        "127.0.0.1",
+        "--port",
+        "0",
+        "--no-dashboard",
+        "--scheduler-file",
+        str(place),
+    ]
+    worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(place)]
+    worker += ["--nthreads", "1", "--no-dashboard", "--no-nanny", "--local-directory", str(tmp_path)]
+    with processes(scheduler, worker, worker, worker) as started:
+        address = _address_in(place)
+        with distributed.Client(address, timeout="60s") as client:
+            client.wait_for_workers(3, timeout=60)
+        plan = Plan(small(), section_of({"vary": {**VARY, "disc.synthetic.seed": "1:6"}}, {}))
+        with connected(address) as (executor, number):
+            assert number == 3
+            seen: list[int] = []
+
+            def disturb(number: int, row: object) -> None:
+                seen.append(number)
+                if len(seen) == 1:
+                    started[1].send_signal(signal.SIGKILL)
+                    started[2].send_signal(signal.SIGSTOP)
+                if len(seen) == 4:
+                    started[2].send_signal(signal.SIGCONT)
+
+            rows = make_runs(plan, tmp_path, executor, threads=1, told=disturb)
+    assert [row.status for row in rows] == ["done"] * 12
+
+
+def _address_in(place: Path) -> str:
+    end = time.monotonic() + 60.0
+    while not (place.is_file() and place.stat().st_size):
+        assert time.monotonic() < end, "the scheduler did not start"
+        time.sleep(0.1)
+    return str(json.loads(place.read_text(encoding="utf-8"))["address"])
+
+
+@pytest.mark.parametrize(
+    ("address", "says"),
+    [
+        ("tcp://10.1.2.3:8786", "neither encrypted"),
+        ("somewhere:8786", "neither encrypted"),
+        ("nonsense", "is no address"),
+        ("tcp://127.0.0.1:1", "cannot be reached"),
+    ],
+)
+def test_cluster_that_is_refused(address: str, says: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    distributed = pytest.importorskip("distributed")
+    from warpwear.sweeps.cluster import connected
+
+    client = distributed.Client
+    monkeypatch.setattr(distributed, "Client", lambda address, timeout: client(address, timeout="1s"))
+    with pytest.raises(InputError, match=says), connected(address):
+        pass
+
+
+def test_one_run_through_a_thread_pool_of_the_library(tmp_path: Path) -> None:
+    plan = Plan(small(), section_of({"vary": {"contact.load": ["8 N"]}}, {}))
+    with ThreadPoolExecutor(1) as pool:
+        row = pool.submit(run_one, task_of(plan, plan.points[0], tmp_path, 1)).result()
+    assert row.status == "done"
+    assert isinstance(pool, Executor)
+    assert issubclass(Workers, Executor)

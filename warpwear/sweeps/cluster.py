@@ -1,0 +1,77 @@
+"""Sweeps on a Dask cluster: who may be asked, and the executor that its client gives."""
+
+import ipaddress
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from typing import Any
+from urllib.parse import urlsplit
+
+from warpwear import lazy
+from warpwear.errors import InputError
+
+distributed = lazy.module("distributed")
+
+#: How often a run is begun again whose worker was lost.
+RETRIES = 5
+
+
+@contextmanager
+def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> Iterator[tuple[Executor, int]]:
+    """The executor of a Dask scheduler, and how many workers it has.
+
+    Raises InputError for an address that is refused or not reached, and for workers that will not do. A plain
+    TCP address that is not of this machine is refused unless insecure: whoever reaches such a scheduler runs
+    any code on its workers; tls:// is the way. On a GPU each run takes one of a worker's resource "GPU".
+    """
+    _check(address, insecure=insecure)
+    try:
+        client = distributed.Client(address, timeout="20s")
+    except ImportError:
+        raise InputError(
+            "--cluster needs the package distributed: pip install 'warpwear[cluster]'."
+        ) from None
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(f"--cluster {address} cannot be reached: {error}.") from error
+    with client:
+        number = _check_workers(client, address)
+        more = {"resources": {"GPU": 1}} if device.startswith("cuda") else {}
+        # Not pure: the same run in two sweeps is two calls. Stealing would begin runs twice.
+        yield client.get_executor(pure=False, retries=RETRIES, **more), number
+
+
+def _check(address: str, *, insecure: bool) -> None:
+    """Raises InputError for an address that is none, or that others could listen in on."""
+    try:
+        parts = urlsplit(address if "//" in address else f"tcp://{address}")
+        host, port = parts.hostname, parts.port
+    except ValueError:
+        host = port = None
+    if not host or port is None:
+        raise InputError(
+            f"--cluster {address!r} is no address; tls://HOST:PORT or tcp://127.0.0.1:8786 is expected."
+        )
+    if parts.scheme == "tcp" and not insecure and not _is_here(host):
+        raise InputError(
+            f"--cluster {address} is neither encrypted nor on this machine: whoever reaches it could run any "
+            "code on its workers. Use tls://, an SSH tunnel to 127.0.0.1, or --insecure in your own network."
+        )
+
+
+def _is_here(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _check_workers(client: Any, address: str) -> int:
+    """The number of workers. Raises InputError where one would make two runs at a time."""
+    workers = client.nthreads()
+    many = {name: threads for name, threads in workers.items() if threads > 1}
+    if many:
+        raise InputError(
+            f"--cluster {address}: {len(many)} of its workers have several threads, in which runs would wait "
+            "for each other; start them with --nthreads 1 (and --nworkers as many as cores)."
+        )
+    return max(1, len(workers))

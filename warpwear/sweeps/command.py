@@ -1,0 +1,110 @@
+"""What `warpwear sweep` does: reads what is varied, says what it will cost, makes the runs, reports."""
+
+import signal
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+from tqdm import tqdm
+
+from warpwear.errors import InputError
+from warpwear.measured.course import read_experiment
+from warpwear.study.loading import value_of_text
+from warpwear.sweeps.cluster import connected
+from warpwear.sweeps.plan import Plan, read_plan
+from warpwear.sweeps.report import summary_text, write_report
+from warpwear.sweeps.run_one import Row
+from warpwear.sweeps.sweep import RUNS, check_folder, estimate, local_executor, make_runs
+from warpwear.sweeps.table import SweepResult
+
+
+def varied(texts: Sequence[str]) -> dict[str, Any]:
+    """Key -> what it is varied over, from texts KEY=VALUES. Raises InputError."""
+    found: dict[str, Any] = {}
+    for text in texts:
+        key, equals, values = (part.strip() for part in text.partition("="))
+        if not equals or not values:
+            raise InputError(f"--vary {text!r}: KEY=VALUES is expected, such as 'contact.load=2 N,4 N,8 N'.")
+        found[key] = values_of_text(values)
+    return found
+
+
+def values_of_text(text: str) -> Any:
+    """A list of the values between commas; a range, a distribution or {positions = 12} as it is."""
+    value = value_of_text(text)
+    if not isinstance(value, str):
+        return value if isinstance(value, list | dict) else [value]
+    first = value.split(None, 1)[0] if value else ""
+    if ":" in value or first in ("normal", "log-normal", "uniform", "log-uniform", "truncated"):
+        return value
+    return [value_of_text(part.strip()) for part in value.split(",")]
+
+
+def command(
+    study: str,
+    changes: Mapping[str, Any],
+    asked: Mapping[str, Any],
+    *,
+    out: Path | None,
+    device: str,
+    resume: bool,
+    dry_run: bool,
+    experiments: Sequence[Path],
+    **where: Any,
+) -> None:
+    """Make a sweep from the command line. where: workers, cluster, insecure, gpus."""
+    plan = read_plan(study, changes, asked, device="cuda:0" if where["gpus"] else device)
+    measured = tuple(
+        read_experiment(
+            path,
+            speed=plan.study.sliding.speed,
+            stroke=plan.study.sliding.stroke,
+            load=plan.study.contact.load,
+        )
+        for path in experiments
+    )
+    folder = out if out is not None else Path(f"{plan.study.study.name}-sweep")
+    check_folder(folder, resume=resume)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with _executor(plan, **where) as (executor, threads, workers):
+        if not dry_run:
+            (folder / RUNS).mkdir(parents=True, exist_ok=True)
+        cost = estimate(plan, None if dry_run else folder, executor, threads=threads)
+        click.echo(cost.sentence(workers), err=not dry_run)
+        if dry_run:
+            return
+        with tqdm(total=len(plan.points), unit="run", disable=not sys.stderr.isatty(), leave=False) as bar:
+
+            def told(number: int, row: Row) -> None:
+                bar.update()
+                if row.status.startswith("failed"):
+                    bar.write(f"run {number}: {row.status}", file=sys.stderr)
+
+            try:
+                rows = make_runs(plan, folder, executor, threads=threads, told=told)
+            except KeyboardInterrupt:
+                click.echo("the same command with --resume goes on from here", err=True)
+                raise
+    result = SweepResult(plan, rows, folder)
+    written = write_report(result, folder, measured)
+    click.echo(summary_text(result))
+    click.echo(f"written to {folder}/: {', '.join(path.name for path in written)}")
+
+
+@contextmanager
+def _executor(
+    plan: Plan, *, workers: int | None, cluster: str | None, insecure: bool, gpus: str | None
+) -> Iterator[tuple[Executor, int | None, int]]:
+    """The executor that was asked for, the threads of a run, and the number of workers."""
+    if cluster is not None:
+        if workers is not None or gpus is not None:
+            raise InputError("--cluster excludes --workers and --gpus: its own workers make the runs.")
+        with connected(cluster, insecure=insecure, device=plan.device) as (executor, number):
+            yield executor, 1, number
+        return
+    with local_executor(plan, workers=workers, gpus=gpus is not None) as (pool, threads, number):
+        yield pool, threads, number

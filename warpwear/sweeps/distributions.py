@@ -1,0 +1,103 @@
+"""Distributions of an input, written as people write them: "normal 9.4e-4 +- 0.7e-4 mm^3/N/m"."""
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+
+stats = lazy.module("scipy.stats")
+
+_NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+_WRITTEN = re.compile(
+    rf"\s*(?P<kind>[a-z][a-z -]*?)\s+{_NUMBER}\s*(?P<between>\+-|±|\.\.|to)\s*{_NUMBER}"
+    rf"(?:\s+within\s+{_NUMBER}\s*(?:\.\.|to)\s*{_NUMBER})?(?:\s+(?P<unit>\S.*?))?\s*"
+)
+#: Kind -> what stands between its two numbers: mean and standard deviation, or the ends of a range.
+KINDS = {"normal": "+-", "log-normal": "+-", "uniform": "..", "log-uniform": ".."}
+ALLOWED = (
+    "'normal 9.4e-4 +- 0.7e-4 mm^3/N/m', 'log-normal 2 +- 0.5 N', 'uniform 2 .. 8 N' or "
+    "'log-uniform 1e-4 .. 1e-3 mm^3/N/m', the first two also truncated: 'normal 8 +- 2 within 4 .. 12 N'"
+)
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """An input that is not one number.
+
+    first, second: mean and standard deviation of a normal or log-normal one (of the quantity itself, not of
+    its logarithm), the ends of a uniform or log-uniform one. within: the range outside of which a normal or
+    log-normal one is cut off. unit: as written, empty for a number without one.
+    """
+
+    kind: str
+    first: float
+    second: float
+    within: tuple[float, float] | None = None
+    unit: str = ""
+
+    def quantiles(self, u: FloatArray) -> FloatArray:
+        """The values below which parts u of the distribution lie. u: in (0, 1), of any shape."""
+        a, b = self.first, self.second
+        if self.kind == "uniform":
+            return a + (b - a) * u
+        if self.kind == "log-uniform":
+            found: FloatArray = a * (b / a) ** u
+            return found
+        logarithm = self.kind == "log-normal"
+        if logarithm:  # of the mean and standard deviation of the quantity those of its logarithm
+            spread = math.sqrt(math.log1p((b / a) ** 2))
+            a, b = math.log(a) - 0.5 * spread**2, spread
+        frozen: Any = stats.norm(a, b)
+        if self.within is not None:
+            low, high = (math.log(end) if logarithm else end for end in self.within)
+            u = frozen.cdf(low) + u * (frozen.cdf(high) - frozen.cdf(low))
+        values: FloatArray = frozen.ppf(u)
+        return values if not logarithm else math.e**values
+
+    def written(self, value: float) -> str | float:
+        """A value as a study takes it."""
+        return f"{float(value)!r} {self.unit}" if self.unit else float(value)
+
+
+def distribution(text: str, key: str) -> Distribution:
+    """The distribution that a text describes. Raises InputError, naming the key, for another text."""
+    found = _WRITTEN.fullmatch(text)
+    kind, between = "", ""
+    if found is not None:
+        kind = " ".join(found["kind"].split()).removeprefix("truncated ")
+        between = {"±": "+-", "to": ".."}.get(found["between"], found["between"])
+    if found is None or KINDS.get(kind) != between:
+        raise InputError(f"sweep.vary '{key}' = '{text}': a distribution such as {ALLOWED} is expected.")
+    _, first, _, second, low, high, unit = found.groups()
+    made = Distribution(
+        kind,
+        float(first),
+        float(second),
+        None if low is None else (float(low), float(high)),
+        unit or "",
+    )
+    _check(made, text, key)
+    return made
+
+
+def _check(made: Distribution, text: str, key: str) -> None:
+    """Raises InputError for numbers that make no distribution."""
+    problem = None
+    if KINDS[made.kind] == ".." and not made.first < made.second:
+        problem = "the first number must be the smaller one"
+    elif KINDS[made.kind] == ".." and made.within is not None:
+        problem = "a uniform distribution ends where its range does and takes no 'within'"
+    elif KINDS[made.kind] == "+-" and not made.second > 0.0:
+        problem = "the number after +- must be greater than 0"
+    elif made.kind.startswith("log-") and not made.first > 0.0:
+        problem = "a logarithmic distribution needs positive numbers"
+    elif made.within is not None and not made.within[0] < made.within[1]:
+        problem = "the first number after 'within' must be the smaller one"
+    elif made.within is not None and made.kind == "log-normal" and not made.within[0] > 0.0:
+        problem = "a logarithmic distribution needs positive numbers"
+    if problem:
+        raise InputError(f"sweep.vary '{key}' = '{text}': {problem}.")

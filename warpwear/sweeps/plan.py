@@ -1,0 +1,104 @@
+"""What a sweep is asked for: keys and their values, the design, over what bands are taken."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from warpwear.errors import InputError
+from warpwear.study import loading
+from warpwear.study.study import Study
+from warpwear.sweeps.design import SAMPLED, Design, Factor, factors_of
+from warpwear.sweeps.points import Point, points_of, with_positions
+
+SECTION = "sweep"
+
+
+class SweepSection(BaseModel):
+    """The section [sweep] of a study: [sweep.vary] key = values, design, samples, seed, band_over."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    vary: dict[str, Any] = {}
+    design: Literal["grid", "zip", "sobol", "latin-hypercube", "saltelli"] = "grid"
+    samples: int | None = None
+    seed: int = 0
+    band_over: str | list[str] = []
+
+
+class Plan:
+    """The runs of a sweep, known before any is made.
+
+    study: what is varied. vary: key -> a list of values, a range "1:20", or a distribution. design, samples,
+    seed: see `Design`. band_over: keys whose scatter a band shows; the others make groups. By default it is
+    every key of a sampled design, and none of a grid. device: "cpu" or "cuda:0".
+
+    Raises InputError for what makes no sweep.
+    """
+
+    def __init__(self, study: Study, section: SweepSection, *, device: str = "cpu") -> None:
+        self.study, self.device = study, device
+        self.design = Design(section.design, section.samples, section.seed)
+        self.factors: list[Factor] = factors_of(with_positions(study, section.vary))
+        self.keys = [factor.key for factor in self.factors]
+        given = [section.band_over] if isinstance(section.band_over, str) else list(section.band_over)
+        for key in given:
+            if key not in self.keys:
+                raise InputError(
+                    f"sweep.band_over = '{key}' is not varied; varied are {', '.join(self.keys)}."
+                )
+        self.band_over = given or (self.keys if self.design.kind in SAMPLED else [])
+        self.points: list[Point] = points_of(study, self.design.points(self.factors), device=device)
+
+    @property
+    def groups(self) -> dict[str, list[int]]:
+        """Label -> numbers of the runs that differ only in what the bands are taken over."""
+        kept = [key for key in self.keys if key not in self.band_over]
+        found: dict[str, list[int]] = {}
+        for point in self.points:
+            label = ", ".join(f"{_short(key)} {point.values[key]}" for key in kept)
+            found.setdefault(label, []).append(point.number)
+        return found
+
+
+def read_plan(
+    path_or_preset: str | Path, changes: Mapping[str, Any], asked: Mapping[str, Any], *, device: str
+) -> Plan:
+    """The plan of a study file with a section [sweep], or of a study and what is asked for beside it.
+
+    changes: of keys of the study. asked: of the section, by its keys; "vary" adds to the file's.
+    """
+    sections = loading.read_sections(path_or_preset)
+    given = sections.pop(SECTION, {})
+    study = Study(**sections).replace(changes)
+    return Plan(study, section_of(given, asked), device=device)
+
+
+def section_of(given: Any, asked: Mapping[str, Any]) -> SweepSection:
+    """The section in a file with what is asked for instead. Raises InputError with one sentence."""
+    given = dict(given) if isinstance(given, Mapping) else {"vary": given}
+    more = {key: value for key, value in asked.items() if value is not None and key != "vary"}
+    if isinstance(given.get("vary", {}), Mapping):
+        more["vary"] = {**_flat(given.get("vary", {})), **asked.get("vary", {})}
+    try:
+        return SweepSection(**{**given, **more})
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join([SECTION, *map(str, first["loc"])])
+        raise InputError(f"{where} = {first['input']!r} is not allowed: {first['msg']}.") from error
+
+
+def _flat(nested: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Dotted keys of tables in tables, as TOML makes of unquoted dots; {positions = 12} is a value."""
+    found: dict[str, Any] = {}
+    for key, value in nested.items():
+        if isinstance(value, Mapping) and "positions" not in value:
+            found |= _flat(value, f"{prefix}{key}.")
+        else:
+            found[f"{prefix}{key}"] = value
+    return found
+
+
+def _short(key: str) -> str:
+    return key.rpartition(".")[2]

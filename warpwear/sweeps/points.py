@@ -1,0 +1,118 @@
+"""The runs of a sweep: the study of each, and the name that finds it again wherever it was computed."""
+
+import hashlib
+import json
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.study.keys import value_of
+from warpwear.study.study import Study
+from warpwear.surfaces.reading import read
+
+#: Number of what a stored run holds; it rises when the same study gives other numbers.
+RESULT_FORMAT = 1
+#: Sections and keys of a study that no number of its result depends on.
+NO_MATTER = {"study": ("name", "description"), "run": None, "assumed": None}
+#: Key that takes parts of a measured disc instead of values, and what says where they lie.
+CROP, POSITIONS = "disc.crop", {"positions", "seed"}
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run of a sweep: its varied values as they were given, and its study, or why there is none."""
+
+    number: int
+    values: dict[str, Any]
+    study: Study | None
+    run: str  # name of its folder; empty without a study
+    problem: str = ""
+
+
+def points_of(study: Study, values: Iterable[Mapping[str, Any]], *, device: str) -> list[Point]:
+    """The runs of a study with these values of its keys.
+
+    A combination that makes no study is a point with its sentence. Raises InputError where none makes one.
+    """
+    found = [_point(number, study, dict(changes), device) for number, changes in enumerate(values)]
+    if all(point.study is None for point in found):
+        raise InputError(found[0].problem)
+    return found
+
+
+def _point(number: int, study: Study, values: dict[str, Any], device: str) -> Point:
+    try:
+        made = study.replace(values)
+    except InputError as error:
+        return Point(number, values, None, "", str(error))
+    return Point(number, values, made, name_of(made, device=device))
+
+
+def name_of(study: Study, *, device: str) -> str:
+    """SHA-256 of all that decides the numbers of a run, as hexadecimal text.
+
+    That is the resolved study without its names, what its surface file holds (not where it lies), the kind
+    of device and `RESULT_FORMAT`. Raises InputError for a surface file that cannot be read.
+    """
+    sections = tomllib.loads(study.to_toml())
+    for section, keys in NO_MATTER.items():
+        for key in keys or [*sections.get(section, ())]:
+            sections.get(section, {}).pop(key, None)
+    surface = value_of(sections, "disc.surface")
+    if surface is not None:
+        sections["disc"]["surface"] = _digest(
+            surface, Path(surface).stat().st_mtime_ns if Path(surface).is_file() else 0
+        )
+    about = {"study": sections, "device": device.partition(":")[0], "format": RESULT_FORMAT}
+    return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def _digest(path: str, modified: int) -> str:
+    try:
+        with Path(path).open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise InputError(f"disc.surface '{path}' cannot be read: {error.strerror}.") from error
+
+
+def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:
+    """Put parts of the measured disc where {positions = 12, seed = 1} stands for them in what is varied.
+
+    Each part is as large as the domain, or the track, and lies anywhere in the file, as often as not over
+    another. Raises InputError for a disc that is not measured, or too small for any choice.
+    """
+    given = vary.get(CROP)
+    if not isinstance(given, Mapping):
+        return dict(vary)
+    number = given.get("positions")
+    if set(given) - POSITIONS or not isinstance(number, int) or isinstance(number, bool) or number < 1:
+        raise InputError(
+            f"sweep.vary '{CROP}' = {dict(given)!r}: {{positions = 12, seed = 1}} is expected, or a list."
+        )
+    disc = study.disc
+    if disc.surface is None:
+        raise InputError(
+            f"sweep.vary '{CROP}' needs a measured disc (disc.surface); vary disc.synthetic.seed."
+        )
+    reading = read(disc.surface, pixel=disc.pixel, height_unit=disc.height_unit, array=disc.array)
+    rows = study.track.rows if study.is_swept else study.cells.nx
+    needed = np.array([rows, study.cells.ny]) * study.grid.cell
+    needed = needed[::-1] if disc.sliding_axis == "y" else needed
+    pixel = np.asarray(reading.pixel)
+    whole = np.asarray(reading.heights.shape) * pixel
+    needed = needed + 2.0 * pixel  # cells at the rim lie between points
+    if np.any(needed > whole):
+        raise InputError(
+            f"disc.surface '{disc.surface}' measures {whole[0]:.4g} × {whole[1]:.4g} mm: the part of "
+            f"{needed[0]:.4g} × {needed[1]:.4g} mm that a run needs has no other place in it."
+        )
+    corners = np.random.default_rng(given.get("seed", 0)).random((number, 2)) * (whole - needed)
+    crops = [[f"{e:.9g} mm" for e in (x, x + needed[0], y, y + needed[1])] for x, y in corners.tolist()]
+    return {**vary, CROP: crops}

@@ -1,0 +1,119 @@
+"""Worker processes on this machine that stay alive from run to run, as an executor of concurrent.futures."""
+
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+#: How often a call is made again whose worker died.
+RETRIES = 2
+#: Variables by which numerical libraries are told their number of threads.
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
+
+
+class WorkerDiedError(RuntimeError):
+    """A worker process ended in the middle of a call, each time it was made."""
+
+
+class Workers(ThreadPoolExecutor):
+    """Processes that make calls, one each at a time; one that dies is started again and its call with it.
+
+    A process is `python -m warpwear.sweeps.worker`, so that a script that makes a sweep needs no
+    `if __name__ == "__main__"`. environments: of each worker what differs from this process's.
+    """
+
+    def __init__(self, environments: Sequence[Mapping[str, str]]) -> None:
+        super().__init__(max_workers=len(environments), thread_name_prefix="sweep")
+        self._free = list(environments)
+        self._lock = threading.Lock()
+        self._own = threading.local()
+        self._processes: list[subprocess.Popen[bytes]] = []
+        self._stopping = False
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> "Future[Any]":
+        """Have a worker call a function of a module with arguments that can be pickled."""
+        assert not named
+        return super().submit(self._call, function, arguments)
+
+    def _call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+        for _ in range(RETRIES + 1):
+            process = self._process()
+            assert process.stdin is not None
+            assert process.stdout is not None
+            try:
+                pickle.dump((function, arguments), process.stdin, protocol=pickle.HIGHEST_PROTOCOL)
+                process.stdin.flush()
+                good, answer = pickle.load(process.stdout)
+            except (BrokenPipeError, EOFError, ValueError, OSError, pickle.UnpicklingError):
+                process.kill()
+                process.wait()
+                if self._stopping:
+                    raise WorkerDiedError("the sweep was stopped") from None
+                continue
+            if good:
+                return answer
+            raise answer
+        raise WorkerDiedError(
+            f"its worker process died {RETRIES + 1} times (status {process.returncode}), perhaps for want of "
+            "memory"
+        )
+
+    def _process(self) -> "subprocess.Popen[bytes]":
+        """The process of this thread, started where there is none that lives."""
+        process: subprocess.Popen[bytes] | None = getattr(self._own, "process", None)
+        if process is None or process.poll() is not None:
+            with self._lock:
+                if process is None:
+                    self._own.environment = self._free.pop()
+                else:
+                    self._processes.remove(process)
+                process = _started(self._own.environment)
+                self._processes.append(process)
+            self._own.process = process
+        return process
+
+    def stop(self) -> None:
+        """End the workers at once: a run in the middle leaves its checkpoint."""
+        self._stopping = True
+        super().shutdown(wait=False, cancel_futures=True)
+        with self._lock:
+            for process in self._processes:
+                process.terminate()
+        self.shutdown()
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the workers once their calls are made."""
+        super().shutdown(wait=wait, cancel_futures=cancel_futures)
+        if wait:
+            for process in self._processes:
+                assert process.stdin is not None
+                assert process.stdout is not None
+                process.stdin.close()
+                process.wait()
+                process.stdout.close()
+
+
+def _started(environment: Mapping[str, str]) -> "subprocess.Popen[bytes]":
+    """A worker process that imports this very package, wherever this process found it."""
+    home = str(Path(__file__).parents[2])
+    path = os.pathsep.join([home, *filter(None, [os.environ.get("PYTHONPATH")])])
+    return subprocess.Popen(
+        [sys.executable, "-m", "warpwear.sweeps.worker"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": path, **environment},
+        start_new_session=True,  # Ctrl-C reaches the sweep alone, which ends them in order
+    )
+
+
+def local_workers(number: int, *, cores: int, gpus: Sequence[str] = ()) -> Workers:
+    """Workers on this machine: they share its cores evenly, and its GPUs in turn where some are given."""
+    threads = str(max(1, cores // number))
+    shared = dict.fromkeys(THREADS, threads)
+    each = [{"CUDA_VISIBLE_DEVICES": gpus[worker % len(gpus)]} if gpus else {} for worker in range(number)]
+    return Workers([{**shared, **own} for own in each])

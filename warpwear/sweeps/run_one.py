@@ -1,0 +1,126 @@
+"""One run of a sweep, in whatever process a worker is: found finished, resumed or computed, then read."""
+
+import time
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.errors import ConvergenceError, InputError, InvariantError, StudyWarning
+from warpwear.grid import FloatArray
+from warpwear.history.quantities import columns_of
+from warpwear.result import Result
+from warpwear.results.file import FILE_NAME
+from warpwear.results.summary import course
+from warpwear.runs import lock as run_lock
+from warpwear.runs.run import run
+from warpwear.study.study import Study
+
+fcntl = lazy.module("fcntl")
+
+#: Ending of a file beside a run's folder on which its process holds a lock of the system; it is free again
+#: when that is gone, on whichever computer of a cluster it ran.
+LOCK = ".lock"
+#: Points of a course that a row keeps.
+POINTS = 500
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a worker is asked for: the study as text, its folder, and where to compute it."""
+
+    study: str
+    folder: str
+    device: str = "cpu"
+    threads: int | None = None
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one run came to: end values by the names of the history, with units, and courses of them."""
+
+    status: str
+    seconds: float = 0.0
+    ends: dict[str, float] = field(default_factory=dict)
+    courses: dict[str, FloatArray] = field(default_factory=dict)
+
+
+def run_one(task: Task) -> Row:
+    """Compute a run, or go on with it, unless its folder holds it finished; a run that fails is a row too."""
+    start, folder = time.perf_counter(), Path(task.folder)
+    how: dict[str, Any] = {"device": task.device, "threads": task.threads, "plots": False, "resume": True}
+    try:
+        study = Study.stored(task.study)
+        folder.mkdir(parents=True, exist_ok=True)
+        with _alone_in(folder):
+            was_there = is_there(folder)
+            with _warnings_left_to_the_summary(), run(study, out=folder, **how) as result:
+                found = row_of(result)
+        return found if was_there else replace(found, seconds=time.perf_counter() - start)
+    except (InputError, ConvergenceError, InvariantError, MemoryError) as error:
+        why = " ".join(str(error).split()) or "the memory ran out"
+        return Row(f"failed: {why}", time.perf_counter() - start)
+
+
+@contextmanager
+def _warnings_left_to_the_summary() -> Iterator[None]:
+    """What misleads stands in the summary of each run: a thousand of them need not say it on the screen."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StudyWarning)
+        yield
+
+
+def row_of(result: Result) -> Row:
+    """What a run came to; its seconds are those of its steps."""
+    summary, history = result.summary, result.history
+    columns = [column for column in columns_of(result.study) if column.name != "distance"]
+    ends = {"distance [mm]": summary["distance_mm"]}
+    ends |= {f"{column.name} [{column.units}]": float(history[column.name][-1]) for column in columns}
+    of_summary = {
+        "cof [1]": summary["cof"]["end"],
+        "approach [mm]": 1.0e-3 * summary["approach_um"],
+        **{f"area_{name} [mm^2]": value for name, value in summary["area_mm2"].items()},
+        **{f"pressure_{name} [MPa]": value for name, value in summary["pressure_MPa"].items()},
+        "shear_strength [MPa]": strength_of(result.study, summary),
+    }
+    ends |= {name: np.nan if value is None else float(value) for name, value in of_summary.items()}
+    courses = {"distance": course(result, "distance")[0]}
+    courses |= {column.name: course(result, column.name)[1] for column in columns}
+    keep = np.unique(np.linspace(0, courses["distance"].size - 1, POINTS).astype(np.intp))
+    thinned = {name: np.asarray(values[keep], dtype=np.float64) for name, values in courses.items()}
+    status = "done" if result.finished else "unfinished"
+    return Row(status, float(result.record["elapsed_s"]), ends, thinned)
+
+
+def strength_of(study: Study, summary: dict[str, object]) -> float | None:
+    """The shear strength of a run [MPa], as given or as its calibration came to."""
+    given = study.friction.shear_strength
+    if given is not None or study.friction.calibrate is None:
+        return given
+    found = summary["shear_strength_MPa_for_reference"]
+    value = found.get(study.friction.calibrate) if isinstance(found, dict) else None
+    return None if value is None else float(value)
+
+
+@contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """The run folder for this process alone; waits for another, maybe on another computer."""
+    with folder.with_name(folder.name + LOCK).open("w") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX)
+        except (ImportError, OSError):  # not every system has it: the run's own lock is left
+            yield
+            return
+        # Whoever held the run's lock without this one is gone.
+        (folder / run_lock.NAME).unlink(missing_ok=True)
+        yield
+
+
+def is_there(folder: Path) -> bool:
+    """Whether a folder seems to hold a finished run; `run_one` makes sure."""
+    return (folder / FILE_NAME).is_file()

@@ -1,0 +1,209 @@
+"""A sweep: many runs of one study, made once each, in a folder that is the truth about them."""
+
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from warpwear.engine.device import gpu_count, usable_cores
+from warpwear.errors import OTHER_FOLDER, RESUME_IT, InputError
+from warpwear.study.study import Study
+from warpwear.sweeps.plan import Plan, section_of
+from warpwear.sweeps.points import Point
+from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
+from warpwear.sweeps.report import write_report
+from warpwear.sweeps.run_one import Row, Task, is_there, run_one
+from warpwear.sweeps.table import SweepResult
+
+RUNS = "runs"
+#: A file that every finished sweep has.
+TABLE = "table.csv"
+
+
+def sweep(
+    study: Study | str | Path,
+    *,
+    vary: Mapping[str, Any],
+    design: str = "grid",
+    samples: int | None = None,
+    seed: int = 0,
+    band_over: str | list[str] | None = None,
+    out: str | Path | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    device: str = "cpu",
+) -> SweepResult:
+    """Run a study for every point of a design of its keys; return its table, courses and bands.
+
+    vary: dotted key -> a list of values, a range "1:20" (both ends), {"positions": 12, "seed": 1} for
+    disc.crop of a measured disc, or a distribution such as "normal 9.4e-4 +- 0.7e-4 mm^3/N/m". design:
+    "grid", "zip"; or "sobol", "latin-hypercube", "saltelli" with samples. band_over: keys whose scatter
+    bands show.
+    out: folder of the sweep; runs that it holds are not made again, and without it nothing is kept.
+    executor: anything like concurrent.futures.Executor, such as `Client(address).get_executor(pure=False)`
+    of dask.distributed or mpi4py's MPIPoolExecutor; by default `workers` processes here, one a core.
+
+    Raises InputError for what makes no sweep. A run that fails is a row whose status says why.
+    """
+    study = study if isinstance(study, Study) else Study.load(study)
+    asked = {"design": design, "samples": samples, "seed": seed, "band_over": band_over}
+    plan = Plan(study, section_of({"vary": dict(vary)}, asked), device=device)
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise InputError(
+            f"executor = {executor!r}: an object with submit(), as in concurrent.futures, is expected."
+        )
+    local = nullcontext((executor, 1, 1)) if executor is not None else local_executor(plan, workers=workers)
+    with _folder(out) as folder, local as (pool, threads, _):
+        rows = make_runs(plan, folder, pool, threads=threads)
+        found = SweepResult(plan, rows, None if out is None else folder)
+        if out is not None:
+            write_report(found, folder)
+    return found
+
+
+def make_runs(
+    plan: Plan,
+    folder: Path,
+    executor: Executor,
+    *,
+    threads: int | None = None,
+    told: Callable[[int, Row], object] | None = None,
+) -> list[Row]:
+    """Have an executor make the runs of a plan, each once, and return their rows in the plan's order.
+
+    told: is called with the number and row of each run that is done. On an interrupt what is not begun is
+    left, and KeyboardInterrupt raised.
+    """
+    rows: dict[int, Row] = {}
+    waiting: dict[Future[Row], list[int]] = {}
+    asked: dict[str, Future[Row]] = {}
+    for point in plan.points:
+        if point.study is None:
+            rows[point.number] = Row(f"failed: {point.problem}")
+            continue
+        future = asked.get(point.run)
+        if future is None:
+            future = asked[point.run] = executor.submit(run_one, task_of(plan, point, folder, threads))
+        waiting.setdefault(future, []).append(point.number)
+    try:
+        while waiting:
+            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                row = _row(future)
+                for number in waiting.pop(future):
+                    rows[number] = row
+                    if told is not None:
+                        told(number, row)
+    except KeyboardInterrupt:
+        for future in waiting:
+            future.cancel()
+        if isinstance(executor, Workers):
+            executor.stop()
+        raise
+    return [rows[number] for number in range(len(plan.points))]
+
+
+def _row(future: "Future[Row]") -> Row:
+    """The row of a run; one whose worker was lost says so."""
+    try:
+        return future.result()
+    except (WorkerDiedError, OSError, RuntimeError, MemoryError) as error:
+        return Row(f"failed: {' '.join(str(error).split()) or type(error).__name__}")
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a sweep will cost, from a pilot: seconds and bytes of one run, and how many are to be made."""
+
+    runs: int
+    there: int
+    seconds: float
+    size: float
+
+    def sentence(self, workers: int) -> str:
+        """The estimate in a sentence, on some workers."""
+        to_do = self.runs - self.there
+        there = f", {self.there} of them there already" if self.there else ""
+        took = _duration(to_do * self.seconds / max(1, workers))
+        return (
+            f"{self.runs} runs{there}: about {took} on {workers} worker{'s' if workers != 1 else ''} "
+            f"({_duration(self.seconds)} a run) and {to_do * self.size / 2**20:.3g} MiB"
+        )
+
+
+def estimate(plan: Plan, folder: Path | None, executor: Executor, *, threads: int | None = None) -> Estimate:
+    """Make the first run that is not there yet, and say from it what all of them will cost.
+
+    folder: of the sweep, which keeps that run; None makes it in a place of its own.
+    """
+    runs = {point.run: point for point in plan.points if point.study is not None}
+    missing = [name for name in runs if folder is None or not is_there(folder / RUNS / name)]
+    if not missing:
+        return Estimate(len(plan.points), len(runs), 0.0, 0.0)
+    with _folder(folder) as place:
+        task = task_of(plan, runs[missing[0]], place, threads)
+        row = executor.submit(run_one, task).result()
+        size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
+    return Estimate(len(plan.points), len(runs) - len(missing), row.seconds, size)
+
+
+def task_of(plan: Plan, point: Point, folder: Path, threads: int | None) -> Task:
+    """What a worker is asked for a run of a plan, in the folder of its sweep."""
+    assert point.study is not None
+    return Task(point.study.to_toml(), str((folder / RUNS / point.run).resolve()), plan.device, threads)
+
+
+def check_folder(folder: Path, *, resume: bool) -> None:
+    """Raises InputError for a folder that a sweep may not be written into."""
+    for path in (folder, *folder.parents):
+        if path.exists() and not path.is_dir():
+            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected.")
+    if not folder.is_dir() or not any(folder.iterdir()):
+        return
+    if not (folder / RUNS).is_dir():
+        raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
+    if not resume:
+        raise InputError(f"out = {folder} already holds a sweep; {RESUME_IT}, or {OTHER_FOLDER}.")
+
+
+@contextmanager
+def _folder(out: str | Path | None) -> Iterator[Path]:
+    if out is not None:
+        check_folder(Path(out), resume=True)
+        (Path(out) / RUNS).mkdir(parents=True, exist_ok=True)
+        yield Path(out)
+        return
+    place = Path(tempfile.mkdtemp(prefix="warpwear-sweep-"))
+    try:
+        yield place
+    finally:
+        shutil.rmtree(place, ignore_errors=True)
+
+
+@contextmanager
+def local_executor(
+    plan: Plan, *, workers: int | None, gpus: bool = False
+) -> Iterator[tuple[Workers, int, int]]:
+    """Workers of this machine, by default one a core or one a GPU; the threads of a run; their number.
+
+    Raises InputError for a number that is none, and where there is no GPU.
+    """
+    cores = usable_cores()
+    visible = [str(number) for number in range(gpu_count())] if gpus else []
+    if gpus and not visible:
+        raise InputError("gpus = 'all': no GPU of CUDA is here.")
+    number = workers if workers is not None else len(visible) or min(cores, len(plan.points))
+    if number < 1:
+        raise InputError(f"workers = {number}: at least one is needed.")
+    with local_workers(number, cores=cores, gpus=visible) as pool:
+        yield pool, max(1, cores // number), number
+
+
+def _duration(seconds: float) -> str:
+    for unit, length in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= length:
+            return f"{seconds / length:.3g} {unit}"
+    return f"{seconds:.3g} s"

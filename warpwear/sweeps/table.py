@@ -1,0 +1,210 @@
+"""What a sweep came to: a row a run, courses on one grid of distances, bands over groups of runs."""
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.history.quantities import QUANTITIES
+from warpwear.study.keys import value_of
+from warpwear.sweeps.indices import Indices, sobol
+from warpwear.sweeps.plan import Plan
+from warpwear.sweeps.run_one import Row
+
+pandas, xarray = lazy.module("pandas"), lazy.module("xarray")
+stats = lazy.module("scipy.stats")
+
+#: Percentiles between which a band lies.
+BAND = (5.0, 95.0)
+MEANINGS = {quantity.name: quantity for quantity in QUANTITIES}
+
+
+@dataclass(eq=False)
+class SweepResult:
+    """The rows of a sweep, in the order of its plan, and what is made of them."""
+
+    plan: Plan
+    rows: list[Row]
+    folder: Path | None = None
+    _courses: dict[str, FloatArray] = field(default_factory=dict)
+
+    @property
+    def table(self) -> dict[str, list[Any]]:
+        """Column -> a value a run: `run`, `status`, `seconds`, keys by dotted names, end values."""
+        points = self.plan.points
+        found: dict[str, list[Any]] = {
+            "run": [point.run for point in points],
+            "status": [row.status for row in self.rows],
+            "seconds": [round(row.seconds, 3) for row in self.rows],
+        }
+        found |= {key: [_written(point.values[key]) for point in points] for key in self.plan.keys}
+        names = dict.fromkeys(name for row in self.rows for name in row.ends)
+        found |= {name: [row.ends.get(name, np.nan) for row in self.rows] for name in names}
+        return found
+
+    def to_dataframe(self) -> Any:
+        """The table as a pandas.DataFrame, a row a run. Raises InputError without pandas."""
+        return _needed("to_dataframe", lambda: pandas.DataFrame(self.table))
+
+    def to_xarray(self) -> Any:
+        """Courses and end values as an xarray.Dataset with the dimensions run and distance.
+
+        The keys varied are coordinates of the runs: numbers with their unit where they are numbers.
+        """
+        return _needed("to_xarray", self._dataset)
+
+    @property
+    def distance(self) -> FloatArray:
+        """Distances at which all courses are given [mm]: those of the longest run, at most 500."""
+        known = [row.courses["distance"] for row in self.rows if row.courses]
+        return max(known, key=lambda d: (d[-1], d.size)) if known else np.zeros(0)
+
+    def courses(self, name: str) -> FloatArray:
+        """Values of a column of the history over `distance`, (runs, distances); NaN where a run has none."""
+        if name not in self._courses:
+            places = self.distance
+            found = np.full((len(self.rows), places.size), np.nan)
+            for line, row in zip(found, self.rows, strict=True):
+                if name in row.courses:
+                    line[:] = _at(places, row.courses["distance"], row.courses[name])
+            self._courses[name] = found
+        return self._courses[name]
+
+    def ends(self, name: str) -> FloatArray:
+        """End values by the name of a column, shape (runs,). Raises InputError for others."""
+        columns = {key.partition(" [")[0]: key for row in self.rows for key in row.ends}
+        column = name if name in columns.values() else columns.get(name)
+        if column is None:
+            raise InputError(f"'{name}' is no end value; there are {', '.join(columns)}.")
+        return np.array([row.ends.get(column, np.nan) for row in self.rows])
+
+    def band(self, name: str, runs: Sequence[int]) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Mean, 5th and 95th percentile of a column over some runs, each of shape (distances,)."""
+        values = self.courses(name)[list(runs)]
+        known = np.isfinite(values).any(axis=0)
+        made = np.full((3, values.shape[1]), np.nan)
+        if known.any():
+            made[0, known] = np.nanmean(values[:, known], axis=0)
+            made[1:, known] = np.nanpercentile(values[:, known], BAND, axis=0)
+        return made[0], made[1], made[2]
+
+    def numbers(self, key: str) -> tuple[FloatArray, str] | None:
+        """Values of a varied key as numbers, with their unit; None where they are words."""
+        return numbers_of(self.plan, key)
+
+    def sobol(self, name: str = "cof") -> Indices | None:
+        """Sobol's indices of an end value; None for a design that does not allow them."""
+        if self.plan.design.kind != "saltelli":
+            return None
+        return sobol(self.ends(name), len(self.plan.keys))
+
+    def influence(self, name: str = "cof") -> dict[str, float]:
+        """How strongly each varied key decides an end value, 0 to 1 and largest first.
+
+        Sobol's total index where the design allows it; else Spearman's rank correlation with its sign for
+        keys that are numbers, and for words the part of the variance between their means (η²).
+        """
+        values = self.ends(name)
+        indices = self.sobol(name)
+        found = {}
+        for place, key in enumerate(self.plan.keys):
+            number = self.numbers(key)
+            if indices is not None:
+                found[key] = float(indices.total[place])
+            elif number is not None:
+                known = np.isfinite(values) & np.isfinite(number[0])
+                varies = known.sum() > 2 and np.ptp(values[known]) > 0.0 and np.ptp(number[0][known]) > 0.0
+                found[key] = float(stats.spearmanr(number[0][known], values[known])[0]) if varies else 0.0
+            else:
+                found[key] = _between(values, [str(point.values[key]) for point in self.plan.points])
+        return dict(sorted(found.items(), key=lambda item: -abs(item[1])))
+
+    def write_tables(self, folder: Path) -> None:
+        """Write table.csv, and table.parquet and sweep.nc where their packages are installed."""
+        table = self.table
+        with (folder / "table.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(table)
+            for row in zip(*table.values(), strict=True):
+                writer.writerow([repr(v) if isinstance(v, float) else v for v in row])
+        try:
+            pandas.DataFrame(table).to_parquet(folder / "table.parquet", index=False)
+            self._dataset().to_netcdf(folder / "sweep.nc", engine="h5netcdf")
+        except ImportError:  # of what pip install 'warpwear[io]' brings
+            return
+
+    def _dataset(self) -> Any:
+        names = dict.fromkeys(name for row in self.rows for name in row.courses if name != "distance")
+        coordinates: dict[str, Any] = {"distance": ("distance", self.distance, {"units": "mm"})}
+        coordinates["run"] = ("run", [point.run or f"run {point.number}" for point in self.plan.points])
+        coordinates["status"] = ("run", [row.status for row in self.rows])
+        for key in self.plan.keys:
+            number = self.numbers(key)
+            words = [str(_written(point.values[key])) for point in self.plan.points]
+            coordinates[key] = ("run", words) if number is None else ("run", number[0], {"units": number[1]})
+        data: dict[str, Any] = {
+            name: (("run", "distance"), self.courses(name), _about(name)) for name in names
+        }
+        for name in dict.fromkeys(name for row in self.rows for name in row.ends):
+            plain = name.partition(" [")[0]
+            data[f"end_{plain}"] = ("run", self.ends(name), {"units": name.partition("[")[2].rstrip("]")})
+        about = {"title": self.plan.study.study.name, "study": self.plan.study.to_toml()}
+        return xarray.Dataset(data, coordinates, about)
+
+
+def numbers_of(plan: Plan, key: str) -> tuple[FloatArray, str] | None:
+    """Values of a varied key in the unit of its declaration, and that unit; None where they are words."""
+    found, unit = [], ""
+    for point in plan.points:
+        value = value_of(point.study.model_dump(), key) if point.study else np.nan
+        if isinstance(value, str) and (split := value.split(" ", 1))[0]:
+            try:
+                value, unit = float(split[0]), split[1] if len(split) > 1 else ""
+            except ValueError:
+                return None
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return None
+        found.append(float(value))
+    return np.array(found), unit
+
+
+def _at(places: FloatArray, distance: FloatArray, values: FloatArray) -> FloatArray:
+    """Values between those known, straight lines; NaN beyond the ends but for round-off."""
+    if distance.size == places.size and np.array_equal(distance, places):
+        return values
+    beyond = (places < distance[0] * (1.0 - 1e-9)) | (places > distance[-1] * (1.0 + 1e-9))
+    return np.where(beyond, np.nan, np.interp(places, distance, values))
+
+
+def _between(values: FloatArray, words: Sequence[str]) -> float:
+    """The part of the variance of values that lies between the means of groups, η²."""
+    known = np.isfinite(values)
+    if not known.any() or np.ptp(values[known]) == 0.0:
+        return 0.0
+    labels = np.array(words)[known]
+    values = values[known]
+    means = {label: values[labels == label].mean() for label in set(labels)}
+    return float(np.var([means[label] for label in labels]) / np.var(values))
+
+
+def _about(name: str) -> dict[str, str]:
+    known = MEANINGS.get(name)
+    return {"units": known.units, "long_name": known.meaning} if known else {}
+
+
+def _written(value: Any) -> Any:
+    """A value for a cell of a table."""
+    return value if isinstance(value, int | float | str) else " ".join(map(str, value))
+
+
+def _needed(what: str, make: Any) -> Any:
+    try:
+        return make()
+    except ImportError as error:
+        raise InputError(f"{what}() needs pandas and xarray: pip install 'warpwear[io]'.") from error
