@@ -160,6 +160,15 @@ def test_every_picture_hatches_them(tmp_path: Path, rough: np.ndarray) -> None:
         assert told == ["hatched: not measured, filled in", ""]
 
 
+@pytest.mark.parametrize("seen", [0.6, 0.28, 0.24])
+def test_a_ball_without_its_steep_corners_has_lost_the_same(rough: np.ndarray, seen: float) -> None:
+    worn = np.minimum(-sag(*POINTS, radius=1.0), -0.01) + 0.01 * rough
+    holed = np.where(np.hypot.outer(*POINTS) > seen, np.nan, worn)
+    holed[150:154, 140:160] = np.nan
+    ball = find_worn_ball(holed, pixel=PIXEL, radius=1.0)
+    assert ball.volume == pytest.approx(np.pi * 0.01**2 * (3.0 - 0.01) / 3.0, rel=0.01)
+
+
 def test_hatching_lies_where_points_were_filled() -> None:
     filled = np.zeros((30, 20), dtype=np.bool_)
     filled[25:, :4] = True

@@ -220,7 +220,7 @@ def _of_track(
 def _of_ball(file: Path, preparation: Mapping[str, str | None], *, radius: float | None) -> WornVolume:
     """Find what a ball lost, from its topography. radius [mm], None to fit it. Raises InputError."""
     surface = read_surface(file, {**preparation, "level": "none"})
-    found = find_worn_ball(surface.levelled, pixel=surface.pixel, radius=radius)
+    found = find_worn_ball(surface.measured, pixel=surface.pixel, radius=radius)
     sphere = f"a radius of {found.sphere.radius:.5g} mm ({'fitted' if radius is None else 'given'})"
     measured = f"patch {found.along:.4g} × {found.across:.4g} mm on {sphere}"
     source = "what the same sum finds on unworn surface"

@@ -142,7 +142,7 @@ def track_in(
 def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
     """Measure the worn patch of a ball. Raises InputError."""
     radius = optional("--radius", options.radius, "mm")
-    ball = find_worn_ball(surface.levelled, pixel=surface.pixel, radius=radius)
+    ball = find_worn_ball(surface.measured, pixel=surface.pixel, radius=radius)
     flat = cap_of_diagonals(ball.along, ball.across, radius=ball.sphere.radius)
     file = surface.record()
     rows = [
