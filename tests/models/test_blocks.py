@@ -38,7 +38,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "across, rigid but for wear": ACROSS,
     "explicit, across": EXPLICIT | ACROSS | {"contact.stiffness": "2e5 N/mm^3"},
     "explicit, radial": EXPLICIT | {"wear.distance_factor": "radial", "contact.stiffness": "2e5 N/mm^3"},
-    "bearing area": EXPLICIT | ACROSS | {"stepping.load_tolerance": "0.02 N"},
+    "bearing area": EXPLICIT | ACROSS | {"stepping.load_tolerance": "0.0074 N"},
     "running in": {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1e-2 mm^3/N/m"},
     "no wear of the sphere": ACROSS | SPRINGS | {"wear.sphere": "0 mm^3/N/m"},
 }

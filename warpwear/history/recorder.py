@@ -31,7 +31,7 @@ class Step(NamedTuple):
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
 
 
-def divided(found: Mapping[str, float], fractions: tuple[float, float]) -> dict[str, float]:
+def divided(found: Mapping[str, Number], fractions: tuple[float, float]) -> dict[str, Number]:
     """Sums or maxima of "worn", by both bodies, as those of sphere and disc: a small one is no difference."""
     (sphere, disc), worn = fractions, found["worn"]
     return {**found, "wear_sphere": sphere * worn, "wear_disc": disc * worn}
@@ -104,7 +104,7 @@ class Ledger:
 
     def enter_all(
         self,
-        balance: Balance,
+        balance: Any,
         increment: FloatArray,
         removal: tuple[FloatArray, FloatArray],
         reference: FloatArray,

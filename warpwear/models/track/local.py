@@ -235,9 +235,8 @@ class SlidingContact:
                 len(plan) - done,
                 self.tiles,
                 self._ledger.most,
+                {"approach": self._approach, "mean": self._ledger.row["pressure_mean"]},
                 changes=self._changes,
-                approach=self._approach,
-                mean=self._ledger.row["pressure_mean"],
             )
             for approach in found.balance.approach.tolist():
                 self._note(approach)
