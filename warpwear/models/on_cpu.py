@@ -89,18 +89,18 @@ class Block:
         plan: FloatArray,
         steps: int,
         tiles: TileList,
-        extents: Mapping[str, float],
+        ledger: Ledger,
         memory: Mapping[str, float],
         *,
         changes: Iterable[float] = (),
     ) -> tuple[Found, dict[str, float]]:
         """Make steps of a plan; return balance, sums and maxima of those made, and the memory after them.
 
-        plan: numbers of each step by `kernels.blocks.PLAN`; steps: at most. extents: touched so far. memory,
+        plan: numbers of each step by `kernels.blocks.PLAN`; steps: at most. ledger: of the contact. memory,
         changes: by `kernels.blocks.MEMORY`.
         """
         changes = [*changes]
-        begin = dict.fromkeys(MEMORY, 0.0) | dict(memory) | {name: extents[name] for name in EXTENTS}
+        begin = dict.fromkeys(MEMORY, 0.0) | dict(memory) | {name: ledger.most[name] for name in EXTENTS}
         known = np.full(len(MEMORY) - 1 + self._changes, -1.0)
         known[: len(MEMORY) - 1] = [*begin.values()][:-1]
         known[len(MEMORY) - 1 :][: len(changes)] = changes
@@ -111,6 +111,7 @@ class Block:
         now.plan, now.memory, now.found = (
             wp.array(values, dtype=wp.float64, device="cpu", copy=False) for values in (plan, known, found)
         )
+        now.within = wp.array(ledger.within, dtype=wp.float64, device="cpu")
         now.steps = steps
         while True:
             now.limit, now.asked = tiles.limit, tiles.asked

@@ -146,7 +146,7 @@ class OneScaleModel(Model):
                 plan[done:],
                 len(increments) - done,
                 self.tiles,
-                self._ledger.most,
+                self._ledger,
                 {"approach": self._last.approach, "mean": self._ledger.row["pressure_mean"]}
                 | self._foresight.numbers
                 | foreseen,

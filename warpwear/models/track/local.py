@@ -234,7 +234,7 @@ class SlidingContact:
                 plan[done:],
                 len(plan) - done,
                 self.tiles,
-                self._ledger.most,
+                self._ledger,
                 {"approach": self._approach, "mean": self._ledger.row["pressure_mean"]},
                 changes=self._changes,
             )
