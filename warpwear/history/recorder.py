@@ -60,10 +60,8 @@ class Ledger:
         self._task, self._grid, self._weight = task, grid, weight
         self._track_fraction = track_fraction
         # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
-        rows, columns = (
-            int(np.count_nonzero((along + 1.5 * grid.cell) * task.curvature >= 1.0))
-            for along in (grid.x, grid.y)
-        )
+        widths = (grid.x + 1.5 * grid.cell, grid.y + 1.5 * grid.cell)
+        rows, columns = (int(np.count_nonzero(width * task.curvature >= 1.0)) for width in widths)
         self._edge, self._rim = self._inside(margin, margin), self._inside(rows, columns)
         #: By `EXTENTS`, as far as what is touched is neither at the edge nor at the rim.
         self.within = tuple(map(min, self._edge, self._rim))

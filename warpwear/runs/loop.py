@@ -93,6 +93,8 @@ class StepLoop:
         self._checkpoints = Checkpoints(
             folder / CHECKPOINT, work, self.study, device=self._device, surface=self._surface_sum
         )
+        if self.study.run.checkpoint == 0.0:  # after every step, so a block is one
+            self._model.longest_block = 1
         if not resume:
             self._checkpoints.remove()  # of the run that is overwritten
 
