@@ -70,6 +70,7 @@ class Block:
     found: wp.array2d(dtype=wp.float64)  # one row a step: `BALANCE`, sums, maxima
     sums: wp.array2d(dtype=wp.float64)  # room for two numbers a row of cells
     stiffness: wp.array2d(dtype=Cells)  # one row [N/mm³]
+    within: wp.array(dtype=wp.float64)  # by `EXTENTS`, where a contact is neither at the edge nor at the rim
     load: wp.float64  # [N]
     hardness: wp.float64  # [MPa]
     cell_area: wp.float64  # [mm²]
@@ -365,8 +366,8 @@ _TWO_BODIES = """
     return 0;
 }
 """
-#: Sums and maxima of a step, and what the next one needs of them. A block ends where the contact grew: the
-#: run may have to stop there, and be kept as it is.
+#: Sums and maxima of a step, and what the next one needs of them. A block ends where the contact reaches the
+#: edge or the rim: the run may have to stop there, and be kept as it is.
 _END = """
     double* found = &wp::index(block.found, n, 6);
     const double base = found[-6], offset = found[-5];
@@ -377,7 +378,7 @@ _END = """
     mean = sums[0] / sums[2];
     made = n + 1;
     const auto extend = [&](double& extent, double index) {
-        goes_on = goes_on && !(index > extent);
+        goes_on = goes_on && !(index > extent && index > block.within.data[&extent - &first_row]);
         extent = wp::max(extent, index);
     };
 """

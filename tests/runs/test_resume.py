@@ -61,6 +61,7 @@ def short(**changes: Any) -> Study:
 def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], None]) -> None:
     """Let something happen in the step after so many, counted from here."""
     calls: list[int] = []
+    monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
 
     def stopping(advance: Callable[..., Any]) -> Callable[..., Any]:
         def stopped(*args: Any, **kwargs: Any) -> Any:

@@ -1,6 +1,7 @@
 """What the steps of a contact add up to, and the row of the history that each one gives."""
 
 import math
+import operator
 from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
@@ -15,8 +16,8 @@ from warpwear.laws.task import ContactTask
 
 #: Columns that grow from step to step.
 RUNNING = ("distance", "area_cumulative", "archard_volume_sphere", "archard_volume_disc")
-#: Maxima of what only grows, beside the extents.
-DEPTHS = ("wear_sphere", "wear_disc")
+#: First and last of what was touched, along and across; first ones are negated.
+PAIRS = (EXTENTS[:2], EXTENTS[2:])
 #: One of a step, or an array of those of many.
 Number = Any
 
@@ -31,7 +32,7 @@ class Step(NamedTuple):
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
 
 
-def divided(found: Mapping[str, float], fractions: tuple[float, float]) -> dict[str, float]:
+def divided(found: Mapping[str, Number], fractions: tuple[float, float]) -> dict[str, Number]:
     """Sums or maxima of "worn", by both bodies, as those of sphere and disc: a small one is no difference."""
     (sphere, disc), worn = fractions, found["worn"]
     return {**found, "wear_sphere": sphere * worn, "wear_disc": disc * worn}
@@ -56,11 +57,14 @@ class Ledger:
         margin: int = 1,
         track_fraction: float = 1.0,
     ) -> None:
-        self._task, self._grid, self._weight, self._margin = task, grid, weight, margin
+        self._task, self._grid, self._weight = task, grid, weight
         self._track_fraction = track_fraction
-        self._x, self._y = grid.x.tolist(), grid.y.tolist()
-        #: What `_of_extents` told last, and of which.
-        self._told: tuple[tuple[float, ...], tuple[float, float, bool, bool]] | None = None
+        # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
+        widths = (grid.x + 1.5 * grid.cell, grid.y + 1.5 * grid.cell)
+        rows, columns = (int(np.count_nonzero(width * task.curvature >= 1.0)) for width in widths)
+        self._edge, self._rim = self._inside(margin, margin), self._inside(rows, columns)
+        #: By `EXTENTS`, as far as what is touched is neither at the edge nor at the rim.
+        self.within = tuple(map(min, self._edge, self._rim))
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
 
@@ -100,31 +104,29 @@ class Ledger:
         for name in RUNNING:
             row[name] += self.row[name]
         self.row = row
-        return Step(balance, row, *self._of_extents()[2:], pressure)
+        return Step(balance, row, *self._flags(), pressure)
 
     def enter_all(
         self,
-        balance: Balance,
+        balance: Any,
         increment: FloatArray,
         removal: tuple[FloatArray, FloatArray],
         reference: FloatArray,
         total: Mapping[str, FloatArray],
         most: Mapping[str, FloatArray],
     ) -> list[Step]:
-        """Book steps in a row, of which none widens what was touched, as `enter` does one.
+        """Book steps in a row, of which none grows beyond `within`, as `enter` does one.
 
         All are arrays of one number a step, those of the balance too.
         """
         count = len(increment)
         if not count:
             return []
-        most = {
-            name: np.maximum.accumulate(np.maximum(most[name], self.most[name]))
-            if name in DEPTHS
-            else most[name]
-            for name in ("pressure", *DEPTHS)
+        flags = self._flags()
+        grown = {
+            name: np.maximum.accumulate(np.maximum(most[name], kept)) for name, kept in self.most.items()
         }
-        row = self._row(balance, increment, removal, reference, total, most)
+        row = self._row(balance, increment, removal, reference, total, grown | {"pressure": most["pressure"]})
         row["pressure_std"] = np.sqrt(np.maximum(row["pressure_std"], 0.0))
         for name in RUNNING:
             row[name] = np.add.accumulate([self.row[name], *row[name]])[1:]
@@ -134,9 +136,8 @@ class Ledger:
         rows = [dict(zip(row, values, strict=True)) for values in table.tolist()]
         balances = [Balance(*numbers) for numbers in zip(*(part.tolist() for part in balance), strict=True)]
         self.row = rows[-1]
-        self.most |= {name: max(self.most[name], float(values.max())) for name, values in most.items()}
-        told = self._of_extents()[2:]
-        return [Step(*made, *told) for made in zip(balances, rows, strict=True)]
+        self.most = {name: float(values[-1]) for name, values in grown.items()}
+        return [Step(*made, *flags) for made in zip(balances, rows, strict=True)]
 
     def _row(
         self,
@@ -150,7 +151,7 @@ class Ledger:
     ) -> dict[str, Any]:
         """Return the columns of a step, or of many: of `RUNNING` what they grow by, of the std its square."""
         area, load = self._weight * self._grid.cell_area, self._task.load
-        along, across, _, _ = self._of_extents()
+        along, across = ((most[last] + most[first] + 1.0) * self._grid.cell for first, last in PAIRS)
         count = total["contact"]
         mean = total["pressure"] / count
         apart = mean - reference  # squared by Python for many as for one: NumPy rounds squares differently
@@ -185,19 +186,12 @@ class Ledger:
             row["plastic_volume_disc"] = total["pressed_disc"] / self._track_fraction * area
         return row
 
-    def _of_extents(self) -> tuple[float, float, bool, bool]:
-        """Tell how far the touched cells reach along and across [mm]; if to the domain's edge or the rim."""
-        extents = tuple(self.most[name] for name in EXTENTS)
-        if self._told is not None and self._told[0] == extents:  # few steps widen the contact
-            return self._told[1]
-        grid, margin = self._grid, self._margin
-        first_row, last_row = int(-extents[0]), int(extents[1])
-        first_column, last_column = int(-extents[2]), int(extents[3])
-        at_edge = min(first_row, first_column) < margin
-        at_edge |= last_row >= grid.nx - margin or last_column >= grid.ny - margin
-        # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
-        reach = max(-self._x[first_row], self._x[last_row], -self._y[first_column], self._y[last_column])
-        beyond_sphere = (reach + 1.5 * grid.cell) * self._task.curvature >= 1.0
-        along, across = (last_row - first_row + 1) * grid.cell, (last_column - first_column + 1) * grid.cell
-        self._told = extents, (along, across, at_edge, beyond_sphere)
-        return self._told[1]
+    def _inside(self, rows: int, columns: int) -> tuple[float, ...]:
+        """Extents of what leaves so many rows and columns along each edge."""
+        return -rows, self._grid.nx - rows - 1, -columns, self._grid.ny - columns - 1
+
+    def _flags(self) -> tuple[bool, bool]:
+        """Tell whether what was touched reaches the domain's edge, and whether the sphere's rim."""
+        extents = [self.most[name] for name in EXTENTS]
+        at_edge, at_rim = (any(map(operator.gt, extents, limits)) for limits in (self._edge, self._rim))
+        return at_edge, at_rim

@@ -3,7 +3,7 @@
 Where a step asks for more than the launch can do, it makes no further, and that step is made by itself.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate
 from typing import Any, NamedTuple
 
@@ -37,10 +37,10 @@ class Found(NamedTuple):
     """What a launch found of the steps that it made: of each quantity an array."""
 
     made: int
-    balance: Balance
+    balance: Any  # a Balance of arrays
     reference: FloatArray  # that the scatter of the pressure counts from [MPa]
-    total: dict[str, FloatArray]
-    most: dict[str, FloatArray]
+    total: dict[str, Any]
+    most: dict[str, Any]
 
 
 class Block:
@@ -89,17 +89,18 @@ class Block:
         plan: FloatArray,
         steps: int,
         tiles: TileList,
-        extents: dict[str, float],
+        ledger: Ledger,
+        memory: Mapping[str, float],
         *,
-        changes: Sequence[float] = (),
-        **memory: float,
+        changes: Iterable[float] = (),
     ) -> tuple[Found, dict[str, float]]:
         """Make steps of a plan; return balance, sums and maxima of those made, and the memory after them.
 
-        plan: numbers of each step by `kernels.blocks.PLAN`; steps: at most. extents: touched so far. memory,
+        plan: numbers of each step by `kernels.blocks.PLAN`; steps: at most. ledger: of the contact. memory,
         changes: by `kernels.blocks.MEMORY`.
         """
-        begin = dict.fromkeys(MEMORY, 0.0) | memory | {name: extents[name] for name in EXTENTS}
+        changes = [*changes]
+        begin = dict.fromkeys(MEMORY, 0.0) | dict(memory) | {name: ledger.most[name] for name in EXTENTS}
         known = np.full(len(MEMORY) - 1 + self._changes, -1.0)
         known[: len(MEMORY) - 1] = [*begin.values()][:-1]
         known[len(MEMORY) - 1 :][: len(changes)] = changes
@@ -110,6 +111,7 @@ class Block:
         now.plan, now.memory, now.found = (
             wp.array(values, dtype=wp.float64, device="cpu", copy=False) for values in (plan, known, found)
         )
+        now.within = wp.array(ledger.within, dtype=wp.float64, device="cpu")
         now.steps = steps
         while True:
             now.limit, now.asked = tiles.limit, tiles.asked
@@ -129,8 +131,10 @@ class Block:
         ]
         total, most = ({k: v for group in groups[i::2] for k, v in group.items()} for i in (0, 1))
         none = np.zeros(made)  # no ties: a launch makes no such step
-        balance = Balance(base, offset, cap, residual, none, none, evaluations)
-        return Found(made, balance, reference, total, most), dict(zip(MEMORY, known.tolist(), strict=False))
+        balance: Any = (base, offset, cap, residual, none, none, evaluations)
+        return Found(made, Balance(*balance), reference, total, most), dict(
+            zip(MEMORY, known.tolist(), strict=False)
+        )
 
 
 def booked(
@@ -153,7 +157,7 @@ def booked(
         return {name: column[which] for name, column in values.items()}
 
     yield from ledger.enter_all(
-        Balance(*(column[before] for column in balance)),
+        balance._make(column[before] for column in balance),
         increments[before],
         (wear[0, before], wear[1, before]),
         reference[before],
@@ -161,7 +165,7 @@ def booked(
         part(most, before),
     )
     last = count - 1
-    alone = Balance(*(float(column[last]) for column in balance))
+    alone = balance._make(float(column[last]) for column in balance)
     sums, maxima = ({n: float(v) for n, v in part(values, last).items()} for values in (total, most))
     yield enter(alone, float(increments[last]), removals[last], float(reference[last]), sums, maxima)
 

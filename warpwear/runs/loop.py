@@ -107,6 +107,8 @@ class StepLoop:
             surface=self._surface_sum,
             heights=self._heights,
         )
+        if self.study.run.checkpoint == 0.0:  # after every step, so a block is one
+            self._model.longest_block = 1
         if not self._rows:
             self._checkpoints.remove()  # of the run that is overwritten
 

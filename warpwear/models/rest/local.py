@@ -111,9 +111,9 @@ class OneScaleModel(Model):
         assert self._last is not None
         if not self.blocks_allowed:
             assert self._block is not None
-            for ahead, made in self._in_one_launch(self._block, increments, then):
-                self.steps_in_flight = ahead
-                yield made
+            for beyond, booked_step in self._in_one_launch(self._block, increments, then):
+                self.steps_in_flight = beyond
+                yield booked_step
             return
         if self._loop is None:
             self._loop = at_rest(self._executor, self.task, self.state.gap, self.state.unworn)
@@ -146,15 +146,14 @@ class OneScaleModel(Model):
                 plan[done:],
                 len(increments) - done,
                 self.tiles,
-                self._ledger.most,
-                approach=self._last.approach,
-                mean=self._ledger.row["pressure_mean"],
-                **self._foresight.numbers,
-                **foreseen,
+                self._ledger,
+                {"approach": self._last.approach, "mean": self._ledger.row["pressure_mean"]}
+                | self._foresight.numbers
+                | foreseen,
             )
             if found.made:
                 self._foresight.numbers, self._lookahead = left, None
-                self._last = Balance(*(float(part[-1]) for part in found.balance))
+                self._last = found.balance._make(float(part[-1]) for part in found.balance)
             if found.made and left["known"]:
                 carried = Carried(left["force"], left["slope"], left["straight"])
                 self._lookahead = Lookahead(float(plan[done + found.made, 3]), left["ahead"], carried)

@@ -236,10 +236,9 @@ class SlidingContact:
                 plan[done:],
                 len(plan) - done,
                 self.tiles,
-                self._ledger.most,
+                self._ledger,
+                {"approach": self._approach, "mean": self._ledger.row["pressure_mean"]},
                 changes=self._changes,
-                approach=self._approach,
-                mean=self._ledger.row["pressure_mean"],
             )
             for approach in found.balance.approach.tolist():
                 self._note(approach)

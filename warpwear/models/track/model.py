@@ -72,8 +72,8 @@ class SweptModel(Model):
         """Steps made on the device in one go, before the first of them is seen."""
         assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
         if not self.contact.blocks_allowed:
-            for ahead, step in self.contact.in_one_launch(increments):
-                self.steps_in_flight = ahead
+            for beyond, step in self.contact.in_one_launch(increments):
+                self.steps_in_flight = beyond
                 yield self._placed(step)
             return
         rows = [self._track.row(self._done + i) for i in range(len(increments))]
