@@ -34,7 +34,7 @@ from warpwear.version import __version__
 
 FILE_NAME = "checkpoint.h5"
 #: Number of the content's layout. A file of another one is refused.
-FORMAT = 5
+FORMAT = 6
 MAGIC = "warpwear checkpoint"
 #: Fields of a `Checkpoint` beside its arrays and rows.
 OF_THE_RUN = ("numbers", "warnings", "reported_violations", "elapsed")
