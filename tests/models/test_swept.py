@@ -110,6 +110,36 @@ def test_the_apex_is_over_the_middle_of_the_rows_beneath(track: str, window: int
         assert laps == pytest.approx(round(laps) if way.periodic else 0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("track", TRACKS)
+def test_single_cells_of_a_step_are_the_steps_of_single_cells(track: str) -> None:
+    """On the way back too."""
+    way = small(track).track
+    one_by_one = replace(way, shift=1)
+    parts = [way.row(n, done, 1) for n in range(2 * way.steps_of_pass) for done in range(way.cells_of(n))]
+    assert parts == [one_by_one.row(step) for step in range(2 * one_by_one.steps_of_pass)]
+    assert all(way.row(n, 0, way.cells_of(n)) == way.row(n) for n in range(2 * way.steps_of_pass))
+
+
+def test_a_rigid_contact_on_a_track_is_warned_of() -> None:
+    """Its area depends on the step; the cure is named."""
+
+    def told(study: Study) -> bool:
+        return any("depends on its length" in note for note in study.notices())
+
+    study = small("full")
+    assert told(study)
+    assert any(
+        "the cure is contact.law = 'half-space'" in note
+        for note in warpwear.run(study.replace({"sliding.distance": "0.3 mm"})).summary["warnings"]
+    )
+    for changes in (
+        {"contact.law": "half-space"},
+        {"contact.stiffness": "2e6 N/mm^3"},
+        {"sliding.kinematics": "stationary"},
+    ):
+        assert not told(study.replace(changes))
+
+
 @pytest.mark.parametrize(
     ("track", "loses"),
     [*((track, "keeps") for track in TRACKS), ("full", "forgets"), ("representative", "springs back")],

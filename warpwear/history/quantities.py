@@ -12,7 +12,8 @@ from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot.
 Per = Literal["step", "patch", "cell", "snapshot"]
-#: Runs that a quantity is limited to: over a track, there on the half-space, with patches, over a track that keeps its dents.
+#: Runs that a quantity is limited to: over a track, there on the half-space, with patches, over a track that
+#: keeps its dents.
 Only = Literal["track", "half-space track", "patches", "dents"]
 
 
@@ -93,7 +94,11 @@ QUANTITIES: tuple[Quantity, ...] = (
         (
             "parts",
             "1",
+<<<<<<< HEAD
             "contacts that the step was solved in, over a part of its cells each; it holds their means",
+=======
+            "contacts solved in the step, each over a part of its cells; the row holds their means",
+>>>>>>> slide
         ),
         ("area_error", "1", "estimated relative error of the contact area by the length of these parts"),
         only="half-space track",

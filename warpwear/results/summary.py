@@ -1,6 +1,7 @@
 """What a run amounts to, in one page of numbers."""
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -117,6 +118,7 @@ def _track(result: ResultFile) -> dict[str, Any]:
         "pass_mm": track.stroke,
         "passes": float(history["distance"][-1]) / track.stroke,
         "shift_cells": track.shift,
+        **_parts(history),
         "plastic": study.sliding.plastic,
         "plastic_volume_mm3": float(history["plastic_volume_disc"][-1]),
         "area_contact_mm2_of_passes": {
@@ -138,6 +140,20 @@ def _track(result: ResultFile) -> dict[str, Any]:
             for when, at in (("unworn", 0), ("end", -1))
         }
     return found
+
+
+def _parts(history: Mapping[str, FloatArray]) -> dict[str, Any]:
+    """The parts that steps on the half-space were solved in, and what their length may do to the area."""
+    if "parts" not in history:
+        return {}
+    parts, error = history["parts"], history["area_error"]
+    return {
+        "parts": {
+            "number": int(parts.sum()),
+            "most_of_a_step": int(parts.max()),
+            "estimated_error_at_most": float(error.max()),
+        }
+    }
 
 
 def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float]:

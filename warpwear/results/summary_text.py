@@ -47,6 +47,10 @@ def _models(s: dict[str, Any]) -> list[Row]:
             Row("groove", "mean_depth_um", depth, digits=3, note="deep"),
             Row("displaced", "plastic_volume_mm3", track["plastic_volume_mm3"]),
         ]
+        if parts := track.get("parts"):
+            error = 100.0 * parts["estimated_error_at_most"]
+            told = f"contacts; by estimate their length changes the area by at most {error:.2g} %"
+            rows.append(Row("steps divided into", "", parts["number"], note=told))
     if half_space := s["half_space"]:
         transforms = half_space["transforms"]["median"]
         modulus = 1e-3 * half_space["effective_modulus_MPa"]

@@ -9,6 +9,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +75,7 @@ class ResultWriter:
         size = sum(values.nbytes for values in snapshot.fields.values())
         if self._file.driver != "core" and size < AT_HAND * psutil.virtual_memory().available:
             copies = {name: values.copy() for name, values in snapshot.fields.items()}
-            self.at_hand[number] = Snapshot(snapshot.distance, row=snapshot.row, **copies)
+            self.at_hand[number] = replace(snapshot, **copies)
 
     def add_track(self, x: FloatArray, heights: FloatArray) -> None:
         """Keep the disc of a swept run: places of its rows [mm], heights before any wear [mm]."""

@@ -88,7 +88,7 @@ class Sliding(Section):
     )
     shift: Annotated[int, Field(ge=1, le=100_000, strict=True)] = key(
         8,
-        "swept: cells that the sphere moves on in a step",
+        "swept: cells that the sphere moves on in a step, which the half-space divides where it must",
         assumed="well within the contact's length",
         applies=SWEPT,
     )

@@ -125,6 +125,14 @@ def doubts(study: Content) -> Iterator[str]:
             f"sliding.shift = {sliding.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
             f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
         )
+    local = study.contact.law == "local" and not study.uses_bearing_area
+    if local and study.contact_law().compliance == 0.0:
+        yield (
+            f"sliding.shift = {sliding.shift} cells: by contact.law = 'local' with contact.stiffness = inf "
+            "bodies yield by the wear of a step alone, so the area in contact depends on its length, up to "
+            "in proportion to it on a smooth or run-in disc under a ball that hardly wears; the cure is "
+            "contact.law = 'half-space', else to halve sliding.shift until the area stays."
+        )
     radius = sliding.track_radius
     if radius is not None and radius < 2.0 * study.grid.extent:
         yield (

@@ -41,9 +41,9 @@ def sobol(values: FloatArray, factors: int, *, seed: int = 0) -> Indices:
     drawn = np.random.default_rng(seed).integers(0, count, (RESAMPLES, count))
     first, total = np.stack([_estimated(blocks[:, sample]) for sample in drawn], axis=1)
     ends = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
-    return Indices(
-        *_estimated(blocks), np.percentile(first, ends, axis=0), np.percentile(total, ends, axis=0)
-    )
+    intervals = np.percentile(first, ends, axis=0), np.percentile(total, ends, axis=0)
+    of_all = _estimated(blocks)
+    return Indices(of_all[0], of_all[1], *intervals)
 
 
 def _estimated(blocks: FloatArray) -> FloatArray:

@@ -26,7 +26,7 @@ from warpwear.models.track.bodies import SlidingBodies
 OF_OUTLINE = 1.2
 #: Real over nominal area from which a contact loses as much as a smooth one.
 AS_SMOOTH = 0.5
-#: What each cell beyond the first of a part changes of the area of asperities below the hardness, relative.
+#: What each cell beyond the first of a part changes of the area of asperities below the hardness.
 OF_ELASTIC_CELL = 0.025
 #: Error of the area that the length of a part may make, relative.
 LARGEST_ERROR = 0.02
@@ -51,7 +51,7 @@ class SlidingHalfSpace:
     The outline of a sphere's contact and its mean pressure do not move with the disc either: S of them makes
     the contact shorter. Asperities below the hardness yield by the wear of the step too, which makes them
     wider. So a step is solved in parts over so few cells that the estimate of both is `LARGEST_ERROR` of the
-    area at most; over one cell S is none. The estimate is empirical: see docs/limits.md for what it is to hold.
+    area at most; over one cell S is none. The estimate is a fit: docs/limits.md has its cases.
 
     disc, periodic, track_fraction, moves: as of `local.SlidingContact`. Raises ValueError for the same discs.
     """
@@ -99,7 +99,7 @@ class SlidingHalfSpace:
         #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
         self._of_rows = {name: np.zeros(disc.shape[0]) for name in ("wear_disc", "pressed_disc")}
         self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
-        #: Relative error of the area by each cell of a part, and by each beyond the first, in the last contact.
+        #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
         self._outline, self._asperities = math.inf if moves and task.curvature > 0.0 else 0.0, 0.0
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
@@ -177,11 +177,12 @@ class SlidingHalfSpace:
         across = most["last_column"] + most["first_column"] + 1.0
         bearing = total["contact"] / (0.25 * math.pi * along * across)
         if bearing < KEEPS_PRESSURE:
-            # The last pressure is no better a start then: neither where it is, nor carried along with the disc.
+            # The last pressure is then no better a start, neither where it is nor carried on with the disc.
             self._half_space.forget()
         if self.task.curvature > 0.0:  # a flat has no outline
             self._outline = OF_OUTLINE * min(bearing / AS_SMOOTH, 1.0) / along
-            self._asperities = OF_ELASTIC_CELL * (1.0 - total["capped"] / total["contact"])
+            elastic = 1.0 - total["capped"] / total["contact"]
+            self._asperities = OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
 
     def _solve(self, shift: int, increment: float, removals: tuple[float, float]) -> HalfSpaceContact:
         """Solve the contact at the end of an increment [mm] that wears sphere and disc by K ΔL [mm³/N]."""
