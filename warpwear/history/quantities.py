@@ -94,11 +94,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         (
             "parts",
             "1",
-<<<<<<< HEAD
-            "contacts that the step was solved in, over a part of its cells each; it holds their means",
-=======
             "contacts solved in the step, each over a part of its cells; the row holds their means",
->>>>>>> slide
         ),
         ("area_error", "1", "estimated relative error of the contact area by the length of these parts"),
         only="half-space track",
