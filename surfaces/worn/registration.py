@@ -129,7 +129,9 @@ def _coarse_place(
             moved = [step * (k - n if k > n // 2 else k) for k, n in zip((i, j), size, strict=True)]
             cosine, sine = math.cos(angle), math.sin(angle)
             best = highest
-            place = np.array([cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle])
+            place = np.array(
+                [cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle]
+            )
     return place
 
 
@@ -157,7 +159,8 @@ def _fitted(
     for _ in range(ROUNDS):
         below = earlier.at(x, y, place)
         slopes = [
-            (earlier.at(x, y, place + c) - earlier.at(x, y, place - c)) / (2.0 * float(c.sum())) for c in changes
+            (earlier.at(x, y, place + c) - earlier.at(x, y, place - c)) / (2.0 * float(c.sum()))
+            for c in changes
         ]
         design = np.stack([*slopes, np.ones_like(x), x, y], axis=1)
         rest = known - below
