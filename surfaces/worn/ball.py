@@ -25,6 +25,7 @@ LEAST_FOR_RADIUS = 0.25  # of the field, where the radius is to be fitted too
 AGREEMENT = 0.03  # of the volume, or three standard errors, by which two starts may differ
 ROUNDS = 30  # in which the patch is found
 SMOOTHED = 5  # pixels along each side of the mean in which the deeper part is looked for
+REACH = 1.25  # of the radius of a flat cut's patch: what lies farther from its deeper half is not worn
 RINGS = 40  # around the patch, looked at for its edge; each is 3 % of its mean radius wide, or 2 pixels
 RING_WIDTH = 0.03  # of the patch's mean radius
 RIM = 0.15  # of the patch's mean radius: the width beside it that is neither worn nor fitted
@@ -145,8 +146,9 @@ def _find(
             raise InputError("nothing on the ball stands out as worn")
         sums = ndimage.sum_labels(np.maximum(lost, 0.0), labels, np.arange(1, pieces + 1))
         seed = ndimage.binary_fill_holes(labels == 1 + int(np.argmax(sums)))
+        near = _near(smooth, seed, pixel=pixel)
         density = _density(lost, unworn, area=area, terms=terms)
-        found, rim = _grown(lost, seed, pixel=pixel, density=density)
+        found, rim = _grown(lost, seed & near, near, pixel=pixel, density=density)
         same = np.array_equal(found, patch)
         patch = found
         unworn = measured & ~patch & ~rim & ((lost < limit) | ~start)
@@ -155,7 +157,8 @@ def _find(
         if same:
             break
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
-    errors = _errors((patch, rim), lost, unworn, pixel=pixel, fitted=radius is None)
+    # where within the rim the patch ends is not known any better
+    errors = _errors((patch | rim, rim), lost, unworn, pixel=pixel, fitted=radius is None)
     return WornBall(
         sphere=sphere,
         lost=lost,
@@ -179,12 +182,26 @@ def _bend(lost: FloatArray, patch: BoolArray, pixel: tuple[float, float]) -> flo
     return float(np.linalg.lstsq(design, lost[patch], rcond=None)[0][3])
 
 
+def _near(smooth: FloatArray, seed: BoolArray, *, pixel: tuple[float, float]) -> BoolArray:
+    """Return what may belong to the patch about its deeper half: beyond are valleys of a wavy ball.
+
+    smooth: depth lost [mm], smoothed, seed: the deeper part, shapes (nx, ny). Where a ball is cut flat, the half
+    depth has 1/√2 of the patch's radius.
+    """
+    deepest = np.unravel_index(int(np.argmax(np.where(seed, smooth, -np.inf))), seed.shape)
+    labels = ndimage.label(smooth > 0.5 * smooth[deepest])[0]
+    deep = ndimage.binary_fill_holes(labels == labels[deepest])
+    radius = math.sqrt(float(deep.sum()) * pixel[0] * pixel[1] / math.pi)
+    distance = ndimage.distance_transform_edt(~deep, sampling=pixel)
+    return np.asarray(distance <= (math.sqrt(2.0) * REACH - 1.0) * radius)
+
+
 def _grown(
-    lost: FloatArray, seed: BoolArray, *, pixel: tuple[float, float], density: float
+    lost: FloatArray, seed: BoolArray, near: BoolArray, *, pixel: tuple[float, float], density: float
 ) -> tuple[BoolArray, BoolArray]:
     """Return the whole patch about its deeper part, and the rim beside it, with pile-up if there is any.
 
-    seed: the deeper part, shape (nx, ny); density: see `_density` [mm⁴]. Rings about the deeper part are
+    seed: the deeper part, near: what may belong to the patch, shapes (nx, ny); density: see `_density` [mm⁴]. Rings about the deeper part are
     added while they lie below the sphere on average by more than a standard error; then, to the rim, while
     they lie above it so.
     """
@@ -200,7 +217,7 @@ def _grown(
     edge = 1
     while edge < last and mean[edge] > error[edge]:
         edge += 1
-    patch = ring < edge
+    patch = near & (ring < edge)
     end = edge
     while end < last and mean[end] < -error[end]:
         end += 1
@@ -241,7 +258,9 @@ def _errors(
     px, py = np.meshgrid(x / scale, y / scale, indexing="ij")
     terms = np.stack([np.ones_like(px), px, py, *([px**2 + py**2] if fitted else [])])
     spacing = math.sqrt(float(np.ptp(x) * np.ptp(y))) / CELLS
-    row, column = (((p - p[0] + 0.5 * d) // spacing).astype(np.int64) for p, d in zip((x, y), pixel, strict=True))
+    row, column = (
+        ((p - p[0] + 0.5 * d) // spacing).astype(np.int64) for p, d in zip((x, y), pixel, strict=True)
+    )
     cell = np.add.outer(row * (column[-1] + 1), column).ravel()
 
     def by_cell(values: FloatArray) -> FloatArray:
@@ -261,5 +280,8 @@ def _errors(
     area = pixel[0] * pixel[1]
     fit = terms[:, unworn]
     taken = [np.linalg.solve(fit @ fit.T, terms[:, part].sum(axis=1)) for part in parts]
-    weights = [part - np.where(unworn, np.tensordot(t, terms, 1), 0.0) for part, t in zip(parts, taken, strict=True)]
-    return [found.error(by_cell(w)) * area for w in weights]
+    weights = [
+        part - np.where(unworn, np.tensordot(t, terms, 1), 0.0) for part, t in zip(parts, taken, strict=True)
+    ]
+    alone = [float(size @ by_cell(np.square(w))) for w in weights]
+    return [found.error(by_cell(w), a) * area for w, a in zip(weights, alone, strict=True)]

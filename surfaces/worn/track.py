@@ -94,7 +94,8 @@ class Track:
             spacing=spacing,
             regular=regular_wave(heights, places=places, unworn=unworn),
         )
-        return found.error(by_cell[2].sum(axis=1)) * spacing / cells
+        alone = float(cells * np.square(by_cell[2]).sum())
+        return found.error(by_cell[2].sum(axis=1), alone) * spacing / cells
 
     @property
     def depth(self) -> float:

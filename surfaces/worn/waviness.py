@@ -44,16 +44,20 @@ ROUNDING = 1e-12  # of the largest height
 class Waviness:
     """The waviness of an unworn surface is known by spectra that its heights allow."""
 
-    covariances: FloatArray  # of the bands between n places, for a variance of 1, shape (bands, n, n)
+    covariances: (
+        FloatArray  # of bands between n places for a variance of 1, (bands, n, n); first the shortest
+    )
     spectra: FloatArray  # variances [mm²] of the bands, one spectrum a row, shape (draws, bands)
-    chances: FloatArray  # of the spectra, shape (draws,), 1 together
 
-    def error(self, weights: FloatArray) -> float:
+    def error(self, weights: FloatArray, alone: float) -> float:
         """Return the standard error of the sum of heights times weights, shape (n,), over unworn surface.
 
-        It is half the interval that holds 68.27 % of such sums, over all places and all the spectra.
+        alone: variance of that sum if points within a place knew nothing of each other, for means over a place
+        of variance 1. The error is half the interval that holds 68.27 % of such sums, over all places and all
+        the spectra.
         """
         by_band = np.einsum("i,bij,j->b", weights, self.covariances, weights, optimize=True)
+        by_band[0] = alone
         sigma = np.sqrt(np.maximum(self.spectra @ by_band, 0.0))
         if not sigma.any():
             return 0.0
@@ -61,8 +65,7 @@ class Waviness:
         sigma = np.maximum(sigma, least)
 
         def lacks(log_width: float) -> float:
-            within = special.erf(math.exp(log_width) / (math.sqrt(2.0) * sigma))
-            return float(self.chances @ within) - ONE_SIGMA
+            return float(special.erf(math.exp(log_width) / (math.sqrt(2.0) * sigma)).mean()) - ONE_SIGMA
 
         # at the ends every spectrum has more, or less, than its standard deviation
         return math.exp(optimize.brentq(lacks, math.log(0.9 * least), math.log(1.1 * most), rtol=1e-9))
@@ -81,8 +84,8 @@ def waviness(
     """Find the waviness of heights [mm], shape (n,), where they are unworn, shape (n,).
 
     distances: between all places [mm], (n, n); terms: what the levelling takes off, (n, p); spacing: of the
-    places [mm]; wave: correlation of a wave over a phase, `np.cos` along a line, `scipy.special.j0` in a plane;
-    regular: wave number [rad/mm] of a wave that keeps its phase, such as a feed, see `regular_wave`. Raises
+    places [mm]; wave: correlation of a wave over a phase, `np.cos` along a line, `scipy.special.j0` in
+    a plane; regular: wave number [rad/mm] of a wave that keeps its phase, such as a feed, see `regular_wave`. Raises
     InputError where too few heights are unworn.
     """
     known = np.flatnonzero(unworn)
@@ -92,9 +95,9 @@ def waviness(
         )
     low, high = 2.0 * math.pi / (LONGEST * float(distances.max())), math.pi / spacing
     count = max(3, math.ceil(BANDS * math.log2(high / low)) + 1)
-    phases = [number * distances for number in np.geomspace(low, high, count)]
-    bands = [wave(phase) * np.exp(-0.5 * np.square(SPREAD * phase)) for phase in phases]
-    bands.append(np.eye(heights.size))  # what is shorter than the spacing
+    phases = [number * distances for number in np.geomspace(high, low, count)]
+    shorter = np.eye(heights.size)  # than the spacing
+    bands = [shorter, *(wave(phase) * np.exp(-0.5 * np.square(SPREAD * phase)) for phase in phases)]
     step = np.diff(np.eye(len(bands)), axis=0)
     tie = step.T @ step / (TIE**2 / BANDS) + np.eye(len(bands)) / LOOSE**2
     if regular is not None:
@@ -105,9 +108,9 @@ def waviness(
     contrasts = linalg.qr(terms[known])[0][:, terms.shape[1] :]
     seen = contrasts.T @ heights[known]
     if np.abs(seen).max() <= ROUNDING * max(float(np.abs(heights).max()), ROUNDING):
-        return Waviness(covariances, np.zeros((1, len(bands))), np.ones(1))
+        return Waviness(covariances, np.zeros((1, len(bands))))
     seen_bands = contrasts.T @ covariances[:, known][:, :, known] @ contrasts
-    return Waviness(covariances, *_likely_spectra(seen, seen_bands, tie))
+    return Waviness(covariances, _likely_spectra(seen, seen_bands, tie))
 
 
 def regular_wave(heights: FloatArray, *, places: FloatArray, unworn: BoolArray) -> float | None:
@@ -123,7 +126,7 @@ def regular_wave(heights: FloatArray, *, places: FloatArray, unworn: BoolArray) 
     return float(numbers[strongest]) if waves[strongest] >= WAVES else None
 
 
-def _likely_spectra(seen: FloatArray, bands: FloatArray, tie: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _likely_spectra(seen: FloatArray, bands: FloatArray, tie: FloatArray) -> FloatArray:
     """Return variances of bands that contrasts allow, shape (draws, bands): the likeliest and those about it.
 
     seen: contrasts [mm], (m,); bands: their covariances for a variance of 1, (bands, m, m); tie: precision of
@@ -168,12 +171,4 @@ def _likely_spectra(seen: FloatArray, bands: FloatArray, tie: FloatArray) -> tup
     normal = np.random.default_rng(0).normal(size=(DRAWS, len(bands)))
     factor = np.linalg.cholesky(information)
     about = linalg.solve_triangular(factor.T, np.concatenate([normal, -normal]).T, lower=False).T
-    logs = log + about
-    whole = np.tensordot(np.exp(logs), bands, 1) + rounding
-    fac = np.linalg.cholesky(whole)
-    rest = np.linalg.solve(fac, np.broadcast_to(seen[:, None], (len(logs), seen.size, 1)))[..., 0]
-    apart = logs - start
-    drawn = -np.log(np.diagonal(fac, axis1=1, axis2=2)).sum(1) - .5*(rest**2).sum(1) - .5*np.einsum('di,ij,dj->d',apart,tie,apart)
-    drawn += 0.5 * np.einsum('di,ij,dj->d',about,information,about)
-    chances = np.exp(drawn - max(drawn))
-    return np.exp(logs), chances / chances.sum()
+    return np.asarray(np.exp(log + about))
