@@ -74,7 +74,7 @@ class ResultWriter:
         """Keep a copy of a snapshot for what is made of it at the end, as long as memory is plenty."""
         size = sum(values.nbytes for values in snapshot.fields.values())
         if self._file.driver != "core" and size < AT_HAND * psutil.virtual_memory().available:
-            copies = {name: values.copy() for name, values in snapshot.fields.items()}
+            copies: dict[str, Any] = {name: values.copy() for name, values in snapshot.fields.items()}
             self.at_hand[number] = replace(snapshot, **copies)
 
     def add_track(self, x: FloatArray, heights: FloatArray) -> None:
