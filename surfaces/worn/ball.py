@@ -182,8 +182,8 @@ def _bend(lost: FloatArray, patch: BoolArray, pixel: tuple[float, float]) -> flo
 def _near(smooth: FloatArray, seed: BoolArray, *, pixel: tuple[float, float]) -> BoolArray:
     """Return what may belong to the patch about its deeper half: beyond are valleys of a wavy ball.
 
-    smooth: depth lost [mm], smoothed, seed: the deeper part, shapes (nx, ny). Where a ball is cut flat, the half
-    depth has 1/√2 of the patch's radius.
+    smooth: depth lost [mm], smoothed, seed: the deeper part, shapes (nx, ny). Where a ball is cut flat, the
+    half depth has 1/√2 of the patch's radius.
     """
     deepest = np.unravel_index(int(np.argmax(np.where(seed, smooth, -np.inf))), seed.shape)
     labels = ndimage.label(smooth > 0.5 * smooth[deepest])[0]
@@ -198,9 +198,9 @@ def _grown(
 ) -> tuple[BoolArray, BoolArray]:
     """Return the whole patch about its deeper part, and the rim beside it, with pile-up if there is any.
 
-    seed: the deeper part, near: what may belong to the patch, shapes (nx, ny); density: see `_density` [mm⁴]. Rings about the deeper part are
-    added while they lie below the sphere on average by more than a standard error; then, to the rim, while
-    they lie above it so.
+    seed: the deeper part, near: what may belong to the patch, shapes (nx, ny); density: see `_density` [mm⁴].
+    Rings about the deeper part are added while they lie below the sphere on average by more than a standard
+    error; then, to the rim, while they lie above it so.
     """
     area = pixel[0] * pixel[1]
     mean_radius = math.sqrt(float(seed.sum()) * area / math.pi)
@@ -247,8 +247,8 @@ def _errors(
 ) -> list[float]:
     """Return the standard errors of volumes [mm³] over parts of the field, shape (nx, ny).
 
-    They are what fit and sum would find on unworn surface, as it lies beside the patch. The fit is taken as one
-    of 1, x, y and, where the radius is `fitted`, x² + y²; the surface as alike in all directions.
+    They are what fit and sum would find on unworn surface, as it lies beside the patch. The fit is taken as
+    one of 1, x, y and, where the radius is `fitted`, x² + y²; the surface as alike in all directions.
     """
     x, y = places((lost.shape[0], lost.shape[1]), pixel)
     scale = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0

@@ -35,7 +35,8 @@ class Track:
     """A worn track lies along axis 0 of a measurement.
 
     Section areas are those of single sections, so both hold the roughness too; their difference, in which
-    that averages out, is what was lost. A missing point is taken as the mean of the others at its place across.
+    that averages out, is what was lost. A missing point is taken as the mean of the others at its place
+    across.
     """
 
     levelled: FloatArray  # heights [mm] over the form of the surface outside the track, shape (nx, ny)
@@ -130,7 +131,7 @@ class Track:
 def find_track(
     heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1, width: float | None = None
 ) -> Track:
-    """Find the worn track along axis 0 of heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm].
+    """Find the worn track along axis 0 of heights, shape (nx, ny), NaN where missing; pixel (px, py); in mm.
 
     The surface is levelled by a polynomial of the given total degree through what lies outside the track.
     The track is where the mean profile across stands out of its scatter outside, found in rounds, with its
