@@ -260,8 +260,8 @@ def _errors(
     )
     cell = np.add.outer(row * (column[-1] + 1), column).ravel()
 
-    def by_cell(values: FloatArray) -> FloatArray:
-        return np.bincount(cell, weights=values.ravel())
+    def by_cell(values: FloatArray | BoolArray) -> FloatArray:
+        return np.asarray(np.bincount(cell, weights=values.ravel()), dtype=np.float64)
 
     size, known = by_cell(np.ones(lost.shape)), by_cell(unworn)
     heights = by_cell(np.where(unworn, lost, 0.0)) / np.maximum(known, 1.0)
@@ -277,8 +277,9 @@ def _errors(
     area = pixel[0] * pixel[1]
     fit = terms[:, unworn]
     taken = [np.linalg.solve(fit @ fit.T, terms[:, part].sum(axis=1)) for part in parts]
-    weights = [
-        part - np.where(unworn, np.tensordot(t, terms, 1), 0.0) for part, t in zip(parts, taken, strict=True)
-    ]
-    alone = [float(size @ by_cell(np.square(w))) for w in weights]
-    return [found.error(by_cell(w), a) * area for w, a in zip(weights, alone, strict=True)]
+    found_errors = []
+    for part, factors in zip(parts, taken, strict=True):
+        weights: FloatArray = part - np.where(unworn, np.tensordot(factors, terms, 1), 0.0)
+        alone = float(size @ by_cell(np.square(weights)))
+        found_errors.append(found.error(by_cell(weights), alone) * area)
+    return found_errors

@@ -145,7 +145,7 @@ def _coarse(heights: FloatArray, pixel: tuple[float, float], step: float) -> _Ea
 def _fitted(
     later: FloatArray, earlier: _Earlier, place: FloatArray, *, pixel: tuple[float, float]
 ) -> tuple[FloatArray, float]:
-    """Return the place (shift x, y [mm], rotation [rad]) of least squares near a first one, and the correlation.
+    """Return the place (shift x, y [mm], rotation [rad]) fitted from a first one, and the correlation.
 
     Gauss-Newton steps fit place and tilt to the points that did not change; which these are is found anew in
     each round.

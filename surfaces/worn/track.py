@@ -84,8 +84,9 @@ class Track:
         taken = np.linalg.lstsq(terms[outside].T, terms[self.inside].sum(axis=0), rcond=None)[0]
         weights = self.inside.astype(np.float64)
         weights[outside] = -taken
-        by_cell = [v[: count * cells].reshape(count, cells) for v in (self.profile, self.y, weights, outside)]
-        heights, places, unworn = by_cell[0].mean(axis=1), by_cell[1].mean(axis=1), by_cell[3].all(axis=1)
+        by_cell = [v[: count * cells].reshape(count, cells) for v in (self.profile, self.y, weights)]
+        heights, places = by_cell[0].mean(axis=1), by_cell[1].mean(axis=1)
+        unworn = np.logical_not(self.inside[: count * cells].reshape(count, cells).max(axis=1))
         spacing = float(places[1] - places[0])
         found = waviness(
             heights,
