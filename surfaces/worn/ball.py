@@ -185,8 +185,8 @@ def _bend(lost: FloatArray, patch: BoolArray, pixel: tuple[float, float]) -> flo
 def _near(smooth: FloatArray, seed: BoolArray, *, pixel: tuple[float, float]) -> BoolArray:
     """Return what may belong to the patch about its deeper half: beyond are valleys of a wavy ball.
 
-    smooth: depth lost [mm], smoothed, seed: the deeper part, shapes (nx, ny). Where a ball is cut flat, the half
-    depth has 1/√2 of the patch's radius.
+    smooth: depth lost [mm], smoothed, seed: the deeper part, shapes (nx, ny). Where a ball is cut flat, the
+    half depth has 1/√2 of the patch's radius.
     """
     deepest = np.unravel_index(int(np.argmax(np.where(seed, smooth, -np.inf))), seed.shape)
     labels = ndimage.label(smooth > 0.5 * smooth[deepest])[0]
@@ -201,9 +201,9 @@ def _grown(
 ) -> tuple[BoolArray, BoolArray]:
     """Return the whole patch about its deeper part, and the rim beside it, with pile-up if there is any.
 
-    seed: the deeper part, near: what may belong to the patch, shapes (nx, ny); density: see `_density` [mm⁴]. Rings about the deeper part are
-    added while they lie below the sphere on average by more than a standard error; then, to the rim, while
-    they lie above it so.
+    seed: the deeper part, near: what may belong to the patch, shapes (nx, ny); density: see `_density` [mm⁴].
+    Rings about the deeper part are added while they lie below the sphere on average by more than a standard
+    error; then, to the rim, while they lie above it so.
     """
     area = pixel[0] * pixel[1]
     mean_radius = math.sqrt(float(seed.sum()) * area / math.pi)
@@ -250,8 +250,8 @@ def _errors(
 ) -> list[float]:
     """Return the standard errors of volumes [mm³] over parts of the field, shape (nx, ny).
 
-    They are what fit and sum would find on unworn surface, as it lies beside the patch. The fit is taken as one
-    of 1, x, y and, where the radius is `fitted`, x² + y²; the surface as alike in all directions.
+    They are what fit and sum would find on unworn surface, as it lies beside the patch. The fit is taken as
+    one of 1, x, y and, where the radius is `fitted`, x² + y²; the surface as alike in all directions.
     """
     x, y = places((lost.shape[0], lost.shape[1]), pixel)
     scale = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0
@@ -263,8 +263,8 @@ def _errors(
     )
     cell = np.add.outer(row * (column[-1] + 1), column).ravel()
 
-    def by_cell(values: FloatArray) -> FloatArray:
-        return np.bincount(cell, weights=values.ravel())
+    def by_cell(values: FloatArray | BoolArray) -> FloatArray:
+        return np.asarray(np.bincount(cell, weights=values.ravel()), dtype=np.float64)
 
     size, known = by_cell(np.ones(lost.shape)), by_cell(unworn)
     heights = by_cell(np.where(unworn, lost, 0.0)) / np.maximum(known, 1.0)
@@ -280,8 +280,9 @@ def _errors(
     area = pixel[0] * pixel[1]
     fit = terms[:, unworn]
     taken = [np.linalg.solve(fit @ fit.T, terms[:, part].sum(axis=1)) for part in parts]
-    weights = [
-        part - np.where(unworn, np.tensordot(t, terms, 1), 0.0) for part, t in zip(parts, taken, strict=True)
-    ]
-    alone = [float(size @ by_cell(np.square(w))) for w in weights]
-    return [found.error(by_cell(w), a) * area for w, a in zip(weights, alone, strict=True)]
+    found_errors = []
+    for part, factors in zip(parts, taken, strict=True):
+        weights: FloatArray = part - np.where(unworn, np.tensordot(factors, terms, 1), 0.0)
+        alone = float(size @ by_cell(np.square(weights)))
+        found_errors.append(found.error(by_cell(weights), alone) * area)
+    return found_errors

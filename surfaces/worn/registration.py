@@ -145,7 +145,7 @@ def _coarse(heights: FloatArray, pixel: tuple[float, float], step: float) -> _Ea
 def _fitted(
     later: FloatArray, earlier: _Earlier, place: FloatArray, *, pixel: tuple[float, float]
 ) -> tuple[FloatArray, float]:
-    """Return the place (shift x, y [mm], rotation [rad]) of least squares from a first one, and the correlation.
+    """Return the place (shift x, y [mm], rotation [rad]) fitted from a first one, and the correlation.
 
     Gauss-Newton steps fit place and tilt to the points that did not change; which these are is found anew in
     each round.
@@ -188,8 +188,8 @@ def _unchanged(rest: FloatArray, tilt: FloatArray) -> BoolArray:
 def _shared(known: BoolArray) -> tuple[slice, slice]:
     """Return the rows and columns of the rectangle that two fields share, known: shape (nx, ny).
 
-    The side with the largest part unknown is taken off, line by line, until every side is mostly known: what the
-    other field does not reach goes, holes stay.
+    The side with the largest part unknown is taken off, line by line, until every side is mostly known: what
+    the other field does not reach goes, holes stay.
     """
     first, last = [0, 0], list(known.shape)
     while min(last[0] - first[0], last[1] - first[1]) > 1:

@@ -35,7 +35,8 @@ class Track:
     """A worn track lies along axis 0 of a measurement.
 
     Section areas are those of single sections, so both hold the roughness too; their difference, in which
-    that averages out, is what was lost. A missing point is taken as the mean of the others at its place across.
+    that averages out, is what was lost. A missing point is taken as the mean of the others at its place
+    across.
     """
 
     levelled: FloatArray  # heights [mm] over the form of the surface outside the track, shape (nx, ny)
@@ -83,8 +84,9 @@ class Track:
         taken = np.linalg.lstsq(terms[outside].T, terms[self.inside].sum(axis=0), rcond=None)[0]
         weights = self.inside.astype(np.float64)
         weights[outside] = -taken
-        by_cell = [v[: count * cells].reshape(count, cells) for v in (self.profile, self.y, weights, outside)]
-        heights, places, unworn = by_cell[0].mean(axis=1), by_cell[1].mean(axis=1), by_cell[3].all(axis=1)
+        by_cell = [v[: count * cells].reshape(count, cells) for v in (self.profile, self.y, weights)]
+        heights, places = by_cell[0].mean(axis=1), by_cell[1].mean(axis=1)
+        unworn = np.logical_not(self.inside[: count * cells].reshape(count, cells).max(axis=1))
         spacing = float(places[1] - places[0])
         found = waviness(
             heights,
@@ -130,7 +132,7 @@ class Track:
 def find_track(
     heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1, width: float | None = None
 ) -> Track:
-    """Find the worn track along axis 0 of heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm].
+    """Find the worn track along axis 0 of heights, shape (nx, ny), NaN where missing; pixel (px, py); in mm.
 
     The surface is levelled by a polynomial of the given total degree through what lies outside the track.
     The track is where the mean profile across stands out of its scatter outside, found in rounds, with its

@@ -52,8 +52,8 @@ class Waviness:
     def error(self, weights: FloatArray, alone: float) -> float:
         """Return the standard error of the sum of heights times weights, shape (n,), over unworn surface.
 
-        alone: variance of that sum if points within a place knew nothing of each other, for means over a place
-        of variance 1. The error is half the interval that holds 68.27 % of such sums, over all places and all
+        alone: variance of that sum if neighbouring points were independent, and a mean over a place had a
+        variance of 1. The error is half the interval that holds 68.27 % of such sums, over all places and all
         the spectra.
         """
         by_band = np.einsum("i,bij,j->b", weights, self.covariances, weights, optimize=True)
@@ -84,9 +84,9 @@ def waviness(
     """Find the waviness of heights [mm], shape (n,), where they are unworn, shape (n,).
 
     distances: between all places [mm], (n, n); terms: what the levelling takes off, (n, p); spacing: of the
-    places [mm]; wave: correlation of a wave over a phase, `np.cos` along a line, `scipy.special.j0` in
-    a plane; regular: wave number [rad/mm] of a wave that keeps its phase, such as a feed, see `regular_wave`. Raises
-    InputError where too few heights are unworn.
+    places [mm]; wave: correlation of a wave over a phase, `np.cos` along a line, `scipy.special.j0` in a
+    plane; regular: wave number [rad/mm] of a wave that keeps its phase, such as a feed, see `regular_wave`.
+    Raises InputError where too few heights are unworn.
     """
     known = np.flatnonzero(unworn)
     if known.size < terms.shape[1] + FEWEST:

@@ -91,6 +91,29 @@ def test_a_worn_track(here: Path) -> None:
     assert record["track"]["volume_mm3"] == pytest.approx(0.002 * 0.9, rel=0.01)
 
 
+def test_a_track_less_what_was_there_before(here: Path) -> None:
+    after = np.load(here / "../files/track.npy")
+    points = (np.arange(300) - 149.5) * 3e-3
+    groove = -10.0 * np.maximum(1 - np.square(points / 0.15), 0.0)
+    rough = 20.0 * (after - groove)
+    np.save(here / "../files/before.npy", rough)
+    np.save(here / "../files/after.npy", rough + 0.05 * groove)
+    asked = ("../files/after.npy", *GIVEN, "--track", "--before", "../files/before.npy")
+    done = surface(*asked)
+    assert done.exit_code == 0, done.output
+    for words in ("shifted", "correlation beside the track", "wide at the level of the surface beside"):
+        assert words in done.output
+    record = json.loads(surface(*asked, "--json").output)
+    assert record["track"]["volume_mm3"] == pytest.approx(0.0001 * 0.9, rel=0.02)
+    assert record["track"]["width_mm"] == pytest.approx(0.3, rel=0.02)
+    assert record["track"]["window_mm"] > 0.35
+    assert record["before"]["correlation"] == pytest.approx(1.0)
+    np.save(here / "../files/before.npy", np.random.default_rng(0).normal(size=(300, 300)))
+    refused = surface(*asked, "--overwrite").exception
+    assert isinstance(refused, InputError)
+    assert "--before does not show the place of FILE" in str(refused)
+
+
 def test_a_worn_ball(here: Path) -> None:
     done = surface("../files/ball.npy", *GIVEN, "--ball", "--radius", "3 mm")
     assert done.exit_code == 0, done.output
@@ -129,6 +152,7 @@ def test_a_worn_ball(here: Path) -> None:
         (["../files/rough.npy", *GIVEN, "--track", "--ball"], "exclude each other"),
         (["../files/rough.npy", *GIVEN, "--radius", "3 mm"], "--radius needs --ball"),
         (["../files/rough.npy", *GIVEN, "--track-width", "1 mm"], "--track-width needs --track"),
+        (["../files/track.npy", *GIVEN, "--before", "../files/rough.npy"], "--before needs --track"),
         (["../files/track.npy", *GIVEN, "--track", "--level", "sphere"], "--level sphere is for a ball"),
         (["--ball", "--diagonals", "1 mm", "1 mm"], "--diagonals needs --radius"),
         (["--ball", "--radius", "3 mm", "--diagonals", "9 mm", "1 mm"], "up to the ball's diameter"),

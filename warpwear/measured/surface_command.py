@@ -129,8 +129,8 @@ def track_in(
 ) -> tuple[Track, int]:
     """Find the worn track of a surface read with level none, and the degree taken off beside it.
 
-    level: as in [disc], as text; width [mm], None to find it; heights [mm], shape (nx, ny), to look at instead
-    of the surface's, such as what they have changed. Raises InputError.
+    level: as in [disc], as text; width [mm], None to find it; heights [mm], shape (nx, ny): how they changed,
+    to look at instead of the surface's. Raises InputError.
     """
     degree = degree_of(_level(level) if level is not None else "plane")
     if isinstance(degree, str):

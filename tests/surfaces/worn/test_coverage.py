@@ -32,7 +32,7 @@ def said(kind, off, *more):
 
 
 def test_a_volume_is_off_by_its_error_where_the_surface_is_wavy():
-    # the error of sections along the track knows nothing of waves along it: two thirds were off by three errors
+    # the scatter of sections along the track knows nothing of waves that run along it
     off, widths = zip(
         *(off_by_errors(kind, 20) for kind in ("turned", "self-affine", "rolled-off")), strict=True
     )

@@ -25,7 +25,7 @@ def sampled(field, shape, *, pixel=PIXEL, shift=(0.0, 0.0), angle=0.0):
 
 
 def before_and_after(kind, *, seed=3, depth=1e-3, width=0.3, pixel=PIXEL):
-    """Return heights after and before [mm], the earlier pixel, place and angle, and the section [mm²] lost."""
+    """Return heights after and before [mm], shift [mm] and angle [rad], and the section lost [mm²]."""
     rng = np.random.default_rng(seed)
     field = 1.5e-3 * KINDS[kind](rng, (240, 360))
     shape, earlier = (150, 230), (round(150 * PIXEL / pixel), round(230 * PIXEL / pixel))
