@@ -13,6 +13,10 @@ from warpwear.kernels.cells import MAXIMA
 from warpwear.laws.task import ContactTask
 
 
+#: Columns to which each step adds.
+SUMMED = ("distance", "area_cumulative", "archard_volume_sphere", "archard_volume_disc")
+
+
 @dataclass(frozen=True)
 class Step:
     """A step holds what one increment left: its balance, its row, and what it touched."""
@@ -55,6 +59,13 @@ class Ledger:
         self._x, self._y = grid.x, grid.y
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
+
+    def restored(self) -> None:
+        """Raise ValueError for books that no step has left."""
+        books = {name: self.row.get(name) for name in SUMMED} | {name: self.most.get(name) for name in MAXIMA}
+        for name, value in books.items():
+            if not isinstance(value, int | float):
+                raise ValueError(f"the books have no {name}")
 
     @property
     def columns(self) -> tuple[int, int]:
