@@ -102,7 +102,9 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
         before.assign(_alike(arrays[path], before.numpy(), path))
         return before
     if path in arrays:
-        return _alike(arrays[path], before, path) if isinstance(before, np.ndarray) else arrays[path]
+        if isinstance(before, np.ndarray):  # a table that has no rows yet may get any number
+            _alike(arrays[path] if len(before) else arrays[path][:0], before, path)
+        return arrays[path]
     if saved is None:
         return None
     members = _members(kind)

@@ -68,6 +68,13 @@ class Ledger:
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
 
+    def restored(self) -> None:
+        """Raise ValueError for books that no step has left."""
+        books = {name: self.row.get(name) for name in RUNNING} | {name: self.most.get(name) for name in MAXIMA}
+        for name, value in books.items():
+            if not isinstance(value, int | float):
+                raise ValueError(f"the books have no {name}")
+
     @property
     def columns(self) -> tuple[int, int]:
         """First column that was ever touched, and the one after the last; 0, 0 before the first step."""

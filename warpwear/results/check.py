@@ -21,6 +21,8 @@ ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
     "threads": (int, np.integer),
     "finished": (bool, np.bool_),
 }
+#: Columns that no step has without a contact.
+AREAS = ("area_contact", "area_touched", "area_cumulative", "area_nominal")
 #: What a run records beside numbers, with what it has to be.
 RECORD: dict[str, type | tuple[type, ...]] = {
     "surface": dict,
@@ -43,14 +45,18 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     rows = study.track.rows if study.is_swept else nx
     count = study.patch_layout.count if study.study.model == "two-scale" else None
     steps = _numbers(file, "history/distance").size
+    if not steps:
+        raise ValueError("its history has no step")
     tables = {quantity.name for quantity in PATCH_TABLES}
     for name in _group(file, "history"):
         if name in tables or name == patch:
             _numbers(file, f"history/{name}", (steps, count) if name in tables else (count,))
         else:
             _numbers(file, f"history/{name}", (steps,))
+        if name in AREAS and not file[f"history/{name}"][()].min() > 0.0:
+            raise ValueError(f"its history/{name} is not always positive")
     distance = file["history/distance"][()]
-    if not steps or not np.isfinite(distance).all() or distance[0] < 0.0 or (np.diff(distance) < 0.0).any():
+    if not np.isfinite(distance).all() or distance[0] < 0.0 or (np.diff(distance) < 0.0).any():
         raise ValueError("its history/distance does not grow")
     _numbers(file, "grid/x", (nx,))
     _numbers(file, "grid/y", (ny,))
@@ -61,6 +67,13 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
         across = study.patch_layout.across
         for axis in ("macro/x", "macro/y"):
             _numbers(file, axis, (across,))
+    check_snapshots(file, study)
+
+
+def check_snapshots(file: h5py.File, study: Study) -> None:
+    """Raise ValueError for a snapshot that no run of the study keeps."""
+    nx, ny = study.cells.nx, study.cells.ny
+    rows = study.track.rows if study.is_swept else nx
     for name in _group(file, "snapshots"):
         place = f"snapshots/{name}"
         attributes = _group(file, place).attrs

@@ -18,6 +18,7 @@ from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws import friction
+from warpwear.results.check import check_snapshots
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
@@ -121,6 +122,7 @@ class StepLoop:
         assert self._writer is not None
         with found.reading():
             then = found.read()
+            check_snapshots(found.file, self.study)
             state.restore(self._model, then.arrays, then.numbers)
             self._writer.take_snapshots_from(found.file)
         self._rows = then.rows
