@@ -70,7 +70,9 @@ class Ledger:
 
     def restored(self) -> None:
         """Raise ValueError for books that no step has left."""
-        books = {name: self.row.get(name) for name in RUNNING} | {name: self.most.get(name) for name in MAXIMA}
+        books = {name: self.row.get(name) for name in RUNNING} | {
+            name: self.most.get(name) for name in MAXIMA
+        }
         for name, value in books.items():
             if not isinstance(value, int | float):
                 raise ValueError(f"the books have no {name}")
