@@ -34,7 +34,8 @@ def test_a_run_from_the_command_line(tmp_path: Path) -> None:
     done = warpwear("run", "v3-fine", *QUICK, "--set", "output.snapshots=[]", "--threads", "1", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     drawn = {p.stem for p in (tmp_path / "v3-fine" / "figures").iterdir()}
-    assert {"cof", "areas", "pressure", "pressure_map", "profiles"} <= drawn
+    assert {"cof", "areas", "volumes", "pressure_map", "profiles"} <= drawn
+    assert "disc_map" not in drawn  # only with --plots all
     assert "area in contact" in done.stdout
     assert "written to v3-fine/" in done.stdout
     # Plain lines where there is no terminal, and nothing of Warp's own talk.

@@ -222,7 +222,7 @@ def test_a_signal_to_end_in_every_phase(
         with pytest.MonkeyPatch.context() as patch:
             during(patch, owner, name, lambda: os.kill(os.getpid(), signal.SIGTERM), after)
             if phase != "figures":
-                patch.setattr(Plotter, "save_all", lambda *_: [])
+                patch.setattr(Plotter, "save_all", lambda *_, **__: [])
             with pytest.raises(SystemExit) as stopped:
                 cli.main(command)
         assert stopped.value.code == 130
