@@ -35,6 +35,8 @@ LAMBDA_C = 2.5
 LAMBDA_S = 0.008
 #: What the error of a volume is, for people.
 ERROR = "(± one standard error: what the same sum finds on unworn surface)"
+#: Part of a volume above which its error leaves little to say.
+DOUBTED = 1.0 / 3.0
 #: Slopes along the lay are less than this part of those across it, or there is no lay to speak of.
 LAY = 0.7
 #: Number of shortest waves after which the rms slope is found.
@@ -165,6 +167,11 @@ def track_rows(track: Track, *, length: float | None) -> list[Row]:
     net = [_spread(track.net), Row("", "error", 1e6 * track.net_error)]
     volume, error = track.volume()
     rough, measured = "with the roughness in it", f"{ERROR} over the measured {track.length:.4g} mm"
+    doubt = None
+    if error > DOUBTED * abs(volume):
+        doubt = (
+            "neither volume nor width is told from the surface's own waviness: --before FILE takes that off"
+        )
     rows = [
         Row("track", "width_mm", track.width, digits=3, note="wide at the level of the surface beside it"),
         Row(
@@ -179,6 +186,7 @@ def track_rows(track: Track, *, length: float | None) -> list[Row]:
         Row("", "sections", int(track.net.size)),
         Row("", "length_mm", track.length),
         Row("volume", "volume_mm3", volume, digits=5, error=("volume_error_mm3", error), note=measured),
+        Row("warning", "warning", doubt),
     ]
     if length is None:
         return rows

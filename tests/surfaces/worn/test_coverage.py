@@ -5,6 +5,8 @@ import pytest
 from cases_worn import PIXEL, flattened, grooved
 
 from warpwear.errors import InputError
+from warpwear.measured.surface_report import track_rows
+from warpwear.results.report import lines
 from warpwear.surfaces.worn.ball import find_worn_ball
 from warpwear.surfaces.worn.track import find_track
 
@@ -44,6 +46,15 @@ def test_a_volume_is_off_by_its_error_where_the_surface_is_wavy():
     # not the width of the window, which is 1.2 times that of the groove
     assert np.median(widths) == pytest.approx(1.0, abs=0.03)
     assert np.std(widths) < 0.12
+
+
+def test_a_groove_that_waviness_hides_is_doubted():
+    rng = np.random.default_rng(1)
+    for kind, doubted in (("self-affine", True), ("rolled-off", False)):
+        heights, width, _ = grooved(rng, kind, depth=(0.5, 0.6) if doubted else (8.0, 9.0))
+        found = find_track(heights, pixel=(PIXEL, PIXEL), width=1.2 * width)
+        text = "\n".join(lines(track_rows(found, length=None)))
+        assert ("neither volume nor width is told from the surface's own waviness" in text) == doubted
 
 
 def test_a_groove_in_a_flat_has_no_error():

@@ -180,7 +180,7 @@ def test_shallow_scars_are_not_cut_short(flat):
         errors.append(found.volume_error / volume)
     assert abs(np.mean(off)) < 2.5 * np.mean(errors) / math.sqrt(8)
     assert (np.abs(off) < 3 * np.array(errors)).all()
-    assert np.mean(errors) == pytest.approx({0.0005: 0.2, 0.001: 0.1}[flat], rel=0.5)
+    assert np.mean(errors) == pytest.approx(np.sqrt(np.mean(np.square(off))), rel=0.6)
 
 
 def test_pile_up_beside_the_patch_is_net():
