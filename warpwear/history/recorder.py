@@ -12,7 +12,6 @@ from warpwear.history.quantities import per
 from warpwear.kernels.cells import MAXIMA
 from warpwear.laws.task import ContactTask
 
-
 #: Columns to which each step adds.
 SUMMED = ("distance", "area_cumulative", "archard_volume_sphere", "archard_volume_disc")
 
