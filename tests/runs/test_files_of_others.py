@@ -124,7 +124,7 @@ def test_figures_of_another_folder_by_a_link(out: Path, tmp_path: Path) -> None:
     assert content(tmp_path) == before
 
 
-@pytest.mark.parametrize("name", ["log.txt", "history.csv", "figures/cof.png", "surface.npy"])
+@pytest.mark.parametrize("name", ["log.txt", "history.csv", "figures/cof.png"])
 def test_a_file_that_a_run_would_replace(name: str, out: Path) -> None:
     """One of the same name that the manifest does not have."""
     manifest.write(out, manifest.written(out) - {name})

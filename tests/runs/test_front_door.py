@@ -443,7 +443,6 @@ def test_a_closed_result_says_so(folder: Path) -> None:
     assert result.history["distance"] is distance
     asks: list[Callable[[], Any]] = [
         lambda: result.snapshot(0),
-        lambda: result.study,
         lambda: result.finished,
         lambda: result.x,
         lambda: result.record,

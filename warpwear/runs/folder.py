@@ -21,8 +21,8 @@ from warpwear.runs import lock as run_lock
 from warpwear.study.study import Study
 
 LOG = "log.txt"
-#: What a run may write, beside figures; its result and checkpoint say themselves what they are.
-NAMES = ("study.toml", "history.csv", "surface.csv", "summary.json", SURFACE_FILE, LOG, manifest.NAME)
+#: What every run writes, beside figures; its result and checkpoint say themselves what they are.
+NAMES = ("study.toml", "history.csv", "surface.csv", "summary.json", LOG, manifest.NAME)
 
 
 def check(folder: Path, *, overwrite: bool, resume: bool) -> None:
