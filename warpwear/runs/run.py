@@ -59,9 +59,9 @@ def run(
     two cores another process draws the essential ones. overwrite: replace a run that is there already.
     resume: go on from the checkpoint that an unfinished run left in `out`, from the start where there is
     none; a finished run is returned as it is. progress: report on standard error. callback: is called with
-    every step, see `steps`, so that on a GPU each is made alone, slower and with other rounding; an exception
-    of it stops the run as an interrupt does: what there is so far is kept, with a checkpoint, and it is
-    raised.
+    every step, see `steps`, so that each is made alone: slower on a GPU, there with other rounding, and on
+    small grids; an exception of it stops the run as an interrupt does: what there is so far is kept, with a
+    checkpoint, and it is raised.
 
     What misleads (keys that are not used, a contact of few cells) is a warning of Python (StudyWarning), in
     `result.summary["warnings"]` too; with progress it is a note on standard error instead.
@@ -151,8 +151,9 @@ def steps(
     Each step has `row`, a dictionary of the history's columns, `units` of them, and `snapshot()` or `fields`:
     pressure, wear_sphere, wear_disc and gap after it, while no later one is made. Nothing is kept or written;
     stop whenever you like. study, surface, device, threads: as of `run`, and so are the numbers. That every
-    step can be asked for its fields costs up to as much again on a CPU; on a GPU, where `run` makes blocks of
-    steps ahead, each is then made alone, so that it is slower and rounds differently.
+    step can be asked for its fields costs up to as much again on a CPU. On a GPU, and on a grid of fewer
+    than 200,000 cells, `run` makes blocks of steps ahead; here each is made alone, so that it is slower, on a
+    small grid up to twenty times, and on a GPU rounds differently.
 
     Raises what `run` raises, when the first step is asked for or the step that is wrong.
     """
