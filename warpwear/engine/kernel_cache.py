@@ -17,6 +17,7 @@ from typing import Any
 
 import warp as wp
 
+from warpwear.clock import phase
 from warpwear.errors import InputError
 
 DIGESTS = "digests.json"
@@ -24,32 +25,38 @@ DIGESTS = "digests.json"
 UNFINISHED = re.compile(r"_p\d+_t\d+$")
 
 
-@cache
-def check_kernels() -> None:
-    """Remove compiled kernels that are damaged, so that they are compiled anew; once a process."""
-    for folder in _folders():
+def load_kernels(module: Any, device: Any) -> None:
+    """Load the kernels of Warp's module, or compile them where they are not kept, or damaged.
+
+    Raises InputError where they cannot be kept.
+    """
+    _seal_at_the_end()
+    kept = False
+    for folder in _folders(module.name):
         if (folder / DIGESTS).exists() and not _is_whole(folder):
             shutil.rmtree(folder, ignore_errors=True)
-    _seal()
-    atexit.register(_seal)
-
-
-def load_kernels(module: Any, device: Any) -> None:
-    """Load, or compile, the kernels of a module; anew where what was kept cannot be loaded."""
-    try:
-        wp.load_module(module, device=device)
-    except Exception as error:  # Warp raises whatever a damaged file makes of it
-        if isinstance(error, MemoryError):
-            raise
-        for folder in _folders(module.__name__):
-            shutil.rmtree(folder, ignore_errors=True)
+        kept = kept or folder.name == module.get_module_identifier(1 if device.is_cpu else None)
+    with phase("kernels" if kept else "compile"):
         try:
             wp.load_module(module, device=device)
-        except OSError as fault:
-            raise InputError(
-                f"Warp cannot keep compiled kernels in {wp.config.kernel_cache_dir}: {fault.strerror}; "
-                "WARP_CACHE_PATH names another folder."
-            ) from fault
+        except Exception as error:  # Warp raises whatever a damaged file makes of it
+            if isinstance(error, MemoryError):
+                raise
+            for folder in _folders(module.name):
+                shutil.rmtree(folder, ignore_errors=True)
+            try:
+                wp.load_module(module, device=device)
+            except OSError as fault:
+                raise InputError(
+                    f"Warp cannot keep compiled kernels in {wp.config.kernel_cache_dir}: {fault.strerror}; "
+                    "WARP_CACHE_PATH names another folder."
+                ) from fault
+
+
+@cache
+def _seal_at_the_end() -> None:
+    _seal()
+    atexit.register(_seal)
 
 
 def _seal() -> None:
