@@ -11,7 +11,6 @@ import re
 import shutil
 from collections.abc import Iterator
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,8 @@ from warpwear.errors import InputError
 DIGESTS = "digests.json"
 #: What Warp is still compiling: names that end in numbers of a process and a thread.
 UNFINISHED = re.compile(r"_p\d+_t\d+$")
+#: Names of the modules that this process has loaded.
+_LOADED: set[str] = set()
 
 
 def load_kernels(module: Any, device: Any) -> None:
@@ -30,7 +31,9 @@ def load_kernels(module: Any, device: Any) -> None:
 
     Raises InputError where they cannot be kept.
     """
-    _seal_at_the_end()
+    if not _LOADED:
+        atexit.register(_seal)
+    _LOADED.add(module.name)
     kept = False
     for folder in _folders(module.name):
         if (folder / DIGESTS).exists() and not _is_whole(folder):
@@ -53,15 +56,9 @@ def load_kernels(module: Any, device: Any) -> None:
                 ) from fault
 
 
-@cache
-def _seal_at_the_end() -> None:
-    _seal()
-    atexit.register(_seal)
-
-
 def _seal() -> None:
-    """Note the digests of files that have none yet."""
-    for folder in _folders():
+    """Note the digests of files that have none yet, of the modules that were loaded."""
+    for folder in (folder for name in _LOADED for folder in _folders(name)):
         with suppress(OSError, ValueError):  # a cache that cannot be written is used as it is
             path = folder / DIGESTS
             kept = json.loads(path.read_text()) if path.exists() else {}
@@ -86,8 +83,8 @@ def _digest(path: Path) -> str:
     return hashlib.blake2b(path.read_bytes(), digest_size=16).hexdigest()
 
 
-def _folders(module: str = "warpwear.kernels.*") -> Iterator[Path]:
-    """Where the kernels of warpwear, or of a module of it, are kept compiled."""
+def _folders(module: str) -> Iterator[Path]:
+    """Where the kernels of a module are kept compiled."""
     for folder in Path(wp.config.kernel_cache_dir or ".").glob(f"wp_{module}_*"):
         if folder.is_dir() and not UNFINISHED.search(folder.name):
             yield folder
