@@ -241,9 +241,7 @@ def _errors(
     px, py = np.meshgrid(x / scale, y / scale, indexing="ij")
     terms = np.stack([np.ones_like(px), px, py, *([px**2 + py**2] if fitted else [])])
     spacing = math.sqrt(float(np.ptp(x) * np.ptp(y))) / CELLS
-    row, column = (
-        ((p - p[0] + 0.5 * d) // spacing).astype(np.int64) for p, d in zip((x, y), pixel, strict=True)
-    )
+    row, column = (((p - p[0] + 0.5 * d) // spacing).astype(np.int64) for p, d in zip((x, y), pixel, strict=True))
     cell = np.add.outer(row * (column[-1] + 1), column).ravel()
 
     def by_cell(values: FloatArray) -> FloatArray:
@@ -263,7 +261,5 @@ def _errors(
     area = pixel[0] * pixel[1]
     fit = terms[:, unworn]
     taken = [np.linalg.solve(fit @ fit.T, terms[:, part].sum(axis=1)) for part in parts]
-    weights = [
-        part - np.where(unworn, np.tensordot(t, terms, 1), 0.0) for part, t in zip(parts, taken, strict=True)
-    ]
+    weights = [part - np.where(unworn, np.tensordot(t, terms, 1), 0.0) for part, t in zip(parts, taken, strict=True)]
     return [found.error(by_cell(w)) * area for w in weights]

@@ -173,11 +173,7 @@ def _likely_spectra(seen: FloatArray, bands: FloatArray, tie: FloatArray) -> tup
     fac = np.linalg.cholesky(whole)
     rest = np.linalg.solve(fac, np.broadcast_to(seen[:, None], (len(logs), seen.size, 1)))[..., 0]
     apart = logs - start
-    drawn = (
-        -np.log(np.diagonal(fac, axis1=1, axis2=2)).sum(1)
-        - 0.5 * (rest**2).sum(1)
-        - 0.5 * np.einsum("di,ij,dj->d", apart, tie, apart)
-    )
-    drawn += 0.5 * np.einsum("di,ij,dj->d", about, information, about)
+    drawn = -np.log(np.diagonal(fac, axis1=1, axis2=2)).sum(1) - .5*(rest**2).sum(1) - .5*np.einsum('di,ij,dj->d',apart,tie,apart)
+    drawn += 0.5 * np.einsum('di,ij,dj->d',about,information,about)
     chances = np.exp(drawn - max(drawn))
     return np.exp(logs), chances / chances.sum()

@@ -167,9 +167,7 @@ def track_rows(track: Track, *, length: float | None) -> list[Row]:
     rough, measured = "with the roughness in it", f"{ERROR} over the measured {track.length:.4g} mm"
     rows = [
         Row("track", "width_mm", track.width, digits=3, note="wide at the level of the surface beside it"),
-        Row(
-            "summed", "window_mm", high - low, note=f"with pile-up and margins (y {low:.4g} to {high:.4g} mm)"
-        ),
+        Row("summed", "window_mm", high - low, note=f"with pile-up and margins (y {low:.4g} to {high:.4g} mm)"),
         Row("", "window_edges_mm", list(track.window)),
         Row("mean profile", "depth_of_mean_profile_um", 1e3 * track.depth, note="deep"),
         Row("single sections", "section_below_um2", [_spread(track.below)], note=f"below, {rough}"),
