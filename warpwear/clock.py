@@ -19,7 +19,7 @@ TOLD = {
 class Clock:
     """Adds up the seconds of each phase; one inside another counts for itself alone.
 
-    before: seconds that had gone when it was made, which are imports. entered: is told each phase that begins.
+    before: seconds that had gone when it was made, which are imports. entered: is told what phase begins.
     """
 
     def __init__(self, *, before: float = 0.0, entered: Callable[[str], object] = lambda phase: None) -> None:

@@ -75,7 +75,7 @@ class ResultWriter:
         file.create_group("snapshots")
 
     def add_snapshot(self, snapshot: Snapshot) -> None:
-        """Keep the fields of one distance; they are compressed by threads while steps go on, `flush` waits."""
+        """Keep the fields of one distance; threads compress them while steps go on, and `flush` waits."""
         if not self._keeps_snapshots:
             return
         size = sum(values.nbytes for values in snapshot.fields.values())

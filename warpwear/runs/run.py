@@ -190,6 +190,7 @@ def _compute(
                 loop.checkpoint_in(how.out, work)
             loop.run(how.callback)
             result = Result(file)
+            result.study = study  # as it is in the file
             result.at_hand = writer.at_hand
             with phase("write"):
                 _leave(result, loop, work if how.whole else None, painter)
@@ -200,6 +201,8 @@ def _compute(
                 run_folder.move_into_place(work, how.out)
                 loop.end_checkpoints()
                 result = Result.open_sealed(how.out / FILE_NAME)
+                if not result.owns_surface:  # which lies elsewhere now
+                    result.study = study
     for stopped in (loop.failed, loop.interrupted):
         if stopped is not None:
             raise stopped
@@ -228,11 +231,12 @@ def _writer_of(
 
 def _leave(result: Result, loop: StepLoop, work: Path | None, painter: Painter) -> None:
     """Write the tables into the work folder, while figures are drawn of what there is."""
-    if loop.finished:
+    draws = loop.finished and painter.draws
+    if draws:
         painter.order(result.plot, but=LATE)
     if work:
         write_tables(work, loop.study, result)
-    if loop.finished:
+    if draws:
         painter.order(result.plot)
 
 
