@@ -1,4 +1,4 @@
-"""Where the time of `warpwear run` goes, with compiled kernels and without, phase by phase and figure by figure.
+"""Where the time of `warpwear run` goes, cold and warm, phase by phase and figure by figure.
 
     python bench/command.py [v3-fine] [--plots essential] [--threads 1] [--repeats 3] [--set KEY=VALUE]
 

@@ -48,7 +48,7 @@ class Clock:
     def seconds(self) -> dict[str, float]:
         """Seconds so far of what `TOLD` names."""
         self.turn_to(self._phase)
-        return {name: round(sum(self.phases[p] for p in parts), 3) for name, parts in TOLD.items()}
+        return {name: round(sum(self.phases.get(p, 0.0) for p in parts), 3) for name, parts in TOLD.items()}
 
 
 _CLOCK: ContextVar[Clock | None] = ContextVar("clock", default=None)

@@ -46,7 +46,7 @@ def run(
     result.h5      history and snapshots, in plain HDF5
     history.csv    one row a step, units in the header
     surface.csv    roughness in the middle of the scar and islands of contact, one row a snapshot
-    summary.json   the numbers at the end, every assumption and warning
+    summary.json   the numbers at the end, every assumption and warning, the seconds it took
     figures/       what goes into a paper; with --plots all, all that can be drawn of the run
     log.txt        what was computed, where and how long it took
     manifest.json  which files the run wrote; no other is ever replaced
