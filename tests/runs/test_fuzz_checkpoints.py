@@ -170,6 +170,10 @@ def test_compiled_kernels_that_were_damaged(count: int, tmp_path: Path) -> None:
     files = sorted(path.relative_to(good) for path in good.rglob("*") if path.is_file())
     kernels = [path for path in files if path.suffix in (".o", ".meta")]
     assert kernels
+    modules = {path.parts[-2].rpartition("_")[0] for path in kernels}  # what the run launches, no other
+    assert {name for name in modules if name.startswith("wp_warpwear")} <= {
+        f"wp_warpwear.kernels.{name}" for name in ("contact", "tiles", "wear")
+    }
     for number in range(count):
         dice = random.Random(number)
         cache, hows = tmp_path / "bad", [damaged, damaged, emptied, removed]

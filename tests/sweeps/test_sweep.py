@@ -82,6 +82,16 @@ def test_data_set_has_the_dimensions_run_and_distance(swept: Any) -> None:
         assert float(data["cof"][4, -1]) == swept.table["cof [1]"][4]
 
 
+def test_a_run_of_a_sweep_leaves_its_result_alone(swept: Any) -> None:
+    """What it takes longest to write beside a short run nobody reads of a thousand."""
+    for folder in (path for path in (swept.folder / "runs").iterdir() if path.is_dir()):
+        assert {path.name for path in folder.iterdir()} == {"result.h5", "log.txt", "manifest.json"}
+        with warpwear.Result.open(folder) as result:
+            assert result.finished
+            assert len(result.snapshots) == 0
+            assert result.summary["area_mm2"]["contact"] > 0.0
+
+
 def test_band_lies_around_its_mean(swept: Any) -> None:
     groups = swept.plan.groups
     assert list(groups) == ["load 4 N", "load 8 N"]

@@ -4,6 +4,7 @@ import codecs
 import io
 import os
 import sys
+import time
 from contextlib import suppress
 from typing import TextIO
 
@@ -23,13 +24,15 @@ from warpwear.version import __version__
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command, of the command line where no arguments are given; errors end as sentence and status."""
+    # Of a command line the time since its process began, which no clock tells so simply as what it has used.
+    started = time.perf_counter() - (time.process_time() if arguments is None else 0.0)
     os.environ["MPLBACKEND"] = "agg"  # nothing is shown, and a backend that is not there would stop it
     codecs.register_error("warpwear", _spelled)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="warpwear")
     try:
-        status = commands.main(arguments, prog_name="warpwear", standalone_mode=False)
+        status = commands.main(arguments, prog_name="warpwear", standalone_mode=False, obj=started)
         sys.stdout.flush()
     except (InputError, ConvergenceError) as error:
         _fail(str(error), at_once=isinstance(error.__cause__, MemoryError))

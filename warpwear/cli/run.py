@@ -1,6 +1,7 @@
 """The command `warpwear run`: a study in, a run folder out."""
 
 import signal
+import time
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import click
 from warpwear.cli.options import DEVICE, PATH, THREADS
 from warpwear.cli.places import results, run_checkpoint, run_folder, runner, summary_text
 from warpwear.cli.study import CHANGES, STUDY, load_study
+from warpwear.version import __version__
 
 
 @click.command(epilog=STUDY)
@@ -27,8 +29,15 @@ from warpwear.cli.study import CHANGES, STUDY, load_study
 @click.option("--no-plots", is_flag=True, help="Draw no figures, as --plots none.")
 @click.option("--overwrite", is_flag=True, help="Replace the run that the folder holds.")
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint in the folder.")
+@click.pass_obj
 def run(
-    study: str, changes: tuple[str, ...], out: Path | None, plots: str, no_plots: bool, **options: Any
+    started: float,
+    study: str,
+    changes: tuple[str, ...],
+    out: Path | None,
+    plots: str,
+    no_plots: bool,
+    **options: Any,
 ) -> None:
     """Run STUDY and write its run folder.
 
@@ -37,7 +46,7 @@ def run(
     result.h5      history and snapshots, in plain HDF5
     history.csv    one row a step, units in the header
     surface.csv    roughness in the middle of the scar and islands of contact, one row a snapshot
-    summary.json   the numbers at the end, every assumption and warning
+    summary.json   the numbers at the end, every assumption and warning, the seconds it took
     figures/       what goes into a paper; with --plots all, all that can be drawn of the run
     log.txt        what was computed, where and how long it took
     manifest.json  which files the run wrote; no other is ever replaced
@@ -45,13 +54,21 @@ def run(
     A checkpoint for --resume is written every 2 minutes (key run.checkpoint) and on Ctrl-C.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # a batch system's way of pressing Ctrl-C
+    click.echo(f"warpwear {__version__}: {study}", err=True)  # what comes next is imported for a second
     loaded = load_study(study, changes)
     folder = out if out is not None else Path(loaded.study.name)
     if options["resume"] and not options["overwrite"] and run_folder.is_finished(folder, loaded):
         click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
         return
     try:
-        result = runner.run(loaded, out=folder, plots="none" if no_plots else plots, progress=True, **options)
+        how = runner.How(
+            out=folder,
+            plots="none" if no_plots else plots,
+            progress=True,
+            before=time.perf_counter() - started,
+            **options,
+        )
+        result = runner.run_study(loaded, how)
     except KeyboardInterrupt:
         if (folder / "result.h5").is_file():
             with results.Result.open(folder) as result:
@@ -62,4 +79,5 @@ def run(
         raise
     with result:
         click.echo(summary_text.summary_text(result.summary))
-    click.echo(f"written to {folder}/")
+    took = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in result.seconds.items() if seconds >= 0.05)
+    click.echo(f"written to {folder}/" + (f" ({took})" if took else ""))

@@ -14,9 +14,8 @@ import numpy as np
 import warp as wp
 
 from warpwear.engine.device import check_memory, check_threads, find_device
-from warpwear.engine.kernel_cache import check_kernels, load_kernels
+from warpwear.engine.kernel_cache import load_kernels
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import contact, gpu_steps, gpu_steps_rest, gpu_steps_sliding, sliding, tiles, wear
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
@@ -100,11 +99,7 @@ class Executor:
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
         self._launches: dict[tuple[Any, int], tuple[Any, list[Any]]] = {}
         self._whole = self.split_rows(np.full(grid.nx, self.vectors * LANES))
-        # Compiled before any thread needs them.
-        of_gpu = () if on_cpu else (gpu_steps, gpu_steps_rest, gpu_steps_sliding)
-        check_kernels()
-        for module in (contact, wear, sliding, tiles, *of_gpu):
-            load_kernels(module, self.device)
+        self._loaded: set[Any] = set()
 
     def __enter__(self) -> Self:
         return self
@@ -112,6 +107,12 @@ class Executor:
     def __exit__(self, *_: object) -> None:
         if self._pool is not None:
             self._pool.shutdown()
+
+    def load(self, kernel: Any) -> None:
+        """Load, or compile, the file of a kernel before its first launch, and before any thread needs it."""
+        if kernel.module not in self._loaded:
+            load_kernels(kernel.module, self.device)
+            self._loaded.add(kernel.module)
 
     def split_rows(self, cells: Any) -> list[tuple[int, int]]:
         """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""
@@ -141,6 +142,7 @@ class Executor:
         threads, other than those of the list or of whole rows. often: keep the launch for the next
         time, with its arguments, fields included: on small grids packing them is what a launch costs.
         """
+        self.load(kernel)
         if chunks is None:
             chunks = self._whole if over is None else over.chunks
         listed = [] if over is None else [over.list, over.count]

@@ -11,50 +11,54 @@ import re
 import shutil
 from collections.abc import Iterator
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import warp as wp
 
+from warpwear.clock import phase
 from warpwear.errors import InputError
 
 DIGESTS = "digests.json"
 #: What Warp is still compiling: names that end in numbers of a process and a thread.
 UNFINISHED = re.compile(r"_p\d+_t\d+$")
-
-
-@cache
-def check_kernels() -> None:
-    """Remove compiled kernels that are damaged, so that they are compiled anew; once a process."""
-    for folder in _folders():
-        if (folder / DIGESTS).exists() and not _is_whole(folder):
-            shutil.rmtree(folder, ignore_errors=True)
-    _seal()
-    atexit.register(_seal)
+#: Names of the modules that this process has loaded.
+_LOADED: set[str] = set()
 
 
 def load_kernels(module: Any, device: Any) -> None:
-    """Load, or compile, the kernels of a module; anew where what was kept cannot be loaded."""
-    try:
-        wp.load_module(module, device=device)
-    except Exception as error:  # Warp raises whatever a damaged file makes of it
-        if isinstance(error, MemoryError):
-            raise
-        for folder in _folders(module.__name__):
+    """Load the kernels of Warp's module, or compile them where they are not kept, or damaged.
+
+    Raises InputError where they cannot be kept.
+    """
+    if not _LOADED:
+        atexit.register(_seal)
+    _LOADED.add(module.name)
+    kept = False
+    for folder in _folders(module.name):
+        if (folder / DIGESTS).exists() and not _is_whole(folder):
             shutil.rmtree(folder, ignore_errors=True)
+        kept = kept or folder.name == module.get_module_identifier(1 if device.is_cpu else None)
+    with phase("kernels" if kept else "compile"):
         try:
             wp.load_module(module, device=device)
-        except OSError as fault:
-            raise InputError(
-                f"Warp cannot keep compiled kernels in {wp.config.kernel_cache_dir}: {fault.strerror}; "
-                "WARP_CACHE_PATH names another folder."
-            ) from fault
+        except Exception as error:  # Warp raises whatever a damaged file makes of it
+            if isinstance(error, MemoryError):
+                raise
+            for folder in _folders(module.name):
+                shutil.rmtree(folder, ignore_errors=True)
+            try:
+                wp.load_module(module, device=device)
+            except OSError as fault:
+                raise InputError(
+                    f"Warp cannot keep compiled kernels in {wp.config.kernel_cache_dir}: {fault.strerror}; "
+                    "WARP_CACHE_PATH names another folder."
+                ) from fault
 
 
 def _seal() -> None:
-    """Note the digests of files that have none yet."""
-    for folder in _folders():
+    """Note the digests of files that have none yet, of the modules that were loaded."""
+    for folder in (folder for name in _LOADED for folder in _folders(name)):
         with suppress(OSError, ValueError):  # a cache that cannot be written is used as it is
             path = folder / DIGESTS
             kept = json.loads(path.read_text()) if path.exists() else {}
@@ -79,8 +83,8 @@ def _digest(path: Path) -> str:
     return hashlib.blake2b(path.read_bytes(), digest_size=16).hexdigest()
 
 
-def _folders(module: str = "warpwear.kernels.*") -> Iterator[Path]:
-    """Where the kernels of warpwear, or of a module of it, are kept compiled."""
+def _folders(module: str) -> Iterator[Path]:
+    """Where the kernels of a module are kept compiled."""
     for folder in Path(wp.config.kernel_cache_dir or ".").glob(f"wp_{module}_*"):
         if folder.is_dir() and not UNFINISHED.search(folder.name):
             yield folder

@@ -56,6 +56,11 @@ class Painter:
             self._process.kill()
             self._process.wait()
 
+    @property
+    def draws(self) -> bool:
+        """Whether there is another process."""
+        return self._process is not None
+
     def order(self, plot: Plotter, *, but: Sequence[str] = ()) -> None:
         """Ask for the essential figures of a result, `but` some, that were not asked for yet; do not wait."""
         if self._process is not None:

@@ -58,6 +58,8 @@ class DeviceSteps:
         moves: bool = False,
     ) -> None:
         device = self._device = executor.device
+        for kernel in (gpu_steps.begin, *(kernel for kernel, *_ in passes)):
+            executor.load(kernel)  # which no graph can while it is captured
         self._task, self._passes, self._kept = task, passes, kept
         self._cell_area = executor.grid.cell_area
         self._names = [names_of(kind) for kind in lines]

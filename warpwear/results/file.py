@@ -91,6 +91,8 @@ class ResultFile:
         self._file = file
         self.path = path
         self._derived: dict[str, Any] = {}
+        #: What the run took [s], by the names of `warpwear.clock.TOLD`; empty of one that was opened.
+        self.seconds: dict[str, float] = {}
         #: Number -> snapshot, of those that need not be read.
         self.at_hand: dict[int, Snapshot] = {}
 
@@ -102,20 +104,25 @@ class ResultFile:
         if not file.is_file():
             raise InputError(f"{path} holds no result: a run folder or its {FILE_NAME} is expected.")
         check_seal(file)
+        result = cls.open_sealed(file)
         try:
-            opened = h5py.File(file, "r")
-        except OSError as error:
-            raise InputError(f"{file} is no HDF5 file or is damaged: {error}.") from error
-        result = cls(opened, file)
-        try:
-            with result._reading():
+            with result._reading() as opened:
                 if not ("history" in opened and "study" in opened.attrs):
                     raise InputError(f"{file} is an HDF5 file, but not a result of warpwear.")
                 check_content(opened, result.study, patch=PATCH)
         except BaseException:
-            opened.close()
+            result.close()
             raise
         return result
+
+    @classmethod
+    def open_sealed(cls, file: Path) -> Self:
+        """The result in a file that this process has just sealed, or looked at. Raises InputError."""
+        try:
+            opened = h5py.File(file, "r")
+        except OSError as error:
+            raise InputError(f"{file} is no HDF5 file or is damaged: {error}.") from error
+        return cls(opened, file)
 
     @property
     def folder(self) -> Path | None:

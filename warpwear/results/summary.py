@@ -97,6 +97,7 @@ def summarise(result: ResultFile) -> dict[str, Any]:
         **({"track": _track(result)} if study.is_swept else {}),
         **_on_filled(result.load_on_filled),
         **result.record,
+        **({"seconds": result.seconds} if result.seconds else {}),
         "assumptions": render.assumptions(study),
     }
 

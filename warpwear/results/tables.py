@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
+from warpwear.clock import phase
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION, Quantity, columns_of
 from warpwear.results.evolution import surface_evolution
@@ -32,6 +33,15 @@ def write_tables(folder: Path, study: Study, result: ResultFile) -> None:
         sections = tomli_w.dumps(content)
     (folder / "study.toml").write_text(sections, encoding="utf-8")
     _write_table(folder / "history.csv", columns_of(study), result.history)
-    _write_table(folder / "surface.csv", EVOLUTION, surface_evolution(result).table)
-    summary = to_json(summarise(result))
-    (folder / "summary.json").write_text(f"{summary}\n", encoding="utf-8")
+    with phase("evolution"):
+        evolution = surface_evolution(result)
+    _write_table(folder / "surface.csv", EVOLUTION, evolution.table)
+    write_summary(folder, result)
+
+
+def write_summary(folder: Path, result: ResultFile) -> None:
+    """Write summary.json into a folder, in place of the one that may be there, at once."""
+    path = folder / "summary.json"
+    new = path.with_suffix(".new")
+    new.write_text(f"{to_json(summarise(result))}\n", encoding="utf-8")
+    new.replace(path)

@@ -8,7 +8,9 @@ import json
 import os
 import shutil
 import tempfile
+import zlib
 from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,6 +31,8 @@ from warpwear.version import __version__
 SPACE_FOR_THE_REST = 2 * 2**20
 #: Cells along a side of a compressed block.
 CHUNK = 256
+#: Level of deflate.
+LEVEL = 1
 #: Part of the memory that is free which a snapshot may take to be kept.
 AT_HAND = 0.1
 #: Errors of a file system that cannot set room aside.
@@ -36,10 +40,25 @@ NO_PREALLOCATION = (errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL, errno.EPERM)
 
 
 class ResultWriter:
-    """Writes a run into an open HDF5 file. Raises OSError before it writes what the disk may not hold."""
+    """Writes a run into an open HDF5 file. Raises OSError before it writes what the disk may not hold.
 
-    def __init__(self, file: h5py.File, study: Study, grid: Grid, *, device: str, threads: int) -> None:
-        self._file, self._study = file, study
+    snapshots: whether to keep any.
+    """
+
+    def __init__(
+        self,
+        file: h5py.File,
+        study: Study,
+        grid: Grid,
+        *,
+        device: str,
+        threads: int,
+        snapshots: bool = True,
+    ) -> None:
+        self._file, self._study, self._keeps_snapshots = file, study, snapshots
+        in_threads = threads > 1 and file.driver != "core"
+        self._pool = ThreadPoolExecutor(threads) if in_threads else None
+        self._waiting: list[tuple[h5py.Dataset, tuple[int, ...], Future[bytes | None]]] = []
         #: Number -> snapshot, of those whose files need not be read back.
         self.at_hand: dict[int, Snapshot] = {}
         self._require_space(0)
@@ -56,26 +75,48 @@ class ResultWriter:
         file.create_group("snapshots")
 
     def add_snapshot(self, snapshot: Snapshot) -> None:
-        """Keep the fields of one distance."""
-        self._require_space(sum(values.nbytes for values in snapshot.fields.values()))
+        """Keep the fields of one distance; threads compress them while steps go on, and `flush` waits."""
+        if not self._keeps_snapshots:
+            return
+        size = sum(values.nbytes for values in snapshot.fields.values())
+        self._require_space(size)
         snapshots = self._file["snapshots"]
-        self._keep(len(snapshots), snapshot)
+        plenty = size < AT_HAND * psutil.virtual_memory().available
+        if self._file.driver != "core" and plenty:  # the fields change in the next step
+            copies = {name: values.copy() for name, values in snapshot.fields.items()}
+            snapshot = self.at_hand[len(snapshots)] = replace(snapshot, **copies)
         group = snapshots.create_group(f"{len(snapshots):04d}")
         group.attrs["distance"] = snapshot.distance
         if snapshot.row is not None:
             group.attrs["row"] = snapshot.row
         if snapshot.load_on_filled is not None:
             group.attrs["load_on_filled"] = snapshot.load_on_filled
+        in_memory = self._file.driver == "core" and plenty
         for name, values in snapshot.fields.items():
             chunks = tuple(min(CHUNK, n) for n in values.shape)
-            _add(group, FIELDS[name], values, chunks=chunks, compression_opts=1)
+            how = {} if in_memory else {"compression": "gzip", "compression_opts": LEVEL, "shuffle": True}
+            dataset = group.create_dataset(name, values.shape, values.dtype, chunks=chunks, **how)
+            dataset.attrs.update(units=FIELDS[name].units, long_name=FIELDS[name].meaning)
+            for place in dataset.iter_chunks():
+                part = values[place]
+                if in_memory:
+                    if part.any():
+                        dataset[place] = part
+                elif self._pool is not None and plenty:
+                    start = tuple(along.start for along in place)
+                    self._waiting.append((dataset, start, self._pool.submit(_compressed, part, chunks)))
+                elif (packed := _compressed(part, chunks)) is not None:
+                    dataset.id.write_direct_chunk(tuple(along.start for along in place), packed)
 
-    def _keep(self, number: int, snapshot: Snapshot) -> None:
-        """Keep a copy of a snapshot for what is made of it at the end, as long as memory is plenty."""
-        size = sum(values.nbytes for values in snapshot.fields.values())
-        if self._file.driver != "core" and size < AT_HAND * psutil.virtual_memory().available:
-            copies: dict[str, Any] = {name: values.copy() for name, values in snapshot.fields.items()}
-            self.at_hand[number] = replace(snapshot, **copies)
+    def flush(self) -> None:
+        """Write what was compressed meanwhile, and wait for the rest."""
+        packed = [(dataset, start, found.result()) for dataset, start, found in self._waiting]
+        self._waiting.clear()
+        if packed:
+            self._require_space(sum(len(found) for *_, found in packed if found))
+        for dataset, start, found in packed:
+            if found is not None:
+                dataset.id.write_direct_chunk(start, found)
 
     def add_track(self, x: FloatArray, heights: FloatArray) -> None:
         """Keep the disc of a swept run: places of its rows [mm], heights before any wear [mm]."""
@@ -90,11 +131,13 @@ class ResultWriter:
     @property
     def copied_bytes(self) -> int:
         """Size of what `copy_to` copies [B]."""
+        self.flush()
         groups = [*self._file["snapshots"].values(), self._file.get("track", {})]
         return sum(dataset.id.get_storage_size() for group in groups for dataset in group.values())
 
     def copy_to(self, file: h5py.File) -> None:
         """Keep the snapshots so far, and the heights of a track, in another file, compressed as they are."""
+        self.flush()
         self._file.copy("snapshots", file)
         if "track" in self._file:
             self._file.copy("track/heights", file, "heights", without_attrs=True)
@@ -160,19 +203,30 @@ class ResultWriter:
             require_free_space(path.parent, nbytes + SPACE_FOR_THE_REST, offset=path.stat().st_size)
 
 
-def _add(
-    group: h5py.Group,
-    quantity: Quantity,
-    values: FloatArray,
-    *,
-    chunks: tuple[int, ...] | bool = True,
-    compression_opts: int | None = None,
-) -> h5py.Dataset:
+def _add(group: h5py.Group, quantity: Quantity, values: FloatArray) -> h5py.Dataset:
     """Keep a quantity, compressed, with its unit and meaning under the names that xarray plots by."""
-    how = {"chunks": chunks, "compression": "gzip", "compression_opts": compression_opts, "shuffle": True}
+    how = {"chunks": True, "compression": "gzip", "shuffle": True}
     dataset = group.create_dataset(quantity.name, data=values, **how)
     dataset.attrs.update(units=quantity.units, long_name=quantity.meaning)
     return dataset
+
+
+def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:
+    """A block as HDF5's filters shuffle and deflate leave it, filled up to its size; None where all is zero.
+
+    What is not written reads as zero. Runs of equal bytes are all that deflate finds in shuffled heights:
+    looking for no more takes half the time of its level 1.
+    """
+    block = values
+    if values.shape != chunk:
+        block = np.zeros(chunk)
+        block[tuple(slice(n) for n in values.shape)] = values
+    words = np.ascontiguousarray(block)
+    if not words.view(np.uint64).any():
+        return None
+    deflate = zlib.compressobj(LEVEL, strategy=zlib.Z_RLE)
+    shuffled = np.ascontiguousarray(words.view(np.uint8).reshape(-1, words.itemsize).T)
+    return deflate.compress(shuffled) + deflate.flush()
 
 
 def _label(dataset: h5py.Dataset, scales: h5py.Group, *names: str) -> None:

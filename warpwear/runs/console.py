@@ -26,8 +26,8 @@ class Progress:
         self._quiet = quiet
         self._bar: tqdm | None = None
         self._steps = self._done = self._before = 0
-        self._started = self._said = time.perf_counter()
-        self._next = 0.1
+        self._made = self._started = self._said = time.perf_counter()
+        self._next, self._compiles = 0.1, False
 
     def start(self, steps: int, *, done: int = 0) -> None:
         """The run of `steps` steps begins, or goes on where `done` of them are done."""
@@ -57,6 +57,14 @@ class Progress:
                 f"{row['area_contact']:.4g} mm² in contact, {elapsed:.0f} s gone, about {left:.0f} s left"
             )
             self._next = self._done / self._steps + 0.1
+
+    def phase(self, name: str) -> None:
+        """A phase of the run begins: what may take long is told, once."""
+        if name == "compile" and not self._compiles:
+            self._compiles = True
+            self.say(f"{self._name}: compiling kernels, which are kept for the next run")
+        if name == "draw" and time.perf_counter() - self._made > SILENT_SECONDS:
+            self.say(f"{self._name}: drawing")
 
     def say(self, line: str) -> None:
         """A line for the user."""

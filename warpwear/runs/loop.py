@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from warpwear.clock import phase
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InputError, InvariantError
@@ -142,7 +143,8 @@ class StepLoop:
         self._started = time.perf_counter()
         self._progress.start(len(plan), done=len(self._rows))
         try:
-            self._make_steps(plan, callback)
+            with phase("steps"):
+                self._make_steps(plan, callback)
         except KeyboardInterrupt as error:
             if not self._rows:
                 raise
@@ -164,7 +166,8 @@ class StepLoop:
             "elapsed_s": self._elapsed,
             "made_with": versions(self._processor),
         }
-        self._writer.finish(history, record, finished=self.finished, book=self._book)
+        with phase("write"):
+            self._writer.finish(history, record, finished=self.finished, book=self._book)
 
     def steps(self) -> Iterator[RunStep]:
         """Every step of the study, with its fields; nothing is written."""
@@ -201,7 +204,8 @@ class StepLoop:
                 stop = stop or self._check(self._invariants.of_filled(snapshot, row))
             if snapshot is not None and keep and self._writer is not None:
                 self._check(self._invariants.of_fields(vars(snapshot), row))
-                self._writer.add_snapshot(snapshot)
+                with phase("snapshots"):
+                    self._writer.add_snapshot(snapshot)
             row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             self._progress.step(row)
@@ -248,7 +252,8 @@ class StepLoop:
         now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._reported, self._elapsed)
         assert self._writer is not None
         try:
-            checkpoints.write(now, self._writer)
+            with phase("snapshots"):
+                checkpoints.write(now, self._writer)
         except OSError as error:
             if not self._checkpoint_failed:
                 self._checkpoint_failed = True

@@ -3,20 +3,24 @@
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from uuid import uuid4
 
 import h5py
 from numpy.typing import ArrayLike
 
+from warpwear.clock import Clock, phase
 from warpwear.engine.device import check_threads, find_device, report_out_of_memory
+from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.figures.process import LATE, Painter
 from warpwear.figures.table import PLOTS
+from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results.file import FILE_NAME, OWN_SURFACE, SURFACE_FILE
 from warpwear.results.seal import HEADER
-from warpwear.results.tables import write_tables
+from warpwear.results.tables import write_summary, write_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
@@ -71,72 +75,177 @@ def run(
     and leaves an unfinished run with the last checkpoint, as does KeyboardInterrupt, raised at the end of a
     step. What a surface's own `heights` raises is raised.
     """
-    folder = None if out is None else Path(out)
-    if callback is not None and not callable(callback):
-        raise InputError(f"callback = {callback!r}: a function is expected, which is called with every step.")
-    if resume and (folder is None or overwrite):
-        raise InputError(f"resume needs out, a run folder{', and excludes overwrite' if overwrite else ''}.")
-    drawn = plots if isinstance(plots, str) else "essential" if plots else "none"
-    if drawn not in PLOTS:
-        raise InputError(f"plots = {plots!r} is not known; allowed: {', '.join(PLOTS)}, true and false.")
-    study, given = _prepare(study, surface, folder)
-    if folder is not None:
-        run_folder.check(folder, overwrite=overwrite, resume=resume)
-        if resume and run_folder.is_finished(folder, study):
-            if given:
-                given.refuse_others(folder)
-            return Result.open(folder)
-        if resume:
-            with opened(folder / CHECKPOINT) as found:  # before anything is made that takes long
-                if found is not None:
-                    found.refuse_changes(study, device=str(find_device(device)))
-    cores = check_threads(threads)
-    with Painter(cores if folder and drawn != "none" else 1) as painter:
-        with report_out_of_memory(study.cells):
-            executor = executor_of(study, device=device, threads=cores)
-            with executor, run_folder.writing_to(folder, overwrite=overwrite, resume=resume) as work:
-                with _log_to(work), _result_file(work) as file:
-                    LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, cores)
-                    if work and given:
-                        given.save(work)
-                    writer = ResultWriter(
-                        file, study, study.cells, device=str(executor.device), threads=executor.threads
-                    )
-                    if folder and study.disc.surface == str(folder.resolve() / SURFACE_FILE):
-                        file.attrs[OWN_SURFACE] = True
-                    loop = StepLoop(
-                        study,
-                        executor,
-                        writer,
-                        Progress(study, quiet=not progress),
-                        surface=given.surface if given else None,
-                        resume=folder if resume else None,
-                    )
-                    if folder and work:
-                        loop.checkpoint_in(folder, work)
-                    loop.run(callback)
-                    result = Result(file)
-                    result.at_hand = writer.at_hand
-                    if loop.finished:
-                        painter.order(result.plot, but=LATE)
-                    if work:
-                        write_tables(work, study, result)
-                    if loop.finished:
-                        painter.order(result.plot)
-                if work and folder:
-                    result.close()
-                    run_folder.move_into_place(work, folder)
-                    loop.end_checkpoints()
-                    result = Result.open(folder)
-        if loop.failed is not None:
-            raise loop.failed
-        if loop.interrupted is not None:
-            raise loop.interrupted
-        if folder and drawn != "none":
-            result.at_hand = writer.at_hand
-            result.plot.save_all(folder / "figures", plots=drawn, drawn=painter.pictures())
-            result.at_hand = {}
+    asked = How(
+        surface=surface,
+        out=None if out is None else Path(out),
+        device=device,
+        threads=threads,
+        plots=plots if isinstance(plots, str) else "essential" if plots else "none",
+        overwrite=overwrite,
+        resume=resume,
+        progress=progress,
+        callback=callback,
+    )
+    return run_study(study, asked)
+
+
+@dataclass(frozen=True, kw_only=True)
+class How:
+    """How to make a run: the options of `run`, and what only this package asks for."""
+
+    surface: ArrayLike | Surface | None = None
+    out: Path | None = None
+    device: str = "cpu"
+    threads: int | None = None
+    plots: str = "none"
+    overwrite: bool = False
+    resume: bool = False
+    progress: bool = False
+    callback: Callable[[RunStep], object] | None = None
+    #: Whether the folder gets its tables and the end's fields: otherwise log and sealed result alone, with
+    #: the snapshots for which the study names distances.
+    whole: bool = True
+    #: Seconds that had gone when the run was asked for: imports.
+    before: float = 0.0
+
+    def check(self) -> None:
+        """Raises InputError for options that are not known or exclude each other."""
+        if self.callback is not None and not callable(self.callback):
+            raise InputError(
+                f"callback = {self.callback!r}: a function is expected, which is called with every step."
+            )
+        if self.resume and (self.out is None or self.overwrite):
+            more = ", and excludes overwrite" if self.overwrite else ""
+            raise InputError(f"resume needs out, a run folder{more}.")
+        if self.plots not in PLOTS:
+            allowed = ", ".join(PLOTS)
+            raise InputError(f"plots = {self.plots!r} is not known; allowed: {allowed}, true and false.")
+
+    def keeps_snapshots(self, study: Study) -> bool:
+        """Whether the result of a study gets snapshots."""
+        return self.whole or study.output.snapshots not in ("auto", ())
+
+
+def run_study(study: Study | str | Path, how: How) -> Result:
+    """Run a study and return its result, which knows the seconds of its phases; raises what `run` does."""
+    how.check()
+    study, given = _prepare(study, how.surface, how.out)
+    progress = Progress(study, quiet=not how.progress)
+    clock = Clock(before=how.before, entered=progress.phase)
+    with clock.running():
+        if how.out is not None and _is_there(study, given, how, how.out):
+            return Result.open(how.out)
+        draws = how.out is not None and how.plots != "none"
+        cores = check_threads(how.threads)
+        with Painter(cores if draws else 1) as painter:
+            result, at_hand = _compute(study, given, how, progress, painter)
+            if how.out is not None and draws:
+                _draw(result, at_hand, how.out, how.plots, painter)
+        result.seconds = clock.seconds
+        if how.out is not None and how.whole:
+            write_summary(how.out, result)
     return result
+
+
+def _is_there(study: Study, given: GivenSurface | None, how: How, folder: Path) -> bool:
+    """Whether the folder holds the run, finished. Raises InputError where it cannot be written or resumed."""
+    run_folder.check(folder, overwrite=how.overwrite, resume=how.resume)
+    if not how.resume:
+        return False
+    if run_folder.is_finished(folder, study):
+        if given:
+            given.refuse_others(folder)
+        return True
+    with opened(folder / CHECKPOINT) as found:  # before anything is made that takes long
+        if found is not None:
+            found.refuse_changes(study, device=str(find_device(how.device)))
+    return False
+
+
+def _compute(
+    study: Study, given: GivenSurface | None, how: How, progress: Progress, painter: Painter
+) -> tuple[Result, dict[int, Snapshot]]:
+    """Make the steps and leave the run in its folder; returns its result, and the snapshots in memory.
+
+    Raises at the end, when all is in its place, what stopped the run early.
+    """
+    with (
+        report_out_of_memory(study.cells),
+        executor_of(study, device=how.device, threads=how.threads) as executor,
+        run_folder.writing_to(how.out, overwrite=how.overwrite, resume=how.resume) as work,
+    ):
+        with _log_to(work), _result_file(work) as file:
+            LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
+            with phase("surface"):
+                writer = _writer_of(file, study, given, how, executor, work)
+                loop = StepLoop(
+                    study,
+                    executor,
+                    writer,
+                    progress,
+                    surface=given.surface if given else None,
+                    resume=how.out if how.resume else None,
+                )
+            if how.out and work:
+                loop.checkpoint_in(how.out, work)
+            loop.run(how.callback)
+            result = Result(file)
+            result.study = study  # as it is in the file
+            result.at_hand = writer.at_hand
+            with phase("write"):
+                _leave(result, loop, work if how.whole else None, painter)
+                writer.flush()
+        if work and how.out:
+            with phase("write"):
+                result.close()
+                run_folder.move_into_place(work, how.out)
+                loop.end_checkpoints()
+                result = Result.open_sealed(how.out / FILE_NAME)
+                if not result.owns_surface:  # which lies elsewhere now
+                    result.study = study
+    for stopped in (loop.failed, loop.interrupted):
+        if stopped is not None:
+            raise stopped
+    return result, writer.at_hand
+
+
+def _writer_of(
+    file: h5py.File,
+    study: Study,
+    given: GivenSurface | None,
+    how: How,
+    executor: Executor,
+    work: Path | None,
+) -> ResultWriter:
+    """The writer of the result's file, with the heights that were given beside it."""
+    if work and given:
+        given.save(work)
+    device, snapshots = str(executor.device), how.keeps_snapshots(study)
+    writer = ResultWriter(
+        file, study, study.cells, device=device, threads=executor.threads, snapshots=snapshots
+    )
+    if how.out and study.disc.surface == str(how.out.resolve() / SURFACE_FILE):
+        file.attrs[OWN_SURFACE] = True
+    return writer
+
+
+def _leave(result: Result, loop: StepLoop, work: Path | None, painter: Painter) -> None:
+    """Write the tables into the work folder, while figures are drawn of what there is."""
+    draws = loop.finished and painter.draws
+    if draws:
+        painter.order(result.plot, but=LATE)
+    if work:
+        write_tables(work, loop.study, result)
+    if draws:
+        painter.order(result.plot)
+
+
+def _draw(result: Result, at_hand: dict[int, Snapshot], folder: Path, plots: str, painter: Painter) -> None:
+    """Write the figures, those of the painter and those that it left."""
+    with phase("draw"):
+        result.at_hand = at_hand
+        result.plot.save_all(folder / "figures", plots=plots, drawn=painter.pictures())
+        result.at_hand = {}
 
 
 def steps(

@@ -3,7 +3,7 @@
 import math
 import re
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from numbers import Real
 from typing import Any
 
@@ -65,6 +65,12 @@ def parse(value: Any, unit: str) -> float:
         value = f"{float(value[0])!r} {value[1]}"
     if not isinstance(value, str):
         raise ValueError(f"needs its unit: {EXAMPLES[unit]}")
+    return _read(value, unit)
+
+
+@lru_cache(maxsize=4096)  # a study is read again with every change, and again from its result
+def _read(value: str, unit: str) -> float:
+    """Return a quantity that is text as a number in `unit`. Raises ValueError as `parse` does."""
     if "," in value:
         raise ValueError(f"has a comma: write the number with a decimal point, {EXAMPLES[unit]}")
     found = _NUMBER_AND_UNIT.fullmatch(value) if len(value) <= LONGEST_TEXT else None

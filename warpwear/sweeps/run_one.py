@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from warpwear.result import Result
 from warpwear.results.file import FILE_NAME
 from warpwear.results.summary import course
 from warpwear.runs import lock as run_lock
-from warpwear.runs.run import run
+from warpwear.runs.run import How, run_study
 from warpwear.study.study import Study
 
 fcntl = lazy.module("fcntl")
@@ -53,13 +52,13 @@ class Row:
 def run_one(task: Task) -> Row:
     """Compute a run, or go on with it, unless its folder holds it finished; a run that fails is a row too."""
     start, folder = time.perf_counter(), Path(task.folder)
-    how: dict[str, Any] = {"device": task.device, "threads": task.threads, "plots": False, "resume": True}
+    how = How(out=folder, device=task.device, threads=task.threads, resume=True, whole=False)
     try:
         study = Study.stored(task.study)
         folder.mkdir(parents=True, exist_ok=True)
         with _alone_in(folder):
             was_there = is_there(folder)
-            with _warnings_left_to_the_summary(), run(study, out=folder, **how) as result:
+            with _warnings_left_to_the_summary(), run_study(study, how) as result:
                 found = row_of(result)
         return found if was_there else replace(found, seconds=time.perf_counter() - start)
     except (InputError, ConvergenceError, InvariantError, MemoryError) as error:

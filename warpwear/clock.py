@@ -1,0 +1,69 @@
+"""Where the time of a run goes: seconds of its phases, of which one goes on at a time."""
+
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+#: What a person is told, of which phases it is the sum.
+TOLD = {
+    "load": ("imports", "kernels", "surface"),
+    "compile": ("compile",),
+    "solve": ("steps",),
+    "write": ("snapshots", "evolution", "write"),
+    "draw": ("draw",),
+}
+
+
+class Clock:
+    """Adds up the seconds of each phase; one inside another counts for itself alone.
+
+    before: seconds that had gone when it was made, which are imports. entered: is told what phase begins.
+    """
+
+    def __init__(self, *, before: float = 0.0, entered: Callable[[str], object] = lambda phase: None) -> None:
+        self.phases: defaultdict[str, float] = defaultdict(float)
+        self._entered = entered
+        self._phase, self._since = "imports", time.perf_counter() - before
+
+    def turn_to(self, phase: str) -> str:
+        """Begin a phase; returns the one that went on."""
+        before, now = self._phase, time.perf_counter()
+        self.phases[before] += now - self._since
+        self._phase, self._since = phase, now
+        return before
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Count the phases of this thread that begin in this context."""
+        token = _CLOCK.set(self)
+        try:
+            yield
+        finally:
+            _CLOCK.reset(token)
+            self.turn_to("")
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Seconds so far of what `TOLD` names."""
+        self.turn_to(self._phase)
+        return {name: round(sum(self.phases.get(p, 0.0) for p in parts), 3) for name, parts in TOLD.items()}
+
+
+_CLOCK: ContextVar[Clock | None] = ContextVar("clock", default=None)
+
+
+@contextmanager
+def phase(name: str) -> Iterator[None]:
+    """Count what happens in this context as a phase of the run that goes on in this thread, if one does."""
+    clock = _CLOCK.get()
+    if clock is None:
+        yield
+        return
+    before = clock.turn_to(name)
+    try:
+        clock._entered(name)
+        yield
+    finally:
+        clock.turn_to(before)
