@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InputError, InvariantError
@@ -32,6 +34,8 @@ LOG = logging.getLogger("warpwear")
 
 #: A coefficient of friction beyond this is a mistake, not a result.
 ABSURD_COEFFICIENT = 3.0
+#: A step on the half-space whose length changes the area by more, relatively, is told of.
+AREA_ERROR = 0.05
 #: A contact of fewer cells is not resolved.
 FEW_CELLS = 20
 
@@ -277,6 +281,12 @@ class StepLoop:
             self._add_warning(
                 f"The coefficient of friction reaches {highest:.3g}, which no contact has: the shear "
                 f"strength belongs to another area than friction.area = '{self.study.friction.area}'."
+            )
+        long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
+        if long:
+            self._add_warning(
+                f"sliding.shift = {self.study.sliding.shift} cells is too long for {long} of the steps: by "
+                f"estimate it changes their area by more than {100.0 * AREA_ERROR:g} %; a smaller one is needed."
             )
         fewest = history["cells_in_contact"].min()
         if fewest < FEW_CELLS:
