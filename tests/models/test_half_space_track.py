@@ -322,7 +322,7 @@ def test_a_step_over_a_smooth_disc_is_one_of_single_cells(track: str) -> None:
 
 
 def test_a_step_that_stays_too_long_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warpwear.models.track.half_space.LARGEST_ERROR", 1e9)
+    monkeypatch.setattr("warpwear.models.track.half_space.LARGEST_ERROR", np.inf)
     result = warpwear.run(small("representative", contact__law="half-space", sliding__distance="1.2 mm"))
     assert result.history["parts"].max() == 1.0
     assert any("too long for 2 of the steps" in note for note in result.summary["warnings"])
