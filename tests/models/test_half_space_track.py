@@ -321,6 +321,13 @@ def test_a_step_over_a_smooth_disc_is_one_of_single_cells(track: str) -> None:
     assert summed == {"number": ends[-1], "most_of_a_step": shift, "estimated_error_at_most": 0.0}
 
 
+def test_a_step_that_stays_too_long_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("warpwear.models.track.half_space.LARGEST_ERROR", np.inf)
+    result = warpwear.run(small("representative", contact__law="half-space", sliding__distance="1.2 mm"))
+    assert result.history["parts"].max() == 1.0
+    assert any("too long for 2 of the steps" in note for note in result.summary["warnings"])
+
+
 def sliding_ball(ra: float, shift: int, *, cell: str, passes: int, **changes: str) -> dict[str, FloatArray]:
     """History of the preset `track` on a track of 1.6 mm; changes: keys with __ for the dot."""
     base = {"contact.law": "half-space", "grid.cell": cell, "grid.extent": "0.6 mm", "sliding.shift": shift}

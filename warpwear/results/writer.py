@@ -226,7 +226,7 @@ def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:
         return None
     deflate = zlib.compressobj(LEVEL, strategy=zlib.Z_RLE)
     shuffled = np.ascontiguousarray(words.view(np.uint8).reshape(-1, words.itemsize).T)
-    return deflate.compress(memoryview(shuffled)) + deflate.flush()
+    return deflate.compress(shuffled.data) + deflate.flush()
 
 
 def _label(dataset: h5py.Dataset, scales: h5py.Group, *names: str) -> None:
