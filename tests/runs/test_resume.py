@@ -47,15 +47,10 @@ CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["s
 #: What makes a step of a model that lies still, or of a contact that slides.
 MODELS = (OneScaleModel, TwoScaleModel, HalfSpacePatches)
 ADVANCE: dict[tuple[Any, str], Callable[..., Any]] = {(model, "advance"): model.advance for model in MODELS}
-<<<<<<< HEAD
 ADVANCE |= {
     (SlidingContact, "step"): SlidingContact.step,
     (SlidingHalfSpace, "slide"): SlidingHalfSpace.slide,
 }
-=======
-ADVANCE |= {(SlidingContact, "step"): SlidingContact.step}
-ADVANCE |= {(SlidingHalfSpace, "slide"): SlidingHalfSpace.slide}
->>>>>>> slide
 
 SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
 

@@ -10,10 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-<<<<<<< HEAD
 from warpwear.clock import phase
-=======
->>>>>>> slide
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InputError, InvariantError
@@ -320,7 +317,12 @@ class StepLoop:
                 f"The coefficient of friction reaches {highest:.3g}, which no contact has: the shear "
                 f"strength belongs to another area than friction.area = '{self.study.friction.area}'."
             )
-<<<<<<< HEAD
+        long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
+        if long:
+            self._add_warning(
+                f"sliding.shift = {self.study.sliding.shift} cells is too long for {long} of the steps, whose "
+                f"area it changes by more than {100.0 * AREA_ERROR:g} % by estimate; a smaller one is needed."
+            )
         tau = friction.final_strength(
             self.study.friction,
             history,
@@ -329,16 +331,6 @@ class StepLoop:
             lap=self.study.lap,
         )
         if tau > self.study.shear_limit:
-=======
-        long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
-        if long:
-            self._add_warning(
-                f"sliding.shift = {self.study.sliding.shift} cells is too long for {long} of the steps, whose "
-                f"area it changes by more than {100.0 * AREA_ERROR:g} % by estimate; a smaller one is needed."
-            )
-        fewest = history["cells_in_contact"].min()
-        if fewest < FEW_CELLS:
->>>>>>> slide
             self._add_warning(
                 f"The shear strength τ0 = {tau:.3g} MPa is beyond H/(3√3) = {self.study.shear_limit:.3g} "
                 "MPa, which the softer body bears: it would shear instead of the interface."
