@@ -65,9 +65,9 @@ def test_the_hdf5_file_is_as_documented(folder: Path) -> None:
 def test_snapshots_are_the_same_with_threads_without_and_in_memory(tmp_path: Path) -> None:
     """Blocks at the edges of 300 cells are filled up; those of zeros are not stored."""
     study = quick(grid__cell="5 um", grid__extent="1.5 mm", sliding__distance="0.1 mm")
-    with run(study) as in_memory:
+    with warpwear.run(study) as in_memory:
         for threads in (1, 2):
-            with run(study, out=tmp_path / str(threads), threads=threads, plots=False) as result:
+            with warpwear.run(study, out=tmp_path / str(threads), threads=threads, plots=False) as result:
                 for snapshot, other in zip(result.snapshots, in_memory.snapshots, strict=True):
                     for name, values in snapshot.fields.items():
                         assert np.array_equal(values, other.fields[name]), name
@@ -76,7 +76,7 @@ def test_snapshots_are_the_same_with_threads_without_and_in_memory(tmp_path: Pat
 
 
 def test_a_run_tells_its_seconds(tmp_path: Path) -> None:
-    with run(quick(sliding__distance="0.1 mm"), out=tmp_path / "out", plots=False) as result:
+    with warpwear.run(quick(sliding__distance="0.1 mm"), out=tmp_path / "out", plots=False) as result:
         told = json.loads((tmp_path / "out" / "summary.json").read_text())["seconds"]
         assert told == result.seconds == result.summary["seconds"]
     assert list(told) == ["load", "compile", "solve", "write", "draw"]
