@@ -83,7 +83,7 @@ class ResultWriter:
         snapshots = self._file["snapshots"]
         plenty = size < AT_HAND * psutil.virtual_memory().available
         if self._file.driver != "core" and plenty:  # the fields change in the next step
-            copies = {name: values.copy() for name, values in snapshot.fields.items()}
+            copies: dict[str, Any] = {name: values.copy() for name, values in snapshot.fields.items()}
             snapshot = self.at_hand[len(snapshots)] = replace(snapshot, **copies)
         group = snapshots.create_group(f"{len(snapshots):04d}")
         group.attrs["distance"] = snapshot.distance
@@ -226,7 +226,7 @@ def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:
         return None
     deflate = zlib.compressobj(LEVEL, strategy=zlib.Z_RLE)
     shuffled = np.ascontiguousarray(words.view(np.uint8).reshape(-1, words.itemsize).T)
-    return deflate.compress(shuffled) + deflate.flush()
+    return deflate.compress(shuffled.data) + deflate.flush()
 
 
 def _label(dataset: h5py.Dataset, scales: h5py.Group, *names: str) -> None:
