@@ -157,8 +157,8 @@ def _find(
         if same:
             break
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
-    # where within the rim the patch ends is not known any better
-    errors = _errors((patch | rim, rim), lost, unworn, pixel=pixel, fitted=radius is None)
+    # where within the rim the patch ends is not known any better: half of the rim, on average
+    errors = _errors((patch + 0.5 * rim, 1.0 * rim), lost, unworn, pixel=pixel, fitted=radius is None)
     return WornBall(
         sphere=sphere,
         lost=lost,
@@ -241,14 +241,14 @@ def _density(lost: FloatArray, unworn: BoolArray, *, area: float, terms: int) ->
 
 
 def _errors(
-    parts: tuple[BoolArray, BoolArray],
+    parts: tuple[FloatArray, FloatArray],
     lost: FloatArray,
     unworn: BoolArray,
     *,
     pixel: tuple[float, float],
     fitted: bool,
 ) -> list[float]:
-    """Return the standard errors of volumes [mm³] over parts of the field, shape (nx, ny).
+    """Return the standard errors of volumes [mm³] over parts of the field: weights, shape (nx, ny).
 
     They are what fit and sum would find on unworn surface, as it lies beside the patch. The fit is taken as
     one of 1, x, y and, where the radius is `fitted`, x² + y²; the surface as alike in all directions.
@@ -279,7 +279,7 @@ def _errors(
     )
     area = pixel[0] * pixel[1]
     fit = terms[:, unworn]
-    taken = [np.linalg.solve(fit @ fit.T, terms[:, part].sum(axis=1)) for part in parts]
+    taken = [np.linalg.solve(fit @ fit.T, np.tensordot(terms, part, 2)) for part in parts]
     found_errors = []
     for part, factors in zip(parts, taken, strict=True):
         weights: FloatArray = part - np.where(unworn, np.tensordot(factors, terms, 1), 0.0)
