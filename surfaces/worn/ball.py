@@ -158,7 +158,8 @@ def _find(
             break
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
     # where within the rim the patch ends is not known any better: half of the rim, on average
-    errors = _errors((patch + 0.5 * rim, 1.0 * rim), lost, unworn, pixel=pixel, fitted=radius is None)
+    parts = np.asarray(patch + 0.5 * rim, dtype=np.float64), np.asarray(1.0 * rim, dtype=np.float64)
+    errors = _errors(parts, lost, unworn, pixel=pixel, fitted=radius is None)
     return WornBall(
         sphere=sphere,
         lost=lost,

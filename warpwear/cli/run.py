@@ -1,6 +1,7 @@
 """The command `warpwear run`: a study in, a run folder out."""
 
 import signal
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -54,7 +55,8 @@ def run(
     A checkpoint for --resume is written every 2 minutes (key run.checkpoint) and on Ctrl-C.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # a batch system's way of pressing Ctrl-C
-    click.echo(f"warpwear {__version__}: {study}", err=True)  # what comes next is imported for a second
+    if sys.stderr.isatty():  # a sign of life: what comes next is imported for a second
+        click.echo(f"warpwear {__version__}: {study}", err=True)
     loaded = load_study(study, changes)
     folder = out if out is not None else Path(loaded.study.name)
     if options["resume"] and not options["overwrite"] and run_folder.is_finished(folder, loaded):
