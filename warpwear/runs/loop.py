@@ -285,8 +285,8 @@ class StepLoop:
         long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
         if long:
             self._add_warning(
-                f"sliding.shift = {self.study.sliding.shift} cells is too long for {long} of the steps, whose "
-                f"area it changes by more than {100.0 * AREA_ERROR:g} % by estimate; a smaller one is needed."
+                f"sliding.shift = {self.study.sliding.shift} cells is too long for {long} of the steps, "
+                f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate; a smaller one is needed."
             )
         fewest = history["cells_in_contact"].min()
         if fewest < FEW_CELLS:
