@@ -286,7 +286,8 @@ class StepLoop:
         if long:
             self._add_warning(
                 f"sliding.shift = {self.study.sliding.shift} cells is too long for {long} of the steps, "
-                f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate; a smaller one is needed."
+                f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
+                "needed."
             )
         fewest = history["cells_in_contact"].min()
         if fewest < FEW_CELLS:
