@@ -321,7 +321,8 @@ class StepLoop:
         if long:
             self._add_warning(
                 f"sliding.shift = {self.study.sliding.shift} cells is too long for {long} of the steps, "
-                f"whose area it changes by over {100.0 * AREA_ERROR:g} % by estimate; a smaller one is needed."
+                f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
+                "needed."
             )
         tau = friction.final_strength(
             self.study.friction,

@@ -173,9 +173,8 @@ class SlidingHalfSpace:
         """See what the contact that was solved says of the next: sums and maxima of its cells."""
         if not self._moves:
             return
-        along = (
-            most["last_row"] + most["first_row"] + 1.0
-        )  # of all that was touched; firsts come as −1 × them
+        # Extents in cells of all that was ever touched; first rows and columns come with a minus.
+        along = most["last_row"] + most["first_row"] + 1.0
         across = most["last_column"] + most["first_column"] + 1.0
         bearing = total["contact"] / (0.25 * math.pi * along * across)
         if bearing < KEEPS_PRESSURE:
