@@ -155,7 +155,9 @@ def _find(
             break
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
     # where within the rim the patch ends is not known any better: half of the rim, on average
-    errors = _errors((patch + 0.5 * rim, 1.0 * rim), lost, unworn, pixel=pixel, fitted=radius is None)
+    errors = _errors(
+        (patch + 0.5 * rim, rim.astype(np.float64)), lost, unworn, pixel=pixel, fitted=radius is None
+    )
     return WornBall(
         sphere=sphere,
         lost=lost,
