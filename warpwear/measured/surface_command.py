@@ -108,7 +108,7 @@ def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
     if options.before is not None:
         earlier = read_surface(options.before, {**options.preparation, "level": "none", "crop": None})
         changed = difference(
-            surface.levelled, earlier.levelled, pixel=surface.pixel, earlier_pixel=earlier.pixel
+            surface.measured, earlier.measured, pixel=surface.pixel, earlier_pixel=earlier.pixel
         )
     heights = None if changed is None else changed.heights
     level = options.preparation.get("level")
@@ -135,7 +135,7 @@ def track_in(
     degree = degree_of(_level(level) if level is not None else "plane")
     if isinstance(degree, str):
         raise InputError("--level sphere is for a ball: allowed with --track is none, plane or a degree")
-    heights = surface.levelled if heights is None else heights
+    heights = surface.measured if heights is None else heights
     return find_track(heights, pixel=surface.pixel, degree=degree, width=width), degree
 
 

@@ -36,7 +36,8 @@ def said(kind, off, *more):
 def test_a_volume_is_off_by_its_error_where_the_surface_is_wavy():
     # the scatter of sections along the track knows nothing of waves that run along it
     off, widths = zip(
-        *(off_by_errors(kind, 20) for kind in ("turned", "self-affine", "rolled-off")), strict=True
+        *(off_by_errors(kind, 14, shape=(60, 160)) for kind in ("turned", "self-affine", "rolled-off")),
+        strict=True,
     )
     off, widths = np.concatenate(off), np.concatenate(widths)
     one, two, three = said("together", off)
