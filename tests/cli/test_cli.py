@@ -38,7 +38,6 @@ def test_a_run_from_the_command_line(tmp_path: Path) -> None:
     assert "disc_map" not in drawn  # only with --plots all
     assert "area in contact" in done.stdout
     assert "written to v3-fine/ (load " in done.stdout
-    assert done.stderr.startswith("warpwear ")
     # Plain lines where there is no terminal, and nothing of Warp's own talk.
     assert "\r" not in done.stderr
     assert "CUDA" not in done.stderr + done.stdout

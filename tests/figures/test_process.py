@@ -131,11 +131,11 @@ def test_which_figures_are_asked_for(tmp_path: Path) -> None:
 def test_figures_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
 
-    def run(study: Study, *, plots: str, **_: Any) -> None:
-        asked.append(plots)
+    def run_study(study: Study, how: Any) -> None:
+        asked.append(how.plots)
         raise InputError("enough")
 
-    monkeypatch.setattr("warpwear.runs.run.run", run)
+    monkeypatch.setattr("warpwear.runs.run.run_study", run_study)
     for options in ([], ["--plots", "all"], ["--no-plots"], ["--plots", "none"]):
         CliRunner().invoke(commands, ["run", "v1", "--out", str(tmp_path / "out"), *options])
     assert asked == ["essential", "all", "none", "none"]

@@ -32,7 +32,7 @@ from warpwear.version import __version__
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint in the folder.")
 @click.pass_obj
 def run(
-    started: float,
+    started: float | None,
     study: str,
     changes: tuple[str, ...],
     out: Path | None,
@@ -67,7 +67,7 @@ def run(
             out=folder,
             plots="none" if no_plots else plots,
             progress=True,
-            before=time.perf_counter() - started,
+            before=0.0 if started is None else time.perf_counter() - started,
             **options,
         )
         result = runner.run_study(loaded, how)

@@ -120,7 +120,7 @@ def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
         then = f"{options.before} laid over it and taken off, {then}"
         rows.insert(1, Row("before", "before", before_rows(changed, file=str(options.before))))
     return Outcome(
-        rows, [*file_lines(file, then), *lines(rows)], lambda: track_figure(track, filled=surface.filled)
+        rows, [*file_lines(file, then), *lines(rows)], lambda: track_figure(track, filled=track.missing)
     )
 
 
