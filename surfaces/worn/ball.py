@@ -9,6 +9,7 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.filling import filled
 from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
 from warpwear.surfaces.worn.waviness import waviness
@@ -87,15 +88,15 @@ def cap_of_diagonals(first: float, second: float, *, radius: float) -> Cap:
 def find_worn_ball(
     heights: FloatArray, *, pixel: tuple[float, float], radius: float | None = None
 ) -> WornBall:
-    """Find the worn patch of a ball in complete heights [mm], shape (nx, ny), positive out of the material.
+    """Find the worn patch of a ball in heights [mm], shape (nx, ny), positive out of the material.
 
-    pixel: (px, py) [mm]. A sphere (of the given radius [mm], or fitted) goes through what is not worn: first
-    the outer part of the field, then, in rounds, all that does not lie below it by four times its scatter or
-    next to what does. The patch is the largest connected piece below, grown to where its surroundings no
-    longer lie lower on average. A fitted radius must give the same volume from a start in the corners of the
-    field alone, and the patch must be deeper in its middle: where little is unworn, its flat may pass for the
-    sphere. Raises InputError where no sphere fits, nothing is worn, or too little is unworn to tell the
-    radius.
+    heights: NaN where missing; the depth lost is filled there from its rim. pixel: (px, py) [mm]. A sphere
+    (of the given radius [mm], or fitted) goes through what is not worn: first the outer part of the field,
+    then, in rounds, all that does not lie below it by four times its scatter or next to what does. The patch
+    is the largest connected piece below, grown to where its surroundings no longer lie lower on average. A
+    fitted radius must give the same volume from a start in the corners of the field alone, and the patch must
+    be deeper in its middle: where little is unworn, its flat may pass for the sphere. Raises InputError where
+    no sphere fits, nothing is worn, or too little is unworn to tell the radius.
     """
     x, y = places(heights.shape, pixel)
     u, v = (np.abs(p) / (0.5 * np.ptp(p)) for p in (x, y))
@@ -117,7 +118,8 @@ def _find(
     """Find the worn patch from a start: the points that are taken as unworn at first, shape (nx, ny)."""
     x, y = places(heights.shape, pixel)
     area = pixel[0] * pixel[1]
-    unworn, patch = start, ~start
+    measured = ~np.isnan(heights)
+    unworn, patch = start & measured, ~start
     terms, least, lacking = 4, LEAST_FOR_RADIUS, NOT_TOLD
     if radius is not None:
         terms, least, lacking = 3, LEAST_UNWORN, TOO_LITTLE
@@ -132,8 +134,9 @@ def _find(
                 "gives depths"
             )
         lost = sphere.heights(x, y) - heights
-        if np.isnan(lost).any():
+        if np.isnan(lost[measured]).any():
             raise InputError("the measurement reaches beyond the ball: --crop takes a smaller part")
+        lost = filled(lost)
         rest = lost[unworn]
         noise = TO_SIGMA * float(np.median(np.abs(rest - np.median(rest))))
         limit = max(THRESHOLD * noise, 1e-6 * float(np.ptp(lost)))
@@ -148,16 +151,15 @@ def _find(
         found, rim = _grown(lost, seed & near, near, pixel=pixel, density=density)
         same = np.array_equal(found, patch)
         patch = found
-        unworn = ~patch & ~rim & ((lost < limit) | ~start)
+        unworn = measured & ~patch & ~rim & ((lost < limit) | ~start)
         if unworn.mean() < least:
             raise InputError(lacking)
         if same:
             break
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
     # where within the rim the patch ends is not known any better: half of the rim, on average
-    errors = _errors(
-        (patch + 0.5 * rim, rim.astype(np.float64)), lost, unworn, pixel=pixel, fitted=radius is None
-    )
+    parts = np.asarray(patch + 0.5 * rim, dtype=np.float64), np.asarray(1.0 * rim, dtype=np.float64)
+    errors = _errors(parts, lost, unworn, pixel=pixel, fitted=radius is None)
     return WornBall(
         sphere=sphere,
         lost=lost,

@@ -110,7 +110,8 @@ def test_full_tiling_without_bulk_is_the_one_scale_run(
             a, b = one.snapshot(i), two.snapshot(i)
             for name in ("pressure", "wear_sphere", "wear_disc"):
                 expected = getattr(a, name)
-                assert_allclose(getattr(b, name), expected, rtol=0.0, atol=1e-12 * expected.max())
+                # A pressure is a difference of heights, which round at 1e-18 mm, by a compliance.
+                assert_allclose(getattr(b, name), expected, rtol=0.0, atol=4e-12 * expected.max())
             assert_allclose(b.gap, a.gap, rtol=0.0, atol=1e-15)
             assert_array_equal(b.pressure > 0.0, a.pressure > 0.0)
 

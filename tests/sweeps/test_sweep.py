@@ -227,6 +227,18 @@ def test_killed_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
     assert all(path.stat().st_mtime_ns == when for path, when in times.items())
 
 
+def test_lock_of_a_lost_computer_is_broken(tmp_path: Path) -> None:
+    """Whoever holds the lock of the system knows that the run there is gone; what it left goes, too."""
+    plan = Plan(small(), section_of({"vary": {"contact.load": ["8 N"]}}, {}))
+    task = task_of(plan, plan.points[0], tmp_path, 1)
+    left = Path(task.folder) / ".work-gone"
+    left.mkdir(parents=True)
+    owner = {"pid": 1, "started": 0.0, "host": "another", "work": [left.name]}
+    (left.parent / ".lock").write_text(json.dumps(owner), encoding="utf-8")
+    assert run_one(task).status == "done"
+    assert not left.exists()
+
+
 @contextmanager
 def processes(*commands: list[str]) -> Iterator[list["subprocess.Popen[str]"]]:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}

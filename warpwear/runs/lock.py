@@ -3,6 +3,7 @@
 import json
 import os
 import platform
+import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -50,6 +51,19 @@ def work_folders(folder: Path) -> list[str]:
         return [name for name in names if name.startswith(WORK) and Path(name).name == name]
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []
+
+
+def forget_other_computers(folder: Path) -> None:
+    """Remove the lock of a run on another computer, and what it left, for who knows that it is gone."""
+    path = folder / NAME
+    try:
+        host = json.loads(path.read_text(encoding="utf-8"))["host"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return
+    if host != platform.node():
+        for name in work_folders(folder):
+            shutil.rmtree(folder / name, ignore_errors=True)
+        path.unlink(missing_ok=True)
 
 
 def refuse_if_held(folder: Path) -> None:

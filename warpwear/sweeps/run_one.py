@@ -115,8 +115,7 @@ def _alone_in(folder: Path) -> Iterator[None]:
         except (ImportError, OSError):  # not every system has it: the run's own lock is left
             yield
             return
-        # Whoever held the run's lock without this one is gone.
-        (folder / run_lock.NAME).unlink(missing_ok=True)
+        run_lock.forget_other_computers(folder)  # a run there would hold the lock of the system
         yield
 
 
