@@ -6,6 +6,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from warpwear.grid import FloatArray
 from warpwear.history.quantities import FIELDS, OF_THE_TRACK, PATCH_TABLES
 from warpwear.study.study import Study
 
@@ -55,9 +56,7 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
             _numbers(file, f"history/{name}", (steps,))
         if name in AREAS and not file[f"history/{name}"][()].min() > 0.0:
             raise ValueError(f"its history/{name} is not always positive")
-    distance = file["history/distance"][()]
-    if not np.isfinite(distance).all() or distance[0] < 0.0 or (np.diff(distance) < 0.0).any():
-        raise ValueError("its history/distance does not grow")
+    _check_distance(file["history/distance"][()], _numbers(file, "history/increment")[()])
     _numbers(file, "grid/x", (nx,))
     _numbers(file, "grid/y", (ny,))
     if study.is_swept:
@@ -94,6 +93,12 @@ def check_fields(fields: dict[str, Any]) -> None:
         known = values[~np.isnan(values)]
         if name != "gap" and known.size and not (np.isfinite(known).all() and known.min() >= 0.0):
             raise ValueError(f"its {name} is negative or infinite in places")
+
+
+def _check_distance(distance: FloatArray, increment: FloatArray) -> None:
+    slid = np.cumsum(np.maximum(increment, 0.0))
+    if not np.isfinite(distance).all() or not np.allclose(slid, distance, rtol=1.0e-6, atol=0.0):
+        raise ValueError("its history/distance is not the sum of its increments")
 
 
 def _check_record(record: Any) -> None:

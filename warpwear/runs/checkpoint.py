@@ -199,8 +199,12 @@ class StoredCheckpoint:
 
     def read(self) -> Checkpoint:
         """Where the run was: all that is stored but the snapshots."""
+        arrays = {name: dataset[()] for name, dataset in self.file["model"].items()}
+        for name, values in arrays.items():
+            if not isinstance(values, np.ndarray) or values.dtype.kind not in "biuf":
+                raise ValueError(f"{name} holds no numbers")
         return Checkpoint(
-            {name: dataset[()] for name, dataset in self.file["model"].items()},
+            arrays,
             rows=self._rows,
             **{name: self._about[name] for name in OF_THE_RUN},
         )
