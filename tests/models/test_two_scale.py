@@ -108,10 +108,15 @@ def test_full_tiling_without_bulk_is_the_one_scale_run(
             assert_allclose(two.history[name], one.history[name], rtol=1e-12, err_msg=name)
         for i in range(one.snapshot_distances.size):
             a, b = one.snapshot(i), two.snapshot(i)
-            for name in ("pressure", "wear_sphere", "wear_disc"):
+            for name in ("wear_sphere", "wear_disc"):
                 expected = getattr(a, name)
-                # A pressure is a difference of heights, which round at 1e-18 mm, by a compliance.
-                assert_allclose(getattr(b, name), expected, rtol=0.0, atol=4e-12 * expected.max())
+                assert_allclose(getattr(b, name), expected, rtol=0.0, atol=1e-12 * expected.max())
+            # heights sampled patch by patch and all at once are the same sum to its rounding, 1e-17 mm; a
+            # pressure below hardness is their difference by the compliance 1/k + (K_s + K_d) ΔL
+            wear_per_mm = 1e-3 * (study.wear.sphere.value + study.wear.disc.value)
+            step = one.history["increment"][np.argmin(np.abs(one.history["distance"] - a.distance))]
+            compliance = 1.0 / study.contact.stiffness + wear_per_mm * step
+            assert_allclose(b.pressure, a.pressure, rtol=0.0, atol=1e-12 * a.pressure.max() + 1e-17 / compliance)
             assert_allclose(b.gap, a.gap, rtol=0.0, atol=1e-15)
             assert_array_equal(b.pressure > 0.0, a.pressure > 0.0)
 
