@@ -62,12 +62,14 @@ class FigureData:
 
     @cached_property
     def about(self) -> About:
-        study, friction, calibrated = self.study, self.study.friction, ""
-        if friction.shear_strength is None:
+        study, friction = self.study, self.study.friction
+        if friction.shear_strength is not None:
+            shear = f"shear strength {friction.shear_strength:g} MPa, as given"
+        else:
             whole = "the end" if friction.calibrate == "end" else "the start"
             passed = "in the last pass" if friction.calibrate == "end" else "in the first pass"
             when = f"at {whole}" if study.lap is None else passed
-            calibrated = f"calibrated to {friction.coefficient:g} {when}"
+            shear = f"calibrated to {friction.coefficient:g} {when}"
         return About(
             slider="sphere" if study.sphere.curvature else "flat",
             curvature=study.sphere.curvature,
@@ -75,7 +77,7 @@ class FigureData:
             cell=study.grid.cell,
             load=study.contact.load,
             friction_area=friction.area,
-            calibrated=calibrated,
+            shear=shear,
             lap=study.lap,
         )
 

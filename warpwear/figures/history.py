@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
 from warpwear.figures.view import positive
-from warpwear.laws.friction import mean_over
 
 if TYPE_CHECKING:
     from warpwear.figures.data import FigureData
@@ -28,14 +27,14 @@ TIMES = ((36000.0, "h", 3600.0), (600.0, "min", 60.0), (0.0, "s", 1.0))
 
 @fs.panels()
 def cof(axes: Axes, data: "FigureData") -> None:
-    """Coefficient of friction over the distance slid, and relative to its end: to a last pass's mean."""
+    """Coefficient of friction over the distance slid."""
     fs.over_distance(axes, data.course["distance"], data.course["cof"], color=fs.NEUTRAL)
     _finish_cof(axes, data)
 
 
 @fs.panels()
 def cof_time(axes: Axes, data: "FigureData") -> None:
-    """Coefficient of friction over the sliding time, and relative to its end: to a last pass's mean."""
+    """Coefficient of friction over the sliding time."""
     time = data.course["time"]
     unit, seconds = next((unit, s) for least, unit, s in TIMES if time[-1] >= least)
     label = f"sliding time, {unit}"
@@ -44,17 +43,10 @@ def cof_time(axes: Axes, data: "FigureData") -> None:
 
 
 def _finish_cof(axes: Axes, data: "FigureData") -> None:
-    """Label the coefficient, with a second scale relative to its end on the right."""
+    """Label the coefficient and say which area shears and where its shear strength comes from."""
     axes.set(ylabel="coefficient of friction, –", xlim=(0.0, None), ylim=(0.0, None))
-    lap = data.about.lap
-    end = mean_over(data.history, data.history["cof"], "end", lap)
-    if end > 0.0:
-        to_relative: Any = (lambda v: v / end, lambda v: v * end)
-        relative = axes.secondary_yaxis("right", functions=to_relative)
-        relative.set_ylabel(f"relative to {'its end value' if lap is None else 'the last pass’s mean'}, –")
-        relative.spines["right"].set_visible(True)
-    title = f"area that shears: {AREAS[data.about.friction_area][0]}"
-    axes.set_title(f"{title}\n{data.about.calibrated}" if data.about.calibrated else title)
+    area = AREAS[data.about.friction_area][0]
+    axes.set_title(f"area that shears: {area}\n{data.about.shear}")
 
 
 @fs.panels()

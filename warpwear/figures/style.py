@@ -104,6 +104,7 @@ class Room:
     line: float = 0.135  # of a title
     legend: float = 0.165  # of a row of a legend
     edge: float = 0.1
+    last: float = 0.16  # beyond the last panel: half of its last tick label
 
 
 ROOM = Room()
@@ -154,7 +155,7 @@ class Sheet(Figure):
         aboves = [above(row) for row in panels]
         belows = [ROOM.below if says(row, "get_xlabel") else 0.5 * ROOM.edge for row in panels]
         legend = self._legend_rows * ROOM.legend
-        end = ROOM.right + 2.0 * ROOM.edge if self.bar is not None else ROOM.edge
+        end = ROOM.right + 2.0 * ROOM.edge if self.bar is not None else ROOM.last
         width, height = self.get_size_inches()
         side = (width - sum(lefts) - sum(rights) - end) / panels.shape[1]
         taken = legend + sum(aboves) + sum(belows)

@@ -39,7 +39,7 @@ class About:
     cell: float  # [mm]
     load: float  # [N]
     friction_area: str  # which area shears
-    calibrated: str  # what fixed the shear strength, "" where it was given
+    shear: str  # where the shear strength comes from
     lap: float | None  # slid in a pass [mm]; None where the disc lies still
 
     def name_of(self, body: str) -> str:
