@@ -567,6 +567,7 @@ def test_labels_of_axes_take_no_room(folder: Path, tmp_path: Path, monkeypatch: 
     assert labelled - bare < 300 * datasets
 
 
+@pytest.mark.slow
 def test_more_snapshots_than_a_scale_can_list(monkeypatch: pytest.MonkeyPatch) -> None:
     """A list of its users in a scale ends at 64 KiB: labels do not keep one."""
     stops = [f"{d:g} mm" for d in np.linspace(0.002, 3.0, 1300)]
