@@ -131,7 +131,7 @@ def alone(device: str) -> dict[str, Any]:
         ("share", not_a_number, r"is no finite number"),
         ("gap", less_worn, r"wear_volume_sphere = .* of Archard's law"),
     ],
-    ids=str,
+    ids=["gap", "share", "worn"],
 )
 def test_a_broken_state_stops_the_run_with_what_came_before(
     name: str, how: Any, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, device: str
