@@ -1,6 +1,6 @@
 """The fields of one moment of a run."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,11 @@ class Snapshot:
     def fields(self) -> dict[str, FloatArray]:
         """Name -> field, of those that there are; units in `warpwear.history.quantities`."""
         return {name: values for name, values in vars(self).items() if isinstance(values, np.ndarray)}
+
+    def lasting(self) -> "Snapshot":
+        """The same, which no later step changes: a field that has no memory of its own is copied."""
+        fields: dict[str, Any] = {k: v for k, v in self.fields.items() if not v.flags.owndata}
+        return replace(self, **{name: values.copy() for name, values in fields.items()})
 
     def __repr__(self) -> str:
         nx, ny = self.pressure.shape

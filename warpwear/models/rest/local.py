@@ -97,9 +97,15 @@ class OneScaleModel(Model):
 
     def worn(self) -> tuple[FloatArray, FloatArray]:
         """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""
-        both = self._executor.to_numpy(self.state.gap) - self._executor.to_numpy(self.state.unworn)
+        first, end = self._ledger.columns  # nothing is worn beyond them
+        gap, unworn = self._executor.to_numpy(self.state.gap), self._executor.to_numpy(self.state.unworn)
+        both = np.zeros(gap.shape)
+        np.subtract(gap[:, first:end], unworn[:, first:end], out=both[:, first:end])
         of_sphere, of_disc = self.state.fractions
-        return of_sphere * both, of_disc * both
+        sphere = np.zeros(gap.shape)
+        np.multiply(of_sphere, both[:, first:end], out=sphere[:, first:end])
+        both[:, first:end] *= of_disc
+        return sphere, both
 
     @property
     def in_blocks(self) -> bool:
