@@ -234,5 +234,6 @@ class WindowedHalfSpace:
         """First and last row, first and last column of the cells that do not exceed a level [mm]."""
         inputs = [self._executor.grid.ny, level, gap]
         self._executor.launch(half_space_setup.extents, inputs=inputs, outputs=[self._extents])
-        first_row, last_row, first, last = self._extents.numpy().max(axis=1).tolist()
+        found = self._executor.read_partials(self._extents, adds=False)
+        first_row, last_row, first, last = found.max(axis=1).tolist()
         return [round(-first_row), round(last_row), round(-first), round(last)]

@@ -16,6 +16,7 @@ import warp as wp
 from warpwear.engine.device import check_memory, check_threads, find_device
 from warpwear.engine.kernel_cache import load_kernels
 from warpwear.grid import FloatArray, Grid
+from warpwear.kernels import half_space_setup
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
@@ -216,6 +217,19 @@ class Executor:
         host.reshape(field.shape[0], -1)[:, : self.grid.ny] = values
         if not self.device.is_cpu:
             field.assign(host)
+
+    def read_partials(self, table: Field, *, adds: bool) -> FloatArray:
+        """What a table of partial sums, or maxima, holds by slots; of a GPU by rows: that is read sooner."""
+        if self.device.is_cpu:
+            values: FloatArray = table.numpy()
+            return values
+        rows, of_row, quantities = self.grid.nx, self.slots_per_row, table.shape[0]
+        folded = wp.empty((quantities, rows), dtype=wp.float64, device=self.device)
+        numbers = [rows, quantities if adds else 0, self.slots, wp.vec3i(of_row, 1, of_row)]
+        every = [(0, quantities * rows)]
+        self.launch(half_space_setup.fold, inputs=[*numbers, table, table], outputs=[folded], chunks=every)
+        found: FloatArray = folded.numpy()
+        return found
 
     def partials(self, quantities: int) -> Field:
         """Make a table for the partial results of some quantities, one column a slot."""

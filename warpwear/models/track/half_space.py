@@ -217,7 +217,8 @@ class SlidingHalfSpace:
             inputs=[made, self._layout, *fields],
             outputs=[self._bodies, self._sums, self._maxima],
         )
-        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
+        largest = executor.read_partials(self._maxima, adds=False).max(axis=1)
+        most = dict(zip(MAXIMA, largest.tolist(), strict=True))
         return self._totals(shift), most
 
     def cells_passing(self, increment: float) -> int:
@@ -231,7 +232,7 @@ class SlidingHalfSpace:
 
     def _totals(self, shift: int) -> dict[str, float]:
         """Sums over all cells by the names of `PressureSum`; those of the disc are over all of its rows."""
-        table = self._sums.numpy()
+        table = self._executor.read_partials(self._sums, adds=True)
         total = dict(zip(names_of(PressureSum), table.sum(axis=1).tolist(), strict=True))
         nx = self._executor.grid.nx
         for name, rows in self._of_rows.items():
