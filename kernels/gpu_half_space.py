@@ -6,6 +6,8 @@ reduced block by block into `found`, a line each sum or maximum, and read by a k
 decides what follows. On a CPU, where only tests run it, a block is one thread.
 """
 
+from enum import IntEnum
+
 import warp as wp
 
 from warpwear.kernels.cells import ABSENT, NONE, ONE, ZERO
@@ -19,6 +21,19 @@ TWO = wp.constant(wp.float64(2.0))
 CONVERGED = wp.constant(wp.int32(1))
 LED_NOWHERE = wp.constant(wp.int32(2))
 UNBALANCED = wp.constant(wp.int32(3))
+
+
+class Told(IntEnum):
+    """What a search tells the host at its end."""
+
+    STATUS = 0
+    LEVEL = 1  # approach λ [mm]
+    TOTAL = 2  # Σ p [MPa]
+    TOUCHING = 3  # cells
+    VIOLATION = 4  # of complementarity [mm]
+    SCALE = 5  # of it [mm]
+    ITERATION = 6
+    TRANSFORMS = 7
 
 
 @wp.struct
@@ -51,8 +66,6 @@ class Numbers:
     rms: wp.float64
     deepest: wp.float64
     level: wp.float64  # approach λ [mm]
-    total: wp.float64  # Σ p of the present pressure [MPa]
-    touching: wp.float64  # cells
     violation: wp.float64  # of complementarity [mm]
     scale: wp.float64  # of it [mm]
     length_plain: wp.float64  # of a trial step, plain or not
@@ -70,7 +83,6 @@ class Numbers:
     reach: wp.float64
     width: wp.float64  # of the bracket two evaluations ago
     evaluation: wp.int32
-    round: wp.int32  # of the moments
     measured_plain: wp.int32  # whether a length has been
     measured_near: wp.int32
     last: wp.int32  # kind of the last step: 1 plain, 0 not, −1 none
@@ -104,6 +116,8 @@ class Solve:
     made_near: wp.array(dtype=wp.float32)
     found: wp.array2d(dtype=wp.float64)  # a line a sum or maximum, a column a block
     rules: Rules
+    asked: wp.array(dtype=wp.float64)  # Σ p [MPa], and stiffness of a foundation to begin with [N/mm³]
+    told: wp.array(dtype=wp.float64)  # by the places of `Told`
     numbers: wp.array(dtype=Numbers)  # one
     searching: wp.array(dtype=wp.int32)  # one number each, 1 while it goes on
     balancing: wp.array(dtype=wp.int32)
@@ -146,6 +160,15 @@ def most_found(solve: Solve, thread: wp.int32, line: wp.int32):
     for i in range(thread, solve.found.shape[1], wp.block_dim()):
         largest = wp.max(largest, solve.found[line, i])
     return wp.tile_extract(wp.tile_max(wp.tile(largest)), 0)
+
+
+@wp.kernel
+def start(solve: Solve):
+    """The numbers of a search that begins. One thread."""
+    n = Numbers()
+    n.asked = solve.asked[0]
+    n.stiffness = solve.asked[1]
+    solve.numbers[0] = n
 
 
 @wp.kernel
@@ -392,8 +415,6 @@ def judge(solve: Solve):
             n.level = wp.where(total < n.asked, low, high)
             if n.loaded == 1:
                 n.level = HALF * (high + low)
-        n.total = total
-        n.touching = touching
         n.violation = wp.max(wp.max(highest - n.level, n.level - lowest), ZERO)
         yielded = wp.abs(n.level) + total / rules.cells / n.stiffness
         n.scale = wp.where(n.rms > ZERO, n.rms, yielded)
@@ -408,6 +429,14 @@ def judge(solve: Solve):
         solve.near[0] = 1 - n.plain
         solve.searching[0] = wp.where(n.status == 0, 1, 0)
         solve.numbers[0] = n
+        solve.told[wp.static(int(Told.STATUS))] = wp.float64(n.status)
+        solve.told[wp.static(int(Told.LEVEL))] = n.level
+        solve.told[wp.static(int(Told.TOTAL))] = total
+        solve.told[wp.static(int(Told.TOUCHING))] = touching
+        solve.told[wp.static(int(Told.VIOLATION))] = n.violation
+        solve.told[wp.static(int(Told.SCALE))] = n.scale
+        solve.told[wp.static(int(Told.ITERATION))] = wp.float64(n.iteration)
+        solve.told[wp.static(int(Told.TRANSFORMS))] = wp.float64(n.transforms)
 
 
 @wp.kernel

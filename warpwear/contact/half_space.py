@@ -17,7 +17,7 @@ from warpwear.contact.on_gpu import DeviceSearch
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
-from warpwear.kernels.gpu_half_space import CONVERGED
+from warpwear.kernels.gpu_half_space import CONVERGED, Told
 
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = 1.0e-6
@@ -192,19 +192,19 @@ class BoundedPressure:
         stiffness = 1.0 / (self._influence.shortest_response + compliance[0])
         anew, self._started = not self._started, False
         found = search.solve(gap, asked=asked, stiffness=stiffness, compliance=compliance, anew=anew)
-        violation = found["violation"]
-        relative = violation / found["scale"] if violation else 0.0
-        if found["status"] != CONVERGED:
-            raise self._not_converged(found["iteration"], violation, relative)
+        violation = found[Told.VIOLATION]
+        relative = violation / found[Told.SCALE] if violation else 0.0
+        if found[Told.STATUS] != CONVERGED:
+            raise self._not_converged(round(found[Told.ITERATION]), violation, relative)
         self._started = True
         return HalfSpaceContact(
-            approaches=np.full(1, found["level"]),
-            mean_pressure=found["total"] / self._influence.cells,
+            approaches=np.full(1, found[Told.LEVEL]),
+            mean_pressure=found[Told.TOTAL] / self._influence.cells,
             violation=relative,
-            load_residual=found["total"] / asked - 1.0,
-            cells_in_contact=round(found["touching"]),
-            iterations=found["iteration"],
-            transforms=found["transforms"],
+            load_residual=found[Told.TOTAL] / asked - 1.0,
+            cells_in_contact=round(found[Told.TOUCHING]),
+            iterations=round(found[Told.ITERATION]),
+            transforms=round(found[Told.TRANSFORMS]),
             pressure_field=self._iterate.pressure,
             gradient_field=self._iterate.gradient,
             executor=self._executor,

@@ -15,11 +15,11 @@ from warpwear.contact.balance import HOPELESS, MAX_EVALUATIONS, TOLERANCE
 from warpwear.contact.half_space_passes import NO_CAP, ROUGH_BALANCE, Iterate
 from warpwear.contact.influence import Influence
 from warpwear.contact.transforms import Filter, filter_of
-from warpwear.engine.executor import Executor, Field, arguments, set_numbers
+from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.kernels import gpu_half_space as passes
 from warpwear.kernels.cells import LANES
-from warpwear.kernels.gpu_half_space import Numbers, Rules, Solve
+from warpwear.kernels.gpu_half_space import Numbers, Rules, Solve, Told
 
 BLOCK = 256  # threads
 BLOCKS = 528  # at most: four for each of the 132 multiprocessors of a large GPU
@@ -81,6 +81,8 @@ class DeviceSearch:
             made_near=self._near.made.flatten(),
             found=wp.zeros((LINES, blocks), dtype=wp.float64, device=self._device),
             rules=self._rules,
+            asked=wp.zeros(2, dtype=wp.float64, device=self._device),
+            told=wp.zeros(len(Told), dtype=wp.float64, device=self._device),
             numbers=wp.zeros(1, dtype=Numbers, device=self._device),
             **{name: self._flag() for name in ("searching", "balancing", "near")},
         )
@@ -92,6 +94,11 @@ class DeviceSearch:
             wp.array(table, dtype=wp.float64, device=self._device, copy=False)
             for table in (influence.elastic, influence.near_elastic)
         ]
+        pinned = self._device.is_cuda
+        self._asked, self._told = (
+            wp.zeros(place.size, dtype=wp.float64, device="cpu", pinned=pinned)
+            for place in (self._solve.asked, self._solve.told)
+        )
         self._graphs: dict[bool, Any] = {}  # by whether they start anew
 
     def solve(
@@ -102,8 +109,8 @@ class DeviceSearch:
         stiffness: float,
         compliance: tuple[float, float, int | None],
         anew: bool,
-    ) -> Mapping[str, Any]:
-        """Solve a contact; returns the members of `Numbers` at its end.
+    ) -> Mapping[Told, float]:
+        """Solve a contact; returns what it tells at its end.
 
         asked: sum of the pressures [MPa]. stiffness: of a cell's own response [N/mm³]. compliance: own,
         streak and window, as of `influence.Operator.set_compliance`. anew: whether to start from nothing.
@@ -113,20 +120,19 @@ class DeviceSearch:
             self._compliance = compliance
             for place, values in zip(self._lines, self._influence.lines(*compliance), strict=True):
                 place.assign(values)
-        start = arguments(Numbers)
-        set_numbers(start, asked=asked, stiffness=stiffness)
-        self._solve.numbers.assign([start])
         wp.copy(self._gap, gap)
+        self._asked.numpy()[:] = asked, stiffness
         if self._device.is_cpu:
             self._launch_all(anew)
         else:
             wp.capture_launch(self._graph(anew))
-        found = self._solve.numbers.numpy()[0]
-        if found["status"] == int(passes.UNBALANCED):
+            wp.synchronize_stream(self._device.stream)
+        found = dict(zip(Told, self._told.numpy().tolist(), strict=True))
+        if found[Told.STATUS] == passes.UNBALANCED:
             raise ConvergenceError(
                 f"the load balance of the half-space missed {ROUGH_BALANCE:g} of the load."
             )
-        return {name: found[name].item() for name in found.dtype.names}
+        return found
 
     def _graph(self, anew: bool) -> Any:
         if anew not in self._graphs:
@@ -139,6 +145,8 @@ class DeviceSearch:
 
     def _launch_all(self, anew: bool) -> None:
         solve = self._solve
+        wp.copy(solve.asked, self._asked)
+        wp.launch(passes.start, dim=1, inputs=[solve], device=self._device)
         for _ in range(2):
             self._pass(passes.moments, passes.reckon_moments)
         if anew:
@@ -150,6 +158,7 @@ class DeviceSearch:
         self._pass(passes.begin)
         self._pass(passes.advance, passes.judge)
         wp.capture_while(solve.searching, self._iterate)
+        wp.copy(self._told, solve.told)
 
     def _iterate(self) -> None:
         wp.capture_if(self._solve.near, self._precondition)

@@ -218,18 +218,18 @@ class Executor:
         if not self.device.is_cpu:
             field.assign(host)
 
-    def read_partials(self, table: Field, *, adds: bool) -> FloatArray:
-        """What a table of partial sums, or maxima, holds by slots; of a GPU by rows: that is read sooner."""
+    def read_partials(self, sums: Field | None, maxima: Field) -> tuple[FloatArray, FloatArray]:
+        """What tables of partial sums and maxima hold by slots; of a GPU by rows: that is read sooner."""
         if self.device.is_cpu:
-            values: FloatArray = table.numpy()
-            return values
-        rows, of_row, quantities = self.grid.nx, self.slots_per_row, table.shape[0]
-        folded = wp.empty((quantities, rows), dtype=wp.float64, device=self.device)
-        numbers = [rows, quantities if adds else 0, self.slots, wp.vec3i(of_row, 1, of_row)]
-        every = [(0, quantities * rows)]
-        self.launch(half_space_setup.fold, inputs=[*numbers, table, table], outputs=[folded], chunks=every)
+            return np.empty((0, self.slots)) if sums is None else sums.numpy(), maxima.numpy()
+        rows, of_row, adds = self.grid.nx, self.slots_per_row, 0 if sums is None else sums.shape[0]
+        every = adds + maxima.shape[0]
+        folded = wp.empty((every, rows), dtype=wp.float64, device=self.device)
+        numbers = [rows, adds, self.slots, wp.vec3i(of_row, 1, of_row)]
+        tables, threads = [sums if adds else maxima, maxima], [(0, every * rows)]
+        self.launch(half_space_setup.fold, inputs=[*numbers, *tables], outputs=[folded], chunks=threads)
         found: FloatArray = folded.numpy()
-        return found
+        return found[:adds], found[adds:]
 
     def partials(self, quantities: int) -> Field:
         """Make a table for the partial results of some quantities, one column a slot."""
