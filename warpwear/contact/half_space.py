@@ -17,7 +17,7 @@ from warpwear.contact.on_gpu import DeviceSearch
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
-from warpwear.kernels.gpu_half_space import CONVERGED, Told
+from warpwear.kernels.gpu.half_space import CONVERGED, Told
 
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = 1.0e-6

@@ -17,9 +17,9 @@ from warpwear.contact.influence import Influence
 from warpwear.contact.transforms import Filter, filter_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
-from warpwear.kernels import gpu_half_space as passes
 from warpwear.kernels.cells import LANES
-from warpwear.kernels.gpu_half_space import Numbers, Rules, Solve, Told
+from warpwear.kernels.gpu import half_space as passes
+from warpwear.kernels.gpu.half_space import Numbers, Rules, Solve, Told
 
 BLOCK = 256  # threads
 BLOCKS = 528  # at most: four for each of the 132 multiprocessors of a large GPU

@@ -25,6 +25,7 @@ class Snapshot:
     plastic_disc: FloatArray | None = None  # [mm], displaced for good, of a swept disc that keeps its dents
     row: int | None = None  # of the track, under the sphere's first row
     load_on_filled: float | None = None  # share of the load, see `share_on`; None where all was measured
+    fresh: frozenset[str] = frozenset()  # names of fields that no later step changes
 
     @property
     def fields(self) -> dict[str, FloatArray]:
@@ -32,9 +33,9 @@ class Snapshot:
         return {name: values for name, values in vars(self).items() if isinstance(values, np.ndarray)}
 
     def lasting(self) -> "Snapshot":
-        """The same, which no later step changes: a field that has no memory of its own is copied."""
-        fields: dict[str, Any] = {k: v for k, v in self.fields.items() if not v.flags.owndata}
-        return replace(self, **{name: values.copy() for name, values in fields.items()})
+        """Return a snapshot of its own: fields that a later step changes are copied."""
+        changing: dict[str, Any] = {k: v for k, v in self.fields.items() if k not in self.fresh}
+        return replace(self, **{name: values.copy() for name, values in changing.items()})
 
     def __repr__(self) -> str:
         nx, ny = self.pressure.shape
