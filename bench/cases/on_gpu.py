@@ -8,6 +8,7 @@ from contenders.baselines import NumpyLoop, Problem
 from contenders.roster import Setting, Trace, check, gap_of, package, study_on
 from measure.timing import Row, Unit, measure
 
+import warpwear
 from cases.on_track import run_full
 from cases.table import EARLY, LATE, LATE_STEP, Case
 from cases.whole_runs import plan_of
@@ -19,6 +20,8 @@ from warpwear.grid import Grid
 CHECK_CELLS = 1024
 #: Steps between two looks at the history.
 IN_A_BLOCK = 8
+#: Between which distances [mm] a ball's steps on the half-space are timed.
+BALL_SLIDES = (3.0, 12.0)
 COPIES = 20  # in a row, so that the time of a launch does not count
 
 
@@ -108,8 +111,28 @@ def run_fine(_: int, setting: Setting) -> list[Row]:
     return [Row("gpu-v3-fine", unit.cells, f"warpwear on {setting.device}", seconds, units, note)]
 
 
+def run_ball(_: int, setting: Setting) -> list[Row]:
+    """A step of a ball that slides on the half-space, preset track on 750² cells, as its contact begins."""
+    study = Study.load("track").replace({"contact.law": "half-space", "output.snapshots": []})
+    unit = Copy(study.cells.nx, setting.device)
+
+    def solved(distance: float) -> tuple[float, int]:
+        with warpwear.run(study.replace({"sliding.distance": distance}), device=setting.device) as result:
+            return result.seconds["solve"], result.history["distance"].size
+
+    def run() -> float:
+        (first, few), (all_of_them, many) = (solved(distance) for distance in BALL_SLIDES)
+        return (all_of_them - first) / (many - few)
+
+    run()
+    seconds, units = measure(run, unit, setting.repeats)
+    note = f"{1e3 * statistics.median(seconds):.2f} ms a step"
+    return [Row("gpu-ball", unit.cells, f"warpwear on {setting.device}", seconds, units, note)]
+
+
 CASES_GPU: dict[str, Case] = {
     "gpu-late": Case(late, default_sizes=(16384,)),
     "gpu-v3-fine": Case(run_fine, sizes=(1500,)),
+    "gpu-ball": Case(run_ball, sizes=(750,)),
     "gpu-track": Case(run_full, sizes=(1500,), fields=120.0),
 }

@@ -13,6 +13,7 @@ import pytest
 import warp as wp
 from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense_streak, rough
 
+from warpwear.contact import half_space_search
 from warpwear.contact.half_space import HalfSpace
 from warpwear.contact.half_space_passes import FOLDED
 from warpwear.contact.transforms import CupyTransforms, _stream_of
@@ -33,6 +34,14 @@ def device(device: str) -> str:
     return device
 
 
+@pytest.fixture(params=["pass by pass", "in one launch"])
+def on_device(request: pytest.FixtureRequest, device: str) -> bool:
+    """Whether a solve is one launch: on a GPU always, on a CPU for tests."""
+    if device != "cpu" and request.param == "pass by pass":
+        pytest.skip("a GPU makes a solve in one launch")
+    return bool(request.param == "in one launch")
+
+
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("hardness", [math.inf, 1.5, 0.2])
 @pytest.mark.parametrize(
@@ -40,7 +49,13 @@ def device(device: str) -> str:
     [(0.0, 0.0, None), (0.3, 0.0, None), (0.1, 0.4, None), (0.1, 0.4, 3), (0.1, 0.4, 4), (0.1, 0.4, 99)],
 )
 def test_against_active_sets_on_the_dense_matrix(
-    boundary: str, hardness: float, compliance: float, streak: float, window: int | None, device: str
+    boundary: str,
+    hardness: float,
+    compliance: float,
+    streak: float,
+    window: int | None,
+    device: str,
+    on_device: bool,
 ) -> None:
     gap = rough(GRID)
     matrix = dense_free(GRID) if boundary == "free" else dense_periodic(GRID)
@@ -51,7 +66,8 @@ def test_against_active_sets_on_the_dense_matrix(
     approach = 0.5 - uniform * expected.sum()
     assert 0.1 < (expected > 0.0).mean() < 0.9
     with Executor(GRID, device=device) as executor:
-        solver = HalfSpace(executor, modulus=MODULUS, boundary=boundary, hardness=hardness, tolerance=1e-11)
+        options: dict[str, Any] = {"boundary": boundary, "hardness": hardness, "on_device": on_device}
+        solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-11, **options)
         compliances: dict[str, Any] = {"compliance": compliance, "streak_compliance": streak}
         compliances["streak_window"] = window
         loaded = solver.solve(executor.field(gap), mean_pressure=expected.mean(), **compliances)
@@ -204,6 +220,43 @@ def test_bad_input(options: dict[str, Any], arguments: dict[str, float], words: 
 def test_no_convergence_is_an_error_with_its_residual() -> None:
     with Executor(GRID) as executor:
         solver = HalfSpace(executor, modulus=1.0, max_iterations=2)
+        with pytest.raises(ConvergenceError, match=r"in 2 iterations.*of the rms height"):
+            solver.solve(executor.field(rough(GRID)), mean_pressure=0.1)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("hardness", [math.inf, 1.5, 0.3])
+def test_a_solve_in_one_launch_makes_the_iterations_of_one_pass_by_pass(
+    boundary: str, hardness: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From nothing, from the last pressure, and where preconditioned steps are given up."""
+    grid = Grid(40, 37, 0.5)
+    gap = rough(grid, shortest=9)
+    for elastic_fraction in (0.3, 0.9):
+        monkeypatch.setattr(half_space_search, "ELASTIC_FRACTION", elastic_fraction)
+        found = []
+        with Executor(grid) as executor:
+            for on_device in (False, True):
+                options: dict[str, Any] = {"boundary": boundary, "hardness": hardness}
+                solver = HalfSpace(executor, modulus=MODULUS, on_device=on_device, tolerance=1e-8, **options)
+                for scale, streak in ((1.0, 0.0), (1.03, 0.2), (0.9, 0.2)):
+                    contact = solver.solve(
+                        executor.field(scale * gap),
+                        mean_pressure=0.12,
+                        streak_compliance=streak,
+                        streak_window=5,
+                    )
+                    found.append((contact, contact.pressure.copy()))
+        for (one, pressure), (other, of_other) in zip(found[:3], found[3:], strict=True):
+            assert one.iterations > 3
+            assert (other.iterations, other.transforms) == (one.iterations, one.transforms)
+            assert other.approach == pytest.approx(one.approach, rel=1e-9)
+            np.testing.assert_allclose(of_other, pressure, atol=1e-9)
+
+
+def test_no_convergence_in_one_launch_is_an_error_too() -> None:
+    with Executor(GRID) as executor:
+        solver = HalfSpace(executor, modulus=1.0, max_iterations=2, on_device=True)
         with pytest.raises(ConvergenceError, match=r"in 2 iterations.*of the rms height"):
             solver.solve(executor.field(rough(GRID)), mean_pressure=0.1)
 

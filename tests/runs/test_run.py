@@ -13,8 +13,10 @@ import pytest
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.engine.executor import Executor
+from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.models.rest.local import OneScaleModel
+from warpwear.surfaces.made.self_affine import SelfAffine
 
 COLUMNS = columns_of(Study.load("v3-fine"))
 QUICK = {"grid.cell": "20 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm"]}
@@ -73,6 +75,35 @@ def test_snapshots_are_the_same_with_threads_without_and_in_memory(tmp_path: Pat
                         assert np.array_equal(values, other.fields[name]), name
                 assert snapshot.pressure.any()
                 assert snapshot.gap.shape == (300, 300)
+
+
+def test_snapshots_in_memory_are_copies_until_they_are_closed() -> None:
+    with warpwear.run(quick()) as result:
+        kept = result.snapshots[-1].pressure.copy()
+        result.snapshots[-1].pressure[:] = -1.0
+        assert np.array_equal(result.snapshots[-1].pressure, kept)
+    with pytest.raises(InputError, match="closed"):
+        _ = result.snapshots[-1]
+
+
+def test_a_random_surface_is_made_once_for_runs_on_the_same_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[int] = []
+    heights = SelfAffine.heights
+
+    def counted(surface: SelfAffine, x: FloatArray, y: FloatArray) -> FloatArray:
+        made.append(surface.seed)
+        return heights(surface, x, y)
+
+    monkeypatch.setattr(SelfAffine, "heights", counted)
+    study = quick(disc__synthetic__seed=71)
+    first, again = (warpwear.run(study) for _ in range(2))
+    assert made == [71]
+    assert first.record["surface"] == again.record["surface"]
+    assert np.array_equal(first.snapshots[-1].gap, again.snapshots[-1].gap)
+    for other in ({"disc.synthetic.seed": 72}, {"grid.extent": "1.48 mm"}, {"disc.synthetic.hurst": 0.7}):
+        study = study.replace(other)
+        assert warpwear.run(study).record["surface"] != first.record["surface"]
+    assert made == [71, 72, 72, 72]
 
 
 def test_a_run_tells_its_seconds(tmp_path: Path) -> None:

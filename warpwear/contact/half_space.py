@@ -13,9 +13,11 @@ from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.contact.half_space_passes import Iterate
 from warpwear.contact.half_space_search import Search
 from warpwear.contact.influence import Influence, Operator
+from warpwear.contact.on_gpu import DeviceSearch
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
+from warpwear.kernels.gpu.half_space import CONVERGED, Told
 
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = 1.0e-6
@@ -89,6 +91,8 @@ class BoundedPressure:
         self._influence = influence
         self._iterate = Iterate(executor, influence, hardness)
         self._started = False
+        #: Makes whole solves at a load, where there is one.
+        self.on_device: DeviceSearch | None = None
 
     def forget(self) -> None:
         """Start the next solve from nothing."""
@@ -127,6 +131,10 @@ class BoundedPressure:
         """
         asked = self._asked(mean_pressure, approach)
         cells = self._iterate.cells
+        if self.on_device is not None and asked is not None and self._iterate.parts == 1:
+            return self._solve_on(
+                self.on_device, gap, float(asked.item()), (compliance, streak_compliance, streak_window)
+            )
         self._influence.set_compliance(compliance, streak_compliance, streak_window)
         done = self._influence.transforms
         moments = self._iterate.moments(gap)
@@ -169,10 +177,38 @@ class BoundedPressure:
                 break
             state = moved
         self._started = False
-        raise ConvergenceError(
-            f"the half-space contact did not converge in {iteration} iterations: complementarity is violated "
-            f"by {violation.max():.3g} mm, {_worst(violation, scale):.3g} of the rms height "
-            f"(allowed {self._tolerance:g})."
+        raise self._not_converged(iteration, float(violation.max()), _worst(violation, scale))
+
+    def _not_converged(self, iterations: int, violation: float, relative: float) -> ConvergenceError:
+        return ConvergenceError(
+            f"the half-space contact did not converge in {iterations} iterations: complementarity is "
+            f"violated by {violation:.3g} mm, {relative:.3g} of the rms height (allowed {self._tolerance:g})."
+        )
+
+    def _solve_on(
+        self, search: DeviceSearch, gap: Field, asked: float, compliance: tuple[float, float, int | None]
+    ) -> HalfSpaceContact:
+        """Solve as `solve` does, in one launch."""
+        stiffness = 1.0 / (self._influence.shortest_response + compliance[0])
+        anew, self._started = not self._started, False
+        found = search.solve(gap, asked=asked, stiffness=stiffness, compliance=compliance, anew=anew)
+        violation = found[Told.VIOLATION]
+        relative = violation / found[Told.SCALE] if violation else 0.0
+        if found[Told.STATUS] != CONVERGED:
+            raise self._not_converged(round(found[Told.ITERATION]), violation, relative)
+        self._started = True
+        return HalfSpaceContact(
+            approaches=np.full(1, found[Told.LEVEL]),
+            mean_pressure=found[Told.TOTAL] / self._influence.cells,
+            violation=relative,
+            load_residual=found[Told.TOTAL] / asked - 1.0,
+            cells_in_contact=round(found[Told.TOUCHING]),
+            iterations=round(found[Told.ITERATION]),
+            transforms=round(found[Told.TRANSFORMS]),
+            pressure_field=self._iterate.pressure,
+            gradient_field=self._iterate.gradient,
+            executor=self._executor,
+            cells=self._influence.cells,
         )
 
     def _asked(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
@@ -208,7 +244,8 @@ def _worst(violation: FloatArray, scale: FloatArray) -> float:
 class HalfSpace(BoundedPressure):
     """Solves contacts of one grid, as `BoundedPressure` says.
 
-    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free".
+    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free". on_device: whether a solve at a load is
+    one launch; by default on a GPU.
     """
 
     def __init__(
@@ -220,11 +257,19 @@ class HalfSpace(BoundedPressure):
         hardness: float = math.inf,
         tolerance: float = TOLERANCE,
         max_iterations: int = MAX_ITERATIONS,
+        on_device: bool | None = None,
     ) -> None:
+        influence = Influence(executor, modulus=modulus, boundary=boundary)
         super().__init__(
-            executor,
-            Influence(executor, modulus=modulus, boundary=boundary),
-            hardness=hardness,
-            tolerance=tolerance,
-            max_iterations=max_iterations,
+            executor, influence, hardness=hardness, tolerance=tolerance, max_iterations=max_iterations
         )
+        if executor.device.is_cuda if on_device is None else on_device:
+            self.on_device = DeviceSearch(
+                executor,
+                self._iterate,
+                influence,
+                hardness=hardness,
+                tolerance=tolerance,
+                rounding=ROUNDING,
+                max_iterations=max_iterations,
+            )

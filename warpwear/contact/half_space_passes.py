@@ -72,8 +72,8 @@ class Iterate:
         names = "pressure", "gradient", "trial", "step", "response"
         made = [executor.zeros() for _ in names]
         self.pressure, self.gradient, self._trial, self._step, self._response = made
-        fields = dict(zip(names, made, strict=True))
-        self._fields = arguments(passes.Fields, cap=min(hardness, NO_CAP), **fields)
+        self.fields = dict(zip(names, made, strict=True))
+        self._fields = arguments(passes.Fields, cap=min(hardness, NO_CAP), **self.fields)
         self._sums = executor.partials(len(Products._fields) - 2)
         self._maxima = executor.partials(2)
         #: On a GPU, where tables of many slots are reduced before they are read.

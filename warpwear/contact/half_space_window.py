@@ -111,6 +111,7 @@ class WindowedHalfSpace:
         self._extents = executor.partials(4)
         self._started = False  # whether there is a pressure to start from
         self._window: Window | None = None  # to look at first
+        self._written: Window | None = None  # that the fields are of
         self._solver: HalfSpace | None = None
         self._gap: Field = None  # of the solver's grid, as the solver is
 
@@ -128,6 +129,7 @@ class WindowedHalfSpace:
 
     def restored(self) -> None:
         """Look first where another one did at that time."""
+        self._written = None
         window, self._window = self._window, None
         if window is not None:
             self._look_at(window)
@@ -175,7 +177,7 @@ class WindowedHalfSpace:
                 streak_window=streak_window,
             )
             self._started = True
-            self._pressure.zero_()
+            self._clear_beside(window)
             wp.copy(window.of(self._pressure), contact.pressure_field)
             transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
             reached = self._below(gap, contact.approach)
@@ -184,7 +186,6 @@ class WindowedHalfSpace:
             # Too few cells give too large an approach: what lies below it holds the contact of them all.
             del solver, contact  # and their memory, before others take theirs
             self._look_at(Window.around(reached, whole, rows=rows))
-        self._gradient.fill_(Cells(math.nan))
         wp.copy(window.of(self._gradient), contact.gradient_field)
         fitting = Window.around(reached, whole, rows=rows)
         if self._boundary == "free" and fitting.area <= SMALLER * window.area:
@@ -199,6 +200,13 @@ class WindowedHalfSpace:
             executor=self._executor,
             cells=whole.cells,
         )
+
+    def _clear_beside(self, window: Window) -> None:
+        """Leave no pressure, and no gradient, of the last window where that was another."""
+        if window != self._written:
+            self._written = window
+            self._pressure.zero_()
+            self._gradient.fill_(Cells(math.nan))
 
     def _look_at(self, window: Window) -> None:
         """Solve there from now on."""
@@ -234,5 +242,6 @@ class WindowedHalfSpace:
         """First and last row, first and last column of the cells that do not exceed a level [mm]."""
         inputs = [self._executor.grid.ny, level, gap]
         self._executor.launch(half_space_setup.extents, inputs=inputs, outputs=[self._extents])
-        first_row, last_row, first, last = self._extents.numpy().max(axis=1).tolist()
+        _, found = self._executor.read_partials(None, self._extents)
+        first_row, last_row, first, last = found.max(axis=1).tolist()
         return [round(-first_row), round(last_row), round(-first), round(last)]

@@ -70,23 +70,24 @@ class Influence(Operator):
             raise InputError(
                 f'contact.boundary = {boundary!r} is unknown; allowed are "periodic" and "free".'
             )
-        self._boundary = boundary
         self._streak_cells = grid.nx
         self.cells = grid.cells
         self.shortest_response = shortest_response(grid.cell, modulus)
         make = ScipyTransforms if executor.device.is_cpu else CupyTransforms
         self._near = make(executor, grid.shape)
         elastic = periodic_spectrum(grid, modulus)
+        #: Shape of what is transformed for the response.
+        self.far_shape = grid.shape
         if boundary == "periodic":
             self._far = self._near
-            self._elastic = self._near_elastic = self._near.table(elastic)
+            self.elastic = self.near_elastic = self._near.table(elastic)
         else:
             # The mean that a periodic surface leaves out: that of a uniform pressure, about.
             elastic[0, 0] = 3.0 * elastic.max()
-            self._near_elastic = self._near.table(elastic)
-            padded = padded_shape(grid)
-            self._far = make(executor, padded)
-            self._elastic = self._far.table(free_spectrum(grid, modulus, padded))
+            self.near_elastic = self._near.table(elastic)
+            self.far_shape = padded_shape(grid)
+            self._far = make(executor, self.far_shape)
+            self.elastic = self._far.table(free_spectrum(grid, modulus, self.far_shape))
         self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)
 
@@ -97,23 +98,33 @@ class Influence(Operator):
         if self._compliance == asked:
             return
         self._compliance = asked
-        self._response = self._with(self._far, self._elastic, *asked)
+        self._response = self._with(self._far, self.elastic, *asked)
         self._nearby = self._response
         if self._near is not self._far:
-            self._nearby = self._with(self._near, self._near_elastic, *asked)
+            self._nearby = self._with(self._near, self.near_elastic, *asked)
 
     def _with(self, transforms: Transforms, elastic: Any, own: float, streak: float, window: int) -> Any:
         if own == 0.0 and streak == 0.0:
             return elastic
-        # The spectrum of a mean is that of its coefficients.
-        rows = elastic.shape[0]
+        return transforms.added(elastic, own, streak * self._mean_of(elastic.shape[0], window))
+
+    def lines(self, own: float, streak: float, window: int | None) -> tuple[FloatArray, FloatArray]:
+        """What compliances, as of `set_compliance`, add to the response and its inverse, by row."""
+        line = self._streak_cells
+        window = line if window is None else min(window, line)
+        of_response, of_inverse = (
+            own + (streak * self._mean_of(table.shape[0], window) if streak else np.zeros(table.shape[0]))
+            for table in (self.elastic, self.near_elastic)
+        )
+        return of_response, of_inverse
+
+    def _mean_of(self, rows: int, window: int) -> FloatArray:
+        """The spectrum of S S, which is that of its coefficients, of `rows` modes."""
         distance = np.minimum(np.arange(rows), rows - np.arange(rows))
         if window == self._streak_cells:
-            line = np.fft.fft(np.where(distance < window, 1.0 / window, 0.0)).real
-        else:
-            inside = np.where(2 * distance < window, 1.0, np.where(2 * distance == window, 0.5, 0.0))
-            line = np.fft.fft(inside / window).real ** 2
-        return transforms.added(elastic, own, streak * line)
+            return np.asarray(np.fft.fft(np.where(distance < window, 1.0 / window, 0.0)).real)
+        inside = np.where(2 * distance < window, 1.0, np.where(2 * distance == window, 0.5, 0.0))
+        return np.asarray(np.fft.fft(inside / window).real ** 2)
 
 
 def periodic_spectrum(grid: Grid, modulus: float) -> FloatArray:

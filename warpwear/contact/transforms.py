@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 import numpy as np
+import warp as wp
 
 from warpwear import lazy
 from warpwear.engine.executor import Executor, Field
@@ -126,14 +127,7 @@ class CupyTransforms(Transforms):
 
     def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
         super().__init__(executor, shape)
-        try:
-            self._cupy: Any = lazy.load("cupy")
-        except ImportError as error:
-            raise InputError(
-                f'contact.law = "half-space" on device = {str(executor.device)!r} needs CuPy for its Fourier '
-                "transforms: pip install cupy-cuda12x (the extra gpu) or cupy-cuda13x (gpu13), for its CUDA, "
-                "or use the device cpu."
-            ) from error
+        self._cupy: Any = load_cupy(executor.device)
         device = executor.device
         self._device = self._cupy.cuda.Device(device.ordinal)
         with self._device:
@@ -172,6 +166,87 @@ class CupyTransforms(Transforms):
     def _cells(self, field: Field) -> Any:
         """A view of a field's cells, shape (nx, ny)."""
         return self._cupy.asarray(field).reshape(field.shape[0], -1)[:, : self._executor.grid.ny]
+
+
+class Filter:
+    """Transforms of a plan in fields of their own, so that a graph can hold them; `filter_of` makes them.
+
+    given, made: before and after, zero where nobody writes, shape `shape`. waves: between, by modes, shape
+    (n, m//2 + 1). scale: that takes off what forward and back together multiply by.
+    """
+
+    def __init__(self, executor: Executor, shape: tuple[int, int], kind: type[np.floating[Any]]) -> None:
+        device = executor.device
+        real, complex_ = (wp.float64, wp.vec2d) if kind is np.float64 else (wp.float32, wp.vec2f)
+        self.shape, self.scale = shape, 1.0
+        modes = shape[0], shape[1] // 2 + 1
+        self.given, self.made = (wp.zeros(shape, dtype=real, device=device) for _ in range(2))
+        self.waves = wp.zeros(modes, dtype=complex_, device=device)
+
+    def forward(self) -> None:
+        """Transform what is given."""
+        self._modes[:] = fft.rfft2(self.given.numpy())
+
+    def back(self) -> None:
+        """Transform the modes back; they are lost."""
+        self.made.numpy()[:] = fft.irfft2(self._modes, s=self.shape)
+
+    def transform(self) -> None:
+        """Do both."""
+        self.forward()
+        self.back()
+
+    @property
+    def _modes(self) -> Any:
+        values = self.waves.numpy()
+        return values.view(np.complex128 if values.dtype == np.float64 else np.complex64)[..., 0]
+
+
+class CupyFilter(Filter):
+    """On a GPU, by plans of CuPy in the stream of Warp's device."""
+
+    def __init__(self, executor: Executor, shape: tuple[int, int], kind: type[np.floating[Any]]) -> None:
+        super().__init__(executor, shape, kind)
+        cupy = load_cupy(executor.device)
+        cufft = cupy.cuda.cufft
+        self.scale = 1.0 / (shape[0] * shape[1])
+        self._device = cupy.cuda.Device(executor.device.ordinal)
+        double = kind is np.float64
+        there = cufft.CUFFT_D2Z if double else cufft.CUFFT_R2C
+        back = cufft.CUFFT_Z2D if double else cufft.CUFFT_C2R
+        with self._device:
+            self._stream = _stream_of(cupy.cuda, executor.device)
+            self._plans = [
+                cufft.PlanNd(shape, None, 1, 0, None, 1, 0, way, 1, "C", 1, None) for way in (there, back)
+            ]
+            self._views = [cupy.asarray(values) for values in (self.given, self.waves, self.made)]
+
+    def forward(self) -> None:
+        """Transform what is given."""
+        with self._device, self._stream:
+            self._plans[0].fft(self._views[0], self._views[1], -1)
+
+    def back(self) -> None:
+        """Transform the modes back; they are lost."""
+        with self._device, self._stream:
+            self._plans[1].fft(self._views[1], self._views[2], 1)
+
+
+def filter_of(executor: Executor, shape: tuple[int, int], kind: type[np.floating[Any]]) -> Filter:
+    """Transforms where the executor's fields are. kind: of number."""
+    return (Filter if executor.device.is_cpu else CupyFilter)(executor, shape, kind)
+
+
+def load_cupy(device: Any) -> Any:
+    """CuPy, for a device of Warp's. Raises InputError where it is not installed."""
+    try:
+        return lazy.load("cupy")
+    except ImportError as error:
+        raise InputError(
+            f'contact.law = "half-space" on device = {str(device)!r} needs CuPy for its Fourier '
+            "transforms: pip install cupy-cuda12x (the extra gpu) or cupy-cuda13x (gpu13), for its CUDA, "
+            "or use the device cpu."
+        ) from error
 
 
 def _stream_of(cuda: Any, device: Any) -> Any:

@@ -16,6 +16,7 @@ import warp as wp
 from warpwear.engine.device import check_memory, check_threads, find_device
 from warpwear.engine.kernel_cache import load_kernels
 from warpwear.grid import FloatArray, Grid
+from warpwear.kernels import half_space_setup
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
@@ -216,6 +217,19 @@ class Executor:
         host.reshape(field.shape[0], -1)[:, : self.grid.ny] = values
         if not self.device.is_cpu:
             field.assign(host)
+
+    def read_partials(self, sums: Field | None, maxima: Field) -> tuple[FloatArray, FloatArray]:
+        """What tables of partial sums and maxima hold by slots; of a GPU by rows: that is read sooner."""
+        if self.device.is_cpu:
+            return np.empty((0, self.slots)) if sums is None else sums.numpy(), maxima.numpy()
+        rows, of_row, adds = self.grid.nx, self.slots_per_row, 0 if sums is None else sums.shape[0]
+        every = adds + maxima.shape[0]
+        folded = wp.empty((every, rows), dtype=wp.float64, device=self.device)
+        numbers = [rows, adds, self.slots, wp.vec3i(of_row, 1, of_row)]
+        tables, threads = [sums if adds else maxima, maxima], [(0, every * rows)]
+        self.launch(half_space_setup.fold, inputs=[*numbers, *tables], outputs=[folded], chunks=threads)
+        found: FloatArray = folded.numpy()
+        return found[:adds], found[adds:]
 
     def partials(self, quantities: int) -> Field:
         """Make a table for the partial results of some quantities, one column a slot."""

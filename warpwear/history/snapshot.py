@@ -1,6 +1,6 @@
 """The fields of one moment of a run."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,11 +25,17 @@ class Snapshot:
     plastic_disc: FloatArray | None = None  # [mm], displaced for good, of a swept disc that keeps its dents
     row: int | None = None  # of the track, under the sphere's first row
     load_on_filled: float | None = None  # share of the load, see `share_on`; None where all was measured
+    fresh: frozenset[str] = frozenset()  # names of fields that no later step changes
 
     @property
     def fields(self) -> dict[str, FloatArray]:
         """Name -> field, of those that there are; units in `warpwear.history.quantities`."""
         return {name: values for name, values in vars(self).items() if isinstance(values, np.ndarray)}
+
+    def lasting(self) -> "Snapshot":
+        """Return a snapshot of its own: fields that a later step changes are copied."""
+        changing: dict[str, Any] = {k: v for k, v in self.fields.items() if k not in self.fresh}
+        return replace(self, **{name: values.copy() for name, values in changing.items()})
 
     def __repr__(self) -> str:
         nx, ny = self.pressure.shape

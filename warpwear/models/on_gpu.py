@@ -14,9 +14,10 @@ import warp as wp
 
 from warpwear.contact.balance import TOLERANCE, Balance, residual_of
 from warpwear.engine.executor import Executor, Field, arguments, set_numbers
-from warpwear.kernels import gpu_steps, gpu_steps_rest, gpu_steps_sliding
 from warpwear.kernels.cells import LANES, NO_INDEX, PressureMost, PressureSum, WearMost, WearSum, names_of
-from warpwear.kernels.gpu_steps import Search, Steps
+from warpwear.kernels.gpu import steps as gpu_steps
+from warpwear.kernels.gpu import steps_rest, steps_sliding
+from warpwear.kernels.gpu.steps import Search, Steps
 from warpwear.kernels.sliding import Bodies, OfRows, OfTiles
 from warpwear.laws.task import ContactTask
 
@@ -189,7 +190,7 @@ def at_rest(executor: Executor, task: ContactTask, gap: Field, unworn: Field) ->
 
     gap, unworn = numbers(gap), numbers(unworn)
     blocks = 3 if executor.device.is_cpu else BLOCKS_AT_REST
-    passes = [(gpu_steps_rest.carried, blocks, [gap]), (gpu_steps_rest.wear_step, blocks, [unworn, gap])]
+    passes = [(steps_rest.carried, blocks, [gap]), (steps_rest.wear_step, blocks, [unworn, gap])]
     return DeviceSteps(executor, task, (WearSum, WearMost), passes)
 
 
@@ -201,9 +202,9 @@ def displaced(
     all_tiles = -(-rows * executor.tiles_per_row // BLOCK)
     blocks = 3 if executor.device.is_cpu else min(all_tiles, BLOCKS_DISPLACED)
     passes = [
-        (gpu_steps_sliding.carried, blocks, [bodies, of_tiles]),
-        (gpu_steps_sliding.wear_step, blocks, [bodies, of_tiles]),
-        (gpu_steps_sliding.rows, rows, [of_tiles, of_rows]),
+        (steps_sliding.carried, blocks, [bodies, of_tiles]),
+        (steps_sliding.wear_step, blocks, [bodies, of_tiles]),
+        (steps_sliding.rows, rows, [of_tiles, of_rows]),
     ]
     kept = [of_rows.touched, of_rows.worn_sphere, of_rows.worn_disc, of_rows.pressed_disc]
     return DeviceSteps(executor, task, (PressureSum, PressureMost), passes, kept=kept, moves=True)

@@ -4,6 +4,7 @@ import json
 import operator
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property
 from numbers import Real
 from pathlib import Path
@@ -249,8 +250,11 @@ class ResultFile:
     def snapshot(self, index: SupportsIndex) -> Snapshot:
         """Snapshot number `index`; -1 is the end. Raises InputError for what is no number, IndexError."""
         number = _number(index, self.snapshot_distances.size)
-        if number in self.at_hand:
-            return self.at_hand[number]
+        kept = self.at_hand.get(number)
+        if kept is not None:
+            in_memory = self._file and self._file.driver == "core"  # and asked for by whom may change it
+            copies: dict[str, Any] = {name: values.copy() for name, values in kept.fields.items()}
+            return replace(kept, **copies) if in_memory else kept
         with self._reading() as file:
             group = file["snapshots"][list(file["snapshots"])[number]]
             row = int(group.attrs["row"]) if "row" in group.attrs else None
@@ -317,6 +321,7 @@ class ResultFile:
     def close(self) -> None:
         """Close the file. What was read stays."""
         self._file.close()
+        self.at_hand = {}
 
     def __enter__(self) -> Self:
         return self

@@ -7,6 +7,7 @@ blocks for zeros and does not survive every damage.
 
 import hashlib
 import platform
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from io import BufferedIOBase
 from pathlib import Path
@@ -58,6 +59,7 @@ def versions(device: Any) -> dict[str, str]:
     }
 
 
+@cache
 def _version(name: str) -> str:
     try:
         return version(name)

@@ -11,7 +11,6 @@ import tempfile
 import zlib
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -56,7 +55,8 @@ class ResultWriter:
         snapshots: bool = True,
     ) -> None:
         self._file, self._study, self._keeps_snapshots = file, study, snapshots
-        in_threads = threads > 1 and file.driver != "core"
+        self._in_memory = file.driver == "core"  # where nobody but this process reads
+        in_threads = threads > 1 and not self._in_memory
         self._pool = ThreadPoolExecutor(threads) if in_threads else None
         self._waiting: list[tuple[h5py.Dataset, tuple[int, ...], Future[bytes | None]]] = []
         #: Number -> snapshot, of those whose files need not be read back.
@@ -75,34 +75,34 @@ class ResultWriter:
         file.create_group("snapshots")
 
     def add_snapshot(self, snapshot: Snapshot) -> None:
-        """Keep the fields of one distance; threads compress them while steps go on, and `flush` waits."""
+        """Keep the fields of one distance; threads compress them while steps go on, and `flush` waits.
+
+        A run in memory keeps them as they are, at hand, where there is plenty of it.
+        """
         if not self._keeps_snapshots:
             return
         size = sum(values.nbytes for values in snapshot.fields.values())
         self._require_space(size)
         snapshots = self._file["snapshots"]
         plenty = size < AT_HAND * psutil.virtual_memory().available
-        if self._file.driver != "core" and plenty:  # the fields change in the next step
-            copies: dict[str, Any] = {name: values.copy() for name, values in snapshot.fields.items()}
-            snapshot = self.at_hand[len(snapshots)] = replace(snapshot, **copies)
+        if plenty:
+            snapshot = self.at_hand[len(snapshots)] = snapshot.lasting()
         group = snapshots.create_group(f"{len(snapshots):04d}")
         group.attrs["distance"] = snapshot.distance
         if snapshot.row is not None:
             group.attrs["row"] = snapshot.row
         if snapshot.load_on_filled is not None:
             group.attrs["load_on_filled"] = snapshot.load_on_filled
-        in_memory = self._file.driver == "core" and plenty
+        if self._in_memory and plenty:
+            return
         for name, values in snapshot.fields.items():
             chunks = tuple(min(CHUNK, n) for n in values.shape)
-            how = {} if in_memory else {"compression": "gzip", "compression_opts": LEVEL, "shuffle": True}
+            how = {"compression": "gzip", "compression_opts": LEVEL, "shuffle": True}
             dataset = group.create_dataset(name, values.shape, values.dtype, chunks=chunks, **how)
             dataset.attrs.update(units=FIELDS[name].units, long_name=FIELDS[name].meaning)
             for place in dataset.iter_chunks():
                 part = values[place]
-                if in_memory:
-                    if part.any():
-                        dataset[place] = part
-                elif self._pool is not None and plenty:
+                if self._pool is not None and plenty:
                     start = tuple(along.start for along in place)
                     self._waiting.append((dataset, start, self._pool.submit(_compressed, part, chunks)))
                 elif (packed := _compressed(part, chunks)) is not None:
@@ -163,20 +163,26 @@ class ResultWriter:
         self._require_space(sum(values.nbytes for values in history.values()))
         group = self._file.create_group("history")
         for column in columns_of(self._study):
-            _add(group, column, history[column.name])
-        group["distance"].make_scale("distance")
-        for name in group.keys() - {"distance"}:
-            _label(group[name], group, "distance")
+            self._add(group, column, history[column.name])
         if book is not None:
             self._add_patches(book)
+        if not self._in_memory:
+            self._label_all()
+        self._file.attrs["record"] = json.dumps(record)
+        self._file.attrs["finished"] = finished
+        self._file.flush()
+
+    def _label_all(self) -> None:
+        """Say of every dataset what its axes are, for other programs."""
+        group = self._file["history"]
+        group["distance"].make_scale("distance")
+        for name in group.keys() - {"distance", PATCH}:
+            _label(group[name], group, "distance", *([PATCH] if group[name].ndim > 1 else []))
         track = "track" in self._file
         for snapshot in self._file["snapshots"].values():  # only now: checkpoints hold them without labels
             for name in snapshot.keys() & FIELDS.keys():
                 along = "track_x" if track and name in OF_THE_TRACK else "x"
                 _label(snapshot[name], self._file["grid"], along, "y")
-        self._file.attrs["record"] = json.dumps(record)
-        self._file.attrs["finished"] = finished
-        self._file.flush()
 
     def _add_patches(self, book: PatchBook) -> None:
         """Keep what each patch did, and where the macro cells lie."""
@@ -185,9 +191,15 @@ class ResultWriter:
         for quantity in PATCH_TABLES:
             table = book.table(quantity.name)
             self._require_space(table.nbytes)
-            _label(_add(history, quantity, table), history, "distance", PATCH)
+            self._add(history, quantity, table)
         for name, centres in zip(("x", "y"), book.patches.centres, strict=True):
             self._file.create_dataset(f"macro/{name}", data=centres).attrs["units"] = "mm"
+
+    def _add(self, group: h5py.Group, quantity: Quantity, values: FloatArray) -> None:
+        """Keep a quantity, compressed in a file, with its unit and meaning, by which xarray plots."""
+        how: dict[str, Any] = {"chunks": True, "compression": "gzip", "shuffle": True}
+        dataset = group.create_dataset(quantity.name, data=values, **({} if self._in_memory else how))
+        dataset.attrs.update(units=quantity.units, long_name=quantity.meaning)
 
     def _add_axis(self, path: str, values: "np.ndarray[Any, Any]", *, units: str = "mm") -> h5py.Dataset:
         """Make the scale of an axis, which is named by the last part of its path."""
@@ -198,17 +210,9 @@ class ResultWriter:
 
     def _require_space(self, nbytes: int) -> None:
         """Raises OSError unless the file can grow by what is to be written, before compression [B]."""
-        if self._file.driver != "core":
+        if not self._in_memory:
             path = Path(self._file.filename)
             require_free_space(path.parent, nbytes + SPACE_FOR_THE_REST, offset=path.stat().st_size)
-
-
-def _add(group: h5py.Group, quantity: Quantity, values: FloatArray) -> h5py.Dataset:
-    """Keep a quantity, compressed, with its unit and meaning under the names that xarray plots by."""
-    how = {"chunks": True, "compression": "gzip", "shuffle": True}
-    dataset = group.create_dataset(quantity.name, data=values, **how)
-    dataset.attrs.update(units=quantity.units, long_name=quantity.meaning)
-    return dataset
 
 
 def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:

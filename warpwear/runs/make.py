@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from warpwear.models.track.model import DISC_FIELDS, SweptModel
 from warpwear.study.study import Study
 from warpwear.study.surface import bearing_curve_of
 from warpwear.surfaces.base import BoolArray, Surface
+from warpwear.surfaces.made.synthetic import RandomPart
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.roughness import roughness
 
@@ -33,6 +34,8 @@ HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0}, 12.0
 SLIDING_FIELDS = 3.0
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
+#: The largest sampled surface that stays for the next run of this process [B].
+KEPT_SURFACE = 2**26
 
 
 @dataclass(frozen=True)
@@ -80,13 +83,16 @@ def model_of(
     kept: gives the heights that a run began with for those that are made now.
     """
     grid = study.cells
-    x = study.track.x if study.is_swept else grid.x
-    heights = kept(_heights_of(study, surface, study.track) if study.is_swept else surface.heights(x, grid.y))
-    filled = surface.filled_at(x, grid.y) if isinstance(surface, Measured) else None
-    filled = None if filled is None or not filled.any() else filled
-    seen = slice(MOST_ROWS if study.is_swept else None)
-    measured = heights[seen] if filled is None else np.where(filled[seen], np.nan, heights[seen])
-    record = surface.record() | {"on_the_grid": _roughness_on(grid, measured)}
+    sampled = _sample(study, surface)
+    heights, record = kept(sampled.heights), {**sampled.record}
+    filled = None
+    if isinstance(surface, Measured):
+        filled = surface.filled_at(study.track.x if study.is_swept else grid.x, grid.y)
+        filled = None if filled is None or not filled.any() else filled
+    if filled is not None or heights is not sampled.heights:
+        seen = slice(MOST_ROWS if study.is_swept else None)
+        measured = heights[seen] if filled is None else np.where(filled[seen], np.nan, heights[seen])
+        record["on_the_grid"] = _roughness_on(grid, measured)
     if study.is_swept:
         swept = SweptModel(study.contact_task, study.track, heights, executor)
         return PreparedModel(swept, heights, record, filled=filled)
@@ -129,6 +135,35 @@ def plan_of(study: Study) -> list[tuple[float, float, bool]]:
         (increment, distance, distance in stops or distance == total)
         for increment, distance in increments(study.stepping.plan, total, stops)
     ]
+
+
+class _Sampled(NamedTuple):
+    """A surface has these heights [mm] on the cells of a study, of its domain or its track."""
+
+    heights: FloatArray
+    record: dict[str, Any]  # of the surface, and of its heights as if all of them were measured
+
+
+#: What was made last of a random surface: the surface, the cells it was sampled on, and what it is there.
+_LAST: list[tuple[Any, _Sampled]] = []
+
+
+def _sample(study: Study, surface: Surface) -> _Sampled:
+    """Sample a surface on the cells of a study; a random one is the last one again where nothing differs."""
+    grid, track = study.cells, study.track if study.is_swept else None
+    asked = surface, grid, track
+    random = isinstance(surface, RandomPart)
+    for made, sampled in _LAST:
+        if random and made == asked:
+            return sampled
+    heights = surface.heights(grid.x, grid.y) if track is None else _heights_of(study, surface, track)
+    seen = slice(None if track is None else MOST_ROWS)
+    record = surface.record() | {"on_the_grid": _roughness_on(grid, heights[seen])}
+    sampled = _Sampled(heights, record)
+    if random and heights.nbytes <= KEPT_SURFACE:
+        heights.flags.writeable = False
+        _LAST[:] = [(asked, sampled)]
+    return sampled
 
 
 def _heights_of(study: Study, surface: Surface, track: Track) -> FloatArray:

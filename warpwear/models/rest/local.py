@@ -6,6 +6,7 @@ those of a track on which the disc does not move.
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -91,15 +92,26 @@ class OneScaleModel(Model):
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
-        sphere, disc = self.worn()
         gap = self._executor.to_numpy(self.state.gap)
-        return Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
+        sphere, disc = self.worn(gap)
+        made = Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
+        # A GPU's fields are copied to be seen, and the others are made for this step.
+        return replace(
+            made, fresh=frozenset(made.fields) - ({"gap"} if self._executor.device.is_cpu else set())
+        )
 
-    def worn(self) -> tuple[FloatArray, FloatArray]:
-        """Depths worn off sphere and disc so far [mm], shape (nx, ny)."""
-        both = self._executor.to_numpy(self.state.gap) - self._executor.to_numpy(self.state.unworn)
+    def worn(self, gap: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+        """Depths worn off sphere and disc so far [mm], shape (nx, ny). gap: as it is, where it is at hand."""
+        first, end = self._ledger.columns  # nothing is worn beyond them
+        gap = self._executor.to_numpy(self.state.gap) if gap is None else gap
+        unworn = self._executor.to_numpy(self.state.unworn)
+        both = np.zeros(gap.shape)
+        np.subtract(gap[:, first:end], unworn[:, first:end], out=both[:, first:end])
         of_sphere, of_disc = self.state.fractions
-        return of_sphere * both, of_disc * both
+        sphere = np.zeros(gap.shape)
+        np.multiply(of_sphere, both[:, first:end], out=sphere[:, first:end])
+        both[:, first:end] *= of_disc
+        return sphere, both
 
     @property
     def in_blocks(self) -> bool:

@@ -217,8 +217,9 @@ class SlidingHalfSpace:
             inputs=[made, self._layout, *fields],
             outputs=[self._bodies, self._sums, self._maxima],
         )
-        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
-        return self._totals(shift), most
+        sums, maxima = executor.read_partials(self._sums, self._maxima)
+        most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
+        return self._totals(sums, shift), most
 
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
@@ -229,9 +230,11 @@ class SlidingHalfSpace:
             return grid.nx
         return min(max(round(self._track_fraction * increment / grid.cell), 1), grid.nx)
 
-    def _totals(self, shift: int) -> dict[str, float]:
-        """Sums over all cells by the names of `PressureSum`; those of the disc are over all of its rows."""
-        table = self._sums.numpy()
+    def _totals(self, table: FloatArray, shift: int) -> dict[str, float]:
+        """Sums over all cells by the names of `PressureSum`; those of the disc are over all of its rows.
+
+        table: of partial sums, as many a row of the grid.
+        """
         total = dict(zip(names_of(PressureSum), table.sum(axis=1).tolist(), strict=True))
         nx = self._executor.grid.nx
         for name, rows in self._of_rows.items():

@@ -1,8 +1,8 @@
 """Whole steps on a GPU without a word to the host: the search for the balance, and a row of the history.
 
 What a pass over the cells finds is reduced block by block, into one column a block of the tables `found` and
-`trial`. The passes are a pair of kernels each: those of a gap at rest in `gpu_steps_rest`, those of a
-displaced disc in `gpu_steps_sliding`. The rule of the search is that of `balance.newton_in_bracket`. Where
+`trial`. The passes are a pair of kernels each: those of a gap at rest in `steps_rest`, those of a
+displaced disc in `steps_sliding`. The rule of the search is that of `balance.newton_in_bracket`. Where
 the approach of a gap at rest is expected next is what `foresight.Foresight` says, and the pass that wears has
 looked there already: most steps need no other.
 """

@@ -20,7 +20,7 @@ from warpwear.kernels.cells import (
     lowest_of,
     sum_of,
 )
-from warpwear.kernels.gpu_steps import Steps, compliance_of
+from warpwear.kernels.gpu.steps import Steps, compliance_of
 from warpwear.kernels.sliding import Bodies, OfRows, OfTiles, beneath
 
 wp.set_module_options({"enable_backward": False})
@@ -31,7 +31,7 @@ MOST = wp.constant(wp.int32(len(PressureSum)))
 
 @wp.kernel
 def carried(steps: Steps, bodies: Bodies, of_tiles: OfTiles):
-    """What the trial approach carries, see `gpu_steps.carried_of`."""
+    """What the trial approach carries, see `steps.carried_of`."""
     block = wp.tid() // wp.block_dim()
     tiles = steps.tiles
     cap = steps.cap

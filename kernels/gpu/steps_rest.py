@@ -9,7 +9,7 @@ on a GPU after a change). On a CPU a block is one thread.
 import warp as wp
 
 from warpwear.kernels.cells import ABSENT, ONE, ZERO, WearMost, WearSum
-from warpwear.kernels.gpu_steps import Steps, compliance_of
+from warpwear.kernels.gpu.steps import Steps, compliance_of
 
 wp.set_module_options({"enable_backward": False})
 
@@ -20,7 +20,7 @@ FOUR = 4
 
 @wp.kernel
 def carried(steps: Steps, gap_in: wp.array(dtype=wp.float64)):
-    """What the trial approach carries, see `gpu_steps.carried_of`."""
+    """What the trial approach carries, see `steps.carried_of`."""
     block = wp.tid() // wp.block_dim()
     columns = steps.columns
     cap = steps.cap

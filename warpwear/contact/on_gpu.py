@@ -1,0 +1,204 @@
+"""The search of the half-space solver on a GPU as one captured graph: a solve is a launch and a reading.
+
+The rules are those of `half_space_search`; what follows from a pass is decided on the device, as a word to
+the host and back takes longer than a pass. Of one part: rows with loads of their own go pass by pass.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warpwear.contact import half_space_search as search
+from warpwear.contact.balance import HOPELESS, MAX_EVALUATIONS, TOLERANCE
+from warpwear.contact.half_space_passes import NO_CAP, ROUGH_BALANCE, Iterate
+from warpwear.contact.influence import Influence
+from warpwear.contact.transforms import Filter, filter_of
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.errors import ConvergenceError
+from warpwear.kernels.cells import LANES
+from warpwear.kernels.gpu import half_space as passes
+from warpwear.kernels.gpu.half_space import Numbers, Rules, Solve, Told
+
+BLOCK = 256  # threads
+BLOCKS = 528  # at most: four for each of the 132 multiprocessors of a large GPU
+LINES = 9  # sums and maxima of a pass at most
+#: Blocks of a test on a CPU, of one thread each.
+BLOCKS_ON_CPU = 3
+
+
+class DeviceSearch:
+    """Solves contacts of one part at a load, on the fields of an iterate.
+
+    tolerance, rounding, max_iterations: as of `half_space.BoundedPressure`.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        iterate: Iterate,
+        influence: Influence,
+        *,
+        hardness: float,
+        tolerance: float,
+        rounding: float,
+        max_iterations: int,
+    ) -> None:
+        self._executor, self._device, self._influence = executor, executor.device, influence
+        executor.load(passes.moments)
+        grid, self._gap = executor.grid, executor.zeros()
+        columns = executor.vectors * LANES
+        blocks = BLOCKS_ON_CPU if self._device.is_cpu else min(BLOCKS, -(-grid.nx * columns // BLOCK))
+        self._far = filter_of(executor, influence.far_shape, np.float64)
+        self._near = filter_of(executor, grid.shape, np.float32)
+        self._rules = arguments(
+            Rules,
+            elastic_fraction=search.ELASTIC_FRACTION,
+            whole_step=search.WHOLE_STEP,
+            shortest_useful=search.SHORTEST_USEFUL_STEP,
+            outward=search.OUTWARD,
+            plain_steps=search.PLAIN_STEPS,
+            tolerance=tolerance,
+            rounding=rounding,
+            of_load=TOLERANCE,
+            rough_balance=ROUGH_BALANCE,
+            hopeless=HOPELESS,
+            evaluations=MAX_EVALUATIONS - 1,
+            iterations=max_iterations,
+            cap=min(hardness, NO_CAP),
+            cells=float(influence.cells),
+        )
+        self._solve = arguments(
+            Solve,
+            ny=grid.ny,
+            columns=columns,
+            pitch=influence.far_shape[1],
+            **{name: self._numbers_of(field) for name, field in {"gap": self._gap, **iterate.fields}.items()},
+            given=self._far.given.flatten(),
+            made=self._far.made.flatten(),
+            given_near=self._near.given.flatten(),
+            made_near=self._near.made.flatten(),
+            found=wp.zeros((LINES, blocks), dtype=wp.float64, device=self._device),
+            rules=self._rules,
+            asked=wp.zeros(2, dtype=wp.float64, device=self._device),
+            told=wp.zeros(len(Told), dtype=wp.float64, device=self._device),
+            numbers=wp.zeros(1, dtype=Numbers, device=self._device),
+            **{name: self._flag() for name in ("searching", "balancing", "near")},
+        )
+        self._lines = [
+            wp.zeros(n, dtype=wp.float64, device=self._device) for n in (self._far.shape[0], grid.nx)
+        ]
+        self._compliance: tuple[float, float, int | None] | None = None
+        self._tables: list[Field] = [
+            wp.array(table, dtype=wp.float64, device=self._device, copy=False)
+            for table in (influence.elastic, influence.near_elastic)
+        ]
+        pinned = self._device.is_cuda
+        self._asked, self._told = (
+            wp.zeros(place.size, dtype=wp.float64, device="cpu", pinned=pinned)
+            for place in (self._solve.asked, self._solve.told)
+        )
+        self._graphs: dict[bool, Any] = {}  # by whether they start anew
+
+    def solve(
+        self,
+        gap: Field,
+        *,
+        asked: float,
+        stiffness: float,
+        compliance: tuple[float, float, int | None],
+        anew: bool,
+    ) -> Mapping[Told, float]:
+        """Solve a contact; returns what it tells at its end.
+
+        asked: sum of the pressures [MPa]. stiffness: of a cell's own response [N/mm³]. compliance: own,
+        streak and window, as of `influence.Operator.set_compliance`. anew: whether to start from nothing.
+        Raises ConvergenceError where the load cannot be balanced.
+        """
+        if compliance != self._compliance:
+            self._compliance = compliance
+            for place, values in zip(self._lines, self._influence.lines(*compliance), strict=True):
+                place.assign(values)
+        wp.copy(self._gap, gap)
+        self._asked.numpy()[:] = asked, stiffness
+        if self._device.is_cpu:
+            self._launch_all(anew)
+        else:
+            wp.capture_launch(self._graph(anew))
+            wp.synchronize_stream(self._device.stream)
+        found = dict(zip(Told, self._told.numpy().tolist(), strict=True))
+        if found[Told.STATUS] == passes.UNBALANCED:
+            raise ConvergenceError(
+                f"the load balance of the half-space missed {ROUGH_BALANCE:g} of the load."
+            )
+        return found
+
+    def _graph(self, anew: bool) -> Any:
+        if anew not in self._graphs:
+            for made in (self._far, self._near):
+                made.transform()  # once before a capture: the library loads what it needs
+            with wp.ScopedCapture(device=self._device) as capture:
+                self._launch_all(anew)
+            self._graphs[anew] = capture.graph
+        return self._graphs[anew]
+
+    def _launch_all(self, anew: bool) -> None:
+        solve = self._solve
+        wp.copy(solve.asked, self._asked)
+        wp.launch(passes.start, dim=1, inputs=[solve], device=self._device)
+        for _ in range(2):
+            self._pass(passes.moments, passes.reckon_moments)
+        if anew:
+            self._pass(passes.spring, passes.weigh)
+            wp.capture_while(solve.balancing, self._balance)
+            self._pass(passes.take)
+        self._pass(passes.present)
+        self._respond()
+        self._pass(passes.begin)
+        self._pass(passes.advance, passes.judge)
+        wp.capture_while(solve.searching, self._iterate)
+        wp.copy(self._told, solve.told)
+
+    def _iterate(self) -> None:
+        wp.capture_if(self._solve.near, self._precondition)
+        self._pass(passes.products, passes.aim)
+        self._pass(passes.direction, passes.weigh)
+        wp.capture_while(self._solve.balancing, self._balance)
+        self._pass(passes.step)
+        self._respond()
+        self._pass(passes.respond, passes.go)
+        self._pass(passes.advance, passes.judge)
+
+    def _balance(self) -> None:
+        self._pass(passes.carried, passes.weigh)
+
+    def _precondition(self) -> None:
+        self._pass(passes.residual)
+        self._filter(self._near, passes.divide_waves, self._tables[1], self._lines[1])
+
+    def _respond(self) -> None:
+        self._filter(self._far, passes.pass_waves, self._tables[0], self._lines[0])
+
+    def _filter(self, waves: Filter, kernel: Any, table: Field, line: Field) -> None:
+        waves.forward()
+        inputs = [table, line, waves.scale]
+        wp.launch(kernel, dim=table.shape, inputs=inputs, outputs=[waves.waves], device=self._device)
+        waves.back()
+
+    def _pass(self, kernel: Any, decision: Any = None) -> None:
+        """Launch a pass over the cells, and what decides by its sums and maxima."""
+        block = 1 if self._device.is_cpu else BLOCK  # one thread on a CPU: for tests
+        for what, blocks in ((kernel, self._solve.found.shape[1]), (decision, 1)):
+            if what is not None:
+                wp.launch(
+                    what, dim=blocks * block, inputs=[self._solve], device=self._device, block_dim=block
+                )
+
+    def _numbers_of(self, field: Field) -> Field:
+        """A field seen as single numbers, shape (rows × columns,)."""
+        shape = field.size * LANES
+        return wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=self._device, copy=False)
+
+    def _flag(self) -> Field:
+        return wp.zeros(1, dtype=wp.int32, device=self._device)
