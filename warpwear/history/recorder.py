@@ -99,8 +99,8 @@ class Ledger:
 
         total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
         which the squares count [MPa]. bearing: cells' area that bears, where not all that is in contact does.
-        The row has `plastic_volume_disc` where the totals have "pressed_disc", `bare_fraction` where they have
-        "bare".
+        The row has `plastic_volume_disc` where the totals have "pressed_disc", and `bare_fraction` where they
+        have "bare".
 
         Raises ConvergenceError where nothing is in contact.
         """

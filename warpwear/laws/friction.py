@@ -2,7 +2,8 @@
 
 μ = μ_p + τ A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a
 measured coefficient fixes τ, are choices of the study. τ is constant, or runs in by an empirical fit:
-τ0 (1 + (r − 1) e^(−L/L_τ)). Under a film τ is the mean over the cells in contact, of which a fraction is bare.
+τ0 (1 + (r − 1) e^(−L/L_τ)). With a film τ is the mean over the cells in contact, of which a fraction is
+bare.
 """
 
 import math

@@ -337,8 +337,8 @@ class StepLoop:
         for name, strength in strengths.items():
             if strength > limit:
                 self._add_warning(
-                    f"The {name} = {strength:.3g} MPa is beyond {law.limit} = {limit:.3g} MPa, which the softer "
-                    "body bears: it would shear instead of the interface."
+                    f"The {name} = {strength:.3g} MPa is beyond {law.limit} = {limit:.3g} MPa, which the "
+                    "softer body bears: it would shear instead of the interface."
                 )
         cells = history["cells_in_contact"]
         if cells.min() < FEW_CELLS <= cells[0]:

@@ -171,7 +171,7 @@ def _junction_growth(study: Content) -> None:
     named = "[friction.film]" if film else f"friction.junction_growth = {growth:g}"
     if study.wear.law == "bearing-curve":
         raise ValueError(
-            f"{named} does not go with wear.law = 'bearing-curve', under which only a share of a cell touches: "
+            f"{named} does not go with wear.law = 'bearing-curve', where a share of a cell touches: "
             "allowed are 'archard', 'exponential' and 'running-in'"
         )
     if growth == 0.0:
@@ -300,8 +300,8 @@ def _of_film(study: Content) -> Iterator[str]:
     for body, law in zip(("sphere", "disc"), study.wear_laws, strict=True):
         if film is not None and film.bodies in ("both", body) and law.fastest == 0.0:
             yield (
-                f"wear.{body} = 0: the {body} keeps its film, so no cell becomes bare by friction.film.bodies = "
-                f"'{film.bodies}'."
+                f"wear.{body} = 0: the {body} keeps its film, so no cell becomes bare by "
+                f"friction.film.bodies = '{film.bodies}'."
             )
 
 
