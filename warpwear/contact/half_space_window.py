@@ -155,14 +155,19 @@ class WindowedHalfSpace:
         the parts.
         """
         whole, least = self._executor.grid, least_part * self._hardness
+
+        def carries(window: Window) -> bool:
+            """Whether cells at the least of their caps do: none falls below it later."""
+            return parts is None or least * window.grid(whole).area >= load
+
         # No more of a mean along x may reach beyond the window than it holds.
         rows = 2 * (streak_window or (whole.nx if streak_compliance else 1))
         if self._window is None:
             self._look_at(self._first(gap, load, rows, least))
         elif self._window.end_row - self._window.first_row < min(rows, whole.nx):
             self._look_at(Window.around(self._window.box, whole, rows=rows))
-        if parts is not None and least * self._window.grid(whole).area < load:
-            # It held the last contact; caps that have fallen since may need more than all of its cells.
+        assert self._window is not None
+        if not carries(self._window):
             self._look_at(self._everything)
         transforms = iterations = 0
         while True:
@@ -199,7 +204,7 @@ class WindowedHalfSpace:
         self._gradient.fill_(Cells(math.nan))
         wp.copy(window.of(self._gradient), contact.gradient_field)
         fitting = Window.around(reached, whole, rows=rows)
-        if self._boundary == "free" and fitting.area <= SMALLER * window.area:
+        if self._boundary == "free" and fitting.area <= SMALLER * window.area and carries(fitting):
             self._look_at(fitting)
         return replace(
             contact,
