@@ -63,7 +63,7 @@ class BareCells:
     def of_bodies(
         cls, film: Film | None, executor: Executor, sphere: Field, disc: Field
     ) -> "BareCells | None":
-        """Of a sphere and a disc that wear apart [mm]; None without a film."""
+        """Follow a sphere and a disc that wear apart [mm]; None without a film."""
         if film is None:
             return None
         wear = {"sphere": sphere, "disc": disc}
@@ -73,7 +73,10 @@ class BareCells:
     def of_both(
         cls, film: Film | None, executor: Executor, worn: Field, fractions: tuple[float, float]
     ) -> "BareCells | None":
-        """Of bodies that wear in one proportion. worn: by both [mm]; fractions: of sphere and disc in it."""
+        """Follow bodies that wear in one proportion; None without a film.
+
+        worn: by both [mm]. fractions: of sphere and disc in it.
+        """
         if film is None:
             return None
         least = min(part for part, on in zip(fractions, film.on, strict=True) if on)
