@@ -9,6 +9,7 @@ from typing import Any
 import cases_half_space
 import numpy as np
 import pytest
+from cases_figures import drawn, faults_of
 from cases_track import small
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -402,12 +403,14 @@ def test_a_run_tells_of_its_film(tmp_path: Path) -> None:
     study = STUDIES["track"].replace(FILM | {"sliding.distance": "60 mm"})
     with warpwear.run(study, out=tmp_path / "run", plots="essential") as result:
         summary = json.loads((tmp_path / "run" / "summary.json").read_text())
-        drawn = {path.stem for path in (tmp_path / "run" / "figures").iterdir()}
+        figures = {path.stem for path in (tmp_path / "run" / "figures").iterdir()}
+        for name in ("bare_map", "bare_fraction"):
+            assert not faults_of(name, *drawn(result, name))
         bare = result.snapshot(-1).bare
         assert bare is not None
         assert set(np.unique(bare)) <= {0.0, 1.0}
         assert result.units["bare_fraction"] == "1"
-    assert {"bare_map", "bare_fraction"} <= drawn
+    assert {"bare_map", "bare_fraction"} <= figures
     assert summary["hardness_MPa"] == pytest.approx(FILMED)
     assert summary["junction_growth"]["hardness_sheared_MPa"] == pytest.approx(BARE)
     assert summary["junction_growth"]["indentation_hardness_MPa"] == 590.0
