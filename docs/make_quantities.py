@@ -11,6 +11,7 @@ def markdown_table() -> str:
         "half-space track": "half-spaces over a track",
         "patches": "runs with patches",
         "dents": "tracks that keep their dents",
+        "film": "runs with a film",
     }
     values = {"step": "step", "patch": "step and patch", "cell": "snapshot and cell", "snapshot": "snapshot"}
     rows = ["| name | unit | one value for each | only in | meaning |", "|---|---|---|---|---|"]

@@ -3,7 +3,7 @@
 Symbols: p pressure, t = Gp + g its gradient (gap after deformation, from the mean planes), λ the rigid
 approach, H the cap. At the solution t = λ on cells with 0 < p < H, t ≥ λ where p = 0, t ≤ λ where p = H.
 A cell is free if it may move: p > 0 or t < λ, and p < H or t > λ. Levels and shifts are one for all rows, or
-one a row.
+one a row. H is one for all cells, or a part of it of each.
 """
 
 import warp as wp
@@ -18,7 +18,7 @@ EPSILON = wp.constant(wp.float64(4.0e-16))
 
 @wp.struct
 class Fields:
-    """What a search moves, and the cap."""
+    """What a search moves, and the caps."""
 
     pressure: wp.array2d(dtype=Cells)  # p [MPa]
     gradient: wp.array2d(dtype=Cells)  # t [mm]
@@ -26,6 +26,16 @@ class Fields:
     step: wp.array2d(dtype=Cells)  # the last one [MPa]
     response: wp.array2d(dtype=Cells)  # of the gradient to it [mm]
     cap: wp.float64  # H [MPa]
+    parts: wp.array2d(dtype=Cells)  # of H, that cells bear; no rows where all bear it
+
+
+@wp.func
+def caps_of(fields: Fields, row: wp.int32, k: wp.int32):
+    """H of eight cells."""
+    caps = Cells(fields.cap)
+    if fields.parts.shape[0] > 0:
+        caps = fields.cap * fields.parts[row, k]
+    return caps
 
 
 @wp.func
@@ -65,7 +75,6 @@ def advance(
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
-    cap = fields.cap
     shift = of_row(shift_in, row)
     total = Cells(ZERO)
     touching = Cells(ZERO)
@@ -74,6 +83,7 @@ def advance(
     highest = Cells(-NONE)
     lowest = Cells(-NONE)
     for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
+        cap = caps_of(fields, row, k)
         x = fields.trial[row, k]
         s = fields.step[row, k]
         y = fields.response[row, k]
@@ -85,13 +95,13 @@ def advance(
         up = Cells(ZERO)
         down = Cells(ZERO)
         for j in range(LANES):
-            p[j] = wp.where(whole, shifted(x[j], shift, cap), clipped(p[j] + length * s[j], cap))
+            p[j] = wp.where(whole, shifted(x[j], shift, cap[j]), clipped(p[j] + length * s[j], cap[j]))
             t[j] += length * y[j]
             touch[j] = wp.where(p[j] > ZERO, ONE, ZERO)
-            inside[j] = wp.where(p[j] < cap, touch[j], ZERO)
+            inside[j] = wp.where(p[j] < cap[j], touch[j], ZERO)
             inside_level[j] = wp.where(inside[j] > ZERO, t[j], ZERO)
             up[j] = wp.where(p[j] > ZERO, t[j], -NONE)
-            down[j] = wp.where(p[j] < cap, -t[j], -NONE)
+            down[j] = wp.where(p[j] < cap[j], -t[j], -NONE)
         fields.pressure[row, k] = p
         fields.gradient[row, k] = t
         total += p
@@ -118,14 +128,14 @@ def residual(
     """t − λ on the free cells, 0 elsewhere, in the place of the trial."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
-    cap = fields.cap
     approach = of_row(approach_in, row)
     for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
+        cap = caps_of(fields, row, k)
         p = fields.pressure[row, k]
         t = fields.gradient[row, k]
         r = Cells(ZERO)
         for j in range(LANES):
-            r[j] = wp.where(free(p[j], t[j], approach, cap) > ZERO, t[j] - approach, ZERO)
+            r[j] = wp.where(free(p[j], t[j], approach, cap[j]) > ZERO, t[j] - approach, ZERO)
         fields.trial[row, k] = r
 
 
@@ -146,7 +156,6 @@ def products(
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
-    cap = fields.cap
     approach = of_row(approach_in, row)
     descent_level = of_row(descent_level_in, row)
     count = Cells(ZERO)
@@ -159,6 +168,7 @@ def products(
     largest_z = Cells(ZERO)
     largest_r = Cells(ZERO)
     for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
+        cap = caps_of(fields, row, k)
         p = fields.pressure[row, k]
         t = fields.gradient[row, k]
         z = descent_in[row, k]
@@ -174,7 +184,7 @@ def products(
         size_z = Cells(ZERO)
         size_r = Cells(ZERO)
         for j in range(LANES):
-            is_free = free(p[j], t[j], approach, cap)
+            is_free = free(p[j], t[j], approach, cap[j])
             f[j] = is_free
             fz[j] = wp.where(is_free > ZERO, z[j] - descent_level, ZERO)
             fr[j] = wp.where(is_free > ZERO, t[j] - approach, ZERO)
@@ -224,12 +234,12 @@ def direction(
     """
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
-    cap = fields.cap
     approach = of_row(approach_in, row)
     descent_level = of_row(descent_level_in, row)
     total = Cells(ZERO)
     between = Cells(ZERO)
     for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
+        cap = caps_of(fields, row, k)
         p = fields.pressure[row, k]
         t = fields.gradient[row, k]
         z = descent_in[row, k]
@@ -238,12 +248,12 @@ def direction(
         q = Cells(ZERO)
         inside = Cells(ZERO)
         for j in range(LANES):
-            is_free = free(p[j], t[j], approach, cap)
+            is_free = free(p[j], t[j], approach, cap[j])
             r = t[j] - approach
             d = wp.where(is_free > ZERO, memory * s[j] - (z[j] - descent_level), -outward * r)
             x[j] = p[j] + length * d
-            q[j] = clipped(x[j], cap)
-            inside[j] = wp.where(x[j] > ZERO and x[j] < cap, ONE, ZERO)
+            q[j] = clipped(x[j], cap[j])
+            inside[j] = wp.where(x[j] > ZERO and x[j] < cap[j], ONE, ZERO)
         fields.trial[row, k] = x
         total += q
         between += inside
@@ -262,17 +272,17 @@ def carried(
     """Sums of the trial pressures, shifted and clipped, and of the cells between the bounds."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
-    cap = fields.cap
     shift = of_row(shift_in, row)
     total = Cells(ZERO)
     between = Cells(ZERO)
     for k in range(slot % slots_per_row, fields.trial.shape[1], slots_per_row):
+        cap = caps_of(fields, row, k)
         x = fields.trial[row, k]
         q = Cells(ZERO)
         inside = Cells(ZERO)
         for j in range(LANES):
-            q[j] = shifted(x[j], shift, cap)
-            inside[j] = wp.where(q[j] > ZERO and q[j] < cap, ONE, ZERO)
+            q[j] = shifted(x[j], shift, cap[j])
+            inside[j] = wp.where(q[j] > ZERO and q[j] < cap[j], ONE, ZERO)
         total += q
         between += inside
     sums_out[0, slot] = sum_of(total)
@@ -292,12 +302,12 @@ def step(
     """Feasible step to the trial. Sum: step × (t − λ). Maximum: fraction used of the room to a bound."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
-    cap = fields.cap
     approach = of_row(approach_in, row)
     shift = of_row(shift_in, row)
     slope = Cells(ZERO)
     used = Cells(ZERO)
     for k in range(slot % slots_per_row, fields.trial.shape[1], slots_per_row):
+        cap = caps_of(fields, row, k)
         x = fields.trial[row, k]
         p = fields.pressure[row, k]
         t = fields.gradient[row, k]
@@ -305,9 +315,9 @@ def step(
         sr = Cells(ZERO)
         fraction = Cells(ZERO)
         for j in range(LANES):
-            s[j] = shifted(x[j], shift, cap) - p[j]
+            s[j] = shifted(x[j], shift, cap[j]) - p[j]
             sr[j] = wp.where(s[j] == ZERO, ZERO, s[j] * (t[j] - approach))
-            room = wp.where(s[j] < ZERO, p[j], cap - p[j])
+            room = wp.where(s[j] < ZERO, p[j], cap[j] - p[j])
             fraction[j] = wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room)
         fields.step[row, k] = s
         slope += sr

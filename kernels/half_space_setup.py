@@ -98,6 +98,23 @@ def spring(
 
 
 @wp.kernel
+def bound(
+    first_slot: wp.int32,
+    slots_per_row: wp.int32,
+    cap: wp.float64,
+    parts_in: wp.array2d(dtype=Cells),
+    pressure_out: wp.array2d(dtype=Cells),
+):
+    """Pressure of each cell down to its part of the cap, which may have fallen since it was solved."""
+    slot = first_slot + wp.tid()
+    row = slot // slots_per_row
+    for k in range(slot % slots_per_row, pressure_out.shape[1], slots_per_row):
+        p = pressure_out[row, k]
+        caps = cap * parts_in[row, k]
+        pressure_out[row, k] = wp.min(p, caps)
+
+
+@wp.kernel
 def gradient(
     first_slot: wp.int32,
     slots_per_row: wp.int32,

@@ -97,6 +97,7 @@ def carried(
     offset = at.offset[patch]
     cap = law.cap
     stiffness = step.stiffness
+    parted = at.parts.shape[0] > 0
     vectors = layout.vectors
     tiles = (vectors + TILE_VECTORS - 1) // TILE_VECTORS
     pressure = Cells(ZERO)
@@ -116,11 +117,14 @@ def carried(
                 p = Cells(ZERO)
                 b = Cells(ZERO)
                 near = Cells(ZERO)
+                caps = Cells(cap)
+                if parted:
+                    caps = cap * at.parts[patch, k]
                 for j in range(LANES):
                     q = ((base - g[j]) + offset) * stiffness
-                    p[j] = wp.min(wp.max(q, ZERO), cap)
-                    b[j] = wp.where(q > ZERO and q < cap, ONE, ZERO)
-                    near[j] = wp.min(wp.abs(q), wp.abs(q - cap))
+                    p[j] = wp.min(wp.max(q, ZERO), caps[j])
+                    b[j] = wp.where(q > ZERO and q < caps[j], ONE, ZERO)
+                    near[j] = wp.min(wp.abs(q), wp.abs(q - caps[j]))
                 pressure += p
                 between += b
                 nearest = wp.min(nearest, near)
@@ -148,9 +152,12 @@ def pressures(
     law_here.offset = at.offset[patch]
     for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
         g = gap_in[patch, k]
+        part = Cells(ONE)
+        if at.parts.shape[0] > 0:
+            part = at.parts[patch, k]
         p = Cells(ZERO)
         for j in range(LANES):
-            p[j] = pressure_of(law_here, g[j], step.stiffness)
+            p[j] = wp.min(pressure_of(law_here, g[j], step.stiffness), law_here.cap * part[j])
         pressure_out[patch, k] = p
 
 

@@ -45,6 +45,7 @@ class OfCells:
 
     stiffness: wp.array2d(dtype=Cells)  # 1/c [N/mm³]
     factor: wp.array2d(dtype=Cells)  # of the sliding distance of the disc's cells
+    parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
 
 
 @wp.struct
@@ -211,6 +212,8 @@ _WEAR_TILES = f"""
     const Stored *const factor = line(of_cells.factor, under);
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const bool presses = step.full_depth < 1.0e300, factored = step.factored == 1;
+    const bool parted = of_cells.parts.shape[0] > 0;
+    const Stored *const parts = parted ? line(of_cells.parts, row) : nullptr;
     const int of_tile = 32 / lanes, of_row = bodies.gap.shape[1] * 8 / lanes;
     const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
     const double of_sphere = step.wear_per_pressure_sphere, of_disc = step.wear_per_pressure_disc;
@@ -227,12 +230,13 @@ _WEAR_TILES = f"""
         for (int i = first; i < last; ++i) {{
             const Lanes overlap = (base - gap[i]) + offset;
             Lanes p = (overlap - tie_width) * stiffness[i];
+            const Lanes part = parted ? parts[i] : one, most_here = cap * part;
             p = p > zero ? p : zero;
-            p = p < cap ? p : cap;
-            p = size_of(overlap) > tie_width ? p : law.tie_pressure;
+            p = p < most_here ? p : most_here;
+            p = size_of(overlap) > tie_width ? p : law.tie_pressure * part;
             Lanes d = disc[i];
             if (presses) {{
-                Lanes beyond = overlap - step.full_depth;
+                Lanes beyond = overlap - step.full_depth * part;
                 beyond = beyond > zero ? beyond : zero;
                 d -= beyond;
                 const Lanes x = plastic[i] + beyond;
@@ -253,7 +257,7 @@ _WEAR_TILES = f"""
             const Lanes from_reference = p > zero ? p - step.reference : zero;
             deviation += from_reference * from_reference;
             contact += p > zero ? yes : no;
-            capped += p >= cap ? yes : no;
+            capped += p >= most_here ? yes : no;
             low = low < s ? low : s;
             high = high > d ? high : d;
             worn_sphere += a;

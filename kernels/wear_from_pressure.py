@@ -36,6 +36,7 @@ class Increment:
     cap: wp.float64  # largest pressure [MPa]
     approach: wp.float64  # [mm]
     reference: wp.float64  # pressure from which the squares count [MPa]
+    parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
 
 
 @wp.kernel
@@ -131,6 +132,7 @@ def wear(
     cap = increment.cap
     approach = increment.approach
     reference = increment.reference
+    parted = increment.parts.shape[0] > 0
     vectors = layout.vectors
     domain_row = layout.first_row[row]
     domain_column = layout.first_column[row]
@@ -167,6 +169,9 @@ def wear(
             if not shows:
                 before = bodies.reached[row, k]
             is_touched = Cells(ZERO)
+            caps = Cells(cap)
+            if parted:
+                caps = cap * increment.parts[row, k]
             for j in range(LANES):
                 removed = wear_per_pressure_sphere * m[j]
                 s[j] = s[j] + removed
@@ -175,7 +180,7 @@ def wear(
                 from_reference = wp.where(p[j] > ZERO, p[j] - reference, ZERO)
                 deviation[j] += from_reference * from_reference
                 contact[j] += wp.where(p[j] > ZERO, ONE, ZERO)
-                capped[j] += wp.where(p[j] >= cap, ONE, ZERO)
+                capped[j] += wp.where(p[j] >= caps[j], ONE, ZERO)
                 reached = m[j] + before[j] > ZERO
                 column = wp.float64(first_column + j)
                 is_touched[j] = wp.where(reached, ONE, ZERO)
@@ -196,7 +201,7 @@ def wear(
                     t = gradient_in[row, k]
                     x = bodies.plastic_disc[under, k]
                     for j in range(LANES):
-                        is_capped = p[j] >= cap
+                        is_capped = p[j] >= caps[j]
                         beyond = wp.where(is_capped, wp.max(approach - t[j], ZERO), ZERO)
                         d[j] = d[j] - beyond
                         x[j] = x[j] + beyond

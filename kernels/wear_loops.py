@@ -58,6 +58,7 @@ class Approaches:
     reached: wp.array(dtype=wp.float64)  # the largest so far
     base_next: wp.array(dtype=wp.float64)
     offset_next: wp.array(dtype=wp.float64)
+    parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
 
 
 #: `Lanes` are the eight cells of a vector on a CPU, on a GPU one cell after another.
@@ -101,6 +102,7 @@ LANES_IN_C = """
 #: What the loops share: their sums, a cell, and where the sums go.
 _BEGIN = """
     const double cap = law.cap;
+    const Lanes cap_of_all = cap;
     const double wear_per_pressure = step.wear_per_pressure, reference = step.reference;
     const double stiffness = step.stiffness, stiffness_next = step.stiffness_next;
     Lanes pressure = 0.0, deviation = 0.0, highest = 0.0, worn = 0.0, deepest = 0.0;
@@ -116,7 +118,8 @@ _CELL = """
             Lanes g = gap[i];
             Lanes p = ((base - g) + (offset - tie_width)) * stiffness;
             p = p > zero ? p : zero;
-            p = p < cap ? p : cap;
+            const Lanes most_here = parts ? cap * parts[i] : cap_of_all;
+            p = p < most_here ? p : most_here;
             if (tie_width > 0.0)
                 p = size_of((base - g) + offset) > tie_width ? p : tie_pressure;
             g += wear_per_pressure * p;
@@ -126,7 +129,7 @@ _CELL = """
             Lanes d = p > zero ? p - reference : zero;
             deviation += d * d;
             contact += p > zero ? yes : no;
-            capped += p >= cap ? yes : no;
+            capped += p >= most_here ? yes : no;
 
             Lanes w = g - unworn[i];
             touched += p > zero || w > zero ? yes : no;
@@ -165,6 +168,7 @@ _WEAR = """
     // Rows lie in one piece each.
     const Stored* const unworn = (const Stored*)&wp::index(unworn_in, row, 0);
     Stored* const gap = (Stored*)&wp::index(gap_out, row, 0);
+    const Stored* const parts = nullptr;  // one gap has one cap
     const int* const tiles = &wp::index(tiles_in, row, 0);
     const int of_tile = 32 / lanes, of_row = gap_out.shape[1] * 8 / lanes;
     const int listed = wp::index(count_in, row);
@@ -201,6 +205,8 @@ _WEAR_PATCHES = """
     // The lines of a patch lie in one piece.
     const Stored* const unworn = (const Stored*)&wp::index(initial_in, patch, 0);
     Stored* const gap = (Stored*)&wp::index(gap_out, patch, 0);
+    const bool parted = at.parts.shape[0] > 0;
+    const Stored* const parts = parted ? (const Stored*)&wp::index(at.parts, patch, 0) : nullptr;
     const double* const lowest = &wp::index(layout.lowest, patch, 0);
     const int of_tile = 32 / lanes, of_line = layout.vectors * 8 / lanes;
     const int tiles = (of_line + of_tile - 1) / of_tile, of_patch = layout.lowest.shape[1];

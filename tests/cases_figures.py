@@ -14,6 +14,7 @@ from warpwear import Result
 
 OF_TRACKS = {"groove", "track_map", "wear_per_pass", "cof_stroke", "track_roughness"}
 OF_PATCHES = {"load_share", "patch_zoom"}
+OF_FILMS = {"bare_map", "bare_fraction"}
 
 
 def drawn(result: Result, name: str) -> tuple[Figure, Any]:

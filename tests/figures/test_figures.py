@@ -9,7 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from cases_figures import OF_PATCHES, OF_TRACKS, axes_lines, drawn, faults_of, is_empty, shown_ticks
+from cases_figures import OF_FILMS, OF_PATCHES, OF_TRACKS, axes_lines, drawn, faults_of, is_empty, shown_ticks
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from PIL import Image
@@ -86,12 +86,12 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Resu
     assert {path.stem for path in written} == STATIC
     with pytest.raises(InputError, match="there is no figure 'cof': the run has one step"):
         plot.cof()
-    of_others = {"hertz", "distance_factor", *OF_TRACKS, *OF_PATCHES}
+    of_others = {"hertz", "distance_factor", *OF_TRACKS, *OF_PATCHES, *OF_FILMS}
     assert set(results["rough"].plot.left_out) == of_others
     assert set(results["flat"].plot.left_out) == {"contact_radius"} | of_others
     assert results["flat"].plot.left_out["contact_radius"] == "a rigid flat has no radius of contact"
     of_rough = {"roughness", "islands", "junctions"}
-    assert set(results["smooth"].plot.left_out) == of_rough | {*OF_TRACKS, *OF_PATCHES}
+    assert set(results["smooth"].plot.left_out) == of_rough | {*OF_TRACKS, *OF_PATCHES, *OF_FILMS}
     no_speed = warpwear.run(
         Study.load("v3").replace({"grid.cell": "20 um", "sliding.speed": None, "sliding.distance": "3 mm"})
     )
@@ -171,7 +171,7 @@ def test_what_goes_into_a_paper_is_drawn_by_default(results: dict[str, Result], 
     assert set(plot.names()) == set(plot.NAMES) - set(plot.left_out) > essential
     assert set(results["smooth"].plot.names("essential")) == essential - {"roughness"} | {"hertz"}
     assert {path.stem for path in plot.save_all(tmp_path, plots="essential")} == essential
-    assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES} == essential | {"hertz"}
+    assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES, *OF_FILMS} == essential | {"hertz"}
 
 
 def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": 
 OF_PATCHES = {"grid.cell": "10 um", "disc.synthetic.cut_off": "20 um", "sliding.distance": "3 mm"}
 #: Kinds of runs, and a figure that only they have.
 OF_KINDS = {"rough": "roughness", "smooth": "hertz", "two-scale": "load_share", "track": "groove"}
+OF_KINDS |= {"film": "bare_map"}
 #: Cores with which a run has another process draw.
 CORES = 2
 
@@ -34,6 +35,7 @@ def study_of(kind: str) -> Study:
         return Study.load(kind).replace(OF_PATCHES | {"output.snapshots": ["0.3 mm"]})
     static = {"sliding.distance": "0 mm", "output.snapshots": []}
     more: dict[str, dict[str, Any]] = {"smooth": {"study.model": "macro"}, "static": static}
+    more["film"] = {"friction.film.thickness": "10 nm", "friction.film.shear_strength": "1 MPa"}
     return Study.load("v3-fine").replace(PLAIN | more.get(kind, {}))
 
 
@@ -165,4 +167,4 @@ def test_an_interrupted_run_leaves_no_process(tmp_path: Path, monkeypatch: pytes
 
 def test_the_kinds_drawn_here_have_all_essential_figures() -> None:
     common = {"setup", "pressure_map", "contact_map", "areas", "cof", "profiles", "volumes"}
-    assert common | {*OF_KINDS.values(), "track_map", "wear_per_pass"} == set(ESSENTIAL)
+    assert common | {*OF_KINDS.values(), "track_map", "wear_per_pass", "bare_fraction"} == set(ESSENTIAL)

@@ -105,7 +105,7 @@ def _of_run(folder: Path, cof: float, ploughing: float, area: str | None) -> tup
         study, history, finished = result.study, result.history, result.finished
     load, lap = study.contact.load, study.lap
     law = Friction(coefficient=cof, ploughing=ploughing)
-    taus = friction.calibrations(law, history, load=load, hardness=study.hardness, lap=lap)
+    taus = friction.calibrations(law, history, load=load, hardness=study.indentation_hardness, lap=lap)
     slid = float(history["distance"][-1])
     sizes: dict[str, list[Row]] = {}
     for name in AREAS if area is None else (area,):

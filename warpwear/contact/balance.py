@@ -17,6 +17,7 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact
 from warpwear.kernels.contact import Law
+from warpwear.kernels.running_in import caps
 
 #: Residual of the balance of a contact with compliance, relative to the load.
 TOLERANCE = 1.0e-12
@@ -100,6 +101,7 @@ class Foundation:
     load: float  # [N]
     hardness: float  # [MPa]
     stiffest: float = math.inf  # no cell's stiffness is larger [N/mm³]
+    parts: Field | None = None  # of the hardness, that cells bear; None: all of it
 
 
 def stiffness_of(compliance: float) -> float:
@@ -205,19 +207,26 @@ class Balancer:
     def _carried(self, task: Foundation, base: float, offset: float) -> Carried:
         """Force and its slope at an approach."""
         set_numbers(self._law, base=base, offset=offset, cap=task.hardness)
+        own = [] if task.parts is None else [task.parts]
         self._executor.launch(
-            contact.carried,
-            inputs=[self._law, task.stiffness, task.gap],
+            caps.carried if own else contact.carried,
+            inputs=[self._law, task.stiffness, task.gap, *own],
             outputs=[self._sums],
             over=task.tiles,
             often=True,
         )
         return self.evaluated(self._sums)
 
-    def pressures(self, law: Arguments, stiffness: Field, gap: Field, tiles: TileList) -> FloatArray:
-        """The pressure of every cell [MPa], shape (nx, ny), at the approach and cap of the law."""
-        field = self._executor.zeros()
-        self._executor.launch(contact.pressures, inputs=[law, stiffness, gap], outputs=[field], over=tiles)
+    def pressures(
+        self, law: Arguments, stiffness: Field, gap: Field, tiles: TileList, parts: Field | None = None
+    ) -> FloatArray:
+        """The pressure of every cell [MPa], shape (nx, ny), at the approach and cap of the law.
+
+        parts: of the cap, that cells bear; None: all of it.
+        """
+        field, own = self._executor.zeros(), [] if parts is None else [parts]
+        kernel = caps.pressures if own else contact.pressures
+        self._executor.launch(kernel, inputs=[law, stiffness, gap, *own], outputs=[field], over=tiles)
         return self._executor.to_numpy(field)
 
     def evaluated(self, partials: Field) -> Carried:

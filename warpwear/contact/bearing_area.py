@@ -12,6 +12,7 @@ from warpwear.engine.executor import Executor, Field
 from warpwear.engine.tiles import TileList
 from warpwear.errors import ConvergenceError
 from warpwear.kernels import contact
+from warpwear.kernels.running_in import caps
 
 #: Gaps that differ by less are tied [mm]: a picometre-thousandth, below anything a surface has.
 TIE = 1.0e-12
@@ -23,6 +24,8 @@ class BearingArea:
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
         self._sums = executor.partials(3)
+        #: Of the hardness, that each cell bears: it counts as that part of one; None: all of it.
+        self.parts: Field | None = None
         self._cell_area = executor.grid.cell_area
 
     def bounds(self, gap_field: Field, tiles: TileList) -> tuple[float, float]:
@@ -138,7 +141,12 @@ class BearingArea:
 
     def _count(self, gap_field: Field, tiles: TileList, approach: float) -> float:
         """Cells in contact at an approach, of the tiles listed."""
+        own = [] if self.parts is None else [self.parts]
         self._executor.launch(
-            contact.count_below, inputs=[approach, gap_field], outputs=[self._sums], over=tiles, often=True
+            caps.below if own else contact.count_below,
+            inputs=[approach, gap_field, *own],
+            outputs=[self._sums],
+            over=tiles,
+            often=True,
         )
         return float(self._sums.numpy()[0].sum())

@@ -116,6 +116,7 @@ class BoundedPressure:
         compliance: float = 0.0,
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
+        parts: Field | None = None,
     ) -> HalfSpaceContact:
         """Solve the contact at a mean pressure [MPa] or at an approach [mm].
 
@@ -124,12 +125,13 @@ class BoundedPressure:
         the mean planes [mm]. compliance: c of every cell beside the half-space's [mm/MPa]: K ΔL of both
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
-        line.
+        line. parts: of the hardness, 0 < part ≤ 1, that cells bear; None: all of it.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
         """
         asked = self._asked(mean_pressure, approach)
+        self._iterate.set_parts(parts)
         cells = self._iterate.cells
         if self.on_device is not None and asked is not None and self._iterate.parts == 1:
             return self._solve_on(

@@ -74,6 +74,7 @@ class Iterate:
         self.pressure, self.gradient, self._trial, self._step, self._response = made
         self.fields = dict(zip(names, made, strict=True))
         self._fields = arguments(passes.Fields, cap=min(hardness, NO_CAP), **self.fields)
+        self._parts: Field | None = None
         self._sums = executor.partials(len(Products._fields) - 2)
         self._maxima = executor.partials(2)
         #: On a GPU, where tables of many slots are reduced before they are read.
@@ -82,6 +83,12 @@ class Iterate:
             if executor.device.is_cpu
             else wp.zeros((len(Products._fields), FOLDED), dtype=wp.float64, device=executor.device)
         )
+
+    def set_parts(self, parts: Field | None) -> None:
+        """Let each cell bear a part of the cap from now on; None: all of it, as before the first call."""
+        if parts is not None or self._parts is not None:
+            self._parts = parts
+            self._fields.parts = self._executor.zeros(0) if parts is None else parts
 
     def divide(self, rows: int | None) -> None:
         """Make each row a part from now on. rows: all that are visited; None makes all cells one part."""
@@ -114,6 +121,8 @@ class Iterate:
 
     def begin(self, gap: Field) -> SearchSums:
         """Make the gradient of the present pressure."""
+        if self._parts is not None:
+            self._pass(half_space_setup.bound, [self._fields.cap, self._parts], [self.pressure])
         self._influence.respond(self.pressure, self._response)
         self._pass(half_space_setup.gradient, [self._executor.grid.ny, gap, self._response], [self.gradient])
         return self.advance(0.0)

@@ -113,7 +113,9 @@ class WindowedHalfSpace:
         self._window: Window | None = None  # to look at first
         self._written: Window | None = None  # that the fields are of
         self._solver: HalfSpace | None = None
-        self._gap: Field = None  # of the solver's grid, as the solver is
+        #: Of the solver's grid, as the solver is.
+        self._gap: Field = None
+        self._parts: Field | None = None
 
     @property
     def window(self) -> list[int] | None:
@@ -146,23 +148,37 @@ class WindowedHalfSpace:
         compliance: float = 0.0,
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
+        parts: Field | None = None,
+        least_part: float = 1.0,
     ) -> HalfSpaceContact:
         """Solve the contact at a load [N], otherwise as `half_space.BoundedPressure.solve` does.
 
-        Fields are of the whole grid; the gradient is NaN beyond the window.
+        Fields are of the whole grid; the gradient is NaN beyond the window. least_part: no smaller is among
+        the parts.
         """
-        whole = self._executor.grid
+        whole, least = self._executor.grid, least_part * self._hardness
+
+        def carries(window: Window) -> bool:
+            """Whether cells at the least of their caps do: none falls below it later."""
+            return parts is None or least * window.grid(whole).area >= load
+
         # No more of a mean along x may reach beyond the window than it holds.
         rows = 2 * (streak_window or (whole.nx if streak_compliance else 1))
         if self._window is None:
-            self._look_at(self._first(gap, load, rows))
+            self._look_at(self._first(gap, load, rows, least))
         elif self._window.end_row - self._window.first_row < min(rows, whole.nx):
             self._look_at(Window.around(self._window.box, whole, rows=rows))
+        assert self._window is not None
+        if not carries(self._window):
+            self._look_at(self._everything)
         transforms = iterations = 0
         while True:
             window, solver = self._window, self._solver
             assert window is not None
             assert solver is not None
+            if parts is not None:
+                self._parts = wp.zeros_like(self._gap) if self._parts is None else self._parts
+                wp.copy(self._parts, window.of(parts))
             wp.copy(self._gap, window.of(gap))
             wp.copy(solver.pressure_field, window.of(self._pressure))
             if self._started:
@@ -175,6 +191,7 @@ class WindowedHalfSpace:
                 compliance=compliance,
                 streak_compliance=streak_compliance,
                 streak_window=streak_window,
+                parts=None if parts is None else self._parts,
             )
             self._started = True
             self._clear_beside(window)
@@ -188,7 +205,7 @@ class WindowedHalfSpace:
             self._look_at(Window.around(reached, whole, rows=rows))
         wp.copy(window.of(self._gradient), contact.gradient_field)
         fitting = Window.around(reached, whole, rows=rows)
-        if self._boundary == "free" and fitting.area <= SMALLER * window.area:
+        if self._boundary == "free" and fitting.area <= SMALLER * window.area and carries(fitting):
             self._look_at(fitting)
         return replace(
             contact,
@@ -213,7 +230,7 @@ class WindowedHalfSpace:
         executor = self._executor
         grid = window.grid(executor.grid)
         if self._window is None or grid != self._window.grid(executor.grid):
-            self._solver = self._gap = None
+            self._solver = self._gap = self._parts = None
             part = Executor(grid, device=str(executor.device), threads=executor.threads)
             self._solver = HalfSpace(
                 part,
@@ -225,16 +242,21 @@ class WindowedHalfSpace:
             self._gap = part.zeros()
         self._window = window
 
-    def _first(self, gap: Field, load: float, rows: int) -> Window:
-        """A window around the lowest cell, of a size that carries the load."""
+    @property
+    def _everything(self) -> Window:
+        """The whole grid."""
         grid = self._executor.grid
-        everything = Window.around((0, grid.nx - 1, 0, grid.ny - 1), grid)
+        return Window.around((0, grid.nx - 1, 0, grid.ny - 1), grid)
+
+    def _first(self, gap: Field, load: float, rows: int, hardness: float) -> Window:
+        """A window around the lowest cell, of a size that carries the load at a hardness [MPa]."""
+        grid, everything = self._executor.grid, self._everything
         if self._boundary == "periodic":
             return everything
         row, column = divmod(int(np.argmin(self._executor.to_numpy(gap))), grid.ny)
         for pieces in range(1, SIZES):
             window = Window.around((row, row, column, column), grid, rows=rows, pieces=pieces)
-            if self._hardness * window.grid(grid).area >= CAPACITY * load:
+            if hardness * window.grid(grid).area >= CAPACITY * load:
                 return window
         return everything
 

@@ -12,15 +12,17 @@ from typing import Any, Self
 
 import numpy as np
 
-from warpwear.figures.view import About, Bodies, Loads, Profile, State, View, Window, sag_or_nan
+from warpwear.figures.view import About, Bodies, FilmState, Loads, Profile, State, View, Window, sag_or_nan
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.elastic import Hertz
+from warpwear.laws.film import Breaking
 from warpwear.laws.patches import Patches
 from warpwear.models.patches.smooth import SmoothContact
 from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.export import worn_heights
 from warpwear.results.file import ResultFile
+from warpwear.results.summary import bare_course
 from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
 
 #: Most blocks along a side of a map, of the relief in 3-D, and of a track's map.
@@ -116,7 +118,11 @@ class FigureData:
         snapshot, window = self.snapshot(index), self.window_of(most)
         row = self.row_of(snapshot.distance)
         pressure = window.largest(snapshot.pressure)
-        least = self.study.hardness * (1.0 - 1e-9)
+        least: Any = self.study.hardness * (1.0 - 1e-9)
+        if snapshot.bare is not None:  # of each block the cap of its most loaded kind of cells
+            filmed, bare = self.study.caps
+            on_metal = window.largest(np.where(snapshot.bare > 0.0, snapshot.pressure, 0.0)) >= pressure
+            least = np.where(on_metal, bare, filmed) * (1.0 - 1e-9)
         # The bearing area scales its pressure to the load, so that the hardness is met within a tolerance.
         if self.history["area_plastic"][row] >= self.history["area_contact"][row] * (1.0 - 1e-9):
             least = 0.0
@@ -124,7 +130,20 @@ class FigureData:
         state[pressure > 0.0] = State.IN_CONTACT
         state[(pressure > 0.0) & (pressure >= least)] = State.AT_HARDNESS
         along, across = self._profile(snapshot, 0), self._profile(snapshot, 1)
-        return View(snapshot.distance, row, pressure, state, along, across)
+        return View(snapshot.distance, row, pressure, state, along, across, self._film(snapshot, window))
+
+    def _film(self, snapshot: Snapshot, window: Window) -> Any:
+        if snapshot.bare is None:
+            return None
+        film = np.where(snapshot.bare > 0.0, FilmState.BARE_BESIDE, FilmState.ELSEWHERE).astype(np.uint8)
+        pressed = snapshot.pressure > 0.0
+        film[pressed] = np.where(snapshot.bare[pressed] > 0.0, FilmState.ON_METAL, FilmState.ON_FILM)
+        return window.largest(film)
+
+    @cached_property
+    def bare_fit(self) -> Breaking | str:
+        """The fitted course of the bare fraction, or why there is none."""
+        return bare_course(self.result)
 
     @cached_property
     def bodies(self) -> list[Bodies]:

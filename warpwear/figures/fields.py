@@ -1,6 +1,6 @@
 """Figures of fields: pressure, state of contact, sliding distance; as maps, in 3-D, as lines."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from warpwear.figures.axes import (
     new_3d_figure,
     shared_bar,
 )
-from warpwear.figures.view import State, View, coarsen, positive
+from warpwear.figures.view import FilmState, State, View, coarsen, positive
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import distance_factor
 
@@ -32,6 +32,12 @@ STATES = {
     State.TOUCHED: ("touched before", fs.TOUCHED),
     State.IN_CONTACT: ("in contact", fs.CONTACT),
     State.AT_HARDNESS: ("at hardness", fs.HARDNESS),
+}
+FILMS = {
+    FilmState.ELSEWHERE: ("neither bare nor in contact", "#FFFFFF"),
+    FilmState.BARE_BESIDE: ("bare, not in contact", "#DDDDDD"),
+    FilmState.ON_FILM: ("in contact on film", fs.TOUCHED),
+    FilmState.ON_METAL: ("in contact, bare", fs.DISC),
 }
 #: Pressures over more than this many times the lowest mean are drawn on a logarithmic scale.
 WIDE = 5.0
@@ -113,19 +119,37 @@ def pressure_profiles(axes: Any, data: "FigureData") -> None:
 
 def contact_map(data: "FigureData") -> Figure:
     """What each cell does at the snapshots: in contact, at the hardness, touched before or never."""
+    area = data.history["area_contact"]
+    return _states(data, STATES, lambda view: view.state, lambda row: f"{area[row]:.3g} mm² in contact")
+
+
+def bare_map(data: "FigureData") -> Figure:
+    """Where the film is gone at the snapshots, among the cells in contact and beside them."""
+    fraction = data.history["bare_fraction"]
+    return _states(
+        data, FILMS, lambda view: view.film, lambda row: f"{100.0 * fraction[row]:.3g} % of the contact bare"
+    )
+
+
+def _states(
+    data: "FigureData",
+    kinds: Mapping[Any, tuple[str, str]],
+    of: Callable[[View], Any],
+    says: Callable[[int], str],
+) -> Figure:
+    """Draw the state of every block at the snapshots, and say something of each row of the history."""
     views = data.views
-    colours = ListedColormap([colour for _, colour in STATES.values()])
-    present = {state for view in views for state in np.unique(view.state)}
+    colours = ListedColormap([colour for _, colour in kinds.values()])
+    present = {state for view in views for state in np.unique(of(view))}
     handles = [
         Patch(facecolor=colour, edgecolor="#777777", lw=0.5, label=label)
-        for state, (label, colour) in STATES.items()
+        for state, (label, colour) in kinds.items()
         if state in present
     ]
 
     def draw(panel: Any, view: View) -> None:
-        draw_map(panel, view.state, data.window, colours, None, low=-0.5, high=3.5)
-        area = float(data.history["area_contact"][view.row])
-        panel.set_title(f"{fs.after(view.distance)}\n{area:.3g} mm² in contact")
+        draw_map(panel, of(view), data.window, colours, None, low=-0.5, high=3.5)
+        panel.set_title(f"{fs.after(view.distance)}\n{says(view.row)}")
 
     def legend(figure: Any) -> None:
         labels = [str(handle.get_label()) for handle in handles]

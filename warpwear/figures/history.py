@@ -50,6 +50,22 @@ def _finish_cof(axes: Axes, data: "FigureData") -> None:
 
 
 @fs.panels()
+def bare_fraction(axes: Axes, data: "FigureData") -> None:
+    """Part of the area in contact that is bare of film over the distance slid, and its fitted course."""
+    distance = data.course["distance"]
+    fs.over_distance(
+        axes, distance, data.course["bare_fraction"], color=fs.DISC, label="bare, of the area in contact"
+    )
+    fit = data.bare_fit
+    if not isinstance(fit, str):
+        places = np.linspace(0.0, float(distance[-1]), 200)
+        label = f"{fit.plateau:.2g} (1 − e^(−(L − {fit.start:.3g} mm)/{fit.length:.3g} mm))"
+        axes.plot(places, fit.at(places), color=fs.NEUTRAL, ls="--", label=label)
+    axes.set(ylabel="bare fraction, –", xlim=(0.0, None), ylim=(0.0, 1.05))
+    fs.legend_above(axes, columns=1)
+
+
+@fs.panels()
 def areas(axes: Axes, data: "FigureData") -> None:
     """The four areas and the nominal one over the distance slid."""
     distance = data.course["distance"]

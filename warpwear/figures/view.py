@@ -29,6 +29,15 @@ class State(IntEnum):
     AT_HARDNESS = 3
 
 
+class FilmState(IntEnum):
+    """What a cell has of a film, by rank, as `State`."""
+
+    ELSEWHERE = 0
+    BARE_BESIDE = 1
+    ON_FILM = 2
+    ON_METAL = 3
+
+
 @dataclass(frozen=True)
 class About:
     """What figures say of a study."""
@@ -95,6 +104,7 @@ class View:
     state: "NDArray[np.uint8]"  # highest `State` of each block
     along: Profile
     across: Profile
+    film: "NDArray[np.uint8] | None" = None  # highest `FilmState` of each block; None without a film
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,7 @@ NO_COF = Reason(
     lambda d: not np.isfinite(d.history["cof"]).any(),
     "the coefficient of friction is calibrated at the end, which the run did not reach",
 )
+NO_FILM = Reason(lambda d: d.study.film is None, "the bodies carry no film: see friction.film")
 NO_TIME = Reason(
     lambda d: not np.isfinite(d.history["time"]).any(), "sliding.speed is not given, so there is no time"
 )

@@ -13,8 +13,8 @@ from warpwear.study.study import Study
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot.
 Per = Literal["step", "patch", "cell", "snapshot"]
 #: Runs that a quantity is limited to: over a track, there on the half-space, with patches, over a track that
-#: keeps its dents.
-Only = Literal["track", "half-space track", "patches", "dents"]
+#: keeps its dents, with a film.
+Only = Literal["track", "half-space track", "patches", "dents", "film"]
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,7 @@ class Quantity:
             "half-space track": study.is_swept and study.contact.law == "half-space",
             "patches": study.study.model == "two-scale",
             "dents": study.is_swept and study.sliding.plastic == "keep",
+            "film": study.film is not None,
         }[self.only]
 
 
@@ -100,6 +101,11 @@ QUANTITIES: tuple[Quantity, ...] = (
         only="half-space track",
     ),
     *_per(
+        "step",
+        ("bare_fraction", "1", "part of the area in contact that was bare of film as the step began"),
+        only="film",
+    ),
+    *_per(
         "patch",
         ("load_share", "N", "load of each patch, or of the macro cell that it stands for"),
         ("area_patch", "mm^2", "real area of contact of each patch, or of its macro cell"),
@@ -113,6 +119,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         ("gap", "mm", "gap between the bodies after the step's wear"),
     ),
     *_per("cell", ("plastic_disc", "mm", "depth displaced of the track for good, not worn"), only="dents"),
+    *_per("cell", ("bare", "1", "1 where a cell was bare of film as the step began, else 0"), only="film"),
     *_per(
         "snapshot",
         ("distance", "mm", "sliding distance of the snapshot"),

@@ -99,7 +99,8 @@ class Ledger:
 
         total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
         which the squares count [MPa]. bearing: cells' area that bears, where not all that is in contact does.
-        The row has `plastic_volume_disc` where the totals have "pressed_disc".
+        The row has `plastic_volume_disc` where the totals have "pressed_disc", and `bare_fraction` where they
+        have "bare".
 
         Raises ConvergenceError where nothing is in contact.
         """
@@ -193,6 +194,8 @@ class Ledger:
         }
         if "pressed_disc" in total:
             row["plastic_volume_disc"] = total["pressed_disc"] / self._track_fraction * area
+        if "bare" in total:
+            row["bare_fraction"] = total["bare"] / count
         return row
 
     def _inside(self, rows: int, columns: int) -> tuple[float, ...]:

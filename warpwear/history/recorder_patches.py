@@ -21,6 +21,7 @@ class Worn:
 
     sums: dict[str, FloatArray]  # by the names of `kernels.cells.PATCH_SUMS`
     most: dict[str, float]  # over all patches, by those of `MAXIMA`; "worn" is by both bodies
+    bare: float | None = None  # cells in contact that were bare of film; None without one
 
 
 def bytes_of_book(steps: int, patches: int) -> int:
@@ -113,6 +114,8 @@ class PatchLedger:
         sums = worn.sums
         found = {name: float(values.sum()) for name, values in sums.items()}
         total, most = (divided(both, self._fractions) for both in (found, worn.most))
+        if worn.bare is not None:
+            total["bare"] = worn.bare
         of_cell = self._patches.domain.cell_area * self._patches.weight
         carried = total["pressure"] * of_cell
         residual = residual_of(carried, self._task.load, approach=sum(approach))
@@ -121,12 +124,20 @@ class PatchLedger:
         return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
 
     def snapshot(
-        self, step: Step, distance: float, patches: Patches, *, gap: FloatArray, worn: FloatArray
+        self,
+        step: Step,
+        distance: float,
+        patches: Patches,
+        *,
+        gap: FloatArray,
+        worn: FloatArray,
+        bare: FloatArray | None = None,
     ) -> Snapshot:
         """The fields after a step that was asked for its pressure, at its distance [mm].
 
         Over the whole domain; what no patch covers has neither pressure nor wear, and no gap (NaN). gap,
-        worn: the gap and what both bodies lost of it [mm], as `patches` stores them, in whatever order.
+        worn, bare: the gap, what both bodies lost of it [mm], and which cells are bare of film, as `patches`
+        stores them, in whatever order.
         """
         assert step.pressure is not None
         worn = patches.on_domain(worn)
@@ -136,4 +147,5 @@ class PatchLedger:
             wear_sphere=self._fractions[0] * worn,
             wear_disc=self._fractions[1] * worn,
             gap=patches.on_domain(gap, beside=math.nan),
+            bare=None if bare is None else patches.on_domain(bare),
         )

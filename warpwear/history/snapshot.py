@@ -23,6 +23,7 @@ class Snapshot:
     wear_disc: FloatArray  # [mm]
     gap: FloatArray  # [mm], after the step's wear
     plastic_disc: FloatArray | None = None  # [mm], displaced for good, of a swept disc that keeps its dents
+    bare: FloatArray | None = None  # 1 where a cell was bare of film as the step began, else 0
     row: int | None = None  # of the track, under the sphere's first row
     load_on_filled: float | None = None  # share of the load, see `share_on`; None where all was measured
     fresh: frozenset[str] = frozenset()  # names of fields that no later step changes

@@ -2,7 +2,8 @@
 
 μ = μ_p + τ A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a
 measured coefficient fixes τ, are choices of the study. τ is constant, or runs in by an empirical fit:
-τ0 (1 + (r − 1) e^(−L/L_τ)).
+τ0 (1 + (r − 1) e^(−L/L_τ)). With a film τ is the mean over the cells in contact, of which a fraction is
+bare.
 """
 
 import math
@@ -16,6 +17,14 @@ from warpwear.grid import FloatArray
 WHEN: tuple[Literal["initial"], Literal["end"]] = ("initial", "end")
 
 
+class FilmLaw(Protocol):
+    """The numbers of a film that friction follows from; the section [friction.film] has them."""
+
+    @property
+    def shear_strength(self) -> float:
+        """τ of a cell with its film [MPa]."""
+
+
 class FrictionLaw(Protocol):
     """The numbers that friction follows from; the section [friction] of a study has them."""
 
@@ -26,6 +35,10 @@ class FrictionLaw(Protocol):
     initial_ratio: float | None  # τ at the start over τ0, where it runs in
     running_in: float | None  # the length L_τ of that [mm]
     area: Literal["contact", "touched", "cumulative", "nominal"]  # which area shears
+
+    @property
+    def film(self) -> FilmLaw | None:
+        """The film that wear breaks, None without one; τ0 is then the shear strength of bare cells."""
 
 
 def shear_strength(
@@ -42,6 +55,9 @@ def shear_strength(
     area changes with the place. NaN while a τ that is calibrated at the end waits for it.
     """
     final = final_strength(friction, history, load=load, finished=finished, lap=lap)
+    if friction.film is not None:
+        filmed = friction.film.shear_strength
+        return np.asarray(filmed + (final - filmed) * history["bare_fraction"])
     return final * _running_in(friction, history["distance"])
 
 

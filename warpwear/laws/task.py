@@ -6,6 +6,7 @@ from typing import Literal
 
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.elastic import Hertz
+from warpwear.laws.film import Film
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class ContactTask:
     half_space: bool = False  # whether the surfaces deform as half-spaces
     modulus: float | None = None  # E* of both bodies [MPa], where it is known
     boundary: str = "free"  # of the half-space: "free" or "periodic"
+    film: Film | None = None  # on the bodies, under which the hardness of a cell may be another
 
     def bulk_stiffness_at(self, radius: float | None) -> float:
         """K_N of the macro contact [N/mm³]. radius: of the contact [mm], which K_N may follow."""
@@ -53,7 +55,13 @@ class ContactTask:
     @property
     def is_uniform(self) -> bool:
         """Whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
-        return self.distance_factor == "none" and self.in_proportion
+        return self.distance_factor == "none" and self.in_proportion and self.film is None
+
+    @property
+    def least_hardness(self) -> float:
+        """The smallest cap of a cell [MPa]."""
+        film = self.film
+        return self.hardness if film is None else self.hardness * min(film.part_filmed, film.part_bare)
 
     @property
     def wear_fractions(self) -> tuple[float, float]:

@@ -83,7 +83,7 @@ def check_snapshots(file: h5py.File, study: Study) -> None:
         if study.is_swept and not isinstance(attributes["row"], int | np.integer):
             raise ValueError(f"the row of its {place} is {attributes['row']!r}")
         for field in FIELDS:
-            if field in file[place] or field != "plastic_disc":
+            if field in file[place] or FIELDS[field].only is None:
                 _numbers(file, f"{place}/{field}", (rows if field in OF_THE_TRACK else nx, ny))
 
 

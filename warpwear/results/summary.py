@@ -9,6 +9,7 @@ import numpy as np
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Named
 from warpwear.laws import friction
+from warpwear.laws.film import Breaking, fit_breaking
 from warpwear.results.file import ResultFile
 from warpwear.results.track import by_pass, groove, roughness_in_track
 from warpwear.study import text as render
@@ -75,7 +76,7 @@ def summarise(result: ResultFile) -> dict[str, Any]:
         "area_shape": _shape(*course(result, f"area_{study.friction.area}")),
         "cof_reference": study.friction.coefficient,
         "shear_strength_MPa_for_reference": friction.calibrations(
-            study.friction, history, load=load, hardness=study.hardness, lap=study.lap
+            study.friction, history, load=load, hardness=study.indentation_hardness, lap=study.lap
         ),
         "hertz": _elastic(study),
         "foundation_N_per_mm3": _finite(stiffness),
@@ -94,6 +95,7 @@ def summarise(result: ResultFile) -> dict[str, Any]:
             for body in ("sphere", "disc")
         },
         "disc_volume_over_KFL": end["wear_volume_disc"] / asked if asked else None,
+        **_film(result),
         **({"track": _track(result)} if study.is_swept else {}),
         **_on_filled(result.load_on_filled),
         **result.record,
@@ -108,6 +110,52 @@ def _on_filled(shares: FloatArray) -> dict[str, Any]:
         return {}
     percent = 100.0 * shares
     return {"load_on_filled_percent": {"end": float(percent[-1]), "largest": float(percent.max())}}
+
+
+def _film(result: ResultFile) -> dict[str, Any]:
+    """What shear leaves of the hardness where junctions grow, and the course of what is bare of a film."""
+    study, friction_of = result.study, result.study.friction
+    found: dict[str, Any] = {}
+    if friction_of.junction_growth:
+        filmed, bare = study.caps
+        found["junction_growth"] = {
+            "alpha": friction_of.junction_growth,
+            "indentation_hardness_MPa": study.indentation_hardness,
+            "hardness_sheared_MPa": bare,
+        } | ({"hardness_under_film_MPa": filmed} if friction_of.film else {})
+    if friction_of.film is None:
+        return found
+    fit = bare_course(result)
+    fitted: dict[str, Any] = {"fit": None, "no_fit": fit} if isinstance(fit, str) else {"fit": _of_fit(fit)}
+    fraction = result.history["bare_fraction"]
+    found["film"] = {
+        "thickness_nm": 1.0e6 * friction_of.film.thickness,
+        "bodies": friction_of.film.bodies,
+        "shear_strength_MPa": {"film": friction_of.film.shear_strength, "bare": friction_of.shear_strength},
+        "bare_fraction": {
+            "first": friction.mean_over(result.history, fraction, "initial", study.lap),
+            "end": friction.mean_over(result.history, fraction, "end", study.lap),
+        },
+        **fitted,
+    }
+    return found
+
+
+def bare_course(result: ResultFile) -> Breaking | str:
+    """The fitted course of the bare fraction, or half a sentence that says why there is none."""
+    return fit_breaking(*course(result, "bare_fraction"))
+
+
+def _of_fit(fit: Breaking) -> dict[str, float]:
+    """A fitted course, its constants with their standard errors."""
+    return {
+        "e_folding_mm": fit.length,
+        "e_folding_error_mm": fit.length_error,
+        "start_mm": fit.start,
+        "plateau": fit.plateau,
+        "plateau_error": fit.plateau_error,
+        "rms": fit.rms,
+    }
 
 
 def _track(result: ResultFile) -> dict[str, Any]:

@@ -83,6 +83,33 @@ def _patches(patches: dict[str, Any], *, of_half_space: bool) -> list[Row]:
     return [Row("patches", "", f"{p['number']} of {p['width_um']:g} µm {cells}, {shared}{iterations}")]
 
 
+def _film(s: dict[str, Any]) -> list[Row]:
+    """Declare what shear leaves of the hardness, and how a film wore through."""
+    rows = []
+    if grown := s.get("junction_growth"):
+        left = {"bare": grown["hardness_sheared_MPa"]}
+        if "hardness_under_film_MPa" in grown:
+            left = {"under the film": grown["hardness_under_film_MPa"]} | left
+        note = f", of {grown['indentation_hardness_MPa']:g} MPa, by junction growth α = {grown['alpha']:g}"
+        rows.append(Row("sheared hardness", "", left, note=note, unit="MPa"))
+    if film := s.get("film"):
+        bare = film["bare_fraction"]
+        course = {"at first": bare["first"], "at the end": bare["end"]}
+        rows.append(Row("bare of film", "", course, digits=3, note="of the area in contact"))
+        if fit := film["fit"]:
+            constants = [
+                Row("plateau", "plateau", fit["plateau"], digits=3, error=("", fit["plateau_error"])),
+                Row(
+                    "e-folding", "e_folding_mm", fit["e_folding_mm"], 3, error=("", fit["e_folding_error_mm"])
+                ),
+                Row("from", "start_mm", fit["start_mm"], digits=3, note="on"),
+            ]
+            rows.append(Row("fitted course", "", constants))
+        else:
+            rows.append(Row("fitted course", "", f"none: {film['no_fit']}"))
+    return rows
+
+
 def _friction(s: dict[str, Any]) -> list[Row]:
     """Declare friction, and what checks and assumptions say."""
     cof, tau = s["cof"], s["shear_strength_MPa_for_reference"]
@@ -98,7 +125,8 @@ def _friction(s: dict[str, Any]) -> list[Row]:
         if given is not None:
             told = f"fitted to {s['cof_reference']:g}: give it as friction.shear_strength to runs to compare"
         if limit is not None and strength > limit:
-            told += f"; beyond what the softer body bears, H/(3√3) = {limit:.3g} MPa"
+            formula = "H/√α" if "junction_growth" in s else "H/(3√3)"
+            told += f"; beyond what the softer body bears, {formula} = {limit:.3g} MPa"
         rows.append(Row("shear strength", "shear_strength_MPa", strength, digits=3, note=f", {told}"))
     if tau:
         strengths = {"at the end": tau["contact_end"], "at the start": tau["contact_initial"]}
@@ -108,6 +136,7 @@ def _friction(s: dict[str, Any]) -> list[Row]:
         rows.append(
             Row(f"that for CoF {s['cof_reference']:g}", "", strengths, digits=3, note=asked, unit="MPa")
         )
+    rows += _film(s)
     off = max(abs(v) for v in s["conservation_relative"].values())
     checks = [
         Row("load residual at most", "load_residual_N", s["load_residual_N"]["largest"], digits=2),

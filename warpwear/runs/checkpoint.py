@@ -35,7 +35,7 @@ from warpwear.version import __version__
 
 FILE_NAME = "checkpoint.h5"
 #: Number of the content's layout. A file of another one is refused.
-FORMAT = 6
+FORMAT = 7
 MAGIC = "warpwear checkpoint"
 #: Heights that differ by no more are of the same surface, made on another kind of processor [mm].
 SAME_HEIGHTS = 1.0e-12
@@ -45,6 +45,8 @@ OF_THE_RUN = ("numbers", "warnings", "reported_violations", "elapsed")
 LABELS = ("study.name", "study.description", "run", "checks", "assumed")
 #: Sections and keys that no step depends on: a run may go on with others.
 FREE = (*LABELS, "friction", "junctions")
+#: Keys of these that steps do depend on, and one more where junctions grow: they change the caps of cells.
+OF_CAPS, OF_GROWTH = ("friction.film", "friction.junction_growth"), "friction.shear_strength"
 
 
 @dataclass(frozen=True)
@@ -251,7 +253,13 @@ def changed_keys(before: Study, after: Study, *, free: Sequence[str] = FREE) -> 
     """Keys whose values differ, but for those that are free to: by default, that no step depends on."""
     one, other = _flat(tomllib.loads(before.to_toml())), _flat(tomllib.loads(after.to_toml()))
     names = sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
-    return [name for name in names if not any(name == key or name.startswith(f"{key}.") for key in free)]
+    grow = max(study.friction.junction_growth for study in (before, after)) > 0.0
+    bound = (*OF_CAPS, OF_GROWTH) if grow else OF_CAPS
+
+    def under(name: str, keys: Sequence[str]) -> bool:
+        return any(name == key or name.startswith(f"{key}.") for key in keys)
+
+    return [name for name in names if under(name, bound) or not under(name, free)]
 
 
 def _flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:

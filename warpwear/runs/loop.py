@@ -331,11 +331,15 @@ class StepLoop:
             finished=self.finished,
             lap=self.study.lap,
         )
-        if tau > self.study.shear_limit:
-            self._add_warning(
-                f"The shear strength τ0 = {tau:.3g} MPa is beyond H/(3√3) = {self.study.shear_limit:.3g} "
-                "MPa, which the softer body bears: it would shear instead of the interface."
-            )
+        law = self.study.friction
+        strengths = {"shear strength τ0": tau, "film's": law.film.shear_strength if law.film else 0.0}
+        limit = self.study.shear_limit
+        for name, strength in strengths.items():
+            if strength > limit:
+                self._add_warning(
+                    f"The {name} = {strength:.3g} MPa is beyond {law.limit} = {limit:.3g} MPa, which the "
+                    "softer body bears: it would shear instead of the interface."
+                )
         cells = history["cells_in_contact"]
         if cells.min() < FEW_CELLS <= cells[0]:
             self._report_few_cells(cells.min(), "At times")

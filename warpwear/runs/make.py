@@ -1,5 +1,6 @@
 """What a run steps through, made from its study: the model, its executor, the plan of the steps."""
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
@@ -32,6 +33,8 @@ from warpwear.surfaces.roughness import roughness
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0}, 12.0
 #: More where the disc slides: a mean along x, and what it takes to follow the disc.
 SLIDING_FIELDS = 3.0
+#: More with a film: what is bare and its caps; and of each body whose film forms anew.
+FILM_FIELDS, HEALING_FIELDS = 2.0, 3.0
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
 #: The largest sampled surface that stays for the next run of this process [B].
@@ -55,6 +58,9 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     elastic = study.contact.law == "half-space"
     if elastic:
         fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu")
+    if study.film is not None:
+        bodies = study.track.rows / study.cells.nx + 1.0 if study.is_swept else 2.0
+        fields += FILM_FIELDS + HEALING_FIELDS * bodies * math.isfinite(study.film.regrowth)
     if study.is_swept:
         rows = study.track.rows
         fields += SLIDING_FIELDS * elastic

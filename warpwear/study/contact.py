@@ -149,6 +149,25 @@ class Wear(Section):
             raise ValueError("wear.law = 'running-in' needs wear.initial_sphere or wear.initial_disc")
 
 
+class FilmSection(Section):
+    """The section [friction.film] says what covers the bodies until it is worn off."""
+
+    thickness: Length = key(..., "wear depth beyond which a body's cell has lost its film, such as '10 nm'")
+    shear_strength: Pressure = key(
+        ..., "interfacial shear strength of a cell with a film; friction.shear_strength is that of a bare one"
+    )
+    bodies: Literal["both", "sphere", "disc"] = key(
+        "both",
+        "bodies that carry a film; a cell of the contact is bare where all of them have lost it",
+        assumed="oxide on both metals",
+    )
+    regrowth: Annotated[float | Literal["never"], Quantity("mm", words=("never",))] = key(
+        "never",
+        "sliding distance without wear of a body's cell after which its film is whole again",
+        assumed="the film does not form anew during the test",
+    )
+
+
 class Friction(Section):
     """The section [friction] says what fixes the coefficient of friction."""
 
@@ -165,14 +184,25 @@ class Friction(Section):
     )
     running_in: Length | None = key(None, "running-in: L_τ of the shear strength")
     area: Literal["contact", "touched", "cumulative", "nominal"] = key("contact", "area that shears")
+    junction_growth: Annotated[float, Number(Range(or_equal=True, most=100.0))] = key(
+        0.0,
+        "α of the cap √(H² − α τ²) of a cell under shear: junctions grow (Tabor: 9 to 27); 0 is none",
+    )
+    film: FilmSection | None = key(None, "a film that wear breaks")
 
     @property
     def fitted(self) -> Literal["end", "initial"] | None:
         """Where the coefficient is an input, to which τ0 is fitted; None where τ0 is given."""
         return self.calibrate if self.shear_strength is None else None
 
+    @property
+    def limit(self) -> str:
+        """Formula of the shear stress that a body of hardness H bears."""
+        return "H/√α" if self.junction_growth else "H/(3√3)"
+
     def _check(self) -> None:
         measured = {"coefficient", "calibrate"} & self.model_fields_set
+        self._check_film(measured)
         if self.shear_strength is not None and measured:
             raise ValueError(f"friction.shear_strength and friction.{max(measured)} exclude each other")
         if (self.initial_ratio is None) != (self.running_in is None):
@@ -181,6 +211,33 @@ class Friction(Section):
             raise ValueError(
                 f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
                 f"{self.ploughing:g}"
+            )
+
+    def _check_film(self, measured: set[str]) -> None:
+        """Refuse what neither a film nor growing junctions can go with: both need the τ of every cell."""
+        if self.film is None and self.junction_growth == 0.0:
+            return
+        growth = f"friction.junction_growth = {self.junction_growth:g}"
+        named = growth if self.film is None else "[friction.film]"
+        for name in sorted(measured):
+            raise ValueError(
+                f"friction.{name} = {getattr(self, name)!r} does not go with {named}, which needs the shear "
+                "strengths themselves: allowed is friction.shear_strength"
+            )
+        if self.shear_strength is None:
+            raise ValueError(
+                f"{named} needs friction.shear_strength, the interfacial shear strength of bare metal, such "
+                "as '172 MPa'"
+            )
+        if self.initial_ratio is not None:
+            raise ValueError(
+                f"friction.initial_ratio = {self.initial_ratio:g} does not go with {named}: a shear strength "
+                "that runs in by a fit would be counted twice; allowed is none"
+            )
+        if self.area != "contact":
+            raise ValueError(
+                f"friction.area = '{self.area}' does not go with {named}, which shears the cells in contact: "
+                "allowed is 'contact'"
             )
 
 

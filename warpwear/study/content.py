@@ -7,6 +7,7 @@ from pydantic import Field
 from warpwear.grid import Grid
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.elastic import Hertz, effective_modulus
+from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.foundation import CappedFoundation
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.patches import Patches
@@ -109,12 +110,37 @@ class Content(Section):
         return min((h for h in (self.sphere.hardness, self.disc.hardness) if h is not None), default=None)
 
     @property
-    def hardness(self) -> float:
-        """Largest pressure of a cell [MPa]: contact.hardness, or for rough cells the softer body's."""
+    def indentation_hardness(self) -> float:
+        """H of a cell without shear [MPa]: contact.hardness, or for rough cells the softer body's."""
         if self.contact.hardness is not None:
             return self.contact.hardness
         found = None if self.study.model == "macro" else self.softer_hardness
         return math.inf if found is None else found
+
+    @property
+    def caps(self) -> tuple[float, float]:
+        """Largest pressures of a cell with its film and without [MPa], which growing junctions lower."""
+        friction, hardness = self.friction, self.indentation_hardness
+        bare = grown_cap(hardness, friction.shear_strength or 0.0, friction.junction_growth)
+        if friction.film is None:
+            return bare, bare
+        return grown_cap(hardness, friction.film.shear_strength, friction.junction_growth), bare
+
+    @property
+    def hardness(self) -> float:
+        """Largest pressure of any cell [MPa]: that of `caps` which is larger."""
+        return max(self.caps)
+
+    @property
+    def film(self) -> Film | None:
+        """The film on the bodies, None without one."""
+        film, hardness = self.friction.film, self.hardness
+        if film is None:
+            return None
+        on = film.bodies in ("both", "sphere"), film.bodies in ("both", "disc")
+        regrowth = math.inf if isinstance(film.regrowth, str) else film.regrowth
+        parts = [1.0 if cap == hardness else cap / hardness for cap in self.caps]
+        return Film(film.thickness, on, regrowth, *parts)
 
     @property
     def effective_modulus(self) -> float | None:
@@ -132,7 +158,7 @@ class Content(Section):
     def resolved(self) -> dict[str, str]:
         """Dotted names of keys that were left open -> what they come to under the choices made, as text."""
         found = {
-            "contact.hardness": text(self.hardness, "MPa"),
+            "contact.hardness": text(self.indentation_hardness, "MPa"),
             "contact.boundary": self.boundary,
             "patches.width": text(self.patches.patch_width, "mm"),
         }
@@ -159,8 +185,13 @@ class Content(Section):
 
     @property
     def shear_limit(self) -> float:
-        """Shear strength H/(3√3) of the softer body [MPa]; of contact.hardness where no body's is known."""
-        return junction_strength(self.hardness if self.softer_hardness is None else self.softer_hardness)
+        """Shear strength of the softer body [MPa]; of contact.hardness where no body's is known.
+
+        H/(3√3), or H/√α where junctions grow: there a cell under that shear bears no pressure.
+        """
+        growth = self.friction.junction_growth
+        softer = self.indentation_hardness if self.softer_hardness is None else self.softer_hardness
+        return softer / math.sqrt(growth) if growth else junction_strength(softer)
 
     @property
     def critical_junction(self) -> float | None:
@@ -212,6 +243,7 @@ class Content(Section):
             half_space=self.contact.law == "half-space",
             modulus=self.effective_modulus,
             boundary=self.boundary,
+            film=self.film,
         )
 
     @property

@@ -14,6 +14,7 @@ MOST_STEPS = 1_000_000
 
 def check(study: Content) -> None:
     """Refuse a study that cannot be computed as it stands: raises ValueError with one sentence."""
+    _junction_growth(study)
     _model(study)
     _half_space(study)
     rules_track.check(study)
@@ -161,6 +162,41 @@ def _half_space(study: Content) -> None:
         )
 
 
+def _junction_growth(study: Content) -> None:
+    """Refuse a film, or junctions that grow, where cells have no cap, or none that could be theirs."""
+    friction, hardness = study.friction, study.indentation_hardness
+    growth, film = friction.junction_growth, friction.film
+    if film is None and growth == 0.0:
+        return
+    named = "[friction.film]" if film else f"friction.junction_growth = {growth:g}"
+    if study.wear.law == "bearing-curve":
+        raise ValueError(
+            f"{named} does not go with wear.law = 'bearing-curve', where a share of a cell touches: "
+            "allowed are 'archard', 'exponential' and 'running-in'"
+        )
+    if growth == 0.0:
+        return
+    if not math.isfinite(hardness):
+        raise ValueError(
+            f"friction.junction_growth = {growth:g} lowers the hardness and needs a finite contact.hardness"
+        )
+    strengths = {"friction.shear_strength": friction.shear_strength or 0.0}
+    if film is not None:
+        strengths["friction.film.shear_strength"] = film.shear_strength
+    for key, strength in strengths.items():
+        if strength * math.sqrt(growth) >= hardness:
+            raise ValueError(
+                f"{key} = {strength:g} MPa with friction.junction_growth = {growth:g} leaves cells of "
+                f"{hardness:g} MPa hardness no pressure to bear: allowed are less than H/√α = "
+                f"{hardness / math.sqrt(growth):.4g} MPa"
+            )
+    if film is not None and study.study.model == "two-scale" and study.patches.coupling == "load":
+        raise ValueError(
+            "patches.coupling = 'load' does not go with [friction.film] and friction.junction_growth = "
+            f"{growth:g}: the smooth contact that prescribes loads knows no bare cells; allowed is 'approach'"
+        )
+
+
 def _hardness(study: Content) -> None:
     if study.study.model != "macro" and study.contact.hardness is None and study.softer_hardness is None:
         raise ValueError(
@@ -190,22 +226,30 @@ def _dimensionless(study: Content) -> Iterator[str]:
 
 
 def _capacity(study: Content) -> None:
-    curvature = study.sphere.curvature
+    curvature, hardness = study.sphere.curvature, min(study.caps)  # all cells may become bare
     under_sphere = math.pi / curvature**2 if curvature else math.inf
-    carried = study.hardness * min(study.cells.area, under_sphere)
-    if study.hardness * under_sphere < study.contact.load:
-        radius = math.sqrt(study.contact.load / (math.pi * study.hardness))
+    carried = hardness * min(study.cells.area, under_sphere)
+    if hardness * under_sphere < study.contact.load:
+        radius = math.sqrt(study.contact.load / (math.pi * hardness))
         raise ValueError(
-            f"sphere.radius = {1.0 / curvature:g} mm is too small: at this hardness, {study.hardness:g} MPa, "
-            f"a sphere carries {study.hardness * under_sphere:.4g} N on its whole section, and contact.load "
+            f"sphere.radius = {1.0 / curvature:g} mm is too small: at this hardness, {hardness:g} MPa, "
+            f"a sphere carries {hardness * under_sphere:.4g} N on its whole section, and contact.load "
             f"= {study.contact.load:g} N needs more than {radius:.3g} mm"
         )
     if carried < study.contact.load:
         raise ValueError(
             f"contact.load = {study.contact.load:g} N is more than the domain under the sphere carries at "
-            f"this hardness ({carried:.4g} N); allowed are smaller loads, a larger grid.extent or "
-            "contact.hardness"
+            f"this hardness ({carried:.4g} N{_of_sheared(study)}); allowed are smaller loads, a larger "
+            "grid.extent or contact.hardness"
         )
+
+
+def _of_sheared(study: Content) -> str:
+    """Say how much of the hardness the shear of growing junctions leaves, where they grow."""
+    growth, least = study.friction.junction_growth, min(study.caps)
+    if growth == 0.0:
+        return ""
+    return f", as friction.junction_growth = {growth:g} leaves {least:.4g} MPa of it to sheared cells"
 
 
 def _tolerance(study: Content) -> None:
@@ -220,6 +264,7 @@ def _tolerance(study: Content) -> None:
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     yield from _of_hardness(study)
+    yield from _of_film(study)
     speed, pace = study.sliding.speed, study.sliding.pace
     if speed is not None and pace is not None and abs(speed - pace) > 0.01 * pace:
         yield (
@@ -247,6 +292,17 @@ def doubts(study: Content) -> Iterator[str]:
             "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
             "pressures are means over whole cells, and no hardness caps those of the share."
         )
+
+
+def _of_film(study: Content) -> Iterator[str]:
+    """Yield a sentence about a film on a body that does not wear: no cell ever loses it."""
+    film = study.friction.film
+    for body, law in zip(("sphere", "disc"), study.wear_laws, strict=True):
+        if film is not None and film.bodies in ("both", body) and law.fastest == 0.0:
+            yield (
+                f"wear.{body} = 0: the {body} keeps its film, so no cell becomes bare by "
+                f"friction.film.bodies = '{film.bodies}'."
+            )
 
 
 def _of_hardness(study: Content) -> Iterator[str]:

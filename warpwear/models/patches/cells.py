@@ -14,7 +14,10 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder_patches import Worn
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.cells import PATCH_MAXIMA, PATCH_SUMS, TILE_VECTORS
+from warpwear.kernels.running_in.film import difference
+from warpwear.laws.film import Film
 from warpwear.laws.patches import Patches
+from warpwear.models.film import BareCells
 from warpwear.models.patches.shares import PatchResponse
 
 #: Work of a patch where no cell has touched yet, over that of one where all have.
@@ -66,13 +69,22 @@ def unworn(
 class PatchContact:
     """The gap of every fine cell on a capped foundation, patch by patch: the micro law of two scales.
 
-    executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
+    executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain. film: on
+    bodies of which sphere and disc lose these fractions of what is worn.
     """
 
-    STATE: ClassVar = {"gap": Field, "reached": FloatArray, "lookahead": Lookahead}
+    STATE: ClassVar = {"gap": Field, "reached": FloatArray, "lookahead": Lookahead, "film": BareCells}
 
     def __init__(
-        self, patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float, hardness: float
+        self,
+        patches: Patches,
+        heights: FloatArray,
+        executor: Executor,
+        *,
+        curvature: float,
+        hardness: float,
+        film: Film | None = None,
+        fractions: tuple[float, float] = (0.5, 0.5),
     ) -> None:
         self.patches, self._executor, self._hardness = patches, executor, hardness
         count, device = patches.count, executor.device
@@ -91,6 +103,11 @@ class PatchContact:
         names = ("base", "offset", "reached", "base_next", "offset_next")
         zeros = {name: wp.zeros(count, dtype=wp.float64, device=device) for name in names}
         self._at = arguments(kernels.Approaches, **zeros)
+        #: Worn by both bodies [mm], where a film asks for it.
+        self._worn = executor.zeros(None if film else 0)
+        self.film = BareCells.of_both(film, executor, self._worn, fractions)
+        if self.film is not None and self.film.parts is not None:
+            self._at.parts = self.film.parts
         self._law, self._increment = arguments(kernels.Law, cap=hardness), arguments(kernels.Increment)
         sums, maxima = executor.partials(len(PATCH_SUMS)), executor.partials(len(PATCH_MAXIMA))
         self._tables = arguments(kernels.Tables, sums=sums, maxima=maxima, ahead=executor.partials(3))
@@ -100,6 +117,22 @@ class PatchContact:
         self.lookahead: Lookahead | None = None
         #: Passes over the gap that answered so far.
         self.evaluations = 0
+
+    def look(self, distance: float) -> None:
+        """See which cells are bare of film as a step begins at a sliding distance [mm]."""
+        if self.film is not None:
+            self._measure_wear()
+            self.film.look(distance)
+
+    def rub(self, distance: float) -> None:
+        """Note what a step that ends at a sliding distance [mm] has worn."""
+        if self.film is not None:
+            self._measure_wear()
+            self.film.rub(distance)
+
+    def _measure_wear(self) -> None:
+        inputs = [self.gap, self.initial]
+        self._executor.launch(difference, inputs=inputs, outputs=[self._worn])
 
     def response(self, base: FloatArray, offset: FloatArray) -> PatchResponse:
         """Respond to an approach base + offset of each patch [mm]."""
@@ -136,8 +169,15 @@ class PatchContact:
             straight[self._listed] = table[2].min(axis=1) / stiffness
         return PatchResponse(pressure, slope, straight)
 
+    def bare(self, base: FloatArray, offset: FloatArray) -> float | None:
+        """Bare cells among those that approaches press; None without a film."""
+        return None if self.film is None else self.film.under(self._pressed(base, offset))
+
     def pressures(self, base: FloatArray, offset: FloatArray) -> FloatArray:
         """The pressure of every cell [MPa], as stored."""
+        return self._executor.to_numpy(self._pressed(base, offset))
+
+    def _pressed(self, base: FloatArray, offset: FloatArray) -> Field:
         field = self._executor.zeros()
         self._visit((base - self.lowest) + offset > 0.0)
         self._send(base, offset)
@@ -147,7 +187,7 @@ class PatchContact:
             outputs=[field],
             chunks=self._chunks,
         )
-        return self._executor.to_numpy(field)
+        return field
 
     def wear(
         self,

@@ -28,6 +28,7 @@ from warpwear.kernels.sliding import Bodies
 from warpwear.kernels.wear_from_pressure import Increment
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
+from warpwear.models.film import BareCells
 from warpwear.models.model import Model
 from warpwear.models.patches.cells import unworn
 from warpwear.models.patches.influence import PatchInfluence
@@ -58,6 +59,7 @@ class HalfSpacePatches(Model):
         "_solver": BoundedPressure,
         "_reached": float,
         "visited": int,
+        "_film": BareCells,
     }
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
@@ -79,6 +81,8 @@ class HalfSpacePatches(Model):
         self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
         self.gap, self._layout = unworn(self.patches, heights, executor, curvature=curvature)
         self.worn = executor.zeros()  # by both bodies [mm]
+        self._film = BareCells.of_both(task.film, executor, self.worn, task.wear_fractions)
+        self._parts = None if self._film is None else self._film.parts
         there = (executor.to_numpy(self.gap) < PADDING).sum(axis=1)
         #: Cells where there is a surface, summed over the patches up to each.
         self._cells = np.cumsum(there)
@@ -99,7 +103,9 @@ class HalfSpacePatches(Model):
         Raises ConvergenceError when the contact cannot be solved.
         """
         removals = self._ledger.removals(0.0, increment)
-        before = self._influence.transforms
+        before, start = self._influence.transforms, self._ledger.row["distance"]
+        if self._film is not None:
+            self._film.look(start)
         if self._smooth is None:
             self._influence.set_bulk(1.0 / self._ledger.foundation)
             contact = self._share(sum(removals))
@@ -111,13 +117,17 @@ class HalfSpacePatches(Model):
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
         worn = self._wear(contact, sum(removals), reference)
+        if self._film is not None:
+            worn = replace(worn, bare=self._film.under(contact.pressure_field, self._influence.chunks))
+            self._film.rub(start + increment)
         transforms = self._influence.transforms - before
         return self._ledger.enter(worn, (approach, 0.0), increment, removals, reference, pressure, transforms)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         gap, worn = (self._executor.to_numpy(field) for field in (self.gap, self.worn))
-        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=worn)
+        bare = None if self._film is None else self._executor.to_numpy(self._film.bare)
+        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=worn, bare=bare)
 
     def _press(self, smooth: SmoothContact, removal: float) -> HalfSpaceContact:
         """Solve the contact by loads that a smooth one prescribes. removal: K ΔL of both bodies [mm³/N]."""
@@ -125,7 +135,9 @@ class HalfSpacePatches(Model):
         # One that has carried a load is visited for good, which is how it can let go of it.
         self.visited = max(self.visited, int(np.flatnonzero(loads)[-1]) + 1)
         self._influence.visit(self.visited)
-        return self._solver.solve(self.gap, mean_pressure=loads[: self.visited], compliance=removal)
+        return self._solver.solve(
+            self.gap, mean_pressure=loads[: self.visited], compliance=removal, parts=self._parts
+        )
 
     def _share(self, removal: float) -> HalfSpaceContact:
         """Solve the contact by loads that patches share through one approach. removal: as of `_press`.
@@ -135,12 +147,12 @@ class HalfSpacePatches(Model):
         load = self.task.load / (self.patches.count * self.patches.area)
         needed = self._below(self._reached + GROWTH_GUESS * removal * self._ledger.row["pressure_mean"])
         # As many as carry the load at the hardness.
-        carriers = load / self.task.hardness * self._influence.cells
+        carriers = load / self.task.least_hardness * self._influence.cells
         needed = max(needed, int(np.searchsorted(self._cells, carriers, side="right")) + 1)
         while True:
             self.visited = min(needed, self.patches.count)
             self._influence.visit(self.visited)
-            contact = self._solver.solve(self.gap, mean_pressure=load, compliance=removal)
+            contact = self._solver.solve(self.gap, mean_pressure=load, compliance=removal, parts=self._parts)
             needed = self._below(contact.approach)
             if needed <= self.visited:
                 self._reached = max(self._reached, contact.approach)
@@ -154,6 +166,8 @@ class HalfSpacePatches(Model):
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
         cap = min(self.task.hardness, NO_CAP)
         made = arguments(Increment, wear_per_pressure_sphere=removal, cap=cap, reference=reference)
+        if self._parts is not None:
+            made.parts = self._parts
         pressure = contact.pressure_field
         self._executor.launch(
             wear_from_pressure.wear,

@@ -1,6 +1,7 @@
 """Two scales: patches of fine cells that share the load of a macro contact."""
 
 import math
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -40,8 +41,15 @@ class TwoScaleModel(Model):
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self.patches = task, patches
         self._executor = executor
-        curvature, hardness = task.curvature, task.hardness
-        self.contact = PatchContact(patches, heights, executor, curvature=curvature, hardness=hardness)
+        self.contact = PatchContact(
+            patches,
+            heights,
+            executor,
+            curvature=task.curvature,
+            hardness=task.hardness,
+            film=task.film,
+            fractions=task.wear_fractions,
+        )
         self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
         self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
@@ -60,6 +68,7 @@ class TwoScaleModel(Model):
         removal = sum(removals)
         self.contact.stiffness = self._stiffness(removal)
         evaluations = self.contact.evaluations
+        self.contact.look(row["distance"])
         shares = self._share(removal)
         evaluations = self.contact.evaluations - evaluations
         self._foresight.note(shares, self._last, removal, sprung=task.uses_bulk_stiffness)
@@ -69,12 +78,13 @@ class TwoScaleModel(Model):
             pressure = self.patches.on_domain(self.contact.pressures(shares.base, shares.offset))
         reference = row["pressure_mean"] or (task.hardness if math.isfinite(task.hardness) else 0.0)
         foreseen = None
-        if then is not None and self._smooth is None:
+        if then is not None and self._smooth is None and task.film is None:  # whose wear changes the caps
             removal_next = sum(self._ledger.removals(increment, then))
             step, steps = self._foresight.expected(removal_next)
             if step is not None:
                 offset = np.full_like(shares.base, step) if steps is None else steps
                 foreseen = self._stiffness(removal_next), shares.bases, offset
+        bare = self.contact.bare(shares.base, shares.offset)
         worn = self.contact.wear(
             shares.base,
             shares.offset,
@@ -83,13 +93,16 @@ class TwoScaleModel(Model):
             known=self._ledger.most,
             foreseen=foreseen,
         )
+        worn = replace(worn, bare=bare)
+        self.contact.rub(row["distance"] + increment)
         approach = shares.common_base, shares.common_offset
         return self._ledger.enter(worn, approach, increment, removals, reference, pressure, evaluations)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         gap, initial = (self._executor.to_numpy(f) for f in (self.contact.gap, self.contact.initial))
-        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial)
+        bare = None if self.contact.film is None else self._executor.to_numpy(self.contact.film.bare)
+        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial, bare=bare)
 
     def _share(self, removal: float) -> Shares:
         task, last, response = self.task, self._last, self.contact.response

@@ -20,6 +20,7 @@ from warpwear.kernels.sliding import Bodies
 from warpwear.kernels.wear_from_pressure import Increment
 from warpwear.kernels.wear_loops import Layout
 from warpwear.laws.task import ContactTask
+from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
 
 #: What a part of a step takes off the area of a smooth contact, relative, over its length in contact lengths.
@@ -63,6 +64,7 @@ class SlidingHalfSpace:
         "_ledger": Ledger,
         "_outline": float,
         "_asperities": float,
+        "film": BareCells,
     }
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
@@ -88,6 +90,9 @@ class SlidingHalfSpace:
         self._half_space = WindowedHalfSpace(
             executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
         )
+        #: What is bare of film; None without one.
+        self.film = BareCells.of_bodies(task.film, executor, self.state.wear_sphere, self.state.wear_disc)
+        self._parts = None if self.film is None else self.film.parts
         #: The gap, and a mean along x.
         self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if moves else 1)
         self._bodies = arguments(Bodies, **self.state.fields)
@@ -122,24 +127,30 @@ class SlidingHalfSpace:
         before = self._ledger.row
         approach = residual = error = 0.0
         transforms = parts = done = 0
-        pooled = dict.fromkeys(OF_A_PART, 0.0)
-        highest, removal = 0.0, (0.0, 0.0)
+        pooled = dict.fromkeys(OF_A_PART if self.film is None else (*OF_A_PART, "bare"), 0.0)
+        highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
         while done < cells:
             of_part = self._cells_of_part(cells - done)
             weight = of_part / cells
             shift = self.state.row_of(row(done, of_part), periodic=self.periodic)
             start = before["distance"] + increment * (done / cells)
             removals = self.task.removals(start, increment * weight)
+            if self.film is not None:
+                self.film.look(start, shift=shift, columns=columns)
             contact = self._solve(shift, increment * weight, removals)
             done, parts, transforms = done + of_part, parts + 1, transforms + contact.transforms
             pressure = contact.pressure.copy() if with_pressure and done == cells else None
             total, most = self._wear(contact, shift, increment * weight, removals)
+            if self.film is not None:
+                total["bare"] = self.film.under(contact.pressure_field)
+                columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
+                self.film.rub(start + increment * weight, shift=shift, columns=columns)
             carried = total["pressure"] * self._executor.grid.cell_area
             residual = max(residual, residual_of(carried, self.task.load, approach=contact.approach), key=abs)
             approach += weight * contact.approach
             removal = removal[0] + removals[0], removal[1] + removals[1]
             highest = max(highest, most["pressure"])
-            for name in OF_A_PART:
+            for name in pooled:
                 pooled[name] += weight * total[name]
             self._look(total, most)
             error = max(error, self._error_of_part(of_part))
@@ -198,6 +209,8 @@ class SlidingHalfSpace:
             compliance=self._track_fraction * of_disc + own,
             streak_compliance=of_sphere - own,
             streak_window=window,
+            parts=self._parts,
+            least_part=self.task.least_hardness / self.task.hardness if self._parts is not None else 1.0,
         )
 
     def _wear(
@@ -208,6 +221,8 @@ class SlidingHalfSpace:
         # The scatter is summed about a value near the mean.
         reference, cap = self._ledger.row["pressure_mean"], min(self.task.hardness, NO_CAP)
         made = arguments(Increment, shift=shift, cap=cap, approach=contact.approach, reference=reference)
+        if self._parts is not None:
+            made.parts = self._parts
         made.wear_per_pressure_sphere = removals[0]
         made.wear_per_pressure_disc = self._track_fraction * removals[1]
         passing = self._mean_along(contact.pressure_field, self.cells_passing(increment))

@@ -21,6 +21,7 @@ from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTi
 from warpwear.laws.archard import distance_factor, removals_of
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
+from warpwear.models.film import BareCells
 from warpwear.models.on_cpu import Block, booked, in_launches
 from warpwear.models.on_gpu import DeviceSteps, displaced
 from warpwear.models.track.bodies import SlidingBodies
@@ -67,6 +68,7 @@ class SlidingContact:
         "_changes": deque,
         "_recession": Recession,
         "_ledger": Ledger,
+        "film": BareCells,
     }
 
     def __init__(
@@ -90,7 +92,10 @@ class SlidingContact:
         self._track_fraction = track_fraction
         self.keeps_dents = task.keeps_dents
         self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
-        fully = task.load / (task.hardness * grid.cell_area)
+        fully = task.load / (task.least_hardness * grid.cell_area)
+        #: What is bare of film; None without one.
+        self.film = BareCells.of_bodies(task.film, executor, self.state.wear_sphere, self.state.wear_disc)
+        self._parts = self._bearing_area.parts = None if self.film is None else self.film.parts
         self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
         columns, device = executor.tiles_per_row, executor.device
         # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc,
@@ -112,7 +117,7 @@ class SlidingContact:
         kind = "none" if moves else task.distance_factor
         self._factor = distance_factor(grid, kind, curvature=task.curvature)
         #: Whether the device can make steps by itself: those of a contact with compliance, one for all cells.
-        alike = kind == "none" and bearing_curve is None and not task.bulk_updated
+        alike = kind == "none" and bearing_curve is None and not task.bulk_updated and task.film is None
         self.blocks_allowed = executor.device.is_cuda and not task.rigid and alike
         self._gather(kind != "none")
         self._recession = None
@@ -130,6 +135,8 @@ class SlidingContact:
         self._law = arguments(Law)
         self._slide = arguments(Slide, factored=int(factored))
         self._of_cells = arguments(OfCells, factor=executor.field(factors))
+        if self._parts is not None:
+            self._of_cells.parts = self._parts
         self._tables = arguments(StepTables, sums=sums, maxima=maxima)
         self._bodies = arguments(Bodies, **self.state.fields, gap=tiles.gap)
         self._of_tiles = arguments(OfTiles, **bounds, **numbers)
@@ -155,13 +162,20 @@ class SlidingContact:
         stiffness = self._stiffness_of(compliance, own)
         if self._of_cells.stiffness is not stiffness:
             self._of_cells.stiffness = stiffness
+        if self.film is not None:
+            self.film.look(row["distance"], shift=shift, columns=self.state.columns)
         balance = self._balance(stiffness, compliance)
         balance.fill(self._law)
         near_mean = balance.cap if compliance == 0.0 else row["pressure_mean"] or balance.cap
         reference = near_mean if math.isfinite(near_mean) else 0.0
         pressure = None
         if with_pressure:
-            pressure = self._balancer.pressures(self._law, stiffness, self.tiles.gap, self.tiles)
+            pressure = self._balancer.pressures(self._law, stiffness, self.tiles.gap, self.tiles, self._parts)
+        bare = (
+            None
+            if self.film is None
+            else self.film.in_contact(self._law, stiffness, self.tiles.gap, self.tiles)
+        )
         bearing = None if self._recession is None else self._recession.cells_bearing(self._law)
         first, end = self.state.columns
         set_numbers(
@@ -190,9 +204,14 @@ class SlidingContact:
             self._recession.recede()
         self._note(balance.approach)
         total, most = self._found()
-        return self._enter(
+        if bare is not None:
+            total["bare"] = bare
+        step = self._enter(
             balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
         )
+        if self.film is not None:
+            self.film.rub(step.row["distance"], shift=shift, columns=self.state.columns)
+        return step
 
     @property
     def in_blocks(self) -> bool:
@@ -258,7 +277,7 @@ class SlidingContact:
         executor, task, tiles, grid = self._executor, self.task, self.tiles, self._executor.grid
         factored = bool(self._slide.factored)
         needed = task.load / (task.hardness * grid.cell_area)
-        if not executor.in_one_launch or self._moves or self.keeps_dents or task.bulk_updated:
+        if not executor.in_one_launch or self._moves or self.keeps_dents or task.bulk_updated or task.film:
             return None
         if self._recession is not None or (factored and task.implicit and self._factor.shape[0] > 1):
             return None
@@ -326,7 +345,7 @@ class SlidingContact:
             alike = not self._slide.factored and self._recession is None
             stiffest = stiffness_of(compliance) if alike else math.inf
             return self._balancer.solve(
-                Foundation(self.tiles.gap, stiffness, self.tiles, load, hardness, stiffest),
+                Foundation(self.tiles.gap, stiffness, self.tiles, load, hardness, stiffest, self._parts),
                 start=self._approach,
                 scatter=0.0 if self._approach is None else scatter,
             )

@@ -97,5 +97,6 @@ class SweptModel(Model):
             wear_disc=to_numpy(state.wear_disc),
             gap=to_numpy(state.sphere) - self._track.beneath(disc, row),
             plastic_disc=to_numpy(state.plastic_disc) if self._keeps else None,
+            bare=to_numpy(self.contact.film.bare) if self.contact.film else None,
             row=row if self._track.moves else None,
         )
