@@ -13,8 +13,8 @@ from warpwear.study.study import Study
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot.
 Per = Literal["step", "patch", "cell", "snapshot"]
 #: Runs that a quantity is limited to: over a track, there on the half-space, with patches, over a track that
-#: keeps its dents.
-Only = Literal["track", "half-space track", "patches", "dents"]
+#: keeps its dents, of bodies that wear in pieces.
+Only = Literal["track", "half-space track", "patches", "dents", "pieces"]
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,7 @@ class Quantity:
             "track": study.is_swept,
             "half-space track": study.is_swept and study.contact.law == "half-space",
             "patches": study.study.model == "two-scale",
+            "pieces": study.wear.particle is not None,
             "dents": study.is_swept and study.sliding.plastic == "keep",
         }[self.only]
 
@@ -98,6 +99,14 @@ QUANTITIES: tuple[Quantity, ...] = (
         ),
         ("area_error", "1", "estimated relative error of the contact area by the length of these parts"),
         only="half-space track",
+    ),
+    *_per(
+        "step",
+        ("pending_volume_sphere", "mm^3", "worn by Archard's law, but no piece has left with it yet; start 0"),
+        ("pending_volume_disc", "mm^3", "the same of the disc: worn and pending volume are K F L together"),
+        ("pieces_sphere", "1", "pieces that left the sphere in the step"),
+        ("pieces_disc", "1", "pieces that left the disc in the step, on the whole stroke"),
+        only="pieces",
     ),
     *_per(
         "patch",

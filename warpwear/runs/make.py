@@ -111,7 +111,7 @@ def model_at_rest(
     heights: of the disc over its mean plane [mm], shape (nx, ny). bearing_curve: of a roughness that the grid
     does not resolve.
     """
-    if task.is_uniform and not task.half_space and bearing_curve is None:
+    if task.is_uniform and not task.half_space and bearing_curve is None and task.pieces is None:
         return OneScaleModel(task, heights, executor)
     # The asperities spring back: a dent that stays would be pressed anew in each step.
     task = replace(task, keeps_dents=False)

@@ -21,6 +21,7 @@ from warpwear.kernels.wear_from_pressure import Increment
 from warpwear.kernels.wear_loops import Layout
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.bodies import SlidingBodies
+from warpwear.models.track.pieces import SlidingPieces
 
 #: What a part of a step takes off the area of a smooth contact, relative, over its length in contact lengths.
 OF_OUTLINE = 1.2
@@ -60,6 +61,7 @@ class SlidingHalfSpace:
         "state": SlidingBodies,
         "_of_rows": dict,
         "_half_space": WindowedHalfSpace,
+        "pieces": SlidingPieces,
         "_ledger": Ledger,
         "_outline": float,
         "_asperities": float,
@@ -101,6 +103,11 @@ class SlidingHalfSpace:
         self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
         self._outline, self._asperities = math.inf if moves and task.curvature > 0.0 else 0.0, 0.0
+        self.pieces = SlidingPieces.of(
+            task, executor, self.state, periodic=periodic, track_fraction=track_fraction
+        )
+        if self.pieces is not None:
+            self._outline = 0.0  # no mean shortens it
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -124,6 +131,8 @@ class SlidingHalfSpace:
         transforms = parts = done = 0
         pooled = dict.fromkeys(OF_A_PART, 0.0)
         highest, removal = 0.0, (0.0, 0.0)
+        if self.pieces is not None:
+            self.pieces.begin()
         while done < cells:
             of_part = self._cells_of_part(cells - done)
             weight = of_part / cells
@@ -143,6 +152,8 @@ class SlidingHalfSpace:
                 pooled[name] += weight * total[name]
             self._look(total, most)
             error = max(error, self._error_of_part(of_part))
+        if self.pieces is not None:
+            total, most = self.pieces.shed(shift, total, most)
         cap = min(self.task.hardness, NO_CAP)
         balance = Balance(approach, 0.0, cap, residual, evaluations=transforms)
         step = self._ledger.enter(
@@ -156,6 +167,8 @@ class SlidingHalfSpace:
         )
         step.row.update(parts=float(parts), area_error=error)
         self.state.columns = self._ledger.columns
+        if self.pieces is not None:
+            self.state.columns = self.pieces.beside(self.state.columns)
         return step
 
     def _error_of_part(self, cells: int) -> float:
@@ -181,13 +194,14 @@ class SlidingHalfSpace:
             # The last pressure is then no better a start, neither where it is nor carried on with the disc.
             self._half_space.forget()
         if self.task.curvature > 0.0:  # a flat has no outline
-            self._outline = OF_OUTLINE * min(bearing / AS_SMOOTH, 1.0) / along
+            if self.pieces is None:
+                self._outline = OF_OUTLINE * min(bearing / AS_SMOOTH, 1.0) / along
             elastic = 1.0 - total["capped"] / total["contact"]
-            self._asperities = OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
+            self._asperities = self.task.dust * OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
 
     def _solve(self, shift: int, increment: float, removals: tuple[float, float]) -> HalfSpaceContact:
         """Solve the contact at the end of an increment [mm] that wears sphere and disc by K ΔL [mm³/N]."""
-        state, (of_sphere, of_disc) = self.state, removals
+        state, (of_sphere, of_disc) = self.state, (self.task.dust * removal for removal in removals)
         window = self.cells_passing(increment)
         met = self._mean_along(state.wear_sphere, window)
         self._executor.launch(wear_from_pressure.gaps, inputs=[shift, self._bodies, met], outputs=[self._gap])
@@ -208,8 +222,8 @@ class SlidingHalfSpace:
         # The scatter is summed about a value near the mean.
         reference, cap = self._ledger.row["pressure_mean"], min(self.task.hardness, NO_CAP)
         made = arguments(Increment, shift=shift, cap=cap, approach=contact.approach, reference=reference)
-        made.wear_per_pressure_sphere = removals[0]
-        made.wear_per_pressure_disc = self._track_fraction * removals[1]
+        made.wear_per_pressure_sphere = self.task.dust * removals[0]
+        made.wear_per_pressure_disc = self.task.dust * self._track_fraction * removals[1]
         passing = self._mean_along(contact.pressure_field, self.cells_passing(increment))
         fields = [contact.pressure_field, passing, contact.gradient_field]
         executor.launch(
@@ -218,12 +232,14 @@ class SlidingHalfSpace:
             outputs=[self._bodies, self._sums, self._maxima],
         )
         most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
+        if self.pieces is not None:
+            self.pieces.take(contact.pressure_field, shift, removals)
         return self._totals(shift), most
 
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
         grid = self._executor.grid
-        if not self._moves:
+        if not self._moves or self.pieces is not None:  # which cut what a mean would smear
             return 1
         if self.task.curvature == 0.0:
             return grid.nx
