@@ -11,8 +11,11 @@ def markdown_table() -> str:
         "half-space track": "half-spaces over a track",
         "patches": "runs with patches",
         "dents": "tracks that keep their dents",
+        "pieces": "wear in pieces",
+        "static area": "output.static_area_every",
     }
     values = {"step": "step", "patch": "step and patch", "cell": "snapshot and cell", "snapshot": "snapshot"}
+    values |= {"piece": "piece"}
     rows = ["| name | unit | one value for each | only in | meaning |", "|---|---|---|---|---|"]
     rows += [
         f"| `{q.name}` | {q.units} | {values[q.per]} | {limits[q.only]} | {q.meaning} |" for q in QUANTITIES

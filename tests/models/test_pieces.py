@@ -1,12 +1,9 @@
 """Wear in pieces: against a plain serial reference, Archard's law and itself resumed."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING

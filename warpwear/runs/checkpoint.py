@@ -35,7 +35,7 @@ from warpwear.version import __version__
 
 FILE_NAME = "checkpoint.h5"
 #: Number of the content's layout. A file of another one is refused.
-FORMAT = 6
+FORMAT = 7
 MAGIC = "warpwear checkpoint"
 #: Heights that differ by no more are of the same surface, made on another kind of processor [mm].
 SAME_HEIGHTS = 1.0e-12
@@ -163,7 +163,9 @@ class StoredCheckpoint:
 
     def refuse_changes(self, study: Study, *, device: str) -> None:
         """Raises InputError for a run that would not go on where this one stopped."""
-        changed = changed_keys(self._study, study)
+        # What the pieces are follows from the junctions where they are as large as these.
+        free = (*LABELS, "friction") if study.wear.particle == "critical" else FREE
+        changed = changed_keys(self._study, study, free=free)
         if changed:
             raise InputError(
                 f"{self._path} is of another study ({', '.join(changed)}); {RESUME_IT} with the study as it "

@@ -21,8 +21,8 @@ CONSERVATION = 1.0e-10
 ROUNDING = 1.0e-15
 #: Share of the load that may rest on points of the disc that were not measured.
 ON_FILLED = 0.05
-#: Columns that may be no number: without a speed, and before the shear strength is calibrated.
-OPEN = frozenset(("time", "cof"))
+#: Columns that may be no number: without a speed, before the shear strength is calibrated, between solves.
+OPEN = frozenset(("time", "cof", "area_static"))
 BODIES = (
     ("wear_volume_sphere", "archard_volume_sphere", "pending_volume_sphere"),
     ("wear_volume_disc", "archard_volume_disc", "pending_volume_disc"),

@@ -10,6 +10,7 @@ from warpwear.engine.device import free_memory
 from warpwear.engine.executor import FIELDS_NEEDED, Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
+from warpwear.history.pieces import PieceBook
 from warpwear.history.recorder_patches import PatchBook, bytes_of_book
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.patches import Patches
@@ -31,6 +32,8 @@ from warpwear.surfaces.roughness import roughness
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0}, 12.0
 #: More where the disc slides: a mean along x, and what it takes to follow the disc.
 SLIDING_FIELDS = 3.0
+#: More of each body that wears in pieces: what is pending, its sums, and lists of cells.
+PIECES_FIELDS = 2.5
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
 
@@ -43,19 +46,22 @@ class PreparedModel:
     heights: FloatArray  # of the unworn disc [mm], shape (nx, ny), or of the track, (rows, ny)
     record: dict[str, Any]  # of the surface, for the result
     book: PatchBook | None = None  # of the patches that the model has
+    pieces: PieceBook | None = None  # in which its bodies have worn
     filled: BoolArray | None = None  # what was not measured of the disc, as its heights; None: all was
 
 
 def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     """What the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
-    fields = FIELDS_NEEDED
+    fields = FIELDS_NEEDED + PIECES_FIELDS * study.wear.sheds
     elastic = study.contact.law == "half-space"
     if elastic:
-        fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu")
+        fields += HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu") - FIELDS_NEEDED
     if study.is_swept:
         rows = study.track.rows
         fields += SLIDING_FIELDS * elastic
-        fields += (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
+        fields += DISC_FIELDS * rows / study.cells.nx
+        fields += (study.sliding.plastic == "keep") * rows / study.cells.nx
+        fields += PIECES_FIELDS * study.wear.sheds * rows / study.cells.nx
         _check_memory(study, rows, fields, device)
         return Executor(study.cells, device=device, threads=threads)
     # Laws of cell by cell are those of a track, and a radial factor is a field of its own, as its stiffness.
@@ -89,7 +95,7 @@ def model_of(
     record = surface.record() | {"on_the_grid": _roughness_on(grid, measured)}
     if study.is_swept:
         swept = SweptModel(study.contact_task, study.track, heights, executor)
-        return PreparedModel(swept, heights, record, filled=filled)
+        return PreparedModel(swept, heights, record, pieces=swept.pieces, filled=filled)
     if study.study.model == "two-scale":
         patches = study.patch_layout
         refuse_unsuitable(study, patches, heights)
@@ -100,7 +106,8 @@ def model_of(
     if curve is not None:
         record["bearing_curve"] = asdict(curve)
     model = model_at_rest(study.contact_task, heights, executor, bearing_curve=curve)
-    return PreparedModel(model, heights, record, filled=filled)
+    pieces = model.pieces if isinstance(model, SweptModel) else None
+    return PreparedModel(model, heights, record, pieces=pieces, filled=filled)
 
 
 def model_at_rest(

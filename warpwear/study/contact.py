@@ -147,7 +147,8 @@ class Wear(Section):
         "[junctions]; if not given, it leaves at once, as dust",
     )
     particle_thickness: Length | None = shed_key(
-        None, "thickness t of a piece at its middle: 4 Sq of a worn patch, form removed, or of flakes in the SEM"
+        None,
+        "thickness t of a piece at its middle: 4 Sq of a worn patch, form removed, or of flakes in SEM",
     )
     dust_fraction: Annotated[float, Number(Range(or_equal=True, most=1.0))] = shed_key(
         0.0,
@@ -156,7 +157,7 @@ class Wear(Section):
     )
     pending_start: Literal["zero", "uniform"] = shed_key(
         "zero",
-        "volume that pieces have gathered before the test: none; uniform: drawn, so that they are at every stage",
+        "volume that pieces have gathered before the test: none, or drawn, so that they are at every stage",
         assumed="unworn bodies: the first pieces take a while",
     )
     pending_seed: Annotated[int, Field(ge=0, strict=True)] = key(
@@ -171,8 +172,8 @@ class Wear(Section):
     def _check(self) -> None:
         if self.sheds and self.particle_thickness is None:
             raise ValueError(
-                "wear.particle needs wear.particle_thickness, such as '0.6 um': measure it as 4 times Sq of a "
-                "worn patch, its form removed, or on flakes in the SEM"
+                "wear.particle needs wear.particle_thickness, such as '0.6 um': measure it as 4 times Sq of "
+                "a worn patch, its form removed, or on flakes in the SEM"
             )
         if self.law == "exponential" and self.decay is None:
             raise ValueError("wear.law = 'exponential' needs wear.decay, such as '0.1 1/m'")

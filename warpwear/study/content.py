@@ -215,8 +215,14 @@ class Content(Section):
             modulus=self.effective_modulus,
             boundary=self.boundary,
             pieces=self.pieces,
-            static_area_every=self.output.static_area_every,
+            static_area_every=self.static_area_every,
         )
+
+    @property
+    def static_area_every(self) -> int:
+        """Steps between contacts that are also solved without wear in the step; 0 where none are."""
+        elastic = self.contact.law == "half-space" and self.study.model == "micro"
+        return self.output.static_area_every if elastic else 0
 
     @property
     def pieces(self) -> Pieces | None:

@@ -22,30 +22,31 @@ def check(study: Content) -> None:
     if not wear.sheds:
         return
     if study.study.model != "micro":
+        why = {"two-scale": "whose patches would cut pieces at their borders", "macro": "which is smooth"}
+        model = study.study.model
         raise ValueError(
-            f"wear.particle does not go with study.model = '{study.study.model}', "
-            f"{'whose patches would cut pieces at their borders' if study.study.model == 'two-scale' else 'which has no asperities'}"
-            "; allowed is 'micro'"
+            f"wear.particle does not go with study.model = '{model}', {why[model]}; allowed is 'micro'"
         )
     if wear.distance_factor != "none":
         raise ValueError(
-            f"wear.distance_factor = '{wear.distance_factor}' does not go with wear.particle: allowed is 'none'"
+            f"wear.distance_factor = '{wear.distance_factor}' does not go with wear.particle: allowed is "
+            "'none'"
         )
     if wear.particle == "critical" and study.critical_junction is None:
         raise ValueError(
-            "wear.particle = 'critical' needs junctions.surface_energy, such as '2 J/m^2', Young's modulus, "
-            "Poisson's ratio and hardness of the softer body, or junctions.strength; or give a diameter, such "
-            "as '20 um'"
+            "wear.particle = 'critical' needs junctions.surface_energy, such as '2 J/m^2', and of the softer "
+            "body Young's modulus, Poisson's ratio and hardness; or give a diameter, such as '20 um'"
         )
     pieces = study.pieces
     assert pieces is not None  # its thickness is checked with the section
     named = f"wear.particle = {_diameter(study, pieces)}"
     if not study.grid.cell <= pieces.diameter * (1.0 + 1.0e-9):
-        raise ValueError(f"{named} is smaller than a cell; a grid.cell of {_um(pieces.diameter / CELLS)} is needed")
+        enough = _um(pieces.diameter / CELLS)
+        raise ValueError(f"{named} is smaller than a cell; a grid.cell of {enough} or less is needed")
     if pieces.diameter > LARGEST * study.grid.extent:
         raise ValueError(
-            f"{named} must be at most a quarter of grid.extent = {study.grid.extent:g} mm; allowed are smaller "
-            "pieces, or a larger extent"
+            f"{named} must be at most a quarter of grid.extent = {study.grid.extent:g} mm; allowed are "
+            "smaller pieces, or a larger extent"
         )
     if pieces.thickness > pieces.diameter:
         raise ValueError(
@@ -61,10 +62,10 @@ def doubts(study: Content) -> Iterator[str]:
     if study.wear.particle == "critical":
         yield _of_critical(study, pieces)
     if pieces.diameter < CELLS * study.grid.cell * (1.0 - 1.0e-9):
+        cells = pieces.diameter / study.grid.cell
         yield (
-            f"wear.particle = {_diameter(study, pieces)} is {pieces.diameter / study.grid.cell:.2g} cells wide: "
-            f"slopes and areas depend on the cell; a grid.cell of {_um(pieces.diameter / CELLS)} or less makes "
-            f"it {CELLS:g}."
+            f"wear.particle = {_diameter(study, pieces)} is {cells:.2g} cells wide, so that slopes and areas "
+            f"depend on the cell: a grid.cell of {_um(pieces.diameter / CELLS)} or less is needed."
         )
     yield from _of_steps(study, pieces)
 
@@ -95,8 +96,8 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
                 changes.append(f"a sliding.track of {longer:.2g} mm or more")
             change = f"{' or '.join(changes)} is needed"
         yield (
-            f"A step takes K H ΔL = {_um(depth)} off a cell of the {name} at the hardness, more than half of "
-            f"wear.particle_thickness = {_um(pieces.thickness)}, so that areas depend on its length: {change}."
+            f"A step wears a cell of the {name} at the hardness by K H ΔL = {_um(depth)}, more than half of "
+            f"wear.particle_thickness = {_um(pieces.thickness)}, so that areas depend on it: {change}."
         )
 
 
@@ -109,8 +110,8 @@ def _of_critical(study: Content, pieces: Pieces) -> str:
     else:
         by = f"by junctions.strength = {strength:g} MPa, and goes with 1/σ_j²: one"
     return (
-        f"wear.particle = 'critical' is d* = {_um(pieces.diameter)} (thesis eq 2.3) {by} {100.0 * SCATTER:g} % "
-        f"higher or lower makes it {_um(low)} or {_um(high)}."
+        f"wear.particle = 'critical' is d* = {_um(pieces.diameter)} (thesis eq 2.3) {by} "
+        f"{100.0 * SCATTER:g} % higher or lower makes it {_um(low)} or {_um(high)}."
     )
 
 

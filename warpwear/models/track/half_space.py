@@ -63,6 +63,7 @@ class SlidingHalfSpace:
         "_half_space": WindowedHalfSpace,
         "pieces": SlidingPieces,
         "_ledger": Ledger,
+        "_steps_done": int,
         "_outline": float,
         "_asperities": float,
     }
@@ -108,6 +109,13 @@ class SlidingHalfSpace:
         )
         if self.pieces is not None:
             self._outline = 0.0  # no mean shortens it
+        #: Contacts without wear in the step, which start from nothing: those with it are as they would be.
+        self._static = None
+        if task.static_area_every:
+            self._static = WindowedHalfSpace(
+                executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
+            )
+        self._steps_done = 0
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -131,6 +139,10 @@ class SlidingHalfSpace:
         transforms = parts = done = 0
         pooled = dict.fromkeys(OF_A_PART, 0.0)
         highest, removal = 0.0, (0.0, 0.0)
+        static, asked = (
+            math.nan,
+            self._static is not None and self._steps_done % self.task.static_area_every == 0,
+        )
         if self.pieces is not None:
             self.pieces.begin()
         while done < cells:
@@ -140,6 +152,8 @@ class SlidingHalfSpace:
             start = before["distance"] + increment * (done / cells)
             removals = self.task.removals(start, increment * weight)
             contact = self._solve(shift, increment * weight, removals)
+            if asked and not parts:
+                static = self._static_area()
             done, parts, transforms = done + of_part, parts + 1, transforms + contact.transforms
             pressure = contact.pressure.copy() if with_pressure and done == cells else None
             total, most = self._wear(contact, shift, increment * weight, removals)
@@ -166,6 +180,9 @@ class SlidingHalfSpace:
             pressure=pressure,
         )
         step.row.update(parts=float(parts), area_error=error)
+        if self._static is not None:
+            step.row["area_static"] = static
+        self._steps_done += 1
         self.state.columns = self._ledger.columns
         if self.pieces is not None:
             self.state.columns = self.pieces.beside(self.state.columns)
@@ -213,6 +230,13 @@ class SlidingHalfSpace:
             streak_compliance=of_sphere - own,
             streak_window=window,
         )
+
+    def _static_area(self) -> float:
+        """Area of the contact [mm²] of the last gap without wear, which lends it a compliance."""
+        assert self._static is not None
+        self._static.begin_like(self._half_space)
+        contact = self._static.solve(self._gap, load=self.task.load)
+        return contact.cells_in_contact * self._executor.grid.cell_area
 
     def _wear(
         self, contact: HalfSpaceContact, shift: int, increment: float, removals: tuple[float, float]

@@ -11,8 +11,8 @@ from warpwear.engine.executor import Arguments, Executor, Field, arguments, set_
 from warpwear.engine.tiles import TileList
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
-from warpwear.kernels.running_in import pieces as kernels
 from warpwear.kernels.cells import LANES
+from warpwear.kernels.running_in import pieces as kernels
 from warpwear.laws.pieces import ROUNDS
 from warpwear.laws.pieces import Pieces as PieceLaw
 from warpwear.laws.task import ContactTask
@@ -24,7 +24,7 @@ BODIES = ("sphere", "disc")
 class Pending:
     """Depths pending of one body, where a piece is due, and the sums over its rows.
 
-    height, wear: of the body, fields of its rows × columns. down: 1 where heights grow as it is worn, else −1.
+    fields: height and wear of the body. down: 1 where heights grow as it is worn, else −1.
     """
 
     STATE: ClassVar = {"pending": Field, "waiting": np.ndarray, "_rows": np.ndarray}
@@ -76,7 +76,7 @@ class Pending:
         self.body.counts.zero_()
         self._had_waited = self.waiting.size > 0
         if self._had_waited:
-            cells = wp.array(self.waiting, dtype=wp.int32, device=self._executor.device)
+            cells: Field = wp.array(self.waiting, dtype=wp.int32, device=self._executor.device)
             self._launch(kernels.take_cells, self.waiting.size, [cells])
 
     def shed(self) -> list[FloatArray]:
@@ -133,9 +133,7 @@ class Pending:
         """Launch a kernel, which is told of the body last of its inputs."""
         bodies = [self.body] if body else []
         # On a CPU by one thread: the others would write the same list.
-        self._executor.launch(
-            kernel, inputs=[*inputs, *bodies], outputs=list(outputs), chunks=[(0, count)]
-        )
+        self._executor.launch(kernel, inputs=[*inputs, *bodies], outputs=list(outputs), chunks=[(0, count)])
 
 
 class SlidingPieces:
@@ -266,6 +264,6 @@ class SlidingPieces:
 def _numbers(field: Field) -> Field:
     """A field as numbers, shape (rows, columns and padding), in the same memory."""
     shape = field.shape[0], field.shape[1] * LANES
-    made = wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=field.device, copy=False)
+    made: Field = wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=field.device, copy=False)
     made._owner = field  # which keeps the memory
     return made
