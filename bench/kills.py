@@ -90,8 +90,8 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
         | {
             "contact.law": "half-space",
             "sliding.kinematics": "swept",
-            "sliding.track": "1.6 mm",
-            "sliding.shift": 2,
+            "sliding.track": "3.2 mm",
+            "sliding.shift": 1,
             "wear.dust_fraction": 0.1,
             "wear.pending_start": "uniform",
             "output.static_area_every": 3,

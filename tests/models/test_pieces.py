@@ -1,4 +1,4 @@
-"""Wear in pieces: against a plain serial reference, Archard's law and itself resumed."""
+"""Wear in pieces: against a plain serial reference, its own books, and Archard's law."""
 
 from pathlib import Path
 from typing import Any
@@ -236,11 +236,11 @@ def test_what_is_worn_and_what_is_pending_are_archards_volume_at_every_step(
         assert np.all(left <= study.pieces.volume(study.grid.cell) * (1.0 + 1e-9))
     assert history["pieces_sphere"].sum() > 20
     assert np.all(np.diff(pieces["step"]) >= 0.0)
-    assert np.all((0.0 < pieces["diameter"]) & (pieces["diameter"] <= 20e-3 * (1.0 + 1e-9)))
+    assert np.all((pieces["diameter"] > 0.0) & (pieces["diameter"] <= 20e-3 * (1.0 + 1e-9)))
 
 
 def test_no_pit_is_much_deeper_than_a_piece() -> None:
-    """Crack surfaces lie in what surrounds them: the pits do not run away, as those of subtracted bowls do."""
+    """Cuts go down to a crack surface: pits do not run away, as those of subtracted bowls do."""
     with warpwear.run(study_of("track", sliding__distance="30 mm")) as result:
         last = result.snapshots[-1]
         for wear in (last.wear_sphere, last.wear_beneath):
