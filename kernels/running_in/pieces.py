@@ -46,6 +46,7 @@ class Body:
 class Share:
     """What a pressure adds to the depths pending."""
 
+    footprint: Footprint
     sphere: wp.float64  # K ΔL without the dust [mm³/N]
     disc: wp.float64
     shift: wp.int32  # the disc's row under the sphere's first
@@ -86,17 +87,16 @@ def share_out(
     column: wp.int32,
     pressure: wp.float64,
     share: Share,
-    footprint: Footprint,
     sphere: Body,
     disc: Body,
 ):
     """Make the wear by the pressure of one cell pending."""
     if pressure > ZERO:
         if share.sphere > ZERO:
-            add_pending(row, column, share.sphere * pressure, footprint, sphere)
+            add_pending(row, column, share.sphere * pressure, share.footprint, sphere)
         if share.disc > ZERO:
             under = beneath(row, share.shift, disc.pending.shape[0])
-            add_pending(under, column, share.disc * pressure, footprint, disc)
+            add_pending(under, column, share.disc * pressure, share.footprint, disc)
 
 
 @wp.kernel
@@ -104,7 +104,6 @@ def take_field(
     first_slot: wp.int32,
     slots_per_row: wp.int32,
     share: Share,
-    footprint: Footprint,
     pressure_in: wp.array2d(dtype=Cells),
     sphere: Body,
     disc: Body,
@@ -116,7 +115,7 @@ def take_field(
         p = pressure_in[row, k]
         if wp.max(p) > ZERO:
             for j in range(LANES):
-                share_out(row, k * LANES + j, p[j], share, footprint, sphere, disc)
+                share_out(row, k * LANES + j, p[j], share, sphere, disc)
 
 
 @wp.kernel
@@ -127,7 +126,6 @@ def take_tiles(
     count_in: wp.array(dtype=wp.int32),
     law: Law,
     share: Share,
-    footprint: Footprint,
     stiffness_in: wp.array2d(dtype=Cells),
     gap_in: wp.array2d(dtype=Cells),
     sphere: Body,
@@ -144,7 +142,7 @@ def take_tiles(
             s = stiffness_in[stiffness_row, k]
             for j in range(LANES):
                 p = pressure_of(law, g[j], s[j])
-                share_out(row, k * LANES + j, p, share, footprint, sphere, disc)
+                share_out(row, k * LANES + j, p, share, sphere, disc)
 
 
 @wp.kernel

@@ -157,7 +157,7 @@ class SlidingPieces:
         wp.load_module(kernels, device=device)
         places, bowl = law.footprint(cell)
         self.law, self._executor, self._track_fraction = law, executor, track_fraction
-        footprint = self._footprint = arguments(
+        footprint = arguments(
             kernels.Footprint,
             along=wp.array(places[:, 0], dtype=wp.int32, device=device),
             across=wp.array(places[:, 1], dtype=wp.int32, device=device),
@@ -166,7 +166,7 @@ class SlidingPieces:
             reach=law.reach(cell),
             apart=law.apart(cell),
         )
-        self._share = arguments(kernels.Share)
+        self._share = arguments(kernels.Share, footprint=footprint)
         #: Cells beside one in contact that a piece may reach.
         self._margin = law.margin(cell)
         of_sphere, of_disc = (bodies.sphere, bodies.wear_sphere), (bodies.disc, bodies.wear_disc)
@@ -206,7 +206,7 @@ class SlidingPieces:
 
     def take(self, pressure: Field, shift: int, removals: tuple[float, float]) -> None:
         """Make the wear by a pressure field [MPa] pending. Others as of `take_tiles`."""
-        inputs = [self._share_of(shift, removals), self._footprint, pressure]
+        inputs = [self._share_of(shift, removals), pressure]
         every = [(0, self._executor.slots)]
         self._executor.launch(
             kernels.take_field, inputs=inputs, outputs=[self.sphere.body, self.disc.body], chunks=every
@@ -225,7 +225,7 @@ class SlidingPieces:
 
         shift: the disc's row under the sphere's first. removals: K ΔL of sphere and disc [mm³/N].
         """
-        inputs = [law, self._share_of(shift, removals), self._footprint, stiffness, gap]
+        inputs = [law, self._share_of(shift, removals), stiffness, gap]
         every = [(0, self._executor.slots)]
         outputs = [self.sphere.body, self.disc.body]
         self._executor.launch(kernels.take_tiles, inputs=inputs, outputs=outputs, over=tiles, chunks=every)
