@@ -30,6 +30,13 @@ from warpwear.engine import executor as execution
 #: Threads of BLAS and OpenMP (None: as they like), and whether the process is held on one core, by turns.
 ENVIRONMENTS: tuple[tuple[str | None, bool], ...] = ((None, False), ("1", False), ("4", False), (None, True))
 SMALL = {"grid.cell": "20 um", "output.snapshots": ["0.5 mm", "3 mm"]}
+PIECES = SMALL | {
+    "sliding.distance": "5 mm",
+    "output.snapshots": ["0.5 mm"],
+    "disc.synthetic.ra": "0.5 um",
+    "wear.particle": "80 um",
+    "wear.particle_thickness": "0.5 um",
+}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "micro, implicit": ("v3-fine", SMALL | {"sliding.distance": "30 mm"}),
     "micro, many tiles": ("v3-fine", {"grid.cell": "5 um", "sliding.distance": "2 mm"}),
@@ -77,6 +84,20 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "sliding.plastic": "keep",
         },
     ),
+    "swept, pieces": (
+        "v3-fine",
+        PIECES
+        | {
+            "contact.law": "half-space",
+            "sliding.kinematics": "swept",
+            "sliding.track": "3.2 mm",
+            "sliding.shift": 1,
+            "wear.dust_fraction": 0.1,
+            "wear.pending_start": "uniform",
+            "output.static_area_every": 3,
+        },
+    ),
+    "pieces, bearing area": ("v3-fine", PIECES | {"stepping.increment": "0.03 mm"}),
     "two-scale": ("two-scale", SMALL | {"grid.cell": "10 um", "sliding.distance": "10 mm"}),
     "two-scale, half-space": (
         "two-scale",

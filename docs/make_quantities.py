@@ -12,8 +12,11 @@ def markdown_table() -> str:
         "patches": "runs with patches",
         "dents": "tracks that keep their dents",
         "film": "runs with a film",
+        "pieces": "wear in pieces",
+        "static area": "output.static_area_every",
     }
     values = {"step": "step", "patch": "step and patch", "cell": "snapshot and cell", "snapshot": "snapshot"}
+    values |= {"piece": "piece"}
     rows = ["| name | unit | one value for each | only in | meaning |", "|---|---|---|---|---|"]
     rows += [
         f"| `{q.name}` | {q.units} | {values[q.per]} | {limits[q.only]} | {q.meaning} |" for q in QUANTITIES

@@ -110,6 +110,7 @@ class Solve:
     trial: wp.array(dtype=wp.float64)
     step: wp.array(dtype=wp.float64)
     response: wp.array(dtype=wp.float64)
+    parts: wp.array(dtype=wp.float64)  # of H, that cells bear; none where all bear it
     given: wp.array(dtype=wp.float64)  # to the transforms of the response, and what they make of it
     made: wp.array(dtype=wp.float64)
     given_near: wp.array(dtype=wp.float32)  # of the preconditioner
@@ -122,6 +123,15 @@ class Solve:
     searching: wp.array(dtype=wp.int32)  # one number each, 1 while it goes on
     balancing: wp.array(dtype=wp.int32)
     near: wp.array(dtype=wp.int32)  # 1 where the step is preconditioned
+
+
+@wp.func
+def cap_of(solve: Solve, i: wp.int32):
+    """H of a cell."""
+    cap = solve.rules.cap
+    if solve.parts.shape[0] > 0:
+        cap = cap * solve.parts[i]
+    return cap
 
 
 @wp.func
@@ -222,9 +232,10 @@ def spring(solve: Solve):
         if i % solve.columns < solve.ny:
             x = (n.mean - solve.gap[i]) * n.stiffness
         solve.trial[i] = x
-        q = clipped(x, solve.rules.cap)
+        cap = cap_of(solve, i)
+        q = clipped(x, cap)
         total += q
-        between += wp.where(q > ZERO and q < solve.rules.cap, ONE, ZERO)
+        between += wp.where(q > ZERO and q < cap, ONE, ZERO)
     add(solve, thread, 0, total)
     add(solve, thread, 1, between)
 
@@ -234,10 +245,10 @@ def carried(solve: Solve):
     """Sums of the trial pressures, shifted and clipped, and of the cells between the bounds."""
     thread = wp.tid()
     shift = solve.numbers[0].shift
-    cap = solve.rules.cap
     total = ZERO
     between = ZERO
     for i in range(thread, solve.trial.shape[0], threads_of(solve)):
+        cap = cap_of(solve, i)
         q = shifted(solve.trial[i], shift, cap)
         total += q
         between += wp.where(q > ZERO and q < cap, ONE, ZERO)
@@ -316,15 +327,17 @@ def take(solve: Solve):
     thread = wp.tid()
     shift = solve.numbers[0].shift
     for i in range(thread, solve.trial.shape[0], threads_of(solve)):
-        solve.pressure[i] = shifted(solve.trial[i], shift, solve.rules.cap)
+        solve.pressure[i] = shifted(solve.trial[i], shift, cap_of(solve, i))
 
 
 @wp.kernel
 def present(solve: Solve):
-    """Give the pressure to the transforms."""
+    """Give the pressure to the transforms, down to caps of cells, which may have fallen since it was solved."""
     thread = wp.tid()
     for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
         column = i % solve.columns
+        if solve.parts.shape[0] > 0:
+            solve.pressure[i] = wp.min(solve.pressure[i], cap_of(solve, i))
         if column < solve.ny:
             solve.given[i // solve.columns * solve.pitch + column] = solve.pressure[i]
 
@@ -359,7 +372,6 @@ def advance(solve: Solve):
     """
     thread = wp.tid()
     n = solve.numbers[0]
-    cap = solve.rules.cap
     total = ZERO
     touching = ZERO
     between = ZERO
@@ -367,6 +379,7 @@ def advance(solve: Solve):
     highest = -NONE
     lowest = -NONE
     for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
+        cap = cap_of(solve, i)
         p = solve.pressure[i]
         t = solve.gradient[i] + n.length * solve.response[i]
         if n.whole == 1:
@@ -448,7 +461,7 @@ def residual(solve: Solve):
         column = i % solve.columns
         if column < solve.ny:
             r = solve.gradient[i] - level
-            is_free = free(solve.pressure[i], solve.gradient[i], level, solve.rules.cap)
+            is_free = free(solve.pressure[i], solve.gradient[i], level, cap_of(solve, i))
             place = i // solve.columns * solve.ny + column
             solve.given_near[place] = wp.float32(wp.where(is_free > ZERO, r, ZERO))
 
@@ -484,7 +497,7 @@ def products(solve: Solve):
     largest_r = ZERO
     for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
         t = solve.gradient[i]
-        if free(solve.pressure[i], t, n.level, solve.rules.cap) > ZERO:
+        if free(solve.pressure[i], t, n.level, cap_of(solve, i)) > ZERO:
             z = descent_of(solve, n, i)
             r = t - n.level
             y = solve.response[i]
@@ -548,11 +561,11 @@ def direction(solve: Solve):
     """Trial pressure along −z + memory × last step on the free cells, outward elsewhere. Sums: `weigh`'s."""
     thread = wp.tid()
     n = solve.numbers[0]
-    cap = solve.rules.cap
     total = ZERO
     between = ZERO
     if n.failed == 0:
         for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
+            cap = cap_of(solve, i)
             p = solve.pressure[i]
             t = solve.gradient[i]
             d = -n.outward * (t - n.level)
@@ -571,10 +584,10 @@ def step(solve: Solve):
     """Feasible step to the trial, given to the transforms. Sum: step × (t − λ). Maximum: fraction of room."""
     thread = wp.tid()
     n = solve.numbers[0]
-    cap = solve.rules.cap
     slope = ZERO
     used = ZERO
     for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
+        cap = cap_of(solve, i)
         p = solve.pressure[i]
         s = shifted(solve.trial[i], n.shift, cap) - p
         if s != ZERO:

@@ -1,1 +1,1 @@
-"""Kernels of what changes while a contact runs in beside its shape: films that wear breaks."""
+"""Kernels of what changes while a contact runs in: films that wear breaks, wear in pieces."""

@@ -134,9 +134,8 @@ class BoundedPressure:
         self._iterate.set_parts(parts)
         cells = self._iterate.cells
         if self.on_device is not None and asked is not None and self._iterate.parts == 1:
-            return self._solve_on(
-                self.on_device, gap, float(asked.item()), (compliance, streak_compliance, streak_window)
-            )
+            compliances = compliance, streak_compliance, streak_window
+            return self._solve_on(self.on_device, gap, float(asked.item()), compliances, parts)
         self._influence.set_compliance(compliance, streak_compliance, streak_window)
         done = self._influence.transforms
         moments = self._iterate.moments(gap)
@@ -188,12 +187,19 @@ class BoundedPressure:
         )
 
     def _solve_on(
-        self, search: DeviceSearch, gap: Field, asked: float, compliance: tuple[float, float, int | None]
+        self,
+        search: DeviceSearch,
+        gap: Field,
+        asked: float,
+        compliance: tuple[float, float, int | None],
+        parts: Field | None,
     ) -> HalfSpaceContact:
         """Solve as `solve` does, in one launch."""
         stiffness = 1.0 / (self._influence.shortest_response + compliance[0])
         anew, self._started = not self._started, False
-        found = search.solve(gap, asked=asked, stiffness=stiffness, compliance=compliance, anew=anew)
+        found = search.solve(
+            gap, asked=asked, stiffness=stiffness, compliance=compliance, anew=anew, parts=parts
+        )
         violation = found[Told.VIOLATION]
         relative = violation / found[Told.SCALE] if violation else 0.0
         if found[Told.STATUS] != CONVERGED:

@@ -238,7 +238,7 @@ class Iterate:
         inputs = [self._placed(v, *next(places)) if isinstance(v, np.ndarray) else v for v in inputs]
         tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
         chunks = self._influence.chunks
-        self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables], chunks=chunks)
+        self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables], chunks=chunks, often=True)
         slots = self._slots
         if self._folded is None:
             table, largest = self._sums.numpy()[:sums, :slots], self._maxima.numpy()[:maxima, :slots]

@@ -136,6 +136,12 @@ class WindowedHalfSpace:
         if window is not None:
             self._look_at(window)
 
+    def begin_like(self, other: Self) -> None:
+        """Start the next solve from nothing, and look first where another one would."""
+        self.forget()
+        if other._window is not None:
+            self._look_at(other._window)
+
     def forget(self) -> None:
         """Start the next solve from nothing."""
         self._started = False

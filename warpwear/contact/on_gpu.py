@@ -99,6 +99,7 @@ class DeviceSearch:
             wp.zeros(place.size, dtype=wp.float64, device="cpu", pinned=pinned)
             for place in (self._solve.asked, self._solve.told)
         )
+        self._parts: Field | None = None
         self._graphs: dict[bool, Any] = {}  # by whether they start anew
 
     def solve(
@@ -109,11 +110,13 @@ class DeviceSearch:
         stiffness: float,
         compliance: tuple[float, float, int | None],
         anew: bool,
+        parts: Field | None = None,
     ) -> Mapping[Told, float]:
         """Solve a contact; returns what it tells at its end.
 
         asked: sum of the pressures [MPa]. stiffness: of a cell's own response [N/mm³]. compliance: own,
         streak and window, as of `influence.Operator.set_compliance`. anew: whether to start from nothing.
+        parts: of the hardness, that cells bear; None: all of it.
         Raises ConvergenceError where the load cannot be balanced.
         """
         if compliance != self._compliance:
@@ -121,6 +124,7 @@ class DeviceSearch:
             for place, values in zip(self._lines, self._influence.lines(*compliance), strict=True):
                 place.assign(values)
         wp.copy(self._gap, gap)
+        self._take_parts(parts)
         self._asked.numpy()[:] = asked, stiffness
         if self._device.is_cpu:
             self._launch_all(anew)
@@ -133,6 +137,16 @@ class DeviceSearch:
                 f"the load balance of the half-space missed {ROUGH_BALANCE:g} of the load."
             )
         return found
+
+    def _take_parts(self, parts: Field | None) -> None:
+        """Bound cells by these parts of the hardness; graphs hold whether there are any."""
+        if (parts is None) != (self._parts is None):
+            self._parts = None if parts is None else self._executor.zeros()
+            none = wp.zeros(0, dtype=wp.float64, device=self._device)
+            self._solve.parts = none if self._parts is None else self._numbers_of(self._parts)
+            self._graphs.clear()
+        if parts is not None:
+            wp.copy(self._parts, parts)
 
     def _graph(self, anew: bool) -> Any:
         if anew not in self._graphs:

@@ -21,6 +21,8 @@ AREAS: dict[str, tuple[str, dict[str, Any]]] = {
     "nominal": ("nominal (scar)", {"color": fs.NOMINAL, "ls": "-."}),
     "cumulative": ("running sum", {"color": fs.SUM, "ls": (0, (6, 1))}),
 }
+#: Bins of sizes and of distances in which pieces are counted.
+PIECES_BINS = 30
 #: Shortest time shown in the unit [s], unit, seconds of it.
 TIMES = ((36000.0, "h", 3600.0), (600.0, "min", 60.0), (0.0, "s", 1.0))
 
@@ -73,6 +75,10 @@ def areas(axes: Axes, data: "FigureData") -> None:
     for area, (label, line) in zip(values, AREAS.values(), strict=True):
         if (area > 0.0).any():
             fs.over_distance(axes, distance, positive(area), label=label, **line)
+    if "area_static" in data.history:
+        places: dict[str, Any] = {"ls": "none", "marker": ".", "ms": 2.0, "color": fs.NEUTRAL}
+        static = data.history["area_static"]
+        fs.over_distance(axes, data.history["distance"], static, label="without wear in the step", **places)
     fs.scale_distance(axes, distance)
     fs.scale_values(axes, *values)
     axes.set_ylabel("area, mm²")
@@ -129,3 +135,26 @@ def volumes(axes: Any, data: "FigureData") -> None:
     for panel in axes:
         panel.set(xlim=(0.0, None), ylim=(0.0, None))
     fs.legend_above(axes[0], columns=2)
+
+
+@fs.panels(2)
+def pieces(axes: Any, data: "FigureData") -> None:
+    """Diameters of the pieces as they were cut, and how many have left either body per distance."""
+    table, history, asked = data.result.pieces, data.history, data.study.pieces
+    sizes, rates = axes
+    widest = 1e3 * max(table["diameter"].max(), asked.diameter if asked else 0.0)
+    edges = np.linspace(0.0, 1.05 * widest, PIECES_BINS + 1)
+    ends = np.linspace(0.0, history["distance"][-1], PIECES_BINS + 1)
+    for number, (body, colour) in enumerate((("sphere", fs.SPHERE), ("disc", fs.DISC))):
+        counts, _ = np.histogram(1e3 * table["diameter"][table["body"] == number], edges)
+        sizes.stairs(counts, edges, color=colour, label=body)
+        left = np.append(0.0, np.cumsum(history[f"pieces_{body}"]))
+        slid = np.append(0.0, history["distance"])
+        rates.stairs(np.diff(np.interp(ends, slid, left)) / np.diff(ends), ends, color=colour)
+    if asked is not None:
+        sizes.axvline(1e3 * asked.diameter, color=fs.HARDNESS, lw=1.0, label="d*")
+    sizes.set(xlabel="diameter as cut, µm", ylabel="number of pieces, –")
+    rates.set(xlabel="sliding distance, mm", ylabel="pieces per mm of sliding, 1/mm")
+    for panel in axes:
+        panel.set(xlim=(0.0, None), ylim=(0.0, None))
+    fs.legend_above(sizes, columns=3)

@@ -68,6 +68,7 @@ FIGURES: dict[str, Entry] = {
     "roughness": Entry("snapshots:roughness", _ROUGHNESS),
     "islands": Entry("snapshots:islands", (when.SMOOTH_DISC, when.ONE_SNAPSHOT, when.ONLY_SAMPLES)),
     "junctions": Entry("snapshots:junctions", (when.SMOOTH_DISC, when.NO_JUNCTIONS, *_FIELD)),
+    "pieces": Entry("history:pieces", (when.NO_PIECES,)),
     "load_share": Entry("patches:load_share", _PATCHES),
     "patch_zoom": Entry("patches:patch_zoom", _PATCHES),
     "hertz": Entry("fields:hertz", (when.ROUGH, when.NO_HERTZ, when.NO_SNAPSHOT)),

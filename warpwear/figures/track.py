@@ -98,7 +98,8 @@ def wear_per_pass(axes: Any, data: "FigureData") -> None:
     volume.set_ylabel("volume of a pass, 10⁻³ mm³")
     depth.set_ylabel("mean depth of a pass, µm")
     for panel in axes:
-        fs.scale_values(panel, *(np.asarray(line.get_ydata(), dtype=float) for line in panel.lines))
+        if panel.lines:  # no disc has lost anything in a pass before its first piece
+            fs.scale_values(panel, *(np.asarray(line.get_ydata(), dtype=float) for line in panel.lines))
         panel.set_xlabel("pass, –")
         panel.xaxis.set_major_locator(MaxNLocator(6, integer=True))
     fs.legend_above(volume, columns=3)

@@ -68,6 +68,10 @@ NO_JUNCTIONS = Reason(
     lambda d: d.study.critical_junction is None,
     "the critical size of junctions needs junctions.surface_energy and the softer body's constants",
 )
+NO_PIECES = Reason(
+    lambda d: not d.study.wear.sheds or d.result.pieces["step"].size < 2,
+    "wear leaves at once, or fewer than two pieces have left: see wear.particle",
+)
 STILL = Reason(
     lambda d: not d.study.is_swept, "the disc lies still: sliding.kinematics = 'swept' makes a track"
 )

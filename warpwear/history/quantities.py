@@ -10,11 +10,11 @@ from typing import Literal
 
 from warpwear.study.study import Study
 
-#: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot.
-Per = Literal["step", "patch", "cell", "snapshot"]
+#: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a piece.
+Per = Literal["step", "patch", "cell", "snapshot", "piece"]
 #: Runs that a quantity is limited to: over a track, there on the half-space, with patches, over a track that
-#: keeps its dents, with a film.
-Only = Literal["track", "half-space track", "patches", "dents", "film"]
+#: keeps its dents, with a film, of bodies that wear in pieces, with contacts that are also solved without wear.
+Only = Literal["track", "half-space track", "patches", "dents", "film", "pieces", "static area"]
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,8 @@ class Quantity:
             "track": study.is_swept,
             "half-space track": study.is_swept and study.contact.law == "half-space",
             "patches": study.study.model == "two-scale",
+            "pieces": study.wear.sheds,
+            "static area": study.static_area_every > 0,
             "dents": study.is_swept and study.sliding.plastic == "keep",
             "film": study.film is not None,
         }[self.only]
@@ -106,6 +108,23 @@ QUANTITIES: tuple[Quantity, ...] = (
         only="film",
     ),
     *_per(
+        "step",
+        (
+            "pending_volume_sphere",
+            "mm^3",
+            "worn by Archard's law, but no piece has left with it yet; start 0",
+        ),
+        ("pending_volume_disc", "mm^3", "the same of the disc: worn and pending volume are K F L together"),
+        ("pieces_sphere", "1", "pieces that left the sphere in the step"),
+        ("pieces_disc", "1", "pieces that left the disc in the step, on the whole stroke"),
+        only="pieces",
+    ),
+    *_per(
+        "step",
+        ("area_static", "mm^2", "real area of contact without wear in the step; NaN where it was not solved"),
+        only="static area",
+    ),
+    *_per(
         "patch",
         ("load_share", "N", "load of each patch, or of the macro cell that it stands for"),
         ("area_patch", "mm^2", "real area of contact of each patch, or of its macro cell"),
@@ -134,6 +153,20 @@ QUANTITIES: tuple[Quantity, ...] = (
         ("island_area_median", "mm^2", "median area of an island"),
         ("island_area_largest", "mm^2", "area of the largest island"),
     ),
+    *_per(
+        "piece",
+        ("step", "1", "number of the step in which the piece left, from 0"),
+        ("body", "1", "0 of the sphere, 1 of the disc"),
+        (
+            "x",
+            "mm",
+            "place of its middle along the sliding direction: on the sphere's domain, or on the track",
+        ),
+        ("y", "mm", "place of its middle across the sliding direction"),
+        ("volume", "mm^3", "volume of the piece"),
+        ("diameter", "mm", "diameter of the circle of the area that was cut"),
+        only="pieces",
+    ),
 )
 
 
@@ -148,6 +181,8 @@ PATCH_TABLES = per("patch")
 FIELDS = {quantity.name: quantity for quantity in per("cell")}
 #: Fields that cover the track of a swept run, not the domain.
 OF_THE_TRACK = ("wear_disc", "plastic_disc")
+#: Columns of the table of pieces.
+OF_PIECES = {quantity.name: quantity for quantity in per("piece")}
 #: Columns of the table of roughness and islands.
 EVOLUTION = per("snapshot")
 #: Name -> unit of everything.

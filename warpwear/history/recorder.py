@@ -192,6 +192,13 @@ class Ledger:
             "archard_volume_disc": removal[1] * total.get("pressure_times_factor", total["pressure"]) * area,
             "evaluations": 1.0 * balance.evaluations,
         }
+        if "pending_sphere" in total:
+            row |= {
+                "pending_volume_sphere": total["pending_sphere"] * area,
+                "pending_volume_disc": total["pending_disc"] / self._track_fraction * area,
+                "pieces_sphere": total["pieces_sphere"],
+                "pieces_disc": total["pieces_disc"] / self._track_fraction,
+            }
         if "pressed_disc" in total:
             row["plastic_volume_disc"] = total["pressed_disc"] / self._track_fraction * area
         if "bare" in total:

@@ -7,6 +7,7 @@ from typing import Literal
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
+from warpwear.laws.pieces import Pieces
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,13 @@ class ContactTask:
     modulus: float | None = None  # E* of both bodies [MPa], where it is known
     boundary: str = "free"  # of the half-space: "free" or "periodic"
     film: Film | None = None  # on the bodies, under which the hardness of a cell may be another
+    static_area_every: int = 0  # steps between contacts that are also solved without wear; 0: none are
+    pieces: Pieces | None = None  # by which bodies wear; None: all wear leaves at once
+
+    @property
+    def dust(self) -> float:
+        """The share of the wear that leaves in the step, and lends its contact a compliance."""
+        return 1.0 if self.pieces is None else self.pieces.dust
 
     def bulk_stiffness_at(self, radius: float | None) -> float:
         """K_N of the macro contact [N/mm³]. radius: of the contact [mm], which K_N may follow."""

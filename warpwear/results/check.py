@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import FIELDS, OF_THE_TRACK, PATCH_TABLES
+from warpwear.history.quantities import FIELDS, OF_PIECES, OF_THE_TRACK, PATCH_TABLES
 from warpwear.study.study import Study
 
 #: Deflate makes data smaller by no more than this factor: what claims more was never written.
@@ -66,6 +66,10 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
         across = study.patch_layout.across
         for axis in ("macro/x", "macro/y"):
             _numbers(file, axis, (across,))
+    if study.wear.sheds:
+        left = _numbers(file, "pieces/step").size
+        for name in OF_PIECES:
+            _numbers(file, f"pieces/{name}", (left,))
     check_snapshots(file, study)
 
 

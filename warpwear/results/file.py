@@ -16,7 +16,7 @@ import numpy as np
 
 from warpwear.errors import OVERWRITE_IT, InputError
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import FIELDS, UNITS
+from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.check import ATTRIBUTES, check_content, check_fields
@@ -179,6 +179,17 @@ class ResultFile:
     def macro_y(self) -> FloatArray:
         """Centres of the macro cells across the sliding direction [mm], shape (across,), as `load_share`."""
         return self._of_patches("macro/y")
+
+    @cached_property
+    def pieces(self) -> dict[str, FloatArray]:
+        """The pieces in which bodies have worn, in their order, by the columns of their table.
+
+        step, body (0 the sphere, 1 the disc), x, y, volume, diameter: shape (pieces,) each.
+
+        Raises InputError for a run whose wear leaves at once.
+        """
+        lacks = "has no pieces: wear.particle is not given"
+        return Named((name, self._array(f"pieces/{name}", lacks)) for name in OF_PIECES)
 
     def _of_patches(self, name: str) -> FloatArray:
         return self._array(

@@ -82,6 +82,7 @@ def summarise(result: ResultFile) -> dict[str, Any]:
         "foundation_N_per_mm3": _finite(stiffness),
         "half_space": _half_space(result),
         "patches": _patches(result),
+        **({"pieces": _pieces(result)} if study.wear.sheds else {}),
         "junctions": {
             "critical_diameter_um": 1.0e3 * study.critical_junction if study.critical_junction else None,
             "strength_MPa": study.junction_strength,
@@ -91,7 +92,10 @@ def summarise(result: ResultFile) -> dict[str, Any]:
             "end": end["load_residual"],
         },
         "conservation_relative": {
-            body: _relative(end[f"wear_volume_{body}"], end[f"archard_volume_{body}"])
+            body: _relative(
+                end[f"wear_volume_{body}"] + end.get(f"pending_volume_{body}", 0.0),
+                end[f"archard_volume_{body}"],
+            )
             for body in ("sphere", "disc")
         },
         "disc_volume_over_KFL": end["wear_volume_disc"] / asked if asked else None,
@@ -281,6 +285,31 @@ def _patches(result: ResultFile) -> dict[str, Any] | None:
         "carrying_at_the_end": int(np.count_nonzero(result.load_share[-1])),
         "evaluations": {"median": float(np.median(evaluations)), "most": float(evaluations.max())},
     }
+
+
+def _pieces(result: ResultFile) -> dict[str, Any]:
+    """What bodies that wear in pieces have lost by them, and what the course of such a run hangs on."""
+    study, history, asked = result.study, result.history, result.study.pieces
+    assert asked is not None
+    table, speed, distance = result.pieces, study.sliding.speed, float(history["distance"][-1])
+    found: dict[str, Any] = {
+        "diameter_um": 1.0e3 * asked.diameter,
+        "thickness_um": 1.0e3 * asked.thickness,
+        "volume_um3": 1.0e9 * asked.volume(study.grid.cell),
+        "dust_fraction": asked.dust,
+        "pending_start": study.wear.pending_start,
+    }
+    for number, body in enumerate(("sphere", "disc")):
+        per_mm = float(history[f"pieces_{body}"].sum()) / distance if distance else 0.0
+        cut = table["diameter"][table["body"] == number]
+        found[body] = {
+            "number": int(cut.size),
+            "per_mm": per_mm,
+            "per_minute": 60.0 * speed * per_mm if speed else None,
+            "median_diameter_um": 1.0e3 * float(np.median(cut)) if cut.size else None,
+            "pending_mm3": float(history[f"pending_volume_{body}"][-1]),
+        }
+    return found
 
 
 def _half_space(result: ResultFile) -> dict[str, Any] | None:

@@ -56,6 +56,8 @@ def _models(s: dict[str, Any]) -> list[Row]:
         modulus = 1e-3 * half_space["effective_modulus_MPa"]
         told = f", {half_space['boundary']}; {transforms:g} pairs of Fourier transforms a step in the median"
         rows.append(Row("half-space", "", [Row("E*", "", modulus, unit="GPa")], note=told))
+    if pieces := s.get("pieces"):
+        rows += _pieces(pieces)
     patches = s["patches"]
     if patches:
         rows += _patches(patches, of_half_space=half_space is not None)
@@ -70,6 +72,19 @@ def _models(s: dict[str, Any]) -> list[Row]:
             ]
             rows.append(Row("Hertz, unworn", "", of_unworn))
     return rows
+
+
+def _pieces(pieces: dict[str, Any]) -> list[Row]:
+    """Declare the pieces in which bodies have worn, and what decides the course of such a run."""
+    p = pieces
+    told = f"{p['diameter_um']:.3g} µm wide and {p['thickness_um']:.3g} µm thick, {p['volume_um3']:.3g} µm³"
+    rows = [Row("pieces", "", told)]
+    for body in ("sphere", "disc"):
+        rate = "" if p[body]["per_minute"] is None else f", {p[body]['per_minute']:.3g} a minute"
+        told = f"{p[body]['number']}, {p[body]['per_mm']:.3g} per mm of sliding{rate}"
+        rows.append(Row(f"off the {body}", "", told))
+    decides = f"dust ({100.0 * p['dust_fraction']:.3g} %), d*, t and the start ({p['pending_start']})"
+    return [*rows, Row("decided by", "", f"{decides}: these choices move distances severalfold")]
 
 
 def _patches(patches: dict[str, Any], *, of_half_space: bool) -> list[Row]:

@@ -19,7 +19,15 @@ import numpy as np
 import psutil
 
 from warpwear.grid import FloatArray, Grid
-from warpwear.history.quantities import FIELDS, OF_THE_TRACK, PATCH_TABLES, Quantity, columns_of
+from warpwear.history.pieces import PieceBook
+from warpwear.history.quantities import (
+    FIELDS,
+    OF_PIECES,
+    OF_THE_TRACK,
+    PATCH_TABLES,
+    Quantity,
+    columns_of,
+)
 from warpwear.history.recorder_patches import PatchBook
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.file import PATCH
@@ -155,10 +163,11 @@ class ResultWriter:
         *,
         finished: bool,
         book: PatchBook | None = None,
+        pieces: PieceBook | None = None,
     ) -> None:
         """Keep the history and what else the run recorded, and mark it as finished or interrupted.
 
-        book: of what each patch did, in a run that has patches.
+        book: of what each patch did, in a run that has patches. pieces: those that bodies have worn in.
         """
         self._require_space(sum(values.nbytes for values in history.values()))
         group = self._file.create_group("history")
@@ -166,6 +175,8 @@ class ResultWriter:
             self._add(group, column, history[column.name])
         if book is not None:
             self._add_patches(book)
+        if pieces is not None:
+            self._add_pieces(pieces)
         if not self._in_memory:
             self._label_all()
         self._file.attrs["record"] = json.dumps(record)
@@ -200,6 +211,19 @@ class ResultWriter:
         how: dict[str, Any] = {"chunks": True, "compression": "gzip", "shuffle": True}
         dataset = group.create_dataset(quantity.name, data=values, **({} if self._in_memory else how))
         dataset.attrs.update(units=quantity.units, long_name=quantity.meaning)
+
+    def _add_pieces(self, pieces: PieceBook) -> None:
+        """Keep a table of the pieces, a dataset a column."""
+        table, grid = pieces.table, self._study.cells
+        self._require_space(table.nbytes)
+        step, body, row, column, volume, diameter = table.T
+        x = grid.x[np.where(body == 0.0, row, 0.0).astype(int)]
+        of_disc = self._study.track.x if self._study.is_swept else grid.x
+        x = np.where(body == 0.0, x, of_disc[np.where(body == 1.0, row, 0.0).astype(int)])
+        values = step, body, x, grid.y[column.astype(int)], volume, diameter
+        group = self._file.create_group("pieces")
+        for quantity, found in zip(OF_PIECES.values(), values, strict=True):
+            self._add(group, quantity, found)
 
     def _add_axis(self, path: str, values: "np.ndarray[Any, Any]", *, units: str = "mm") -> h5py.Dataset:
         """Make the scale of an axis, which is named by the last part of its path."""

@@ -165,7 +165,9 @@ class StoredCheckpoint:
 
     def refuse_changes(self, study: Study, *, device: str) -> None:
         """Raises InputError for a run that would not go on where this one stopped."""
-        changed = changed_keys(self._study, study)
+        # What the pieces are follows from the junctions where they are as large as these.
+        free = (*LABELS, "friction") if study.wear.particle == "critical" else FREE
+        changed = changed_keys(self._study, study, free=free)
         if changed:
             raise InputError(
                 f"{self._path} is of another study ({', '.join(changed)}); {RESUME_IT} with the study as it "

@@ -21,11 +21,11 @@ CONSERVATION = 1.0e-10
 ROUNDING = 1.0e-15
 #: Share of the load that may rest on points of the disc that were not measured.
 ON_FILLED = 0.05
-#: Columns that may be no number: without a speed, and before the shear strength is calibrated.
-OPEN = frozenset(("time", "cof"))
+#: Columns that may be no number: without a speed, before the shear strength is calibrated, between solves.
+OPEN = frozenset(("time", "cof", "area_static"))
 BODIES = (
-    ("wear_volume_sphere", "archard_volume_sphere"),
-    ("wear_volume_disc", "archard_volume_disc"),
+    ("wear_volume_sphere", "archard_volume_sphere", "pending_volume_sphere"),
+    ("wear_volume_disc", "archard_volume_disc", "pending_volume_disc"),
 )
 
 
@@ -71,11 +71,11 @@ class Invariants:
                 "load_residual",
                 f"load_residual = {residual:.3g} N {_where(row)} is beyond {self._residual:.3g} N",
             )
-        for worn, asked in BODIES:
+        for worn, asked, pending in BODIES:
             if worn not in row:
                 continue
             allowed = CONSERVATION * row[asked] + ROUNDING * row.get("area_touched", 0.0)
-            if abs(row[worn] - row[asked]) > allowed:
+            if abs(row[worn] + row.get(pending, 0.0) - row[asked]) > allowed:
                 yield self._not_conserved(row, worn, row[asked])
         if (touches_edge or touches_rim) and self._study.sphere.curvature > 0.0:
             yield self._outside(row, rim=touches_rim)

@@ -93,7 +93,7 @@ class StepLoop:
                 found.refuse_changes(study, device=self._device)
             made = model_of(study, surface, executor, kept=found.heights_for if found else np.asarray)
             self._model, self._surface_record = made.model, made.record
-            self._book, self._filled = made.book, made.filled
+            self._book, self._pieces, self._filled = made.book, made.pieces, made.filled
             self._surface_sum = checksum(made.heights)
             self._heights = None if study.is_swept else made.heights
             if study.is_swept and writer is not None:
@@ -169,7 +169,7 @@ class StepLoop:
             "made_with": versions(self._processor),
         }
         with phase("write"):
-            self._writer.finish(history, record, finished=self.finished, book=self._book)
+            self._writer.finish(history, record, finished=self.finished, book=self._book, pieces=self._pieces)
 
     def steps(self) -> Iterator[RunStep]:
         """Every step of the study, with its fields; nothing is written."""

@@ -11,6 +11,7 @@ from warpwear.engine.device import free_memory
 from warpwear.engine.executor import FIELDS_NEEDED, Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
+from warpwear.history.pieces import PieceBook
 from warpwear.history.recorder_patches import PatchBook, bytes_of_book
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.patches import Patches
@@ -35,6 +36,8 @@ HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0}, 12.0
 SLIDING_FIELDS = 3.0
 #: More with a film: what is bare and its caps; and of each body whose film forms anew.
 FILM_FIELDS, HEALING_FIELDS = 2.0, 3.0
+#: More of each body that wears in pieces: what is pending, its sums, and lists of cells.
+PIECES_FIELDS = 2.5
 #: Rows of a track whose roughness is recorded.
 MOST_ROWS = 4000
 #: The largest sampled surface that stays for the next run of this process [B].
@@ -49,22 +52,25 @@ class PreparedModel:
     heights: FloatArray  # of the unworn disc [mm], shape (nx, ny), or of the track, (rows, ny)
     record: dict[str, Any]  # of the surface, for the result
     book: PatchBook | None = None  # of the patches that the model has
+    pieces: PieceBook | None = None  # in which its bodies have worn
     filled: BoolArray | None = None  # what was not measured of the disc, as its heights; None: all was
 
 
 def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     """What the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
-    fields = FIELDS_NEEDED
+    fields = FIELDS_NEEDED + PIECES_FIELDS * study.wear.sheds
     elastic = study.contact.law == "half-space"
     if elastic:
-        fields = HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu")
+        fields += HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu") - FIELDS_NEEDED
     if study.film is not None:
         bodies = study.track.rows / study.cells.nx + 1.0 if study.is_swept else 2.0
         fields += FILM_FIELDS + HEALING_FIELDS * bodies * math.isfinite(study.film.regrowth)
     if study.is_swept:
         rows = study.track.rows
         fields += SLIDING_FIELDS * elastic
-        fields += (DISC_FIELDS + (study.sliding.plastic == "keep")) * rows / study.cells.nx
+        fields += DISC_FIELDS * rows / study.cells.nx
+        fields += (study.sliding.plastic == "keep") * rows / study.cells.nx
+        fields += PIECES_FIELDS * study.wear.sheds * rows / study.cells.nx
         _check_memory(study, rows, fields, device)
         return Executor(study.cells, device=device, threads=threads)
     # Laws of cell by cell are those of a track, and a radial factor is a field of its own, as its stiffness.
@@ -101,7 +107,7 @@ def model_of(
         record["on_the_grid"] = _roughness_on(grid, measured)
     if study.is_swept:
         swept = SweptModel(study.contact_task, study.track, heights, executor)
-        return PreparedModel(swept, heights, record, filled=filled)
+        return PreparedModel(swept, heights, record, pieces=swept.pieces, filled=filled)
     if study.study.model == "two-scale":
         patches = study.patch_layout
         refuse_unsuitable(study, patches, heights)
@@ -112,7 +118,8 @@ def model_of(
     if curve is not None:
         record["bearing_curve"] = asdict(curve)
     model = model_at_rest(study.contact_task, heights, executor, bearing_curve=curve)
-    return PreparedModel(model, heights, record, filled=filled)
+    pieces = model.pieces if isinstance(model, SweptModel) else None
+    return PreparedModel(model, heights, record, pieces=pieces, filled=filled)
 
 
 def model_at_rest(
@@ -123,7 +130,7 @@ def model_at_rest(
     heights: of the disc over its mean plane [mm], shape (nx, ny). bearing_curve: of a roughness that the grid
     does not resolve.
     """
-    if task.is_uniform and not task.half_space and bearing_curve is None:
+    if task.is_uniform and not task.half_space and bearing_curve is None and task.pieces is None:
         return OneScaleModel(task, heights, executor)
     # The asperities spring back: a dent that stays would be pressed anew in each step.
     task = replace(task, keeps_dents=False)

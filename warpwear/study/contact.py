@@ -5,7 +5,7 @@ from functools import partial
 from numbers import Real
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import PlainSerializer, PlainValidator
+from pydantic import Field, PlainSerializer, PlainValidator
 
 from warpwear.laws.elastic import MATCHES
 from warpwear.study.keys import Length, Pressure, Section, key, when
@@ -28,6 +28,8 @@ AT_REST = when(
 )
 FITTED = when("friction.shear_strength", None, otherwise="does not apply with a friction.shear_strength")
 fitted_key = partial(key, applies=FITTED, one_of="strength: measured")
+SHEDS = when("wear.sheds", otherwise="does not apply without a wear.particle: all wear leaves at once")
+shed_key = partial(key, applies=SHEDS)
 running_in_key = partial(key, applies=when("wear.law", "running-in"))
 
 
@@ -139,8 +141,40 @@ class Wear(Section):
         "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial",
         applies=AT_REST,
     )
+    particle: Annotated[float | Literal["critical"], Quantity("mm", words=("critical",))] | None = key(
+        None,
+        "diameter d* of the pieces in which worn volume leaves; critical: that of thesis eq 2.3, see "
+        "[junctions]; if not given, it leaves at once, as dust",
+    )
+    particle_thickness: Length | None = shed_key(
+        None,
+        "thickness t of a piece at its middle: 4 Sq of a worn patch, form removed, or of flakes in SEM",
+    )
+    dust_fraction: Annotated[float, Number(Range(or_equal=True, most=1.0))] = shed_key(
+        0.0,
+        "share of the worn volume that leaves at once beside the pieces",
+        assumed="wear in pieces alone; a few per cent change the course",
+    )
+    pending_start: Literal["zero", "uniform"] = shed_key(
+        "zero",
+        "volume that pieces have gathered before the test: none, or drawn, so that they are at every stage",
+        assumed="unworn bodies: the first pieces take a while",
+    )
+    pending_seed: Annotated[int, Field(ge=0, strict=True)] = key(
+        0, "seed of the uniform start", applies=SHEDS + when("wear.pending_start", "uniform")
+    )
+
+    @property
+    def sheds(self) -> bool:
+        """True where worn volume leaves in pieces."""
+        return self.particle is not None
 
     def _check(self) -> None:
+        if self.sheds and self.particle_thickness is None:
+            raise ValueError(
+                "wear.particle needs wear.particle_thickness, such as '0.6 um': measure it as 4 times Sq of "
+                "a worn patch, its form removed, or on flakes in the SEM"
+            )
         if self.law == "exponential" and self.decay is None:
             raise ValueError("wear.law = 'exponential' needs wear.decay, such as '0.1 1/m'")
         if self.law == "running-in" and self.running_in is None:

@@ -11,6 +11,7 @@ from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.foundation import CappedFoundation
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.patches import Patches
+from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
 from warpwear.study.bodies import Disc, Sphere
@@ -102,6 +103,7 @@ class Content(Section):
         if self.contact.law == "half-space":
             return False
         worn = self.sliding.total > 0.0 and sum(law.fastest for law in self.wear_laws) > 0.0
+        worn = worn and not (self.wear.sheds and self.wear.dust_fraction == 0.0)
         return self.contact_law().compliance == 0.0 and not (self.stepping.scheme == "implicit" and worn)
 
     @property
@@ -244,7 +246,25 @@ class Content(Section):
             modulus=self.effective_modulus,
             boundary=self.boundary,
             film=self.film,
+            pieces=self.pieces,
+            static_area_every=self.static_area_every,
         )
+
+    @property
+    def static_area_every(self) -> int:
+        """Steps between contacts that are also solved without wear in the step; 0 where none are."""
+        elastic = self.contact.law == "half-space" and self.study.model == "micro"
+        return self.output.static_area_every if elastic else 0
+
+    @property
+    def pieces(self) -> Pieces | None:
+        """The pieces by which bodies wear; None where all wear leaves at once."""
+        wear = self.wear
+        diameter = self.critical_junction if wear.particle == "critical" else wear.particle
+        if diameter is None or wear.particle_thickness is None:
+            return None
+        seed = wear.pending_seed if wear.pending_start == "uniform" else None
+        return Pieces(float(diameter), wear.particle_thickness, wear.dust_fraction, seed)
 
     @property
     def uses_bulk_stiffness(self) -> bool:

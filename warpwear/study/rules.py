@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from warpwear.laws.elastic import MATCHES
 from warpwear.laws.track import WHOLE, is_whole
-from warpwear.study import rules_track
+from warpwear.study import rules_pieces, rules_track
 from warpwear.study.content import Content
 
 #: More steps than anybody waits for, or than a history holds.
@@ -18,6 +18,7 @@ def check(study: Content) -> None:
     _model(study)
     _half_space(study)
     rules_track.check(study)
+    rules_pieces.check(study)
     _hardness(study)
     _capacity(study)
     _tolerance(study)
@@ -265,6 +266,7 @@ def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     yield from _of_hardness(study)
     yield from _of_film(study)
+    yield from rules_pieces.doubts(study)
     speed, pace = study.sliding.speed, study.sliding.pace
     if speed is not None and pace is not None and abs(speed - pace) > 0.01 * pace:
         yield (

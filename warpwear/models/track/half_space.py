@@ -22,6 +22,7 @@ from warpwear.kernels.wear_loops import Layout
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
+from warpwear.models.track.pieces import SlidingPieces
 
 #: What a part of a step takes off the area of a smooth contact, relative, over its length in contact lengths.
 OF_OUTLINE = 1.2
@@ -61,7 +62,9 @@ class SlidingHalfSpace:
         "state": SlidingBodies,
         "_of_rows": dict,
         "_half_space": WindowedHalfSpace,
+        "pieces": SlidingPieces,
         "_ledger": Ledger,
+        "_steps_done": int,
         "_outline": float,
         "_asperities": float,
         "film": BareCells,
@@ -93,6 +96,7 @@ class SlidingHalfSpace:
         #: What is bare of film; None without one.
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_sphere, self.state.wear_disc)
         self._parts = None if self.film is None else self.film.parts
+        self._least_part = 1.0 if self._parts is None else task.least_hardness / task.hardness
         #: The gap, and a mean along x.
         self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if moves else 1)
         self._bodies = arguments(Bodies, **self.state.fields)
@@ -106,6 +110,18 @@ class SlidingHalfSpace:
         self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
         self._outline, self._asperities = math.inf if moves and task.curvature > 0.0 else 0.0, 0.0
+        self.pieces = SlidingPieces.of(
+            task, executor, self.state, periodic=periodic, track_fraction=track_fraction
+        )
+        if self.pieces is not None:
+            self._outline = 0.0  # no mean shortens it
+        #: Contacts without wear in the step, which start from nothing: those with it are as they would be.
+        self._static = None
+        if task.static_area_every:
+            self._static = WindowedHalfSpace(
+                executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
+            )
+        self._steps_done = 0
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -129,6 +145,10 @@ class SlidingHalfSpace:
         transforms = parts = done = 0
         pooled = dict.fromkeys(OF_A_PART if self.film is None else (*OF_A_PART, "bare"), 0.0)
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
+        static = math.nan
+        asked = self._static is not None and self._steps_done % self.task.static_area_every == 0
+        if self.pieces is not None:
+            self.pieces.begin()
         while done < cells:
             of_part = self._cells_of_part(cells - done)
             weight = of_part / cells
@@ -138,6 +158,8 @@ class SlidingHalfSpace:
             if self.film is not None:
                 self.film.look(start, shift=shift, columns=columns)
             contact = self._solve(shift, increment * weight, removals)
+            if asked and not parts:
+                static = self._static_area()
             done, parts, transforms = done + of_part, parts + 1, transforms + contact.transforms
             pressure = contact.pressure.copy() if with_pressure and done == cells else None
             total, most = self._wear(contact, shift, increment * weight, removals)
@@ -154,6 +176,8 @@ class SlidingHalfSpace:
                 pooled[name] += weight * total[name]
             self._look(total, most)
             error = max(error, self._error_of_part(of_part))
+        if self.pieces is not None:
+            total, most = self.pieces.shed(shift, total, most)
         cap = min(self.task.hardness, NO_CAP)
         balance = Balance(approach, 0.0, cap, residual, evaluations=transforms)
         step = self._ledger.enter(
@@ -166,7 +190,12 @@ class SlidingHalfSpace:
             pressure=pressure,
         )
         step.row.update(parts=float(parts), area_error=error)
+        if self._static is not None:
+            step.row["area_static"] = static
+        self._steps_done += 1
         self.state.columns = self._ledger.columns
+        if self.pieces is not None:
+            self.state.columns = self.pieces.beside(self.state.columns)
         return step
 
     def _error_of_part(self, cells: int) -> float:
@@ -192,13 +221,14 @@ class SlidingHalfSpace:
             # The last pressure is then no better a start, neither where it is nor carried on with the disc.
             self._half_space.forget()
         if self.task.curvature > 0.0:  # a flat has no outline
-            self._outline = OF_OUTLINE * min(bearing / AS_SMOOTH, 1.0) / along
+            if self.pieces is None:
+                self._outline = OF_OUTLINE * min(bearing / AS_SMOOTH, 1.0) / along
             elastic = 1.0 - total["capped"] / total["contact"]
-            self._asperities = OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
+            self._asperities = self.task.dust * OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
 
     def _solve(self, shift: int, increment: float, removals: tuple[float, float]) -> HalfSpaceContact:
         """Solve the contact at the end of an increment [mm] that wears sphere and disc by K ΔL [mm³/N]."""
-        state, (of_sphere, of_disc) = self.state, removals
+        state, (of_sphere, of_disc) = self.state, (self.task.dust * removal for removal in removals)
         window = self.cells_passing(increment)
         met = self._mean_along(state.wear_sphere, window)
         self._executor.launch(wear_from_pressure.gaps, inputs=[shift, self._bodies, met], outputs=[self._gap])
@@ -210,8 +240,17 @@ class SlidingHalfSpace:
             streak_compliance=of_sphere - own,
             streak_window=window,
             parts=self._parts,
-            least_part=self.task.least_hardness / self.task.hardness if self._parts is not None else 1.0,
+            least_part=self._least_part,
         )
+
+    def _static_area(self) -> float:
+        """Area of the contact [mm²] of the last gap without wear, which lends it a compliance."""
+        assert self._static is not None
+        self._static.begin_like(self._half_space)
+        contact = self._static.solve(
+            self._gap, load=self.task.load, parts=self._parts, least_part=self._least_part
+        )
+        return contact.cells_in_contact * self._executor.grid.cell_area
 
     def _wear(
         self, contact: HalfSpaceContact, shift: int, increment: float, removals: tuple[float, float]
@@ -223,8 +262,8 @@ class SlidingHalfSpace:
         made = arguments(Increment, shift=shift, cap=cap, approach=contact.approach, reference=reference)
         if self._parts is not None:
             made.parts = self._parts
-        made.wear_per_pressure_sphere = removals[0]
-        made.wear_per_pressure_disc = self._track_fraction * removals[1]
+        made.wear_per_pressure_sphere = self.task.dust * removals[0]
+        made.wear_per_pressure_disc = self.task.dust * self._track_fraction * removals[1]
         passing = self._mean_along(contact.pressure_field, self.cells_passing(increment))
         fields = [contact.pressure_field, passing, contact.gradient_field]
         executor.launch(
@@ -234,12 +273,14 @@ class SlidingHalfSpace:
         )
         sums, maxima = executor.read_partials(self._sums, self._maxima)
         most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
+        if self.pieces is not None:
+            self.pieces.take(contact.pressure_field, shift, removals)
         return self._totals(sums, shift), most
 
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
         grid = self._executor.grid
-        if not self._moves:
+        if not self._moves or self.pieces is not None:  # which cut what a mean would smear
             return 1
         if self.task.curvature == 0.0:
             return grid.nx

@@ -25,6 +25,7 @@ from warpwear.models.film import BareCells
 from warpwear.models.on_cpu import Block, booked, in_launches
 from warpwear.models.on_gpu import DeviceSteps, displaced
 from warpwear.models.track.bodies import SlidingBodies
+from warpwear.models.track.pieces import SlidingPieces
 from warpwear.models.track.recession import Recession
 from warpwear.models.track.tiles import DEEPER, DEEPEST, FIRST_DEPTH, PerTile, SlidingTiles
 
@@ -67,6 +68,7 @@ class SlidingContact:
         "_approach": float,
         "_changes": deque,
         "_recession": Recession,
+        "pieces": SlidingPieces,
         "_ledger": Ledger,
         "film": BareCells,
     }
@@ -117,12 +119,16 @@ class SlidingContact:
         kind = "none" if moves else task.distance_factor
         self._factor = distance_factor(grid, kind, curvature=task.curvature)
         #: Whether the device can make steps by itself: those of a contact with compliance, one for all cells.
-        alike = kind == "none" and bearing_curve is None and not task.bulk_updated and task.film is None
+        alike = kind == "none" and bearing_curve is None and not task.bulk_updated
+        alike = alike and task.film is None and task.pieces is None
         self.blocks_allowed = executor.device.is_cuda and not task.rigid and alike
         self._gather(kind != "none")
         self._recession = None
         if bearing_curve is not None:
             self._recession = Recession(bearing_curve, executor, self._bodies, self._of_cells.factor)
+        self.pieces = SlidingPieces.of(
+            task, executor, self.state, periodic=periodic, track_fraction=track_fraction
+        )
         self._block = self._made_block()
 
     def _gather(self, factored: bool) -> None:
@@ -155,7 +161,7 @@ class SlidingContact:
         shift = self.state.row_of(shift, periodic=self.periodic)
         self.tiles.displace(shift)
         removal = task.removals(row["distance"], increment)
-        of_sphere, of_disc = removal[0], self._track_fraction * removal[1]
+        of_sphere, of_disc = task.dust * removal[0], task.dust * self._track_fraction * removal[1]
         set_numbers(now, wear_per_pressure_sphere=of_sphere, wear_per_pressure_disc=of_disc)
         own = task.compliance_at(row["area_contact"])
         compliance = own + (of_sphere + of_disc) * task.implicit
@@ -171,11 +177,14 @@ class SlidingContact:
         pressure = None
         if with_pressure:
             pressure = self._balancer.pressures(self._law, stiffness, self.tiles.gap, self.tiles, self._parts)
-        bare = (
-            None
-            if self.film is None
-            else self.film.in_contact(self._law, stiffness, self.tiles.gap, self.tiles)
-        )
+        bare = None
+        if self.film is not None:
+            bare = self.film.in_contact(self._law, stiffness, self.tiles.gap, self.tiles)
+        if self.pieces is not None:
+            self.pieces.begin()
+            self.pieces.take_tiles(
+                self._law, stiffness, self.tiles.gap, self.tiles, shift, removal, self._parts
+            )
         bearing = None if self._recession is None else self._recession.cells_bearing(self._law)
         first, end = self.state.columns
         set_numbers(
@@ -204,6 +213,8 @@ class SlidingContact:
             self._recession.recede()
         self._note(balance.approach)
         total, most = self._found()
+        if self.pieces is not None:
+            total, most = self.pieces.shed(shift, total, most)
         if bare is not None:
             total["bare"] = bare
         step = self._enter(
@@ -270,6 +281,8 @@ class SlidingContact:
         """Book a step as `Ledger.enter` does."""
         step = self._ledger.enter(*found, **more)
         self.state.columns = self._ledger.columns
+        if self.pieces is not None:
+            self.state.columns = self.pieces.beside(self.state.columns)
         return step
 
     def _made_block(self) -> Block | None:
@@ -277,7 +290,8 @@ class SlidingContact:
         executor, task, tiles, grid = self._executor, self.task, self.tiles, self._executor.grid
         factored = bool(self._slide.factored)
         needed = task.load / (task.hardness * grid.cell_area)
-        if not executor.in_one_launch or self._moves or self.keeps_dents or task.bulk_updated or task.film:
+        rare = self.keeps_dents or task.bulk_updated or task.film is not None or task.pieces is not None
+        if not executor.in_one_launch or self._moves or rare:
             return None
         if self._recession is not None or (factored and task.implicit and self._factor.shape[0] > 1):
             return None

@@ -5,6 +5,7 @@ from typing import Any, ClassVar
 
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
+from warpwear.history.pieces import PieceBook
 from warpwear.history.recorder import Step
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.bearing_curve import Logistic
@@ -48,6 +49,11 @@ class SweptModel(Model):
             self.contact = SlidingContact(task, heights, executor, bearing_curve=bearing_curve, **options)
         self._keeps = self.contact.keeps_dents
         self._done = self._row = 0
+
+    @property
+    def pieces(self) -> PieceBook | None:
+        """The pieces that have left; None where wear leaves at once."""
+        return None if self.contact.pieces is None else self.contact.pieces.book
 
     @property
     def in_blocks(self) -> bool:

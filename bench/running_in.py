@@ -1,0 +1,238 @@
+"""Courses of the contact area of bodies that wear in pieces, beside what is known of them.
+
+    python bench/running_in.py --jobs 16
+    python bench/running_in.py --jobs 16 --only seed,half --csv courses.csv
+
+Every case is a run of the reference of wear in pieces (a ball on a self-affine disc of 1.2 mm, half-space,
+5 µm cells) with a few keys changed, in a process of its own with one thread. The table has the mean area of
+passes of 30 mm by the distance at their ends, over F/H; what is known stands below it, case by case.
+"""
+
+import argparse
+import csv
+import sys
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import warpwear
+from warpwear import Study
+
+PASS = 30.0  # [mm]
+ENDS = (30.0, 90.0, 150.0, 240.0, 360.0, 480.0, 600.0, 900.0, 1200.0, 2400.0)  # of the passes shown [mm]
+REFERENCE: dict[str, Any] = {
+    "contact.law": "half-space",
+    "disc.synthetic.roll_off": "80 um",
+    "disc.synthetic.cut_off": "12 um",
+    "disc.synthetic.period": "1.2 mm",
+    "grid.cell": "5 um",
+    "grid.extent": "1.2 mm",
+    "sliding.track": "1.2 mm",
+    "sliding.shift": 4,
+    "wear.particle": "20 um",
+    "wear.particle_thickness": "0.6 um",
+    "output.snapshots": [],
+    "run.checkpoint": "inf s",
+}
+CLASSICAL = {"wear.particle": None, "wear.particle_thickness": None}
+SMOOTH = {"disc.synthetic.kind": "flat", "wear.disc": "0 mm^3/N/m", "contact.hardness": "inf MPa"}
+SEEDS = range(1, 6)
+
+
+class Course(NamedTuple):
+    """What a case came to."""
+
+    areas: dict[float, float]  # end of a pass [mm] -> mean area [mm²]
+    last: float  # area of the last step [mm²]
+    fully: float  # F/H [mm²]
+    pending: float  # part of what the ball was to lose, after 100 mm or at the end
+    slope: float  # rms, of the ball in the scar's middle, along and across, form removed
+    conservation: float  # largest residual of worn and pending volumes, relative
+    transforms: float  # pairs a step
+    seconds: float
+    steps: int
+
+    def at(self, end: float) -> float:
+        return self.areas.get(end, np.nan)
+
+
+def case(distance: float, ra: float = 0.3, seed: int = 1, **changes: Any) -> dict[str, Any]:
+    """The keys of a case that slides so far [mm] on a disc of this Ra [µm]; changes with __ for the dot."""
+    dotted = {name.replace("__", "."): value for name, value in changes.items()}
+    about = {"sliding.distance": f"{distance} mm", "disc.synthetic.ra": f"{ra} um"}
+    return REFERENCE | about | {"disc.synthetic.seed": seed} | dotted
+
+
+def cases() -> dict[str, dict[str, Any]]:
+    """Every case by name."""
+    found = {f"Ra 0.3, seed {seed}": case(360.0, seed=seed) for seed in SEEDS}
+    found |= {f"Ra 3, seed {seed}": case(480.0, 3.0, seed) for seed in SEEDS[:3]}
+    found |= {f"Ra 1, seed {seed}": case(480.0, 1.0, seed) for seed in SEEDS[:1]}
+    for ra in (0.3, 3.0):
+        found |= {
+            f"Ra {ra:g}, half step": case(240.0, ra, sliding__shift=2),
+            f"Ra {ra:g}, 2.5 µm cells": case(90.0, ra, grid__cell="2.5 um", sliding__shift=8),
+            f"Ra {ra:g}, uniform start": case(240.0, ra, wear__pending_start="uniform"),
+            f"Ra {ra:g}, dents kept": case(240.0, ra, sliding__plastic="keep"),
+            f"Ra {ra:g}, load 4 N": case(240.0, ra, contact__load="4 N"),
+            f"Ra {ra:g}, load 16 N": case(240.0, ra, contact__load="16 N"),
+            f"Ra {ra:g}, H 1200 MPa": case(240.0, ra, contact__hardness="1200 MPa"),
+            f"Ra {ra:g}, all dust": case(480.0, ra) | CLASSICAL,
+        }
+        for dust in (0.01, 0.05, 0.2):
+            found[f"Ra {ra:g}, dust {dust:g}"] = case(240.0, ra, wear__dust_fraction=dust)
+        for diameter, thickness in ((40.0, 1.2), (20.0, 0.3), (20.0, 0.1), (40.0, 0.6)):
+            keys = {"wear.particle": f"{diameter} um", "wear.particle_thickness": f"{thickness} um"}
+            found[f"Ra {ra:g}, d* {diameter:g}, t {thickness:g}"] = case(240.0, ra) | keys
+    found["smooth ball, dust alone"] = case(600.0) | CLASSICAL | SMOOTH
+    found["smooth ball, dust 1"] = case(600.0, wear__dust_fraction=1.0) | SMOOTH
+    found["Ra 3, to 2400 mm"] = case(2400.0, 3.0)
+    found["Ra 3, to 2400 mm, dents kept"] = case(2400.0, 3.0, sliding__plastic="keep")
+    return found
+
+
+def course_of(changes: dict[str, Any]) -> Course:
+    """Run a case."""
+    study = Study.load("track").replace(changes)
+    began = time.perf_counter()
+    with warpwear.run(study, threads=1, progress=False) as result:
+        history, last = result.history, result.snapshots[-1]
+        slid, area = history["distance"], history["area_contact"]
+        areas = {}
+        for end in ENDS:
+            within = (slid > end - PASS + 1e-6) & (slid < end + 1e-6)
+            if slid[-1] > end - 1e-6:
+                areas[end] = float(np.average(area[within], weights=history["increment"][within]))
+        off = [0.0]
+        for body in ("sphere", "disc"):
+            asked = history[f"archard_volume_{body}"]
+            worn = history[f"wear_volume_{body}"] + history.get(f"pending_volume_{body}", 0.0)
+            off.append(float(np.max(np.abs(worn - asked) / np.where(asked > 0.0, asked, 1.0))))
+        after = min(int(np.searchsorted(slid, 100.0)), slid.size - 1)
+        pending = history.get("pending_volume_sphere", np.zeros_like(slid))[after]
+        return Course(
+            areas,
+            float(area[-1]),
+            study.contact.load / study.hardness,
+            float(pending / history["archard_volume_sphere"][after]),
+            slope_of(study, last.wear_sphere, float(history["area_nominal"][-1])),
+            max(off),
+            float(history["evaluations"].mean()),
+            time.perf_counter() - began,
+            int(slid.size),
+        )
+
+
+def slope_of(study: Study, wear: Any, nominal: float) -> float:
+    """The rms slope of the ball within half the scar's radius, its form removed, of one direction.
+
+    wear: of the ball [mm]. nominal: area of the scar [mm²].
+    """
+    grid, radius = study.cells, 0.5 * np.sqrt(nominal / np.pi)
+    x, y = np.meshgrid(grid.x, grid.y, indexing="ij")
+    height = wear + 0.5 * study.sphere.curvature * (x**2 + y**2)
+    middle = np.hypot(x, y) < radius
+    terms = np.stack([x**i * y**j for i in range(5) for j in range(5 - i)], axis=-1)
+    fitted, *_ = np.linalg.lstsq(terms[middle], height[middle], rcond=None)
+    rest = height - terms @ fitted
+    squares = [
+        np.diff(rest, axis=axis)[np.minimum(middle[:-1], middle[1:]) if axis == 0 else middle[:, :-1]] ** 2
+        for axis in (0, 1)
+    ]
+    return float(np.sqrt(np.mean(np.concatenate(squares))) / grid.cell)
+
+
+def known(found: dict[str, Course]) -> list[str]:
+    """Say of each figure that is known how it compares, where its cases were run."""
+    lines = []
+
+    def say(what: str, names: Sequence[str], value: Callable[[], float], low: float, high: float) -> None:
+        if all(name in found for name in names):
+            got = value()
+            lines.append(
+                f"{'ok  ' if low <= got <= high else 'OFF '} {what}: {got:.4g} ({low:.4g} … {high:.4g})"
+            )
+
+    seeds = [f"Ra 0.3, seed {seed}" for seed in SEEDS]
+    mean: Callable[[float], float] = lambda end: float(np.mean([found[name].at(end) for name in seeds]))  # noqa: E731
+    say("Ra 0.3, five seeds: A(240 mm), mm²", seeds, lambda: mean(240.0), 0.0152 * 0.97, 0.0152 * 1.03)
+    say("Ra 0.3, five seeds: A(360 mm)/A(30 mm)", seeds, lambda: mean(360.0) / mean(30.0), 1.04, 1.12)
+    for name in (f"Ra 3, seed {seed}" for seed in SEEDS):
+        say(f"{name}: largest A over F/H", [name], lambda n=name: largest(found[n]), 0.9, 1.1)
+    for ra in ("0.3", "3"):
+        pair = [f"Ra {ra}, half step", f"Ra {ra}, seed 1"]
+        for end in (90.0, 240.0):
+            say(
+                f"Ra {ra}: A({end:g} mm) of the half step over the step's",
+                pair,
+                lambda p=pair, e=end: found[p[0]].at(e) / found[p[1]].at(e),
+                0.985,
+                1.015,
+            )
+        name = f"Ra {ra}, seed 1"
+        say(f"{name}: slope of the ball over t/d*", [name], lambda n=name: found[n].slope / 0.03, 0.8, 1.2)
+        say(f"{name}: pending after 100 mm", [name], lambda n=name: found[n].pending, 0.0, 0.05)
+    for name in ("smooth ball, dust alone", "smooth ball, dust 1"):
+        exact = 0.4073
+        say(
+            f"{name}: A(600 mm), mm²", [name], lambda n=name: found[n].at(600.0), exact * 0.995, exact * 1.005
+        )
+        say(
+            f"{name}: A at the end, mm²", [name], lambda n=name: found[n].last, 0.4125 * 0.995, 0.4125 * 1.005
+        )
+    worst = max((course.conservation for course in found.values()), default=0.0)
+    lines.append(
+        f"{'ok  ' if worst <= 1e-10 else 'OFF '} worn + pending − K F L, relative, at most: {worst:.1e}"
+    )
+    return lines
+
+
+def largest(course: Course) -> float:
+    """The area that is furthest from F/H, over it."""
+    ratios = [area / course.fully for area in course.areas.values()]
+    return max(ratios, key=lambda ratio: abs(ratio - 1.0))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
+    parser.add_argument("--only", default="", help="parts of names, with commas: run the cases that have one")
+    parser.add_argument("--csv", type=Path, help="write the courses there")
+    asked = parser.parse_args(arguments)
+    chosen = {
+        name: keys for name, keys in cases().items() if any(part in name for part in asked.only.split(","))
+    }
+    longest_first = sorted(chosen, key=lambda name: -float(chosen[name]["sliding.distance"].split()[0]))
+    found: dict[str, Course] = {}
+    print(
+        f"{'case':34s}", *(f"{end:7g}" for end in ENDS), " mm; slope, pending, transforms, ms a step", sep=""
+    )
+    with ProcessPoolExecutor(asked.jobs, mp_context=get_context("spawn")) as pool:
+        waiting = {name: pool.submit(course_of, chosen[name]) for name in longest_first}
+        for name in chosen:
+            course = found[name] = waiting[name].result()
+            areas = (f"{course.at(end) * 1e4:7.1f}" if end in course.areas else "      ·" for end in ENDS)
+            ms = 1e3 * course.seconds / course.steps
+            rest = f"  {course.slope:.4f} {course.pending:6.3f} {course.transforms:5.1f} {ms:6.1f}"
+            print(f"{name:34s}", *areas, rest, sep="", flush=True)
+    print("areas in 1e-4 mm², means of the 30 mm before", *known(found), sep="\n")
+    if asked.csv is not None:
+        with asked.csv.open("w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["case", *(f"area at {end:g} mm [mm^2]" for end in ENDS), "slope", "pending"])
+            writer.writerows(
+                [name, *(course.at(end) for end in ENDS), course.slope, course.pending]
+                for name, course in found.items()
+            )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
