@@ -332,7 +332,7 @@ def take(solve: Solve):
 
 @wp.kernel
 def present(solve: Solve):
-    """Give the pressure to the transforms, down to caps of cells, which may have fallen since it was solved."""
+    """Give the pressure to the transforms, down to caps of cells that have fallen since it was solved."""
     thread = wp.tid()
     for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
         column = i % solve.columns

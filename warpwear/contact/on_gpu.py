@@ -145,7 +145,7 @@ class DeviceSearch:
             none = wp.zeros(0, dtype=wp.float64, device=self._device)
             self._solve.parts = none if self._parts is None else self._numbers_of(self._parts)
             self._graphs.clear()
-        if parts is not None:
+        if parts is not None and self._parts is not None:
             wp.copy(self._parts, parts)
 
     def _graph(self, anew: bool) -> Any:

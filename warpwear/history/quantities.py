@@ -13,7 +13,8 @@ from warpwear.study.study import Study
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a piece.
 Per = Literal["step", "patch", "cell", "snapshot", "piece"]
 #: Runs that a quantity is limited to: over a track, there on the half-space, with patches, over a track that
-#: keeps its dents, with a film, of bodies that wear in pieces, with contacts that are also solved without wear.
+#: keeps its dents, with a film, of bodies that wear in pieces, with contacts that are also solved without
+#: wear.
 Only = Literal["track", "half-space track", "patches", "dents", "film", "pieces", "static area"]
 
 
