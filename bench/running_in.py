@@ -1,7 +1,7 @@
 """Courses of the contact area of bodies that wear in pieces, beside what is known of them.
 
     python bench/running_in.py --jobs 16
-    python bench/running_in.py --jobs 16 --only seed,half --csv courses.csv
+    python bench/running_in.py --jobs 16 --only seed half --csv courses.csv
 
 Every case is a run of the reference of wear in pieces (a ball on a self-affine disc of 1.2 mm, half-space,
 5 µm cells) with a few keys changed, in a process of its own with one thread. The table has the mean area of
@@ -203,12 +203,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
-    parser.add_argument("--only", default="", help="parts of names, with commas: run the cases that have one")
+    parser.add_argument("--only", nargs="+", default=[""], help="run the cases whose name has one of these")
     parser.add_argument("--csv", type=Path, help="write the courses there")
     asked = parser.parse_args(arguments)
-    chosen = {
-        name: keys for name, keys in cases().items() if any(part in name for part in asked.only.split(","))
-    }
+    chosen = {name: keys for name, keys in cases().items() if any(part in name for part in asked.only)}
     longest_first = sorted(chosen, key=lambda name: -float(chosen[name]["sliding.distance"].split()[0]))
     found: dict[str, Course] = {}
     print(
