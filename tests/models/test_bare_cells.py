@@ -37,6 +37,7 @@ HALF_SPACE = {"contact.law": "half-space"}
 FILMED, BARE = math.sqrt(590.0**2 - 9.0 * 40.0**2), math.sqrt(590.0**2 - 9.0 * 172.0**2)
 PARTS = np.array([1.0, BARE / FILMED])
 REST = {"grid.cell": "20 um", "grid.extent": "0.6 mm", "sliding.distance": "3 mm", "sphere.radius": "1 mm"}
+REST |= {"stepping.first": "30 um", "output.snapshots": []}
 TWO_SCALE = {"grid.cell": "20 um", "grid.extent": "0.6 mm", "patches.macro_cell": "100 um"}
 TWO_SCALE |= {"sliding.distance": "3 mm", "stepping.first": "30 um", "output.snapshots": []}
 PATCHED_HALF_SPACE = HALF_SPACE | {"patches.bulk": "none", "contact.boundary": "free"}
