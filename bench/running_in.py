@@ -1,11 +1,12 @@
-"""Courses of the contact area of bodies that wear in pieces, beside what is known of them.
+"""Courses of contact area and friction of bodies that wear in pieces, beside what is known of them.
 
     python bench/running_in.py --jobs 16
     python bench/running_in.py --jobs 16 --only seed half --csv courses.csv
 
 Every case is a run of the reference of wear in pieces (a ball on a self-affine disc of 1.2 mm, half-space,
 5 µm cells) with a few keys changed, in a process of its own with one thread. The table has the mean area of
-passes of 30 mm by the distance at their ends, over F/H; what is known stands below it, case by case.
+passes of 30 mm by the distance at their ends, or with a film ("μ …") the mean coefficient of friction; what
+is known stands below it, case by case.
 """
 
 import argparse
@@ -25,19 +26,34 @@ from warpwear import Study
 
 PASS = 30.0  # [mm]
 ENDS = (30.0, 90.0, 150.0, 240.0, 360.0, 480.0, 600.0, 900.0, 1200.0, 2400.0)  # of the passes shown [mm]
-REFERENCE: dict[str, Any] = {
-    "contact.law": "half-space",
-    "disc.synthetic.roll_off": "80 um",
-    "disc.synthetic.cut_off": "12 um",
-    "disc.synthetic.period": "1.2 mm",
-    "grid.cell": "5 um",
-    "grid.extent": "1.2 mm",
-    "sliding.track": "1.2 mm",
-    "sliding.shift": 4,
-    "wear.particle": "20 um",
-    "wear.particle_thickness": "0.6 um",
-    "output.snapshots": [],
-    "run.checkpoint": "inf s",
+#: The preset that a case without film and growing junctions is made of, and what it leaves out.
+PRESET = "running-in"
+BARE: dict[str, Any] = {"friction.film": None, "friction.junction_growth": 0.0}
+QUIET: dict[str, Any] = {"output.snapshots": [], "run.checkpoint": "inf s"}
+#: Friction of the reference, means of the 30 mm before each distance [mm].
+FRICTION = {
+    30.0: 0.070,
+    90.0: 0.168,
+    150.0: 0.280,
+    240.0: 0.393,
+    360.0: 0.453,
+    480.0: 0.465,
+    600.0: 0.472,
+    900.0: 0.485,
+}
+#: Friction at 30, 90 and 150 mm with dust, by its share and the film [nm].
+DUST_FRICTION = {
+    (0.01, 10.0): (0.070, 0.167, 0.344),
+    (0.05, 10.0): (0.095, 0.501, 0.561),
+    (0.20, 300.0): (0.071, 0.130, 0.236),
+}
+#: Lengths over which films wear through [mm].
+LENGTHS = {
+    "μ, seed 1": 89.0,
+    "μ, d* 40, t 1.2": 164.0,
+    "μ, d* 130, t 0.6": 274.0,
+    "μ, d* 20, t 0.3": 79.0,
+    "μ, Ra 1": 48.0,
 }
 CLASSICAL = {"wear.particle": None, "wear.particle_thickness": None}
 SMOOTH = {"disc.synthetic.kind": "flat", "wear.disc": "0 mm^3/N/m", "contact.hardness": "inf MPa"}
@@ -56,6 +72,10 @@ class Course(NamedTuple):
     transforms: float  # pairs a step
     seconds: float
     steps: int
+    friction: dict[float, float]  # end of a pass [mm] -> mean coefficient
+    bare: dict[float, float]  # mean bare fraction; empty without a film
+    mixture: float  # largest error of the formula of mixtures, relative
+    length: float  # over which the film wears through [mm], as fitted
 
     def at(self, end: float) -> float:
         return self.areas.get(end, np.nan)
@@ -65,7 +85,39 @@ def case(distance: float, ra: float = 0.3, seed: int = 1, **changes: Any) -> dic
     """The keys of a case that slides so far [mm] on a disc of this Ra [µm]; changes with __ for the dot."""
     dotted = {name.replace("__", "."): value for name, value in changes.items()}
     about = {"sliding.distance": f"{distance} mm", "disc.synthetic.ra": f"{ra} um"}
-    return REFERENCE | about | {"disc.synthetic.seed": seed} | dotted
+    return QUIET | BARE | about | {"disc.synthetic.seed": seed} | dotted
+
+
+def friction_cases() -> dict[str, dict[str, Any]]:
+    """Cases with a film and growing junctions by name."""
+
+    def with_film(distance: float, **changes: Any) -> dict[str, Any]:
+        kept = {key: value for key, value in case(distance, 3.0, **changes).items() if key not in BARE}
+        return kept
+
+    found = {f"μ, seed {seed}": with_film(900.0, disc__synthetic__seed=seed) for seed in SEEDS}
+    found |= {
+        "μ, half step": with_film(480.0, sliding__shift=2),
+        "μ, 2.5 µm cells": with_film(90.0, grid__cell="2.5 um", sliding__shift=8),
+        "μ, track of 30 mm": with_film(90.0, sliding__track="full", disc__synthetic__period="10 mm"),
+        "μ, film of 100 nm": with_film(240.0, friction__film__thickness="100 nm"),
+        "μ, uniform start": with_film(480.0, wear__pending_start="uniform"),
+        "μ, dents kept": with_film(900.0, sliding__plastic="keep"),
+        "μ, to 2400 mm": with_film(2400.0),
+        "μ, to 2400 mm, dents kept": with_film(2400.0, sliding__plastic="keep"),
+        "μ, Ra 1": with_film(480.0, disc__synthetic__ra="1 um"),
+        "μ, load 4 N": with_film(480.0, contact__load="4 N"),
+        "μ, load 16 N": with_film(480.0, contact__load="16 N"),
+        "μ, all dust": with_film(480.0) | CLASSICAL,
+        "μ, no growth": with_film(480.0, friction__junction_growth=0.0),
+    }
+    for dust, film in DUST_FRICTION:
+        keys = {"wear.dust_fraction": dust, "friction.film.thickness": f"{film} nm"}
+        found[f"μ, dust {dust:g}, film {film:g}"] = with_film(240.0) | keys
+    for diameter, thickness in ((40.0, 1.2), (130.0, 0.6), (20.0, 0.3)):
+        keys = {"wear.particle": f"{diameter} um", "wear.particle_thickness": f"{thickness} um"}
+        found[f"μ, d* {diameter:g}, t {thickness:g}"] = with_film(900.0) | keys
+    return found
 
 
 def cases() -> dict[str, dict[str, Any]]:
@@ -98,16 +150,26 @@ def cases() -> dict[str, dict[str, Any]]:
 
 def course_of(changes: dict[str, Any]) -> Course:
     """Run a case."""
-    study = Study.load("track").replace(changes)
+    study = Study.load(PRESET).replace(changes)
     began = time.perf_counter()
     with warpwear.run(study, threads=1, progress=False) as result:
         history, last = result.history, result.snapshots[-1]
         slid, area = history["distance"], history["area_contact"]
-        areas = {}
-        for end in ENDS:
-            within = (slid > end - PASS + 1e-6) & (slid < end + 1e-6)
-            if slid[-1] > end - 1e-6:
-                areas[end] = float(np.average(area[within], weights=history["increment"][within]))
+        weights = history["increment"]
+
+        def means(values: Any) -> dict[float, float]:
+            within = {end: (slid > end - PASS + 1e-6) & (slid < end + 1e-6) for end in ENDS}
+            reached = {end: steps for end, steps in within.items() if slid[-1] > end - 1e-6}
+            return {end: float(np.average(values[s], weights=weights[s])) for end, s in reached.items()}
+
+        mixed, fit = 0.0, {}
+        if study.film is not None:
+            bare, caps = history["bare_fraction"], (study.film.part_filmed, study.film.part_bare)
+            tau_f, tau_m = study.friction.film.shear_strength, study.friction.shear_strength
+            mixture = (1 - bare) * tau_f + bare * tau_m
+            mixture /= study.hardness * ((1 - bare) * caps[0] + bare * caps[1])
+            mixed = float(np.max(np.abs(mixture / history["cof"] - 1.0)[slid > PASS]))
+            fit = result.summary["film"].get("fit") or {}
         off = [0.0]
         for body in ("sphere", "disc"):
             asked = history[f"archard_volume_{body}"]
@@ -116,7 +178,7 @@ def course_of(changes: dict[str, Any]) -> Course:
         after = min(int(np.searchsorted(slid, 100.0)), slid.size - 1)
         pending = history.get("pending_volume_sphere", np.zeros_like(slid))[after]
         return Course(
-            areas,
+            means(area),
             float(area[-1]),
             study.contact.load / study.hardness,
             float(pending / history["archard_volume_sphere"][after]),
@@ -125,6 +187,10 @@ def course_of(changes: dict[str, Any]) -> Course:
             float(history["evaluations"].mean()),
             time.perf_counter() - began,
             int(slid.size),
+            means(history["cof"]),
+            means(history["bare_fraction"]) if study.film is not None else {},
+            mixed,
+            float(fit.get("e_folding_mm", np.nan)) if isinstance(fit, dict) else np.nan,
         )
 
 
@@ -185,10 +251,52 @@ def known(found: dict[str, Course]) -> list[str]:
         say(
             f"{name}: A at the end, mm²", [name], lambda n=name: found[n].last, 0.4125 * 0.995, 0.4125 * 1.005
         )
+    lines += known_friction(found)
     worst = max((course.conservation for course in found.values()), default=0.0)
     lines.append(
         f"{'ok  ' if worst <= 1e-10 else 'OFF '} worn + pending − K F L, relative, at most: {worst:.1e}"
     )
+    return lines
+
+
+def known_friction(found: dict[str, Course]) -> list[str]:
+    """The same of friction with a film and growing junctions."""
+    lines = []
+
+    def say(what: str, got: float, low: float, high: float) -> None:
+        lines.append(f"{'ok  ' if low <= got <= high else 'OFF '} {what}: {got:.4g} ({low:.4g} … {high:.4g})")
+
+    def ratio(name: str, other: str, end: float, allowed: float) -> None:
+        if name in found and other in found:
+            got = found[name].friction[end] / found[other].friction[end]
+            say(f"{name}: μ({end:g} mm) over that of {other}", got, 1.0 - allowed, 1.0 + allowed)
+
+    seeds = [found[name] for name in (f"μ, seed {seed}" for seed in SEEDS) if name in found]
+    if seeds:
+        mean = {end: float(np.mean([course.friction[end] for course in seeds])) for end in FRICTION}
+        for end, wanted in FRICTION.items():
+            allowed = 0.1 if end <= 150.0 else 0.06
+            what = f"μ({end:g} mm), mean of {len(seeds)} seeds"
+            say(what, mean[end], wanted * (1.0 - allowed), wanted * (1.0 + allowed))
+        say("μ(900 mm)/μ(480 mm)", mean[900.0] / mean[480.0], 0.0, 1.06)
+    for end in (90.0, 150.0, 240.0, 480.0):
+        ratio("μ, half step", "μ, seed 1", end, 0.02)
+    ratio("μ, track of 30 mm", "μ, seed 1", 90.0, 0.03)
+    ratio("μ, 2.5 µm cells", "μ, seed 1", 90.0, 0.03)
+    if "μ, film of 100 nm" in found and "μ, seed 1" in found:
+        off = found["μ, film of 100 nm"].bare[240.0] - found["μ, seed 1"].bare[240.0]
+        say("bare fraction at 240 mm, film of 100 nm less 10 nm", off, -0.04, 0.04)
+    for (dust, film), wanted in DUST_FRICTION.items():
+        name = f"μ, dust {dust:g}, film {film:g}"
+        for end, value in zip((30.0, 90.0, 150.0), wanted, strict=True):
+            if name in found:
+                say(f"{name}: μ({end:g} mm)", found[name].friction[end], 0.9 * value, 1.1 * value)
+    for name, wanted in LENGTHS.items():
+        if name in found:
+            say(f"{name}: length of the film's wear, mm", found[name].length, 0.8 * wanted, 1.2 * wanted)
+    mixed = [course.mixture for course in found.values() if course.bare]
+    if mixed:
+        say("formula of mixtures, largest error, relative", max(mixed), 0.0, 0.05)
     return lines
 
 
@@ -206,7 +314,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", nargs="+", default=[""], help="run the cases whose name has one of these")
     parser.add_argument("--csv", type=Path, help="write the courses there")
     asked = parser.parse_args(arguments)
-    chosen = {name: keys for name, keys in cases().items() if any(part in name for part in asked.only)}
+    every = cases() | friction_cases()
+    chosen = {name: keys for name, keys in every.items() if any(part in name for part in asked.only)}
     longest_first = sorted(chosen, key=lambda name: -float(chosen[name]["sliding.distance"].split()[0]))
     found: dict[str, Course] = {}
     print(
@@ -216,19 +325,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
         waiting = {name: pool.submit(course_of, chosen[name]) for name in longest_first}
         for name in chosen:
             course = found[name] = waiting[name].result()
-            areas = (f"{course.at(end) * 1e4:7.1f}" if end in course.areas else "      ·" for end in ENDS)
+            shown = {end: f"{value * 1e4:7.1f}" for end, value in course.areas.items()}
+            if course.bare:
+                shown = {end: f"{value:7.3f}" for end, value in course.friction.items()}
+            values = (shown.get(end, "      ·") for end in ENDS)
             ms = 1e3 * course.seconds / course.steps
             rest = f"  {course.slope:.4f} {course.pending:6.3f} {course.transforms:5.1f} {ms:6.1f}"
-            print(f"{name:34s}", *areas, rest, sep="", flush=True)
-    print("areas in 1e-4 mm², means of the 30 mm before", *known(found), sep="\n")
+            print(f"{name:34s}", *values, rest, sep="", flush=True)
+    print("areas in 1e-4 mm² or coefficients of friction, means of the 30 mm before", *known(found), sep="\n")
     if asked.csv is not None:
         with asked.csv.open("w", newline="") as file:
             writer = csv.writer(file)
-            writer.writerow(["case", *(f"area at {end:g} mm [mm^2]" for end in ENDS), "slope", "pending"])
-            writer.writerows(
-                [name, *(course.at(end) for end in ENDS), course.slope, course.pending]
-                for name, course in found.items()
-            )
+            columns = [
+                f"{what} at {end:g} mm" for what in ("area [mm^2]", "friction", "bare") for end in ENDS
+            ]
+            writer.writerow(["case", *columns, "slope", "pending", "length [mm]"])
+            for name, course in found.items():
+                tables = course.areas, course.friction, course.bare
+                values = [table.get(end, np.nan) for table in tables for end in ENDS]
+                writer.writerow([name, *values, course.slope, course.pending, course.length])
     return 0
 
 
