@@ -84,6 +84,11 @@ def model_of(
     heights = kept(_heights_of(study, surface, study.track) if study.is_swept else surface.heights(x, grid.y))
     filled = surface.filled_at(x, grid.y) if isinstance(surface, Measured) else None
     filled = None if filled is None or not filled.any() else filled
+    if filled is not None and filled.all():
+        raise InputError(
+            f"disc.surface = {study.disc.surface!r} was measured nowhere in the domain, but filled in: "
+            "another part of it is needed (disc.crop)."
+        )
     seen = slice(MOST_ROWS if study.is_swept else None)
     measured = heights[seen] if filled is None else np.where(filled[seen], np.nan, heights[seen])
     record = surface.record() | {"on_the_grid": _roughness_on(grid, measured)}
