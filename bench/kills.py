@@ -1,11 +1,12 @@
 """Kills runs at random moments and resumes them: is the end, bit for bit, that of a run left alone?
 
     python bench/kills.py --kills 200
+    python bench/kills.py --kills 200 --shard 3/16
 
 Every study runs undisturbed once, with one thread. Then it is run with checkpoints after every step (or every
 `--every` seconds), killed with SIGKILL at a random moment, resumed, killed again and so on until it finishes,
 each time with other numbers of threads of its own, of BLAS and of OpenMP, or on one core; and again until all
-kills are spent.
+kills are spent. `--shard k/n` does the k-th of n parts, k from 0, so that n processes do all.
 """
 
 import argparse
@@ -29,6 +30,10 @@ from warpwear.engine import executor as execution
 
 #: Threads of BLAS and OpenMP (None: as they like), and whether the process is held on one core, by turns.
 ENVIRONMENTS: tuple[tuple[str | None, bool], ...] = ((None, False), ("1", False), ("4", False), (None, True))
+#: Begins a command on one core, before BLAS looks how many there are.
+ON_ONE_CORE = (
+    "import os, sys; os.sched_setaffinity(0, [int(sys.argv[1])]); os.execv(sys.argv[2], sys.argv[2:])"
+)
 SMALL = {"grid.cell": "20 um", "output.snapshots": ["0.5 mm", "3 mm"]}
 PIECES = SMALL | {
     "sliding.distance": "5 mm",
@@ -150,11 +155,9 @@ def differences(one: Path, other: Path) -> list[str]:
     return found
 
 
-def run_here(case: str, every: float, out: Path, threads: int, *, one_core: bool) -> None:
+def run_here(case: str, every: float, out: Path, threads: int) -> None:
     """Run or resume a case in this process."""
     execution.CELLS_PER_THREAD = 1000  # so that small grids are shared among threads too
-    if one_core and hasattr(os, "sched_setaffinity"):
-        os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
     run(study_of(case, every), out=out, threads=threads, plots=False, resume=True).close()
 
 
@@ -163,16 +166,10 @@ def start(case: str, every: float, out: Path, turn: int) -> subprocess.Popen[byt
     blas, one_core = ENVIRONMENTS[turn % len(ENVIRONMENTS)]
     variables = {} if blas is None else {"OPENBLAS_NUM_THREADS": blas, "OMP_NUM_THREADS": blas}
     threads = 1 if one_core else 1 + (turn // len(ENVIRONMENTS)) % 2
-    command = [
-        sys.executable,
-        __file__,
-        "--here",
-        case,
-        str(every),
-        str(out),
-        str(threads),
-        str(int(one_core)),
-    ]
+    command = [sys.executable, __file__, "--here", case, str(every), str(out), str(threads)]
+    if one_core and hasattr(os, "sched_setaffinity"):
+        cores = sorted(os.sched_getaffinity(0))
+        command = [sys.executable, "-c", ON_ONE_CORE, str(cores[os.getpid() % len(cores)]), *command]
     lock = out / ".lock"
     before = lock.stat().st_mtime_ns if lock.exists() else 0
     process = subprocess.Popen(command, env=os.environ | variables, stderr=subprocess.PIPE)
@@ -199,46 +196,46 @@ def killed(process: subprocess.Popen[bytes], after: float) -> bool:
 def main() -> None:
     """Exit status 1 if anything differs."""
     if sys.argv[1:2] == ["--here"]:
-        case, every, out, threads, one_core = sys.argv[2:]
-        run_here(case, float(every), Path(out), int(threads), one_core=one_core == "1")
+        case, every, out, threads = sys.argv[2:]
+        run_here(case, float(every), Path(out), int(threads))
         return
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--kills", type=int, default=20, help="in all")
     parser.add_argument("--every", type=float, default=0.0, help="seconds between checkpoints")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--case", choices=CASES, action="append", help="repeatable; all, if not given")
+    parser.add_argument("--shard", default="0/1", metavar="k/n", help="which part of how many")
     options = parser.parse_args()
-    dice = random.Random(options.seed)
-    cases = options.case or list(CASES)
+    shard, shards = map(int, options.shard.split("/"))
+    dice = random.Random(f"{options.seed}, {options.shard}")
+    chosen = options.case or list(CASES)
+    jobs = max(len(chosen), shards)  # more shards than cases: cases come several times
     kills, runs, alike, resumed = 0, 0, 0, 0
     with tempfile.TemporaryDirectory() as folder:
-        place = Path(folder)
-        lasted: dict[str, float] = {}
-        for number, case in enumerate(cases):
-            alone = start(case, options.every, place / f"alone-{number}", 1)
+        alone, out = Path(folder, "alone"), Path(folder, "killed")
+        for job in range(shard, jobs, shards):
+            case = chosen[job % len(chosen)]
+            left = (options.kills + job) // jobs
+            first = start(case, options.every, alone, 1)
             started = time.monotonic()
-            assert not killed(alone, 600.0)
-            lasted[case] = time.monotonic() - started
-        while kills < options.kills or runs % len(cases):
-            number = runs % len(cases)
-            case, out = cases[number], place / "killed"
-            share = -(-(options.kills - kills) // (len(cases) - number))
-            here = 0
-            while True:
-                patience = dice.uniform(0.0, 0.7 * lasted[case]) if here < share else 600.0
-                process = start(case, options.every, out, here)
-                if not killed(process, patience):
-                    break
-                here += 1
-                with contextlib.suppress(OSError):
-                    resumed += (out / "checkpoint.h5").stat().st_size > 0
-            kills += here
-            runs += 1
-            wrong = differences(place / f"alone-{number}", out)
-            left = sorted(p.name for p in out.iterdir() if p.name.startswith((".", "checkpoint")))
-            alike += not wrong and not left
-            print(f"{case}: {here} kills, {', '.join(wrong + left) or 'bit for bit the same'}", flush=True)
-            shutil.rmtree(out)
+            assert not killed(first, 600.0)
+            lasted = time.monotonic() - started
+            while left > 0:
+                here = 0
+                while True:
+                    patience = dice.uniform(0.0, 0.7 * lasted) if here < left else 600.0
+                    process = start(case, options.every, out, here)
+                    if not killed(process, patience):
+                        break
+                    here += 1
+                    with contextlib.suppress(OSError):
+                        resumed += (out / "checkpoint.h5").stat().st_size > 0
+                wrong = differences(alone, out)
+                wrong += sorted(p.name for p in out.iterdir() if p.name.startswith((".", "checkpoint")))
+                print(f"{case}: {here} kills, {', '.join(wrong) or 'bit for bit the same'}", flush=True)
+                left, kills, runs, alike = left - here, kills + here, runs + 1, alike + (not wrong)
+                shutil.rmtree(out)
+            shutil.rmtree(alone)
     print(f"{kills} kills ({resumed} with a checkpoint to go on from), {alike} of {runs} runs the same")
     sys.exit(alike != runs)
 

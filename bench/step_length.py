@@ -2,22 +2,29 @@
 
     python bench/step_length.py [--cell "10 um"] [--extent "0.9 mm"] [--passes 12] [--hardness "590 MPa"]
         [--shifts 8 4 2 1] [--json FILE]
+    python bench/step_length.py --ra 0 0.1 0.3 0.5 1 3 [--shifts 8 4 2] [--json FILE]
 
 prints, for every shift, the mean area in contact over the first and the last pass of the preset `track`
-[mm²], pairs of Fourier transforms and milliseconds a step. The half-space divides a step where it must;
-"undivided" does not, and in "no mean" its ball is worn by the pressures at the middle of a step besides, not
-by the mean of those that pass. About a quarter of an hour.
+[mm²], contacts solved a step, and pairs of Fourier transforms and milliseconds a contact. The half-space
+divides a step where it must; "undivided" does not, and in "no mean" its ball is worn by the pressures at the
+middle of a step besides, not by the mean of those that pass. About a quarter of an hour.
+
+With `--ra` [µm] it prints, for each of these surfaces without a hardness (0 is a smooth one, whose disc does
+not wear), the mean area of the second and third pass by steps of one cell [mm²], and by how much longer steps
+change it, undivided and as it is. Half a minute a run.
 """
 
 import argparse
+import itertools
 import json
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+import numpy as np
 from measure.machine import machine
 
 import warpwear
@@ -35,8 +42,18 @@ KINDS: dict[str, tuple[str, Callable[..., int], float]] = {
 }
 
 
+#: The surfaces of `--ra` are crossed by this ball.
+BY_SURFACE = {
+    "grid.cell": "10 um",
+    "grid.extent": "0.8 mm",
+    "sliding.track": "1.6 mm",
+    "output.snapshots": [],
+}
+BY_SURFACE |= {"contact.law": "half-space", "contact.hardness": "inf MPa", "sliding.distance": "90 mm"}
+
+
 def run(study: Study, cells_passing: Callable[..., int], largest_error: float) -> dict[str, Any]:
-    """Areas of the first and the last pass [mm²], and what a step costs."""
+    """Areas of the passes [mm²], and what a contact costs."""
     with (
         patch.object(SlidingHalfSpace, "cells_passing", cells_passing),
         patch.object(half_space, "LARGEST_ERROR", largest_error),
@@ -46,12 +63,33 @@ def run(study: Study, cells_passing: Callable[..., int], largest_error: float) -
         seconds = time.perf_counter() - start
     areas = by_pass(result, "area_contact")["area_contact"]
     pairs = result.history["evaluations"]
+    parts = result.history.get("parts", np.ones(pairs.size))
     return {
-        "first": float(areas[0]),
-        "last": float(areas[-1]),
-        "pairs": float(pairs.mean()),
-        "step_ms": 1e3 * seconds / pairs.size,
+        "areas": areas.tolist(),
+        "parts": float(parts.mean()),
+        "pairs": float(pairs.sum() / parts.sum()),
+        "contact_ms": 1e3 * seconds / float(parts.sum()),
     }
+
+
+def of_surface(ra: float, shifts: Sequence[int]) -> list[dict[str, Any]]:
+    """Rows of a surface of some roughness [µm]: areas of passes by the cells of a step, and their change."""
+    rough: dict[str, Any] = {"disc.synthetic.ra": f"{ra} um", "disc.synthetic.period": "1.6 mm"}
+    smooth: dict[str, Any] = {"disc.synthetic": {"kind": "flat"}, "wear.disc": "0 mm^3/N/m"}
+    study = Study.load("track").replace(BY_SURFACE | (rough if ra else smooth))
+    rows = []
+    for shift, name in [
+        (1, "half-space"),
+        *itertools.product(shifts, ("half-space, undivided", "half-space")),
+    ]:
+        row = run(study.replace({"sliding.shift": shift}), *KINDS[name][1:])
+        rows.append({"ra_um": ra, "law": name, "shift": shift} | row)
+        change = 100.0 * (np.array(row["areas"]) / rows[0]["areas"] - 1.0)[1:]
+        values = "".join(f"{area:10.5f}" for area in row["areas"][1:]) + "".join(
+            f"{c:+9.2f} %" for c in change
+        )
+        print(f"{ra:<8g}{name:22}{shift:6}{values}{row['parts']:8.2f}", flush=True)
+    return rows
 
 
 def main() -> None:
@@ -61,11 +99,25 @@ def main() -> None:
     parser.add_argument("--passes", type=int, default=12)
     parser.add_argument("--hardness", default="590 MPa")
     parser.add_argument("--shifts", type=int, nargs="+", default=[8, 4, 2, 1])
+    parser.add_argument("--ra", type=float, nargs="+", metavar="MICROMETRES")
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
+    if options.ra is None:
+        table = by_shift(options)
+    else:
+        print(f"{'Ra':8}{'law':22}{'shift':>6}{'passes 2, 3':>20}{'change':>22}{'parts':>8}")
+        table = [row for ra in options.ra for row in of_surface(ra, [n for n in options.shifts if n > 1])]
+    if options.json:
+        record = {"machine": machine(), "options": {**vars(options), "json": None}, "runs": table}
+        options.json.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+
+
+def by_shift(options: argparse.Namespace) -> list[dict[str, Any]]:
+    """Rows of the preset `track` by every law and shift."""
     base = {"grid.cell": options.cell, "grid.extent": options.extent, "output.snapshots": []}
     base |= {"contact.hardness": options.hardness, "sliding.distance": f"{30 * options.passes} mm"}
-    print(f"{'law':22}{'shift':>6}{'first pass':>12}{'last pass':>12}{'pairs':>8}{'ms a step':>11}")
+    heads = f"{'first pass':>12}{'last pass':>12}{'contacts':>10}{'pairs':>8}{'ms':>8}"
+    print(f"{'law':22}{'shift':>6}{heads}")
     table = []
     for name, (law, *how) in KINDS.items():
         for shift in options.shifts:
@@ -73,11 +125,9 @@ def main() -> None:
             row = run(study, *how)
             table.append({"law": name, "shift": shift} | row)
             pairs = f"{row['pairs']:8.1f}" if law == "half-space" else f"{'–':>8}"
-            areas = f"{row['first']:12.5f}{row['last']:12.5f}"
-            print(f"{name:22}{shift:6}{areas}{pairs}{row['step_ms']:11.1f}", flush=True)
-    if options.json:
-        record = {"machine": machine(), "options": {**vars(options), "json": None}, "runs": table}
-        options.json.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+            areas = f"{row['areas'][0]:12.5f}{row['areas'][-1]:12.5f}{row['parts']:10.2f}"
+            print(f"{name:22}{shift:6}{areas}{pairs}{row['contact_ms']:8.1f}", flush=True)
+    return table
 
 
 if __name__ == "__main__":

@@ -1,53 +1,50 @@
-"""What the tests with broken input share: mutations of text, of nested keys and of bytes, and a watch."""
+"""What the tests with broken input share: mutations of text, of nested keys and of bytes, and watches."""
 
+import os
 import random
 import signal
+import sys
 import threading
 import time
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
-from hypothesis import strategies as st
+import pytest
 
 #: Nothing that is only read may take longer, of the processor's time [s].
 LONGEST = 5.0
 
-WORDS = """inf mm|-inf N|nan MPa|1e400 mm|0 mm|-1 um|8 N|3 GPa|1 mm^3/N/m|1/m|1e-300 mm|1e300 N|5 µm|10 Å
-|2 min|inf s|1 Hz|60 rpm|90 deg|200 HV10|60 HRC|0,55|1e-4 mm3/Nm|auto
-|one cell|area|macro|micro|self-affine|milled|flat|explicit|implicit|radial|updated"""
-NUMBERS = "1_0|0x10|1e|.5.|½|٣|--1|1e-30|1e30"
-UNITS = """mm|um|m|km|N|Nm|mm³/N·m|mm2|turn/s|rad|HV|HB|HRC|/|/N·m
-|MPa|Pa^-1|mm^2/N|mm^3/N/m|degC|dB|mol|()|^9|mm/min|J/m^2|deg|parsec|m**9999999|(((m
-|__import__('os')|1|%|‰"""
-#: What is little once and too much when it is repeated.
-LONG = ["a.", "9", " ", "m*", "(", "[", '"', "8 N ", "mm/", "\n", "HV "]
+#: More memory than once everything is loaded [bytes].
+MOST_MEMORY = 2**30
+#: "k/n" in this variable leaves of every fuzz the k-th of n shares, k from 0, so that n processes make all.
+SHARE = "FUZZ_SHARE"
 
 
-def one_of(words: str) -> st.SearchStrategy[str]:
-    """Of words between bars."""
-    return st.sampled_from([word.strip("\n") for word in words.split("|")])
+def numbers(count: int) -> range:
+    """Numbers of the cases that are this process's of so many."""
+    first, shares = map(int, os.environ.get(SHARE, "0/1").split("/"))
+    return range(first, count, shares)
 
 
-#: What numbers with units, and what is none, may look like in a study.
-VALUES = st.one_of(
-    st.none(),
-    st.booleans(),
-    st.integers(),
-    st.floats(),
-    st.text(max_size=12),
-    one_of(WORDS),
-    st.builds(
-        "{}{}{}".format,
-        st.one_of(st.floats(), st.integers(), one_of(NUMBERS)),
-        st.sampled_from(["", " ", "  ", "\t", "\n", "*", "/", " 1/"]),
-        one_of(UNITS),
-    ),
-    st.builds(lambda piece, times: piece * times, st.sampled_from(LONG), st.integers(1, 60_000)),
-    st.lists(st.one_of(st.integers(), one_of("1 mm|3 N|-2 mm|nan mm")), max_size=4),
-    st.dictionaries(one_of("kind|a|load|"), st.sampled_from(["flat", "1 mm", 3]), max_size=2),
-)
+@contextmanager
+def little_memory() -> Iterator[None]:
+    """Fails where what is done takes more memory than is allowed, at its peak."""
+    resource = pytest.importorskip("resource")
+    unit = 1 if sys.platform == "darwin" else 1024
+
+    def peak() -> int:
+        return unit * max(
+            resource.getrusage(w).ru_maxrss for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+        )
+
+    before = peak()
+    yield
+    taken = peak() - before
+    print(f"{taken / 2**20:.0f} MiB more at the peak")
+    assert taken < MOST_MEMORY, f"takes {taken / 2**30:.2f} GiB"
 
 
 @contextmanager
@@ -69,6 +66,12 @@ def watched(seconds: float = LONGEST) -> Iterator[None]:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
         signal.signal(signal.SIGVTALRM, before)
     assert time.process_time() - started < seconds + 1.0, f"takes more than {seconds:g} s"
+
+
+def located(error: Exception) -> str:
+    """An error and the place in the code that raised it."""
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{error!r} in {last.filename}:{last.lineno}"
 
 
 def check_sentence(error: Exception) -> None:

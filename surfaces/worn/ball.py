@@ -19,7 +19,9 @@ special = lazy.module("scipy.special")
 
 THRESHOLD = 4.0  # robust standard deviations of the unworn surface by which the worn patch lies below
 FIRST_RING = 0.5  # of the field's half width: the unworn part is looked for outside of it first
-CORNERS = 1.0  # of the field's half width in an ellipse: a second start, which must come to the same volume
+CORNERS = (
+    1.0 - math.pi / 4.0
+)  # of what is measured, the outermost: a second start; of a whole field its corners
 LEAST_UNWORN = 0.1  # of the field
 LEAST_FOR_RADIUS = 0.25  # of the field, where the radius is to be fitted too
 AGREEMENT = 0.03  # of the volume, or three standard errors, by which two starts may differ
@@ -94,16 +96,19 @@ def find_worn_ball(
     (of the given radius [mm], or fitted) goes through what is not worn: first the outer part of the field,
     then, in rounds, all that does not lie below it by four times its scatter or next to what does. The patch
     is the largest connected piece below, grown to where its surroundings no longer lie lower on average. A
-    fitted radius must give the same volume from a start in the corners of the field alone, and the patch must
-    be deeper in its middle: where little is unworn, its flat may pass for the sphere. Raises InputError where
-    no sphere fits, nothing is worn, or too little is unworn to tell the radius.
+    fitted radius must give the same volume from a start in the corners of the field alone (where they lack:
+    the outermost fifth of what was measured), and the patch must be deeper in its middle: where little is
+    unworn, its flat may pass for the sphere. Raises InputError where no sphere fits, nothing is worn, or too
+    little is unworn to tell the radius.
     """
     x, y = places(heights.shape, pixel)
     u, v = (np.abs(p) / (0.5 * np.ptp(p)) for p in (x, y))
     found = _find(heights, np.maximum.outer(u, v) > FIRST_RING, pixel=pixel, radius=radius)
     if radius is None:
         try:
-            other = _find(heights, np.hypot.outer(u, v) > CORNERS, pixel=pixel, radius=None)
+            out = np.hypot.outer(u, v)
+            outermost = out > np.quantile(out[~np.isnan(heights)], 1.0 - CORNERS)
+            other = _find(heights, outermost, pixel=pixel, radius=None)
         except InputError as error:
             raise InputError(NOT_TOLD) from error
         allowed = max(AGREEMENT * abs(found.volume), 3.0 * found.volume_error)

@@ -9,7 +9,7 @@ from cases_track import small as on_track
 
 import warpwear
 from warpwear import Result, Study, StudyWarning
-from warpwear.errors import InvariantError
+from warpwear.errors import InputError, InvariantError
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.summary_text import summary_text
 from warpwear.study.surface import surface_of
@@ -52,6 +52,30 @@ def test_a_run_tells_its_share_on_filled_points(tmp_path: Path, track: bool) -> 
     assert found == pytest.approx({"end": expected[-1], "largest": max(expected)})
     assert [100.0 * s.load_on_filled for s in result.snapshots] == pytest.approx(expected)
     assert f"on filled points at the end {found['end']:.2g}, at most" in summary_text(result.summary)
+
+
+@pytest.mark.parametrize("track", [False, True])
+@pytest.mark.filterwarnings("ignore::warpwear.StudyWarning")
+def test_a_measured_surface_that_is_given_is_as_a_file(tmp_path: Path, track: bool) -> None:
+    study = study_of(tmp_path, 2, track=track, checks__strict=False)
+    of_file = warpwear.run(study)
+    surface = surface_of(study.disc)
+    given = warpwear.run(study, surface=surface, out=tmp_path / "run", plots=False)
+    expected = of_file.summary["load_on_filled_percent"]
+    assert given.summary["load_on_filled_percent"] == pytest.approx(expected, rel=1e-9)
+    assert given.record["surface"]["filled_percent"] > 0.0
+    np.testing.assert_allclose(given.history["area_contact"], of_file.history["area_contact"], rtol=1e-9)
+    with pytest.raises(InvariantError, match=r"of the load after .* rests on points"):
+        warpwear.run(study_of(tmp_path, 12, track=track), surface=surface_of(study.disc))
+
+
+def test_what_was_measured_nowhere_is_refused(tmp_path: Path) -> None:
+    study = study_of(tmp_path, 0, grid__extent="0.6 mm")
+    heights = np.load(tmp_path / "disc.npy")
+    heights[25:75, 25:75] = np.nan
+    np.save(tmp_path / "disc.npy", heights)
+    with pytest.raises(InputError, match=r"was measured nowhere in the domain.*disc\.crop"):
+        warpwear.run(study)
 
 
 def test_a_whole_file_says_nothing_of_it(tmp_path: Path) -> None:

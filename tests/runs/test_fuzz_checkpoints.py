@@ -1,18 +1,22 @@
 """Checkpoints and compiled kernels that were damaged: one sentence, or made anew; never a traceback."""
 
+import functools
+import json
 import os
 import random
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 import pytest
-from fuzzing import check_sentence, mutated_bytes, watched
+from fuzzing import check_sentence, little_memory, located, mutated_bytes, numbers, watched
 
 import warpwear
 from warpwear import ConvergenceError, InputError, Study
@@ -21,6 +25,8 @@ from warpwear.runs import loop
 from warpwear.runs.checkpoint import FILE_NAME, FORMAT, MAGIC
 
 ROOT = Path(__file__).parents[2]
+#: Longest time of the processor on one file [s].
+LONGEST = 10.0
 SMALL = {
     "grid.cell": "30 um",
     "sliding.distance": "0.05 mm",
@@ -75,7 +81,7 @@ def damaged(path: Path, dice: random.Random) -> str:
 
 def resealed(path: Path, dice: random.Random) -> str:
     """Another type or shape, or nothing, in the place of one thing; with a seal that fits."""
-    with h5py.File(path, "r+") as file:
+    with resealing(path) as file:
         names: list[str] = []
         file.visit(names.append)
         name, how = dice.choice(names), dice.randrange(6)
@@ -103,33 +109,95 @@ def resealed(path: Path, dice: random.Random) -> str:
                 text[:a] + dice.choice(["", "9", "x", "null", '"', "{"]) + text[a + dice.randrange(4) :]
             )
             name = "about"
-    with path.open("r+b") as whole:
-        seal(whole, f"{MAGIC} {FORMAT}")
     return f"{how} {name}"
 
 
 @pytest.mark.parametrize("count", [24, pytest.param(500, marks=pytest.mark.slow)])
 def test_checkpoints_that_were_damaged(count: int, stopped: dict[str, Path], tmp_path: Path) -> None:
-    refused = 0
-    for number in range(count):
-        dice = random.Random(number)
-        kind, how = dice.choice(list(KINDS)), dice.choice([damaged, resealed])
-        out = tmp_path / "out"
-        shutil.rmtree(out, ignore_errors=True)
-        shutil.copytree(stopped[kind], out)
-        told = "nothing"
-        with suppress(OSError, ValueError, TypeError, RuntimeError):  # HDF5 itself refuses it
-            told = how(out / FILE_NAME, dice)
-        try:
-            with watched(10.0):
-                warpwear.run(study_of(kind), out=out, plots=False, resume=True).close()
-        except (InputError, ConvergenceError) as error:
-            refused += 1
-            if isinstance(error, InputError):
-                check_sentence(error)
-        except Exception as error:
-            raise AssertionError(f"number {number}, {kind}, {told}: {error!r}") from error
-    assert refused > count // 3
+    refused, longest, wrong = 0, 0.0, []
+    with little_memory():
+        for number in numbers(count):
+            dice = random.Random(number)
+            kind, how = dice.choice(list(KINDS)), dice.choice([damaged, resealed])
+            out, told = copied(stopped[kind], tmp_path), "nothing"
+            with suppress(OSError, ValueError, TypeError, RuntimeError):  # HDF5 itself refuses it
+                told = how(out / FILE_NAME, dice)
+            started = time.process_time()
+            try:
+                with watched(LONGEST):
+                    warpwear.run(study_of(kind), out=out, plots=False, resume=True).close()
+            except (InputError, ConvergenceError) as error:
+                refused += 1
+                if isinstance(error, InputError):
+                    check_sentence(error)
+            except Exception as error:
+                wrong.append(f"number {number}, {kind}, {told}: {located(error)}")
+            longest = max(longest, time.process_time() - started)
+    print(f"{len(numbers(count))} checkpoints, {refused} refused, at most {longest:.1f} s of the processor")
+    assert not wrong, "\n".join(wrong)
+    assert refused > len(numbers(count)) // 3
+
+
+def copied(stopped: Path, folder: Path) -> Path:
+    """A run folder like one that was stopped."""
+    shutil.rmtree(folder / "out", ignore_errors=True)
+    return Path(shutil.copytree(stopped, folder / "out"))
+
+
+@contextmanager
+def resealing(path: Path) -> Iterator[h5py.File]:
+    """A checkpoint that may be changed; it has a seal that fits afterwards."""
+    with h5py.File(path, "r+") as file:
+        yield file
+    with path.open("r+b") as whole:
+        seal(whole, f"{MAGIC} {FORMAT}")
+
+
+def refused(kind: str, out: Path, says: str) -> None:
+    with pytest.raises(InputError, match="is no checkpoint that can be read: " + says) as told:
+        warpwear.run(study_of(kind), out=out, plots=False, resume=True)
+    check_sentence(told.value)
+
+
+@pytest.mark.parametrize("name", ["base", "offset", "pressure"])
+def test_arrays_of_another_shape_are_refused(name: str, stopped: dict[str, Path], tmp_path: Path) -> None:
+    """Those too that the model has none of before it is restored."""
+    out = copied(stopped["patches"], tmp_path)
+    with resealing(out / FILE_NAME) as file:
+        values = file[f"model/last.{name}"][()]
+        del file[f"model/last.{name}"]
+        file[f"model/last.{name}"] = values[:-7]
+    refused("patches", out, rf"arrays\.last\.{name} is float64 \(893,\) instead of float64 \(900,\)\.")
+    with resealing(out / FILE_NAME) as file:
+        del file[f"model/last.{name}"]
+    refused("patches", out, rf"arrays\.last\.{name} is missing instead of float64 \(900,\)\.")
+
+
+def places_in(nested: Any, *place: Any) -> Iterator[tuple[Any, ...]]:
+    """Where a value stands in nested mappings and lists."""
+    if isinstance(nested, dict | list):
+        for key, value in nested.items() if isinstance(nested, dict) else enumerate(nested):
+            yield (*place, key)
+            yield from places_in(value, *place, key)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_numbers_of_another_type_are_refused(kind: str, stopped: dict[str, Path], tmp_path: Path) -> None:
+    out, dice = copied(stopped[kind], tmp_path), random.Random(1)
+    with h5py.File(out / FILE_NAME) as file:
+        good = file["about"][()]
+    for place in dice.sample([*places_in(json.loads(good)["numbers"])], 6):
+        about = json.loads(good)
+        *path, last = place
+        holder = functools.reduce(lambda values, key: values[key], path, about["numbers"])
+        others = [
+            other for other in (None, "text", 1, 0.5, True, {}, []) if type(other) is not type(holder[last])
+        ]
+        holder[last] = dice.choice(others)
+        with resealing(out / FILE_NAME) as file:
+            del file["about"]
+            file["about"] = json.dumps(about)
+        refused(kind, out, r"numbers\..* is .* instead of ")
 
 
 RUN = """
@@ -154,6 +222,12 @@ def run_with(cache: Path, out: Path) -> bytes:
     return (out / "history.csv").read_bytes()
 
 
+def processor_time() -> float:
+    """That of all processes that this one started and that ended [s]."""
+    of_children = os.times()
+    return of_children.children_user + of_children.children_system
+
+
 def emptied(path: Path, dice: random.Random) -> None:
     path.write_bytes(b"")
 
@@ -174,11 +248,21 @@ def test_compiled_kernels_that_were_damaged(count: int, tmp_path: Path) -> None:
     assert {name for name in modules if name.startswith("wp_warpwear")} <= {
         f"wp_warpwear.kernels.{name}" for name in ("contact", "tiles", "wear")
     }
-    for number in range(count):
-        dice = random.Random(number)
-        cache, hows = tmp_path / "bad", [damaged, damaged, emptied, removed]
-        shutil.rmtree(cache, ignore_errors=True)
-        shutil.copytree(good, cache)
-        how: Callable[..., object] = dice.choice(hows)
-        how(cache / dice.choice(kernels if dice.random() < 0.8 else files), dice)
-        assert run_with(cache, tmp_path / "out") == history
+    longest, wrong = 0.0, []
+    with little_memory():
+        for number in numbers(count):
+            dice = random.Random(number)
+            cache, hows = tmp_path / "bad", [damaged, damaged, emptied, removed]
+            shutil.rmtree(cache, ignore_errors=True)
+            shutil.copytree(good, cache)
+            how: Callable[..., object] = dice.choice(hows)
+            how(cache / dice.choice(kernels if dice.random() < 0.8 else files), dice)
+            started = processor_time()
+            try:
+                assert run_with(cache, tmp_path / "out") == history
+            except AssertionError as error:
+                wrong.append(f"number {number}: {error!s:.2000}")
+            longest = max(longest, processor_time() - started)
+    print(f"{len(numbers(count))} caches, at most {longest:.1f} s of the processor")
+    assert not wrong, "\n".join(wrong)
+    assert longest < LONGEST

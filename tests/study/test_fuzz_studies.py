@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fuzzing import VALUES, check_sentence, mutated_text, paths_in, watched
+from fuzzing import check_sentence, mutated_text, paths_in, watched
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from odd_values import VALUES
 
 import warpwear
 from warpwear import ConvergenceError, InputError, Study

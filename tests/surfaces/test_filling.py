@@ -6,6 +6,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
+from warpwear.errors import InputError
 from warpwear.measured.surface_command import SurfaceOptions, describe
 from warpwear.measured.surface_figure import _hatch, _map_of_heights, ball_figure, track_figure
 from warpwear.measured.surface_report import examine
@@ -166,7 +167,15 @@ def test_a_ball_without_its_steep_corners_has_lost_the_same(rough: np.ndarray, s
     holed = np.where(np.hypot.outer(*POINTS) > seen, np.nan, worn)
     holed[150:154, 140:160] = np.nan
     ball = find_worn_ball(holed, pixel=PIXEL, radius=1.0)
-    assert ball.volume == pytest.approx(np.pi * 0.01**2 * (3.0 - 0.01) / 3.0, rel=0.01)
+    lost = np.pi * 0.01**2 * (3.0 - 0.01) / 3.0
+    assert ball.volume == pytest.approx(lost, rel=0.01)
+    if seen > 0.25:  # less of it is too little to tell the radius from, too
+        fitted = find_worn_ball(holed, pixel=PIXEL)
+        assert fitted.sphere.radius == pytest.approx(1.0, rel=0.01)
+        assert fitted.volume == pytest.approx(lost, rel=0.03)
+    else:
+        with pytest.raises(InputError, match="to tell its radius from: --radius gives it"):
+            find_worn_ball(holed, pixel=PIXEL)
 
 
 def test_hatching_lies_where_points_were_filled() -> None:

@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import FIELDS, OF_PIECES, OF_THE_TRACK, PATCH_TABLES
+from warpwear.history.quantities import FIELDS, OF_PIECES, OF_THE_TRACK, PATCH_TABLES, columns_of
 from warpwear.study.study import Study
 
 #: Deflate makes data smaller by no more than this factor: what claims more was never written.
@@ -24,6 +24,8 @@ ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
 }
 #: Columns that no step has without a contact.
 AREAS = ("area_contact", "area_touched", "area_cumulative", "area_nominal")
+#: Columns that the results of earlier versions lack, both.
+LATER = {"parts", "area_error"}
 #: What a run records beside numbers, with what it has to be.
 RECORD: dict[str, type | tuple[type, ...]] = {
     "surface": dict,
@@ -49,6 +51,9 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     if not steps:
         raise ValueError("its history has no step")
     tables = {quantity.name for quantity in PATCH_TABLES}
+    lacking = {column.name for column in columns_of(study)} - set(_group(file, "history"))
+    if lacking and lacking != LATER:
+        raise ValueError(f"its history has no {', '.join(sorted(lacking))}")
     for name in _group(file, "history"):
         if name in tables or name == patch:
             _numbers(file, f"history/{name}", (steps, count) if name in tables else (count,))

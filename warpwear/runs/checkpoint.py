@@ -6,7 +6,8 @@ The file is sealed (see `seal`) with the mark "warpwear checkpoint FORMAT". Then
 - /heights           of the disc before any wear [mm]
 - /rows              the history so far, (steps, columns), names in the attribute `columns`
 - /snapshots         as in result.h5
-- /about             JSON: version, study, device, surface, warnings, elapsed time, the model's numbers
+- /about             JSON: version, study, device, surface, warnings, elapsed time, the model's numbers, and
+                     `kinds`: types of these, types and shapes of its arrays
 
 It is written under another name, flushed to the disk and moved into place: a good one is always there.
 """
@@ -106,7 +107,10 @@ class Checkpoints:
                 if self._heights is not None:
                     file.create_dataset("heights", data=self._heights)
                 snapshots.copy_to(file)
-                file["about"] = json.dumps(self._about | {name: getattr(now, name) for name in OF_THE_RUN})
+                of_the_run = {name: getattr(now, name) for name in OF_THE_RUN}
+                numbers = json.loads(json.dumps(now.numbers))
+                kinds = {"arrays": _kinds(now.arrays), "numbers": _kinds(numbers)}
+                file["about"] = json.dumps(self._about | of_the_run | {"kinds": kinds})
             with self._new.open("r+b") as whole:
                 seal(whole, f"{MAGIC} {FORMAT}")
                 whole.flush()
@@ -139,7 +143,7 @@ class StoredCheckpoint:
         with self.reading():
             about = json.loads(file["about"][()])
             self._about = {
-                name: about[name] for name in (*OF_THE_RUN, "version", "study", "device", "surface")
+                name: about[name] for name in (*OF_THE_RUN, "version", "study", "device", "surface", "kinds")
             }
             self._study = Study.stored(about["study"])
             self._rows = Rows(map(str, file["rows"].attrs["columns"]), file["rows"][()])
@@ -203,10 +207,13 @@ class StoredCheckpoint:
 
     def read(self) -> Checkpoint:
         """Where the run was: all that is stored but the snapshots."""
-        arrays = {name: dataset[()] for name, dataset in self.file["model"].items()}
-        for name, values in arrays.items():
-            if not isinstance(values, np.ndarray) or values.dtype.kind not in "biuf":
-                raise ValueError(f"{name} holds no numbers")
+        arrays = {name: np.asarray(dataset[()]) for name, dataset in self.file["model"].items()}
+        found = _flat({"arrays": _kinds(arrays), "numbers": _kinds(self._about["numbers"])})
+        asked = _flat(self._about["kinds"])
+        for name in asked | found:
+            is_now, was = (kinds.get(name, "missing") for kinds in (found, asked))
+            if is_now != was:
+                raise ValueError(f"{name} is {is_now} instead of {was}")
         return Checkpoint(
             arrays,
             rows=self._rows,
@@ -262,6 +269,15 @@ def changed_keys(before: Study, after: Study, *, free: Sequence[str] = FREE) -> 
         return any(name == key or name.startswith(f"{key}.") for key in keys)
 
     return [name for name in names if under(name, bound) or not under(name, free)]
+
+
+def _kinds(value: Any) -> Any:
+    """The type of a value, with its shape if it is an array; in a mapping or list, of each that it holds."""
+    if isinstance(value, dict):
+        return {name: _kinds(item) for name, item in value.items()}
+    if isinstance(value, list):
+        return [_kinds(item) for item in value]
+    return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
 
 
 def _flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:

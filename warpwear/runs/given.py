@@ -46,8 +46,9 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurfac
     """The study on heights [mm] of its domain, or of its track, and what it takes them for.
 
     surface: an array of the shape of `study.cells`, (rows, ny) of a swept study's track; or an object with
-    the methods of `Surface`, which is sampled there. Heights count from their mean, as measured ones do: an
-    approach is over their mean plane. folder: where `save` is to put them; None for a run in memory.
+    the methods of `Surface`, which is sampled there; what a `Measured` filled is known as such. Heights count
+    from their mean, as measured ones do: an approach is over their mean plane. folder: where `save` is to put
+    them; None for a run in memory.
 
     Raises InputError for another shape, for values that are no finite real numbers or are masked, and for the
     macro model.
@@ -59,6 +60,7 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurfac
         )
     cells, cell = study.cells, study.grid.cell
     x = study.track.x if study.is_swept else cells.x
+    filled = surface.filled_at(x, cells.y) if isinstance(surface, Measured) else None
     if callable(getattr(surface, "heights", None)):
         surface = surface.heights(x, cells.y)
     heights = _numbers(surface)
@@ -76,9 +78,11 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurfac
     prepared = prepare(reading, Preparation(level="none"), name=SURFACE_FILE if folder else NO_FILE)
     details: dict[str, Any] = {"file": Path(path).name, "format": "npy", "unit": "mm", "level": "none"}
     details["operations"] = list(prepared.operations)
+    if filled is not None:
+        details["filled_percent"] = 100.0 * float(filled.mean())
     return GivenSurface(
         _on_file(study, path),
-        Measured(levelled=prepared.heights, pixel=(cell, cell), details=details),
+        Measured(levelled=prepared.heights, pixel=(cell, cell), filled=filled, details=details),
         heights,
     )
 

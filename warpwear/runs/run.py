@@ -56,7 +56,8 @@ def run(
     direction: an array of a height a cell of the domain, shape (nx, ny), or of the track of a swept run,
     shape (rows, ny); or an object with the methods of `warpwear.surfaces.base.Surface`, which is sampled
     there. Their mean is taken off: approaches count from it. With `out` they are saved as surface.npy, which
-    the resolved study names, so that it runs again by itself.
+    the resolved study names, so that it runs again by itself. The share of the load on points that a
+    `Measured` filled is told and limited as that of a file; surface.npy does not say which these are.
     out: run folder to write (study.toml, result.h5, history.csv, summary.json, figures, log.txt); without it
     the result lives in memory. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
     result depends on it. plots: figures to draw into `out`, "essential" (True), "all" or "none" (False); with
