@@ -100,7 +100,7 @@ def model_of(
     filled = None
     if isinstance(surface, Measured):
         filled = surface.filled_at(study.track.x if study.is_swept else grid.x, grid.y)
-        filled = None if not filled.any() else filled
+        filled = None if filled is None or not filled.any() else filled
     if filled is not None and filled.all():
         raise InputError(
             f"disc.surface = {study.disc.surface!r} was measured nowhere in the domain, but filled in: "
