@@ -260,7 +260,7 @@ def known(found: dict[str, Course]) -> list[str]:
 
 
 def known_friction(found: dict[str, Course]) -> list[str]:
-    """The same of friction with a film and growing junctions."""
+    """Compare friction with a film and growing junctions with what is known of it."""
     lines = []
 
     def say(what: str, got: float, low: float, high: float) -> None:

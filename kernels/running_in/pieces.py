@@ -51,6 +51,7 @@ class Share:
     sphere: wp.float64  # K ΔL without the dust [mm³/N]
     disc: wp.float64
     shift: wp.int32  # the disc's row under the sphere's first
+    parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
 
 
 @wp.func
@@ -129,14 +130,10 @@ def take_tiles(
     share: Share,
     stiffness_in: wp.array2d(dtype=Cells),
     gap_in: wp.array2d(dtype=Cells),
-    parts_in: wp.array2d(dtype=Cells),
     sphere: Body,
     disc: Body,
 ):
-    """Make the wear by the pressure of a solved approach pending, of the tiles listed.
-
-    parts_in: of the cap, that cells bear; no rows where all bear it.
-    """
+    """Make the wear by the pressure of a solved approach pending, of the tiles listed."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
@@ -146,8 +143,8 @@ def take_tiles(
             g = gap_in[row, k]
             s = stiffness_in[stiffness_row, k]
             part = Cells(ONE)
-            if parts_in.shape[0] > 0:
-                part = parts_in[row, k]
+            if share.parts.shape[0] > 0:
+                part = share.parts[row, k]
             for j in range(LANES):
                 p = pressure_of(of_cell(law, part[j]), g[j], s[j])
                 share_out(row, k * LANES + j, p, share, sphere, disc)

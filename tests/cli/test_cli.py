@@ -112,6 +112,7 @@ def test_a_smooth_run_stands_beside_hertz(tmp_path: Path) -> None:
 def test_listing_and_showing(tmp_path: Path) -> None:
     listed = warpwear("studies", cwd=tmp_path)
     assert [line.split()[0] for line in listed.stdout.splitlines()] == [
+        "running-in",
         "track",
         "two-scale",
         "v1",

@@ -86,12 +86,12 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Resu
     assert {path.stem for path in written} == STATIC
     with pytest.raises(InputError, match="there is no figure 'cof': the run has one step"):
         plot.cof()
-    of_others = {"hertz", "distance_factor", *OF_TRACKS, *OF_PATCHES, *OF_FILMS}
+    of_others = {"hertz", "distance_factor", "pieces", *OF_TRACKS, *OF_PATCHES, *OF_FILMS}
     assert set(results["rough"].plot.left_out) == of_others
     assert set(results["flat"].plot.left_out) == {"contact_radius"} | of_others
     assert results["flat"].plot.left_out["contact_radius"] == "a rigid flat has no radius of contact"
     of_rough = {"roughness", "islands", "junctions"}
-    assert set(results["smooth"].plot.left_out) == of_rough | {*OF_TRACKS, *OF_PATCHES, *OF_FILMS}
+    assert set(results["smooth"].plot.left_out) == of_rough | {"pieces", *OF_TRACKS, *OF_PATCHES, *OF_FILMS}
     no_speed = warpwear.run(
         Study.load("v3").replace({"grid.cell": "20 um", "sliding.speed": None, "sliding.distance": "3 mm"})
     )

@@ -184,7 +184,7 @@ def test_a_run_goes_on_from_a_block(preset: str, monkeypatch: pytest.MonkeyPatch
         for column, values in alone.history.items():
             assert_array_equal(resumed.history[column], values, err_msg=column)
         for index in range(2):
-            for name, values in vars(alone.snapshot(index)).items():
+            for name, values in alone.snapshot(index).fields.items():
                 assert_array_equal(getattr(resumed.snapshot(index), name), values, err_msg=name)
 
 

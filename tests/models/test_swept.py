@@ -264,7 +264,7 @@ def test_an_interrupted_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPa
             for name, values in alone.history.items():
                 assert_array_equal(again.history[name], values, err_msg=name)
             for index in range(3):
-                for name, field in vars(alone.snapshot(index)).items():
+                for name, field in alone.snapshot(index).fields.items():
                     assert_array_equal(getattr(again.snapshot(index), name), field, err_msg=name)
             assert_array_equal(again.track_heights(), alone.track_heights())
 

@@ -28,7 +28,7 @@ def numbers(study: Study, **options: Any) -> dict[str, Any]:
     with warpwear.run(study, **options) as result:
         found: dict[str, Any] = dict(result.history)
         for index in range(result.snapshot_distances.size):
-            fields = vars(result.snapshot(index)).items()
+            fields = result.snapshot(index).fields.items()
             found |= {f"{name} {index}": values for name, values in fields if values is not None}
         return found
 

@@ -173,7 +173,6 @@ class SlidingPieces:
         self.sphere = Pending(executor, law, footprint, of_sphere, body=0, down=1.0, periodic=False)
         self.disc = Pending(executor, law, footprint, of_disc, body=1, down=-1.0, periodic=periodic)
         self.book = PieceBook()
-        self._all = executor.zeros(0)  # that all cells bear the cap
 
     @classmethod
     def of(
@@ -228,8 +227,9 @@ class SlidingPieces:
         shift: the disc's row under the sphere's first. removals: K ΔL of sphere and disc [mm³/N].
         parts: of the cap, that cells bear; None: all of it.
         """
-        own = self._all if parts is None else parts
-        inputs = [law, self._share_of(shift, removals), stiffness, gap, own]
+        if parts is not None:
+            self._share.parts = parts
+        inputs = [law, self._share_of(shift, removals), stiffness, gap]
         every = [(0, self._executor.slots)]
         outputs = [self.sphere.body, self.disc.body]
         self._executor.launch(kernels.take_tiles, inputs=inputs, outputs=outputs, over=tiles, chunks=every)
