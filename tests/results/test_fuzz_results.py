@@ -202,3 +202,15 @@ def test_a_history_without_one_of_its_columns_is_refused(good: dict[str, Path], 
         check_sentence(told.value)
         with h5py.File(file, "r+") as opened:
             opened[f"history/{name}"] = values
+
+
+def test_a_field_that_is_unknown_in_places_is_refused(good: dict[str, Path], tmp_path: Path) -> None:
+    """Only beside the patches of a run that has some of the area is anything unknown."""
+    file = Path(shutil.copy(good["swept"] / "result.h5", tmp_path))
+    with h5py.File(file, "r+") as opened:
+        name = list(opened["snapshots"])[-1]
+        opened[f"snapshots/{name}/wear_disc"][:2] = np.nan
+    with file.open("r+b") as whole:
+        seal(whole, MAGIC)
+    with Result.open(file) as result, pytest.raises(InputError, match="wear_disc is negative, infinite or"):
+        result.snapshot(-1)

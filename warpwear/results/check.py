@@ -96,12 +96,15 @@ def check_snapshots(file: h5py.File, study: Study) -> None:
                 _numbers(file, f"{place}/{field}", (rows if field in OF_THE_TRACK else nx, ny))
 
 
-def check_fields(fields: dict[str, Any]) -> None:
-    """Raise ValueError for values that no field of a run has: only a gap may be infinite or unknown."""
+def check_fields(fields: dict[str, Any], study: Study) -> None:
+    """Raise ValueError for values that no field of a run has: only a gap may be infinite.
+
+    Unknown is what lies beside the patches of a run that has some of the area.
+    """
     for name, values in fields.items():
-        known = values[~np.isnan(values)]
+        known = values[~np.isnan(values)] if study.samples_area else values
         if name != "gap" and known.size and not (np.isfinite(known).all() and known.min() >= 0.0):
-            raise ValueError(f"its {name} is negative or infinite in places")
+            raise ValueError(f"its {name} is negative, infinite or unknown in places")
 
 
 def _check_distance(distance: FloatArray, increment: FloatArray) -> None:

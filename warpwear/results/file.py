@@ -270,7 +270,7 @@ class ResultFile:
             group = file["snapshots"][list(file["snapshots"])[number]]
             row = int(group.attrs["row"]) if "row" in group.attrs else None
             fields = {name: group[name][()] for name in FIELDS if name in group}
-            check_fields(fields)
+            check_fields(fields, self.study)
             on_filled = float(group.attrs["load_on_filled"]) if "load_on_filled" in group.attrs else None
             return Snapshot(float(group.attrs["distance"]), row=row, load_on_filled=on_filled, **fields)
 
