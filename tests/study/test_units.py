@@ -8,6 +8,7 @@ import pint
 import pytest
 
 from warpwear import InputError, Study
+from warpwear.study.units import FACTORS, parse
 
 REGISTRY = pint.UnitRegistry()
 OTHER = pint.UnitRegistry(system="US")
@@ -153,3 +154,15 @@ def test_wear_coefficients_as_quantities() -> None:
 def test_what_is_no_quantity_is_one_sentence(key: str, value: Any, message: str) -> None:
     with pytest.raises(InputError, match=message):
         BASE.replace({key: value})
+
+
+def test_factors_are_those_of_pint() -> None:
+    """To the last bit, for numbers of any size, as results do not depend on who reads a quantity."""
+    registry, generator = pint.UnitRegistry(), np.random.default_rng(5)
+    numbers = 10.0 ** generator.uniform(-9.0, 9.0, 40)
+    for unit, factors in FACTORS.items():
+        for asked in factors:
+            for number in map(float, numbers):
+                assert (
+                    parse(f"{number!r} {asked}", unit) == registry.Quantity(number, asked).to(unit).magnitude
+                )

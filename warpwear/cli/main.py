@@ -1,6 +1,7 @@
 """The command line. Exit status 0, 2 for bad input with one plain sentence, 130 when interrupted."""
 
 import codecs
+import gc
 import io
 import os
 import sys
@@ -53,6 +54,9 @@ def main(arguments: list[str] | None = None) -> None:
             _silence(sys.stdout)
         what = "standard output" if error.filename is None else str(error.filename)
         _fail(str(InputError(f"{what} cannot be read or written: {error.strerror or error}")))
+    finally:
+        if arguments is None:  # what is left goes with the process, and need not be looked through
+            gc.freeze()
     sys.exit(status if isinstance(status, int) else 0)
 
 

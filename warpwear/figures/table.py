@@ -79,8 +79,6 @@ FIGURES: dict[str, Entry] = {
     "cof_stroke": Entry("track:cof_stroke", (when.STILL, when.NO_COURSE, when.NO_COF)),
     "track_roughness": Entry("track:track_roughness", (*_GROOVE, when.SMOOTH_DISC)),
 }
-#: What may be drawn of a run.
-PLOTS = ("essential", "all", "none")
 #: Figures that are drawn by default, what goes into a paper -> the attributes of `FigureData` that they need.
 ESSENTIAL: dict[str, tuple[str, ...]] = {
     "setup": ("relief",),

@@ -3,7 +3,9 @@
 Taken from the snapshots of a result; ask for more with `output.snapshots`.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy import ndimage  # every run needs it: not late, when memory may be short
@@ -40,16 +42,23 @@ def surface_evolution(result: ResultFile) -> SurfaceEvolution:
 
 
 def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
-    rows, areas = [], []
-    for snapshot in result.snapshots:  # none of a run that was interrupted before the first
-        islands = island_areas(result, snapshot)
-        # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
-        one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area
-        row = {"distance": snapshot.distance} | _roughness_in_scar(result, snapshot)
-        rows.append(row | _count_islands(islands, one_cell))
-        areas.append(islands)
-    table = {column.name: np.array([row[column.name] for row in rows]) for column in EVOLUTION}
-    return SurfaceEvolution(table, tuple(areas))
+    numbers = range(len(result.snapshots))  # none of a run that was interrupted before the first
+    if result.at_hand.keys() >= {*numbers}:
+        with ThreadPoolExecutor(int(result.attributes["threads"])) as pool:
+            found = list(pool.map(partial(_of_snapshot, result), (result.at_hand[n] for n in numbers)))
+    else:  # one at a time in memory
+        found = [_of_snapshot(result, snapshot) for snapshot in result.snapshots]
+    table = {column.name: np.array([row[column.name] for row, _ in found]) for column in EVOLUTION}
+    return SurfaceEvolution(table, tuple(islands for _, islands in found))
+
+
+def _of_snapshot(result: ResultFile, snapshot: Snapshot) -> tuple[dict[str, float], FloatArray]:
+    """The row of a snapshot, and the areas of its islands [mm²]."""
+    islands = island_areas(result, snapshot)
+    # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
+    one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area
+    row = {"distance": snapshot.distance} | _roughness_in_scar(result, snapshot)
+    return row | _count_islands(islands, one_cell), islands
 
 
 def island_areas(result: ResultFile, snapshot: Snapshot) -> FloatArray:

@@ -40,6 +40,10 @@ SPACE_FOR_THE_REST = 2 * 2**20
 CHUNK = 256
 #: Level of deflate.
 LEVEL = 1
+#: How a stream of zlib begins (RFC 1950), and an empty last block (RFC 1951).
+ZLIB, END = b"\x78\x01", b"\x03\x00"
+#: Pieces of a row of bytes that tell whether it is worth compressing, and the length of one [B].
+PIECES, PIECE = 16, 256
 #: Part of the memory that is free which a snapshot may take to be kept.
 AT_HAND = 0.1
 #: Errors of a file system that cannot set room aside.
@@ -242,8 +246,8 @@ class ResultWriter:
 def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:
     """A block as HDF5's filters shuffle and deflate leave it, filled up to its size; None where all is zero.
 
-    What is not written reads as zero. Runs of equal bytes are all that deflate finds in shuffled heights:
-    looking for no more takes half the time of its level 1.
+    What is not written reads as zero. Runs of equal bytes are all that deflate finds in shuffled heights, and
+    in the last bytes of rough ones not even those: they are stored, at a tenth of the time.
     """
     block = values
     if values.shape != chunk:
@@ -252,9 +256,21 @@ def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:
     words = np.ascontiguousarray(block)
     if not words.view(np.uint64).any():
         return None
-    deflate = zlib.compressobj(LEVEL, strategy=zlib.Z_RLE)
     shuffled = np.ascontiguousarray(words.view(np.uint8).reshape(-1, words.itemsize).T)
-    return deflate.compress(shuffled.data) + deflate.flush()
+    parts = [_deflated(plane, 0 if _is_noise(plane) else LEVEL) for plane in shuffled]
+    return b"".join((ZLIB, *parts, END, zlib.adler32(shuffled.data).to_bytes(4, "big")))
+
+
+def _is_noise(plane: "np.ndarray[Any, np.dtype[np.uint8]]") -> bool:
+    """Whether deflate gains nothing on some pieces of a row of bytes."""
+    pieces = plane[: plane.size // PIECES * PIECES].reshape(PIECES, -1)[:, :PIECE]
+    return len(_deflated(np.ascontiguousarray(pieces), LEVEL)) >= pieces.size
+
+
+def _deflated(values: "np.ndarray[Any, np.dtype[np.uint8]]", level: int) -> bytes:
+    """Bytes as a part of a deflate stream, which refers to none before it and ends at a whole byte."""
+    deflate = zlib.compressobj(level, wbits=-zlib.MAX_WBITS, strategy=zlib.Z_RLE)
+    return deflate.compress(values.data) + deflate.flush(zlib.Z_FULL_FLUSH)
 
 
 def _label(dataset: h5py.Dataset, scales: h5py.Group, *names: str) -> None:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.engine.device import free_memory
 from warpwear.engine.executor import FIELDS_NEEDED, Executor
 from warpwear.errors import InputError
@@ -18,17 +19,19 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import WHOLE, Track, increments
 from warpwear.models.model import Model
-from warpwear.models.patches.half_space import HalfSpacePatches
-from warpwear.models.patches.local import TwoScaleModel
-from warpwear.models.patches.width import refuse_unsuitable
-from warpwear.models.rest.local import OneScaleModel
-from warpwear.models.track.model import DISC_FIELDS, SweptModel
 from warpwear.study.study import Study
 from warpwear.study.surface import bearing_curve_of
 from warpwear.surfaces.base import BoolArray, Surface
 from warpwear.surfaces.made.synthetic import RandomPart
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.roughness import roughness
+
+# The models, each with its kernels, of which a run needs one: reading them all takes longer than a short run.
+models_rest = lazy.module("warpwear.models.rest.local")
+models_track = lazy.module("warpwear.models.track.model")
+models_two_scale = lazy.module("warpwear.models.patches.local")
+models_patches = lazy.module("warpwear.models.patches.half_space")
+width = lazy.module("warpwear.models.patches.width")
 
 #: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0}, 12.0
@@ -68,7 +71,7 @@ def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
     if study.is_swept:
         rows = study.track.rows
         fields += SLIDING_FIELDS * elastic
-        fields += DISC_FIELDS * rows / study.cells.nx
+        fields += models_track.DISC_FIELDS * rows / study.cells.nx
         fields += (study.sliding.plastic == "keep") * rows / study.cells.nx
         fields += PIECES_FIELDS * study.wear.sheds * rows / study.cells.nx
         _check_memory(study, rows, fields, device)
@@ -111,19 +114,20 @@ def model_of(
         measured = heights[seen] if filled is None else np.where(filled[seen], np.nan, heights[seen])
         record["on_the_grid"] = _roughness_on(grid, measured)
     if study.is_swept:
-        swept = SweptModel(study.contact_task, study.track, heights, executor)
+        swept = models_track.SweptModel(study.contact_task, study.track, heights, executor)
         return PreparedModel(swept, heights, record, pieces=swept.pieces, filled=filled)
     if study.study.model == "two-scale":
         patches = study.patch_layout
-        refuse_unsuitable(study, patches, heights)
-        make = HalfSpacePatches if study.contact.law == "half-space" else TwoScaleModel
-        of_patches = make(study.contact_task, patches, heights, executor)
+        width.refuse_unsuitable(study, patches, heights)
+        task = study.contact_task
+        of_law = models_patches.HalfSpacePatches if task.half_space else models_two_scale.TwoScaleModel
+        of_patches = of_law(task, patches, heights, executor)
         return PreparedModel(of_patches, heights, record, book=of_patches.book, filled=filled)
     curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
     if curve is not None:
         record["bearing_curve"] = asdict(curve)
     model = model_at_rest(study.contact_task, heights, executor, bearing_curve=curve)
-    pieces = model.pieces if isinstance(model, SweptModel) else None
+    pieces = getattr(model, "pieces", None)
     return PreparedModel(model, heights, record, pieces=pieces, filled=filled)
 
 
@@ -136,10 +140,11 @@ def model_at_rest(
     does not resolve.
     """
     if task.is_uniform and not task.half_space and bearing_curve is None and task.pieces is None:
-        return OneScaleModel(task, heights, executor)
+        return models_rest.OneScaleModel(task, heights, executor)
     # The asperities spring back: a dent that stays would be pressed anew in each step.
     task = replace(task, keeps_dents=False)
-    return SweptModel(task, Track.at_rest(executor.grid), heights, executor, bearing_curve=bearing_curve)
+    track = Track.at_rest(executor.grid)
+    return models_track.SweptModel(task, track, heights, executor, bearing_curve=bearing_curve)
 
 
 def plan_of(study: Study) -> list[tuple[float, float, bool]]:

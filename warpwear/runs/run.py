@@ -2,20 +2,20 @@
 
 import logging
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 from uuid import uuid4
 
 import h5py
 from numpy.typing import ArrayLike
 
+from warpwear import lazy
 from warpwear.clock import Clock, phase
 from warpwear.engine.device import check_threads, find_device, report_out_of_memory
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
-from warpwear.figures.process import LATE, Painter
-from warpwear.figures.table import PLOTS
 from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results.file import FILE_NAME, OWN_SURFACE, SURFACE_FILE
@@ -34,7 +34,15 @@ from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
 from warpwear.version import __version__
 
+if TYPE_CHECKING:
+    from warpwear.figures.process import Painter
+
+process = lazy.module("warpwear.figures.process")
+
 LOG = logging.getLogger("warpwear")
+
+#: What may be drawn of a run.
+PLOTS = ("essential", "all", "none")
 
 
 def run(
@@ -138,9 +146,9 @@ def run_study(study: Study | str | Path, how: How) -> Result:
             return Result.open(how.out)
         draws = how.out is not None and how.plots != "none"
         cores = check_threads(how.threads)
-        with Painter(cores if draws else 1) as painter:
+        with process.Painter(cores) if draws else nullcontext() as painter:
             result, at_hand = _compute(study, given, how, progress, painter)
-            if how.out is not None and draws:
+            if how.out is not None and painter is not None:
                 _draw(result, at_hand, how.out, how.plots, painter)
         result.seconds = clock.seconds
         if how.out is not None and how.whole:
@@ -164,7 +172,7 @@ def _is_there(study: Study, given: GivenSurface | None, how: How, folder: Path) 
 
 
 def _compute(
-    study: Study, given: GivenSurface | None, how: How, progress: Progress, painter: Painter
+    study: Study, given: GivenSurface | None, how: How, progress: Progress, painter: "Painter | None"
 ) -> tuple[Result, dict[int, Snapshot]]:
     """Make the steps and leave the run in its folder; returns its result, and the snapshots in memory.
 
@@ -230,18 +238,18 @@ def _writer_of(
     return writer
 
 
-def _leave(result: Result, loop: StepLoop, work: Path | None, painter: Painter) -> None:
+def _leave(result: Result, loop: StepLoop, work: Path | None, painter: "Painter | None") -> None:
     """Write the tables into the work folder, while figures are drawn of what there is."""
-    draws = loop.finished and painter.draws
-    if draws:
-        painter.order(result.plot, but=LATE)
+    draws = loop.finished and painter is not None and painter.draws
+    if draws and painter is not None:
+        painter.order(result.plot, but=process.LATE)
     if work:
         write_tables(work, loop.study, result)
-    if draws:
+    if draws and painter is not None:
         painter.order(result.plot)
 
 
-def _draw(result: Result, at_hand: dict[int, Snapshot], folder: Path, plots: str, painter: Painter) -> None:
+def _draw(result: Result, at_hand: dict[int, Snapshot], folder: Path, plots: str, painter: "Painter") -> None:
     """Write the figures, those of the painter and those that it left."""
     with phase("draw"):
         result.at_hand = at_hand

@@ -39,6 +39,18 @@ _NUMBER_AND_UNIT = re.compile(
     r"(?:\s+1(?=/))?\s*(?P<unit>/?\s*(?:[^\W\d_]|[²³])+"
     r"(?:(?:\s*(?:\^|\*\*)\s*-?\d)|[^\W\d_]|(?<=[^\W\d_])[23]|[⁻¹²³\s()*/·⋅])*)?\s*"
 )
+#: Factors of units as they are mostly written, to the last bit those of pint, which takes long to load.
+FACTORS = {
+    "mm": {"mm": 1.0, "um": 1.0e-3, "µm": 1.0e-3, "m": 1.0e3},
+    "N": {"N": 1.0, "mN": 1.0e-3},
+    "MPa": {"MPa": 1.0, "GPa": 1.0e3},
+    "N/mm^3": {"N/mm^3": 1.0},
+    "mm/s": {"mm/s": 1.0, "mm/min": 1.0 / 60.0},
+    "s": {"s": 1.0, "min": 60.0},
+    "deg": {"deg": 1.0},
+    "mm^3/N/m": {"mm^3/N/m": 1.0},
+    "N/mm": {"N/mm": 1.0, "J/m^2": 1.0e-3},
+}
 #: Most characters of a quantity: more are read as none.
 LONGEST_TEXT = 200
 #: A hardness number of a standard, with the load of the test after its name or not: "200 HV10".
@@ -79,6 +91,8 @@ def _read(value: str, unit: str) -> float:
     asked = found["unit"]
     if not asked:
         raise ValueError(f"needs its unit: {EXAMPLES[unit]}")
+    if asked in FACTORS.get(unit, {}):
+        return float(found["number"]) * FACTORS[unit][asked]
     # "mm3/Nm" is mm³/(N m), where pint has a unit Nm of yarn.
     asked = re.sub(r"(?<=[^\W\d_])[23]", r"^\g<0>", re.sub(r"\bNm\b", "N*m", asked.replace("⋅", "·")))
     above, slash, below = asked.partition("/")

@@ -143,8 +143,17 @@ def ball(flat, ra, *, middle=(0.02, -0.05), seed=2):
     return worn + ra * rough_ball(seed), float((sphere - worn).sum()) * 0.005**2
 
 
-@pytest.mark.parametrize("radius", [3.0, None])
-@pytest.mark.parametrize(("flat", "ra"), [(0.0272, 1e-5), (0.0272, 3e-4), (0.01, 1e-4)])
+@pytest.mark.parametrize(
+    ("flat", "ra", "radius"),
+    [
+        (0.0272, 1e-5, 3.0),
+        (0.0272, 1e-5, None),
+        (0.0272, 3e-4, 3.0),
+        (0.0272, 3e-4, None),
+        (0.01, 1e-4, 3.0),
+        pytest.param(0.01, 1e-4, None, marks=pytest.mark.slow),
+    ],
+)
 def test_volume_of_a_worn_ball(flat, ra, radius):
     heights, volume = ball(flat, ra)
     found = find_worn_ball(heights, pixel=(0.005, 0.005), radius=radius)
@@ -170,17 +179,25 @@ def test_a_radius_that_cannot_be_told_is_refused():
         find_worn_ball(heights, pixel=(0.005, 0.005))
 
 
-@pytest.mark.parametrize("flat", [0.0005, 0.001])
-def test_shallow_scars_are_not_cut_short(flat):
+@pytest.mark.parametrize(
+    ("flat", "count"),
+    [
+        (0.0005, 4),
+        pytest.param(0.0005, 8, marks=pytest.mark.slow),
+        pytest.param(0.001, 8, marks=pytest.mark.slow),
+    ],
+)
+def test_shallow_scars_are_not_cut_short(flat, count):
     off, errors = [], []
-    for seed in range(8):
+    for seed in range(count):
         heights, volume = ball(flat, 1.6e-4, seed=seed)
         found = find_worn_ball(heights, pixel=(0.005, 0.005), radius=3.0)
         off.append(found.volume / volume - 1.0)
         errors.append(found.volume_error / volume)
-    assert abs(np.mean(off)) < 2.5 * np.mean(errors) / math.sqrt(8)
+    assert abs(np.mean(off)) < 2.5 * np.mean(errors) / math.sqrt(count)
     assert (np.abs(off) < 3 * np.array(errors)).all()
-    assert np.mean(errors) == pytest.approx(np.sqrt(np.mean(np.square(off))), rel=0.6)
+    if count == 8:  # fewer say little of a spread
+        assert np.mean(errors) == pytest.approx(np.sqrt(np.mean(np.square(off))), rel=0.6)
 
 
 def test_pile_up_beside_the_patch_is_net():

@@ -7,10 +7,11 @@ those of a track on which the disc does not move.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.contact.balance import (
     STEPS_AHEAD,
     Balance,
@@ -37,8 +38,12 @@ from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
 from warpwear.models.on_cpu import Block, booked, in_launches
-from warpwear.models.on_gpu import DeviceSteps, at_rest
 from warpwear.models.rest.bodies import RestingBodies
+
+if TYPE_CHECKING:
+    from warpwear.models.on_gpu import DeviceSteps
+
+on_gpu = lazy.module("warpwear.models.on_gpu")
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
@@ -128,7 +133,7 @@ class OneScaleModel(Model):
                 yield booked_step
             return
         if self._loop is None:
-            self._loop = at_rest(self._executor, self.task, self.state.gap, self.state.unworn)
+            self._loop = on_gpu.at_rest(self._executor, self.task, self.state.gap, self.state.unworn)
         removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
         mean = self._ledger.row["pressure_mean"]
         made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
