@@ -11,7 +11,7 @@ from scipy.special import ellipe
 import warpwear
 from warpwear import Result, Study
 from warpwear.figures.data import FigureData
-from warpwear.figures.snapshots import diameters_of, junctions, share_above
+from warpwear.figures.snapshots import junctions
 from warpwear.laws.junctions import critical_junction, junction_strength
 
 STEEL: dict[str, float] = {
@@ -82,7 +82,7 @@ def result() -> Result:
 
 def drawn(result: Result, critical: float | None) -> Any:
     data = FigureData(result)
-    data.study = SimpleNamespace(critical_junction=critical)  # type: ignore[assignment]
+    data.study = SimpleNamespace(critical_junction=critical, pieces=None)  # type: ignore[assignment]
     figure = junctions(data)
     figure.canvas.draw()
     return figure
