@@ -13,6 +13,7 @@ from warpwear import Result, Study
 from warpwear.figures.data import FigureData
 from warpwear.figures.snapshots import junctions
 from warpwear.laws.junctions import critical_junction, junction_strength
+from warpwear.results.evolution import diameters_of, share_above
 
 STEEL: dict[str, float] = {
     "surface_energy": 1e-3,
@@ -69,6 +70,7 @@ def test_share_above_a_diameter_is_of_the_area() -> None:
     assert share_above(areas, 1.5) == pytest.approx(13.0 / 15.0)
     assert share_above(areas, 2.5) == pytest.approx(9.0 / 15.0)
     assert share_above(areas, 3.1) == 0.0
+    assert np.isnan(share_above(areas[:0], 1.0))
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,13 @@ from warpwear.laws.film import Breaking
 from warpwear.laws.patches import Patches
 from warpwear.laws.settling import Settling
 from warpwear.models.patches.smooth import SmoothContact
-from warpwear.results.evolution import SurfaceEvolution, settling, spectrum_in_scar, surface_evolution
+from warpwear.results.evolution import (
+    SurfaceEvolution,
+    settling,
+    settling_course,
+    spectrum_in_scar,
+    surface_evolution,
+)
 from warpwear.results.export import BODIES, worn_heights
 from warpwear.results.file import ResultFile
 from warpwear.results.summary import bare_course
@@ -200,9 +206,10 @@ class FigureData:
         return self.evolution.table
 
     @cached_property
-    def settling(self) -> dict[str, Settling | str]:
-        """The fitted course of Sq in the inner scar by body, or why there is none."""
-        return {body: settling(self.result, body) for body in BODIES}
+    def settling(self) -> dict[str, tuple[FloatArray, FloatArray, Settling | str]]:
+        """Distances [mm] and Sq [µm] in the inner scar by body, with its fit or why there is none."""
+        found = {body: settling_course(self.result, body) for body in BODIES}
+        return {body: (*course, settling(self.result, body)) for body, course in found.items()}
 
     @cached_property
     def spectra(self) -> dict[str, list[tuple[float, Spectrum]]]:
@@ -220,7 +227,9 @@ class FigureData:
     def pieces(self) -> SimpleNamespace:
         """The pieces' diameters as cut by body [mm], and the diameter asked for."""
         asked, table = self.study.pieces, self.result.pieces
-        cut = {body: np.sort(table["diameter"][table["body"] == number]) for number, body in enumerate(BODIES)}
+        cut = {
+            body: np.sort(table["diameter"][table["body"] == number]) for number, body in enumerate(BODIES)
+        }
         return SimpleNamespace(cut=cut, asked=asked.diameter if asked else None)
 
     @cached_property

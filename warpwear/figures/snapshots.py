@@ -34,19 +34,21 @@ def roughness(axes: Axes, data: "FigureData") -> None:
 
 @fs.panels(2)
 def texture(axes: Any, data: "FigureData") -> None:
-    """Sq and rms gradient Sdq of ball and disc in the inner scar over the distance, with fits of Sq."""
+    """Sq and rms gradient Sdq of ball and disc in the inner scar over the distance, with fits of Sq.
+
+    A disc's Sq is over that of the same cells before wear, times that of the last ones.
+    """
     table = data.roughness
     heights, slopes = axes
     for body, color, mark in (("sphere", fs.SPHERE, "o"), ("disc", fs.DISC, "s")):
         line: dict[str, Any] = {"color": color, "marker": mark, "ms": 3}
-        label, fit = data.about.name_of(body), data.settling[body]
-        if isinstance(fit, str):
-            fs.over_distance(heights, table["distance"], table[f"sq_{body}"], label=label, **line)
-        else:  # the fit is the line
-            fs.over_distance(heights, table["distance"], table[f"sq_{body}"], label=label, ls="none", **line)
-            places = np.linspace(0.0, float(table["distance"][-1]), 200)
-            told = f"to {fit.equilibrium:.2g} µm over {fit.length:.2g} mm"
-            heights.plot(places, fit.at(places), color=color, ls="--", lw=1.0, label=told)
+        slid, sq, fit = data.settling[body]
+        dots = line if isinstance(fit, str) else line | {"ls": "none"}
+        fs.over_distance(heights, slid, sq, label=data.about.name_of(body), **dots)
+        if not isinstance(fit, str):  # the fit is the line
+            places = np.linspace(0.0, float(slid[-1]), 200)
+            told = f"{fs.short(float(f'{fit.equilibrium:.2g}'))} µm over {fs.short(float(f'{fit.length:.2g}'))} mm"
+            heights.plot(places, fit.at(places), color=color, ls="--", lw=1.0, label=f"to {told}")
         fs.over_distance(slopes, table["distance"], table[f"sdq_{body}"], **line)
     heights.set_ylabel("Sq in the inner scar, µm")
     slopes.set_ylabel("rms gradient Sdq in the inner scar, –")

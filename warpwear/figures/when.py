@@ -53,7 +53,8 @@ NO_TEXTURE = Reason(
     "the scar has too few cells to tell its roughness",
 )
 NO_SPECTRUM = Reason(
-    lambda d: not all(d.spectra.values()), "the scar has too few cells for a spectrum, or patches cover a part"
+    lambda d: not all(d.spectra.values()),
+    "the scar has too few cells for a spectrum, or patches cover a part",
 )
 ONLY_SAMPLES = Reason(
     lambda d: d.study.samples_area, "the patches cover a part of the area only: see load_share and patch_zoom"

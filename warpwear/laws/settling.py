@@ -51,10 +51,18 @@ def fit_settling(distance: FloatArray, roughness: FloatArray) -> Settling | str:
         return "it hardly changes"
     span = float(distance[-1])
     nearly = np.abs(roughness - roughness[0]) >= 0.63 * abs(float(roughness[-1] - roughness[0]))
-    guess = float(roughness[-1]), float(roughness[0]), max(float(distance[int(np.argmax(nearly))]), 0.01 * span)
+    guess = (
+        float(roughness[-1]),
+        float(roughness[0]),
+        max(float(distance[int(np.argmax(nearly))]), 0.01 * span),
+    )
     try:
         found, covariance = optimize.curve_fit(
-            _course, distance, roughness, p0=guess, bounds=([0.0, 0.0, 1e-6 * span], [np.inf, np.inf, 1e3 * span])
+            _course,
+            distance,
+            roughness,
+            p0=guess,
+            bounds=([0.0, 0.0, 1e-6 * span], [np.inf, np.inf, 1e3 * span]),
         )
     except (RuntimeError, ValueError):
         return "least squares found no constants"

@@ -3,7 +3,7 @@
 Taken from the snapshots of a result; ask for more with `output.snapshots`.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 from scipy import ndimage  # every run needs it: not late, when memory may be short
@@ -17,7 +17,7 @@ from warpwear.results.file import ResultFile
 from warpwear.results.track import whole_rows
 from warpwear.study.study import Study
 from warpwear.surfaces.spectrum import Spectrum
-from warpwear.surfaces.worn.scar import ellipse, fine_spectrum, roughness_without_form, texture
+from warpwear.surfaces.worn.scar import Texture, ellipse, fine_spectrum, roughness_without_form, texture
 
 #: Part of the scar's area whose roughness is taken.
 MIDDLE = 0.5
@@ -46,8 +46,9 @@ def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
         one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area
         row = {"distance": snapshot.distance} | _roughness_in_scar(result, snapshot)
         for body in BODIES:
-            row[f"sq_{body}"], row[f"sdq_{body}"] = _texture(result, index, snapshot, body)
-        row["sq_disc_unworn"], _ = _texture(result, index, snapshot, "disc", unworn=True)
+            found = _texture(result, index, snapshot, body)
+            row |= {f"sq_{body}": 1e3 * found.sq, f"sdq_{body}": found.sdq, f"rq_{body}": 1e3 * found.rq}
+        row["sq_disc_unworn"] = 1e3 * _texture(result, index, snapshot, "disc", unworn=True).sq
         row |= _count_islands(islands, one_cell)
         above = np.nan if critical is None or np.isnan(one_cell) else share_above(islands, critical)
         rows.append(row | {"share_above_critical": above})
@@ -104,13 +105,13 @@ def inner_scar(
     """
     extents = _extents(snapshot.touched)
     quarters = [(part.stop - part.start) // 4 for part in extents]
-    rows, columns = (
-        slice(part.start + q, part.stop - q) for part, q in zip(extents, quarters, strict=True)
-    )
+    rows, columns = (slice(part.start + q, part.stop - q) for part, q in zip(extents, quarters, strict=True))
     if body == "sphere" or not result.study.is_swept:
         heights = worn_heights(result, snapshot, body, (rows, columns))
         if unworn:
-            heights = heights + (snapshot.wear_sphere if body == "sphere" else snapshot.wear_disc)[rows, columns]
+            heights = (
+                heights + (snapshot.wear_sphere if body == "sphere" else snapshot.wear_disc)[rows, columns]
+            )
         return [heights]
     whole, length = whole_rows(result), rows.stop - rows.start
     length = min(length, whole.stop - whole.start)
@@ -126,12 +127,11 @@ def inner_scar(
 
 def _texture(
     result: ResultFile, index: int, snapshot: Snapshot, body: str, *, unworn: bool = False
-) -> tuple[float, float]:
-    """Sq [µm] and Sdq of a body in the inner scar, root mean squares over its fields."""
+) -> Texture:
+    """Roughness of a body in the inner scar, root mean squares over its fields."""
     fields = inner_scar(result, index, snapshot, body, unworn=unworn)
-    each = np.array([texture(heights, cell=result.study.grid.cell) for heights in fields])
-    sq, sdq = np.sqrt(np.mean(np.square(each), axis=0))
-    return 1.0e3 * float(sq), float(sdq)
+    each = [astuple(texture(heights, cell=result.study.grid.cell)) for heights in fields]
+    return Texture(*(float(value) for value in np.sqrt(np.mean(np.square(each), axis=0))))
 
 
 def spectrum_in_scar(result: ResultFile, index: int, snapshot: Snapshot, body: str) -> Spectrum | None:
@@ -147,25 +147,25 @@ def spectrum_in_scar(result: ResultFile, index: int, snapshot: Snapshot, body: s
     return replace(known[0], density=np.mean([spectrum.density for spectrum in known], axis=0))
 
 
-def settling(result: ResultFile, body: str) -> Settling | str:
-    """The fitted course of a body's Sq [µm] in the inner scar, or half a sentence that says why there is none.
+def settling_course(result: ResultFile, body: str) -> tuple[FloatArray, FloatArray]:
+    """Distances [mm] and Sq [µm] of a body in the inner scar, from before wear on, as it is fitted.
 
-    It starts with the body before wear, a smooth ball or an unworn disc. The inner scar grows, and more of a
-    disc is rougher: its Sq is taken over that of the same cells unworn, times that of the last ones.
+    A ball is smooth before. The inner scar grows, and a disc's Sq with it: it is taken over that of the same
+    cells unworn, times that of the last ones.
     """
-    return result.once(_settling)[body]
-
-
-def _settling(result: ResultFile) -> dict[str, Settling | str]:
     table = surface_evolution(result).table
-    slid, unworn = table["distance"], table["sq_disc_unworn"]
-    after = slid > 0.0
-    if not after.any():
-        return dict.fromkeys(BODIES, "nothing has slid")
+    after = table["distance"] > 0.0
+    slid, values = np.append(0.0, table["distance"][after]), table[f"sq_{body}"][after]
+    if body == "sphere" or not values.size:
+        return slid, np.append(0.0, values)
+    unworn = table["sq_disc_unworn"][after]
     with np.errstate(invalid="ignore", divide="ignore"):  # a disc without roughness
-        disc = table["sq_disc"] / unworn * unworn[-1]
-    courses = {"sphere": np.append(0.0, table["sq_sphere"][after]), "disc": np.append(unworn[-1], disc[after])}
-    return {body: fit_settling(np.append(0.0, slid[after]), course) for body, course in courses.items()}
+        return slid, unworn[-1] * np.append(1.0, values / unworn)
+
+
+def settling(result: ResultFile, body: str) -> Settling | str:
+    """The fitted course of a body's Sq [µm] in the inner scar, or half a sentence that says why there is none."""
+    return fit_settling(*settling_course(result, body))
 
 
 def critical_diameter(study: Study) -> float | None:
