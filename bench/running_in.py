@@ -7,7 +7,8 @@
 Every case is a run of the reference of wear in pieces (a ball on a self-affine disc of 1.2 mm, half-space,
 5 µm cells) with a few keys changed, in a process of its own with one thread. The table has the mean area of
 passes of 30 mm by the distance at their ends, or with a film ("μ …") the mean coefficient of friction; what
-is known stands below it, case by case. With --draw all courses stand in one picture, from a table of --csv with --read without a run.
+is known stands below it, case by case. --draw draws all courses in one picture; with --read they are those
+of a table of --csv, and nothing is run.
 """
 
 import argparse
@@ -365,7 +366,7 @@ def largest(course: Course) -> float:
 
 
 def write_csv(path: Path, found: dict[str, Course]) -> None:
-    """Write a row a case: means of areas [mm²], of friction and of bare fractions, and what else is printed."""
+    """Write a row a case: means of areas [mm²], of friction and of bare fractions, and what else is told."""
     with path.open("w", newline="") as file:
         writer = csv.writer(file)
         columns = [f"{what} at {end:g} mm" for what in ("area [mm^2]", "friction", "bare") for end in ENDS]

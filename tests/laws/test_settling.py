@@ -25,7 +25,7 @@ def test_constants_of_a_course_are_found(equilibrium: float, initial: float, len
 
 
 def test_errors_cover_the_scatter() -> None:
-    """Of 200 noisy courses about two thirds of the constants lie within one standard error, nearly all in three."""
+    """Of 200 noisy courses two thirds of the constants lie within one standard error, nearly all in three."""
     draw, off = np.random.default_rng(1), []
     places = np.linspace(0.0, 600.0, 25)
     for _ in range(200):

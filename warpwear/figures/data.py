@@ -213,7 +213,7 @@ class FigureData:
 
     @cached_property
     def spectra(self) -> dict[str, list[tuple[float, Spectrum]]]:
-        """Distance [mm] and power spectrum in the inner scar of the snapshots shown that have one, by body."""
+        """Distance [mm] and power spectrum in the inner scar of the snapshots shown, by body."""
         found: dict[str, list[tuple[float, Spectrum]]] = {body: [] for body in BODIES}
         for index in self.shown:
             snapshot = self.snapshot(index)

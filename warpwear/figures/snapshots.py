@@ -47,8 +47,10 @@ def texture(axes: Any, data: "FigureData") -> None:
         fs.over_distance(heights, slid, sq, label=data.about.name_of(body), **dots)
         if not isinstance(fit, str):  # the fit is the line
             places = np.linspace(0.0, float(slid[-1]), 200)
-            told = f"{fs.short(float(f'{fit.equilibrium:.2g}'))} µm over {fs.short(float(f'{fit.length:.2g}'))} mm"
-            heights.plot(places, fit.at(places), color=color, ls="--", lw=1.0, label=f"to {told}")
+            level, length = (fs.short(float(f"{value:.2g}")) for value in (fit.equilibrium, fit.length))
+            heights.plot(
+                places, fit.at(places), color=color, ls="--", lw=1.0, label=f"to {level} µm over {length} mm"
+            )
         fs.over_distance(slopes, table["distance"], table[f"sdq_{body}"], **line)
     heights.set_ylabel("Sq in the inner scar, µm")
     slopes.set_ylabel("rms gradient Sdq in the inner scar, –")
@@ -67,10 +69,10 @@ def spectrum(axes: Any, data: "FigureData") -> None:
             # from mm⁴ to µm⁴
             panel.plot(1e3 * found.wavelength, 1e12 * found.density, label=label, **line)
         panel.set(xscale="log", xlabel="wavelength, µm", title=data.about.name_of(body))
+        panel.set_ylabel("power spectral density, µm⁴")
         panel.invert_xaxis()
         fs.logarithmic(panel)
         fs.plain_numbers(panel.xaxis)
-    axes[0].set_ylabel("power spectral density, µm⁴")
     fs.legend_above(axes[0], columns=4)
 
 

@@ -48,6 +48,9 @@ ONE_SNAPSHOT = Reason(
     "one snapshot shows no course; ask for more with output.snapshots",
 )
 SMOOTH_DISC = Reason(_is_smooth, "a smooth disc has neither roughness nor islands")
+SMOOTH = Reason(
+    lambda d: _is_smooth(d) and not d.study.wear.sheds, "smooth bodies that lose no pieces have no roughness"
+)
 NO_TEXTURE = Reason(
     lambda d: not any(np.isfinite(d.roughness[f"sq_{body}"]).any() for body in ("sphere", "disc")),
     "the scar has too few cells to tell its roughness",

@@ -171,7 +171,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         (
             "share_above_critical",
             "1",
-            "part of the area in contact in islands wider than d*: the pieces' diameter, or eq 2.3; NaN without",
+            "part of the area in contact in islands wider than d* (that of pieces, or eq 2.3); NaN without",
         ),
     ),
     *_per(

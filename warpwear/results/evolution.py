@@ -164,7 +164,7 @@ def settling_course(result: ResultFile, body: str) -> tuple[FloatArray, FloatArr
 
 
 def settling(result: ResultFile, body: str) -> Settling | str:
-    """The fitted course of a body's Sq [µm] in the inner scar, or half a sentence that says why there is none."""
+    """The fitted course of a body's Sq [µm] in the inner scar, or half a sentence that says why not."""
     return fit_settling(*settling_course(result, body))
 
 

@@ -24,7 +24,7 @@ def bowl(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_sq_and_slope_of_a_wave_on_a_bowl(axis: int) -> None:
-    """A wave a sin(kx) has Sq a/√2 and Sdq ak/√2; differences over a cell see sin(kh/2)/(kh/2) of the slope."""
+    """A wave a sin(kx) has Sq a/√2 and Sdq ak/√2; differences over a cell see sin(kh/2)/(kh/2) of it."""
     x, y = places()
     k = 2.0 * math.pi / WAVE
     wave = HEIGHT * np.sin(k * (x, y)[axis])
