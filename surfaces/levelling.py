@@ -20,9 +20,9 @@ def without_polynomial(
     """Return heights [mm], shape (nx, ny), NaN where missing, less a least-squares polynomial.
 
     degree: its total degree; 0 takes off the mean, 1 the mean plane. It is fitted to the valid points (of
-    `where`, shape (nx, ny), if given; every n-th of them along x and y) by normal equations,
-    in products of Legendre polynomials over the field, which stay well conditioned there. Sums over points are made by einsum, in one order whatever the
-    threads of BLAS.
+    `where`, shape (nx, ny), if given; every n-th of them along x and y) by normal equations, in products of
+    Legendre polynomials over the field, which stay well conditioned there. Sums over points are made by
+    einsum, in one order whatever the threads of BLAS.
     """
     nx, ny = heights.shape
     basis_x = legendre.legvander(np.linspace(-1.0, 1.0, nx), degree)

@@ -12,8 +12,7 @@ import warpwear
 from warpwear import Result, Study
 from warpwear.figures.data import FigureData
 from warpwear.figures.snapshots import junctions
-from warpwear.laws.junctions import critical_junction, junction_strength
-from warpwear.results.evolution import diameters_of, share_above
+from warpwear.laws.junctions import critical_junction, diameters_of, junction_strength, share_above
 
 STEEL: dict[str, float] = {
     "surface_energy": 1e-3,
@@ -84,7 +83,7 @@ def result() -> Result:
 
 def drawn(result: Result, critical: float | None) -> Any:
     data = FigureData(result)
-    data.study = SimpleNamespace(critical_junction=critical, pieces=None)  # type: ignore[assignment]
+    data.study = SimpleNamespace(critical_junction=critical, critical_diameter=critical)  # type: ignore[assignment]
     figure = junctions(data)
     figure.canvas.draw()
     return figure

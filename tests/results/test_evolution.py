@@ -10,7 +10,6 @@ import warpwear
 from warpwear import Result, Study
 from warpwear.history.quantities import EVOLUTION
 from warpwear.results.evolution import (
-    critical_diameter,
     inner_scar,
     settling,
     settling_course,
@@ -130,10 +129,10 @@ def test_unworn_heights_of_a_track_are_those_of_its_surface() -> None:
 def test_junctions_above_the_pieces_diameter_count() -> None:
     """Where bodies wear in pieces d* is theirs; else that of eq 2.3; without either there is no share."""
     study = Study.load("v3-fine")
-    assert critical_diameter(study) == study.critical_junction
-    assert critical_diameter(study.replace({"junctions.surface_energy": None})) is None
+    assert study.critical_diameter == study.critical_junction
+    assert study.replace({"junctions.surface_energy": None}).critical_diameter is None
     pieces = Study.load("running-in")
-    assert critical_diameter(pieces) == 0.02 != pieces.critical_junction
+    assert pieces.critical_diameter == 0.02 != pieces.critical_junction
 
 
 def test_the_share_above_is_that_of_the_islands(result: Result) -> None:

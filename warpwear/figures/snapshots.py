@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
-from warpwear.results.evolution import critical_diameter, diameters_of, share_above
+from warpwear.laws.junctions import diameters_of, share_above
 
 if TYPE_CHECKING:
     from warpwear.figures.data import FigureData
@@ -117,7 +117,7 @@ def junctions(axes: Axes, data: "FigureData") -> None:
     pieces where bodies wear in pieces; one of eq 2.3 that is not it has a line, too.
     """
     evolution = data.evolution
-    critical, formula = critical_diameter(data.study), data.study.critical_junction
+    critical, formula = data.study.critical_diameter, data.study.critical_junction
     shown = [index for index in data.shown if evolution.island_areas[index].size]
     for index, line in zip(shown, fs.in_time(fs.CONTACT, len(shown)), strict=True):
         areas = evolution.island_areas[index]

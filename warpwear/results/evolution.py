@@ -11,11 +11,11 @@ from scipy import ndimage  # every run needs it: not late, when memory may be sh
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.junctions import share_above
 from warpwear.laws.settling import Settling, fit_settling
 from warpwear.results.export import BODIES, worn_heights
 from warpwear.results.file import ResultFile
 from warpwear.results.track import whole_rows
-from warpwear.study.study import Study
 from warpwear.surfaces.spectrum import Spectrum
 from warpwear.surfaces.worn.scar import Texture, ellipse, fine_spectrum, roughness_without_form, texture
 
@@ -39,7 +39,7 @@ def surface_evolution(result: ResultFile) -> SurfaceEvolution:
 
 
 def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
-    rows, areas, critical = [], [], critical_diameter(result.study)
+    rows, areas, critical = [], [], result.study.critical_diameter
     for index, snapshot in enumerate(result.snapshots):  # none of a run interrupted before the first
         islands = island_areas(result, snapshot)
         # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
@@ -166,18 +166,3 @@ def settling_course(result: ResultFile, body: str) -> tuple[FloatArray, FloatArr
 def settling(result: ResultFile, body: str) -> Settling | str:
     """The fitted course of a body's Sq [µm] in the inner scar, or half a sentence that says why not."""
     return fit_settling(*settling_course(result, body))
-
-
-def critical_diameter(study: Study) -> float | None:
-    """The diameter d* [mm] above which a junction loses pieces: that of the pieces, or of eq 2.3; or None."""
-    return study.pieces.diameter if study.pieces else study.critical_junction
-
-
-def share_above(areas: FloatArray, diameter: float) -> float:
-    """Return the part of the islands' area in islands larger than a circle. areas: (islands,) [mm²]"""
-    return float(areas[diameters_of(areas) > diameter].sum() / areas.sum()) if areas.size else np.nan
-
-
-def diameters_of(areas: FloatArray) -> FloatArray:
-    """Return the diameters [mm] of circles of these areas [mm²], any shape."""
-    return np.asarray(2.0 * np.sqrt(areas / np.pi))

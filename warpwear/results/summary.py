@@ -10,7 +10,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.rows import Named
 from warpwear.laws import friction
 from warpwear.laws.film import Breaking, fit_breaking
-from warpwear.results.evolution import critical_diameter, settling, surface_evolution
+from warpwear.results.evolution import settling, surface_evolution
 from warpwear.results.export import BODIES
 from warpwear.results.file import ResultFile
 from warpwear.results.track import by_pass, groove, roughness_in_track
@@ -320,7 +320,7 @@ def _pieces(result: ResultFile) -> dict[str, Any]:
 def _share_above(result: ResultFile) -> dict[str, float] | None:
     """The part of the area in contact in junctions above d*, at the first and the last snapshot, and d*."""
     diameter, shares = (
-        critical_diameter(result.study),
+        result.study.critical_diameter,
         surface_evolution(result).table["share_above_critical"],
     )
     if diameter is None or not shares.size or not np.isfinite(shares[[0, -1]]).all():
