@@ -2,11 +2,13 @@
 
     python bench/running_in.py --jobs 16
     python bench/running_in.py --jobs 16 --only seed half --csv courses.csv
+    python bench/running_in.py --read courses.csv --draw bench/pictures/running_in.png
 
 Every case is a run of the reference of wear in pieces (a ball on a self-affine disc of 1.2 mm, half-space,
 5 µm cells) with a few keys changed, in a process of its own with one thread. The table has the mean area of
 passes of 30 mm by the distance at their ends, or with a film ("μ …") the mean coefficient of friction; what
-is known stands below it, case by case.
+is known stands below it, case by case. --draw draws all courses in one picture; with --read they are those
+of a table of --csv, and nothing is run.
 """
 
 import argparse
@@ -20,6 +22,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import warpwear
 from warpwear import Study
@@ -58,6 +61,80 @@ LENGTHS = {
 CLASSICAL = {"wear.particle": None, "wear.particle_thickness": None}
 SMOOTH = {"disc.synthetic.kind": "flat", "wear.disc": "0 mm^3/N/m", "contact.hardness": "inf MPa"}
 SEEDS = range(1, 6)
+
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+LINES = ("-", "--", ":")
+REFERENCE = {"friction": "reference", "area": "pieces alone, Ra 0.3 µm"}
+#: What is drawn: by what it shows, title of a panel -> case -> label; and the cases of the reference's band.
+PANELS: dict[str, tuple[dict[str, dict[str, str]], list[str]]] = {
+    "friction": (
+        {
+            "ingredients": {
+                "μ, all dust": "dust, no pieces",
+                "μ, no growth": "junctions do not grow",
+                "μ, film of 100 nm": "film of 100 nm",
+                "μ, dents kept": "dents kept",
+                "μ, to 2400 mm": "to 2400 mm",
+                "μ, to 2400 mm, dents kept": "to 2400 mm, dents kept",
+            },
+            "dust and start": {
+                "μ, dust 0.01, film 10": "1 % dust",
+                "μ, dust 0.05, film 10": "5 % dust",
+                "μ, dust 0.2, film 300": "20 % dust, film of 300 nm",
+                "μ, uniform start": "uniform start",
+            },
+            "size of a piece": {
+                "μ, d* 20, t 0.3": "d* 20, t 0.3 µm",
+                "μ, d* 40, t 1.2": "d* 40, t 1.2 µm",
+                "μ, d* 130, t 0.6": "d* 130, t 0.6 µm",
+            },
+            "load, Ra, mesh": {
+                "μ, load 4 N": "4 N",
+                "μ, load 16 N": "16 N",
+                "μ, Ra 1": "Ra 1 µm",
+                "μ, half step": "half the step",
+                "μ, 2.5 µm cells": "cells of 2.5 µm",
+                "μ, track of 30 mm": "track of 30 mm",
+            },
+        },
+        [f"μ, seed {seed}" for seed in range(1, 6)],
+    ),
+    "area": (
+        {
+            "Ra 0.3 µm, no film": {
+                "Ra 0.3, all dust": "dust, no pieces",
+                "Ra 0.3, dust 0.2": "20 % dust",
+                "Ra 0.3, dust 0.05": "5 % dust",
+                "Ra 0.3, dents kept": "dents kept",
+                "Ra 0.3, uniform start": "uniform start",
+                "Ra 3, all dust": "Ra 3 µm, dust, no pieces",
+                "Ra 3, to 2400 mm": "Ra 3 µm, to 2400 mm",
+            },
+            "dust, Ra 3 µm": {
+                "Ra 3, seed 1": "no dust",
+                "Ra 3, dust 0.01": "1 % dust",
+                "Ra 3, dust 0.05": "5 % dust",
+                "Ra 3, dust 0.2": "20 % dust",
+            },
+            "size of a piece": {
+                "Ra 0.3, d* 20, t 0.1": "d* 20, t 0.1 µm",
+                "Ra 0.3, d* 20, t 0.3": "d* 20, t 0.3 µm",
+                "Ra 0.3, d* 40, t 0.6": "d* 40, t 0.6 µm",
+                "Ra 0.3, d* 40, t 1.2": "d* 40, t 1.2 µm",
+            },
+            "load, H, Ra, mesh": {
+                "Ra 0.3, load 4 N": "4 N",
+                "Ra 0.3, load 16 N": "16 N",
+                "Ra 0.3, H 1200 MPa": "H 1200 MPa",
+                "Ra 1, seed 1": "Ra 1 µm",
+                "Ra 0.3, half step": "half the step",
+                "Ra 0.3, 2.5 µm cells": "cells of 2.5 µm",
+            },
+        },
+        [f"Ra 0.3, seed {seed}" for seed in range(1, 6)],
+    ),
+}
 
 
 class Course(NamedTuple):
@@ -153,7 +230,7 @@ def course_of(changes: dict[str, Any]) -> Course:
     study = Study.load(PRESET).replace(changes)
     began = time.perf_counter()
     with warpwear.run(study, threads=1, progress=False) as result:
-        history, last = result.history, result.snapshots[-1]
+        history = result.history
         slid, area = history["distance"], history["area_contact"]
         weights = history["increment"]
 
@@ -182,7 +259,8 @@ def course_of(changes: dict[str, Any]) -> Course:
             float(area[-1]),
             study.contact.load / study.hardness,
             float(pending / history["archard_volume_sphere"][after]),
-            slope_of(study, last.wear_sphere, float(history["area_nominal"][-1])),
+            # of one direction
+            float(result.surface_evolution.table["sdq_sphere"][-1]) / np.sqrt(2.0),
             max(off),
             float(history["evaluations"].mean()),
             time.perf_counter() - began,
@@ -192,25 +270,6 @@ def course_of(changes: dict[str, Any]) -> Course:
             mixed,
             float(fit.get("e_folding_mm", np.nan)) if isinstance(fit, dict) else np.nan,
         )
-
-
-def slope_of(study: Study, wear: Any, nominal: float) -> float:
-    """The rms slope of the ball within half the scar's radius, its form removed, of one direction.
-
-    wear: of the ball [mm]. nominal: area of the scar [mm²].
-    """
-    grid, radius = study.cells, 0.5 * np.sqrt(nominal / np.pi)
-    x, y = np.meshgrid(grid.x, grid.y, indexing="ij")
-    height = wear + 0.5 * study.sphere.curvature * (x**2 + y**2)
-    middle = np.hypot(x, y) < radius
-    terms = np.stack([x**i * y**j for i in range(5) for j in range(5 - i)], axis=-1)
-    fitted, *_ = np.linalg.lstsq(terms[middle], height[middle], rcond=None)
-    rest = height - terms @ fitted
-    squares = [
-        np.diff(rest, axis=axis)[np.minimum(middle[:-1], middle[1:]) if axis == 0 else middle[:, :-1]] ** 2
-        for axis in (0, 1)
-    ]
-    return float(np.sqrt(np.mean(np.concatenate(squares))) / grid.cell)
 
 
 def known(found: dict[str, Course]) -> list[str]:
@@ -306,6 +365,84 @@ def largest(course: Course) -> float:
     return max(ratios, key=lambda ratio: abs(ratio - 1.0))
 
 
+def write_csv(path: Path, found: dict[str, Course]) -> None:
+    """Write a row a case: means of areas [mm²], of friction and of bare fractions, and what else is told."""
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        columns = [f"{what} at {end:g} mm" for what in ("area [mm^2]", "friction", "bare") for end in ENDS]
+        writer.writerow(["case", *columns, "slope", "pending", "length [mm]"])
+        for name, course in found.items():
+            tables = course.areas, course.friction, course.bare
+            values = [table.get(end, np.nan) for table in tables for end in ENDS]
+            writer.writerow([name, *values, course.slope, course.pending, course.length])
+
+
+def read_csv(path: Path) -> dict[str, dict[str, dict[float, float]]]:
+    """Case -> "area" [mm²] or "friction" -> end of a pass [mm] -> mean, as `write_csv` wrote them."""
+    found: dict[str, dict[str, dict[float, float]]] = {}
+    with path.open(newline="") as file:
+        for row in csv.DictReader(file):
+            found[row["case"]] = {
+                what: {
+                    end: value
+                    for end in ENDS
+                    if np.isfinite(value := float(row[f"{what}{unit} at {end:g} mm"]))
+                }
+                for what, unit in (("area", " [mm^2]"), ("friction", ""))
+            }
+    return found
+
+
+def draw(tables: dict[str, dict[str, dict[float, float]]]) -> Figure:
+    """All courses in one picture: friction above, areas over F/H below, each beside its reference's seeds."""
+    figure = Figure(figsize=(13.0, 7.6), layout="constrained")
+    axes = figure.subplots(2, 4, sharex=True)
+    for row, what in zip(axes, ("friction", "area"), strict=True):
+        panels, seeds = PANELS[what]
+        for panel, (title, names) in zip(row, panels.items(), strict=True):
+            for number, (name, label) in enumerate(names.items()):
+                if name in tables and tables[name][what]:
+                    slid, values = course_in(tables[name], what, name)
+                    line = {"color": COLOURS[number % len(COLOURS)], "ls": LINES[number // len(COLOURS)]}
+                    panel.plot(slid, values, marker=".", ms=4, lw=1.2, label=label, **line)
+            known = [course_in(tables[name], what, name) for name in seeds if name in tables]
+            if known:  # the distances that all have
+                ends = sorted(set.intersection(*(set(slid) for slid, _ in known)))
+                each = np.array([np.interp(ends, *course) for course in known])
+                label = f"{REFERENCE[what]}, {len(known)} seed{'s' * (len(known) > 1)}"
+                panel.fill_between(ends, each.min(axis=0), each.max(axis=0), color="#BBBBBB", lw=0.0)
+                panel.plot(ends, each.mean(axis=0), color="#000000", lw=1.6, label=label)
+            panel.set_title(title, fontsize=10)
+            panel.set_xscale("log")
+            panel.set_xticks([30, 90, 240, 600, 2400], ["30", "90", "240", "600", "2400"])
+            panel.minorticks_off()
+            panel.set_xlim(25.0, 2900.0)
+            panel.spines[["top", "right"]].set_visible(False)
+            if panel.get_legend_handles_labels()[0]:
+                panel.legend(fontsize=7, frameon=False)
+        for panel in row:
+            panel.set_ylim(0.0, 0.65 if what == "friction" else None)
+    axes[0, 0].set_ylabel("coefficient of friction, mean of 30 mm, –")
+    axes[1, 0].set_ylabel("area in contact over F/H, –")
+    for panel in axes[1]:
+        panel.set_xlabel("sliding distance, mm")
+        panel.set_ylim(0.9, 1.8)
+        panel.axhline(1.0, color="#999999", lw=0.6)
+    axes[1, 0].set_yscale("log")
+    axes[1, 0].set_ylim(0.8, 80.0)  # dust, and the legend over it
+    axes[1, 0].set_yticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
+    axes[1, 0].minorticks_off()
+    return figure
+
+
+def course_in(table: dict[str, dict[float, float]], what: str, name: str) -> tuple[Any, Any]:
+    """Distances [mm] and friction, or areas over F/H, of a case."""
+    slid, values = (np.array(part) for part in zip(*sorted(table[what].items()), strict=True))
+    load = next((load for load in (4.0, 16.0) if f"load {load:g} N" in name), 8.0)
+    hardness = 1200.0 if "H 1200" in name else 590.0
+    return slid, values if what == "friction" else values * hardness / load
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -313,7 +450,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
     parser.add_argument("--only", nargs="+", default=[""], help="run the cases whose name has one of these")
     parser.add_argument("--csv", type=Path, help="write the courses there")
+    parser.add_argument("--draw", type=Path, help="draw the courses there")
+    parser.add_argument("--read", type=Path, help="run nothing: take the courses of this table of --csv")
     asked = parser.parse_args(arguments)
+    if asked.read is not None:
+        draw(read_csv(asked.read)).savefig(asked.draw, dpi=150)
+        return 0
     every = cases() | friction_cases()
     chosen = {name: keys for name, keys in every.items() if any(part in name for part in asked.only)}
     longest_first = sorted(chosen, key=lambda name: -float(chosen[name]["sliding.distance"].split()[0]))
@@ -324,7 +466,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with ProcessPoolExecutor(asked.jobs, mp_context=get_context("spawn")) as pool:
         waiting = {name: pool.submit(course_of, chosen[name]) for name in longest_first}
         for name in chosen:
-            course = found[name] = waiting[name].result()
+            try:
+                course = found[name] = waiting[name].result()
+            except warpwear.InputError as error:  # such as a scar that outgrows its domain
+                print(f"{name:34s} {error}", flush=True)
+                continue
             shown = {end: f"{value * 1e4:7.1f}" for end, value in course.areas.items()}
             if course.bare:
                 shown = {end: f"{value:7.3f}" for end, value in course.friction.items()}
@@ -334,16 +480,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(f"{name:34s}", *values, rest, sep="", flush=True)
     print("areas in 1e-4 mm² or coefficients of friction, means of the 30 mm before", *known(found), sep="\n")
     if asked.csv is not None:
-        with asked.csv.open("w", newline="") as file:
-            writer = csv.writer(file)
-            columns = [
-                f"{what} at {end:g} mm" for what in ("area [mm^2]", "friction", "bare") for end in ENDS
-            ]
-            writer.writerow(["case", *columns, "slope", "pending", "length [mm]"])
-            for name, course in found.items():
-                tables = course.areas, course.friction, course.bare
-                values = [table.get(end, np.nan) for table in tables for end in ENDS]
-                writer.writerow([name, *values, course.slope, course.pending, course.length])
+        write_csv(asked.csv, found)
+    if asked.draw is not None:
+        tables = {name: {"area": course.areas, "friction": course.friction} for name, course in found.items()}
+        draw(tables).savefig(asked.draw, dpi=150)
     return 0
 
 

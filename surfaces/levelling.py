@@ -14,31 +14,35 @@ fft = lazy.module("scipy.fft")
 ROWS = 64  # of a block: the terms of a polynomial at every point at once would be many fields
 
 
-def without_polynomial(heights: FloatArray, *, degree: int, where: BoolArray | None = None) -> FloatArray:
+def without_polynomial(
+    heights: FloatArray, *, degree: int, where: BoolArray | None = None, every: int = 1
+) -> FloatArray:
     """Return heights [mm], shape (nx, ny), NaN where missing, less a least-squares polynomial.
 
     degree: its total degree; 0 takes off the mean, 1 the mean plane. It is fitted to the valid points (of
-    `where`, shape (nx, ny), if given) by normal equations, in products of Legendre polynomials over the
-    field, which stay well conditioned there. Sums over points are made by einsum, in one order whatever the
-    threads of BLAS.
+    `where`, shape (nx, ny), if given; every n-th of them along x and y) by normal equations, in products of
+    Legendre polynomials over the field, which stay well conditioned there. Sums over points are made by
+    einsum, in one order whatever the threads of BLAS.
     """
     nx, ny = heights.shape
     basis_x = legendre.legvander(np.linspace(-1.0, 1.0, nx), degree)
     basis_y = legendre.legvander(np.linspace(-1.0, 1.0, ny), degree)
-    pairs_y = np.einsum("yj,yl->yjl", basis_y, basis_y).reshape(ny, -1)
+    some_x, some_y = basis_x[::every], basis_y[::every]
+    pairs_y = np.einsum("yj,yl->yjl", some_y, some_y).reshape(len(some_y), -1)
     i, j = np.array([(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]).T
     # the second round takes off what rounding left of a large tilt or offset
     levelled = heights
     for _ in range(2):
         square, right = np.zeros((degree + 1,) * 4), np.zeros((degree + 1, degree + 1))
-        for rows in blocks_of_rows(nx, values=ny):
-            valid = ~np.isnan(levelled[rows])
-            if where is not None:
-                valid &= where[rows]
+        some, picked = levelled[::every, ::every], None if where is None else where[::every, ::every]
+        for rows in blocks_of_rows(len(some_x), values=len(some_y)):
+            valid = ~np.isnan(some[rows])
+            if picked is not None:
+                valid &= picked[rows]
             across = np.einsum("xy,yp->xp", valid.astype(np.float64), pairs_y).reshape(-1, *square.shape[2:])
-            square += np.einsum("xi,xk,xjl->ikjl", basis_x[rows], basis_x[rows], across)
-            moments = np.einsum("xy,yj->xj", np.where(valid, levelled[rows], 0.0), basis_y)
-            right += np.einsum("xi,xj->ij", basis_x[rows], moments)
+            square += np.einsum("xi,xk,xjl->ikjl", some_x[rows], some_x[rows], across)
+            moments = np.einsum("xy,yj->xj", np.where(valid, some[rows], 0.0), some_y)
+            right += np.einsum("xi,xj->ij", some_x[rows], moments)
         # least squares rather than a solution: few valid points do not fix every term
         matrix = square[i[:, None], i, j[:, None], j]
         table = np.zeros_like(right)

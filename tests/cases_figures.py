@@ -88,7 +88,7 @@ def faults_of(where: str, figure: Figure, renderer: Any) -> list[str]:
             faults.append(f"{where}: an empty panel")
         for axis in axes_lines(axes):
             label = axis.label.get_text()
-            if shown_ticks(axis) and not re.search(r", (–|mm|mm²|µm|MPa|s|min|h|10⁻³ mm³)$", label):
+            if shown_ticks(axis) and not re.search(r", (–|mm|mm²|µm|MPa|s|min|h|10⁻³ mm³|µm⁴|1/mm)$", label):
                 faults.append(f"{where}: an axis without a unit: '{label}'")
     texts = [(text.get_text(), outline(text, renderer)) for text in texts_of(figure)]
     for (a, outline_a), (b, outline_b) in itertools.combinations(texts, 2):

@@ -155,3 +155,28 @@ def test_places_and_extrapolation() -> None:
     assert places[-1] == 1096
     assert max(np.diff(places)) <= 158
     assert_allclose(over_the_run([0, 50, 99], [1.0, 2.0, 2.98], 100), sum(1.0 + i / 50 for i in range(100)))
+
+
+def test_courses_are_drawn_from_their_table(tmp_path: Path) -> None:
+    """A table that was written is read back, and its courses stand in the picture at F/H of their load."""
+    import running_in
+
+    def course(areas: dict[float, float], friction: dict[float, float]) -> object:
+        nan = float("nan")
+        return running_in.Course(areas, 0.0, 1.0, nan, nan, 0.0, 0.0, 1.0, 1, friction, friction, 0.0, 89.0)
+
+    found = {f"μ, seed {n}": course({30.0: 0.014}, {30.0: 0.07 * n, 90.0: 0.1}) for n in (1, 3)}
+    found["Ra 0.3, load 4 N"] = course({30.0: 0.008, 90.0: 0.009}, {})
+    running_in.write_csv(tmp_path / "courses.csv", found)
+    tables = running_in.read_csv(tmp_path / "courses.csv")
+    assert tables["Ra 0.3, load 4 N"] == {"area": {30.0: 0.008, 90.0: 0.009}, "friction": {}}
+    slid, over = running_in.course_in(tables["Ra 0.3, load 4 N"], "area", "Ra 0.3, load 4 N")
+    assert list(slid) == [30.0, 90.0]
+    assert list(over) == pytest.approx([0.008 * 590.0 / 4.0, 0.009 * 590.0 / 4.0])
+    figure = running_in.draw(tables)
+    (band,) = figure.axes[0].lines
+    assert list(band.get_ydata()) == pytest.approx([0.14, 0.1])
+    assert running_in.main(["--read", str(tmp_path / "courses.csv"), "--draw", str(tmp_path / "a.png")]) == 0
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+    drawn = {name for panels, seeds in running_in.PANELS.values() for p in panels.values() for name in p}
+    assert drawn <= {*running_in.cases(), *running_in.friction_cases()}

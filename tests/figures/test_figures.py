@@ -90,7 +90,7 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Resu
     assert set(results["rough"].plot.left_out) == of_others
     assert set(results["flat"].plot.left_out) == {"contact_radius"} | of_others
     assert results["flat"].plot.left_out["contact_radius"] == "a rigid flat has no radius of contact"
-    of_rough = {"roughness", "islands", "junctions"}
+    of_rough = {"roughness", "texture", "spectrum", "islands", "junctions"}
     assert set(results["smooth"].plot.left_out) == of_rough | {"pieces", *OF_TRACKS, *OF_PATCHES, *OF_FILMS}
     no_speed = warpwear.run(
         Study.load("v3").replace({"grid.cell": "20 um", "sliding.speed": None, "sliding.distance": "3 mm"})
@@ -171,7 +171,7 @@ def test_what_goes_into_a_paper_is_drawn_by_default(results: dict[str, Result], 
     assert set(plot.names()) == set(plot.NAMES) - set(plot.left_out) > essential
     assert set(results["smooth"].plot.names("essential")) == essential - {"roughness"} | {"hertz"}
     assert {path.stem for path in plot.save_all(tmp_path, plots="essential")} == essential
-    assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES, *OF_FILMS} == essential | {"hertz"}
+    assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES, *OF_FILMS} == essential | {"hertz", "pieces"}
 
 
 def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": 
 OF_PATCHES = {"grid.cell": "10 um", "disc.synthetic.cut_off": "20 um", "sliding.distance": "3 mm"}
 #: Kinds of runs, and a figure that only they have.
 OF_KINDS = {"rough": "roughness", "smooth": "hertz", "two-scale": "load_share", "track": "groove"}
-OF_KINDS |= {"film": "bare_map"}
+OF_KINDS |= {"film": "bare_map", "pieces": "pieces"}
 #: Cores with which a run has another process draw.
 CORES = 2
 
@@ -33,6 +33,8 @@ def study_of(kind: str) -> Study:
         return small("full", output__snapshots=["3 mm"], grid__cell="10 um", sliding__shift=8)
     if kind == "two-scale":
         return Study.load(kind).replace(OF_PATCHES | {"output.snapshots": ["0.3 mm"]})
+    if kind == "pieces":
+        return Study.load("running-in").replace({"sliding.distance": "2 mm", "output.snapshots": []})
     static = {"sliding.distance": "0 mm", "output.snapshots": []}
     more: dict[str, dict[str, Any]] = {"smooth": {"study.model": "macro"}, "static": static}
     more["film"] = {"friction.film.thickness": "10 nm", "friction.film.shear_strength": "1 MPa"}

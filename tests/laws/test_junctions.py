@@ -11,8 +11,8 @@ from scipy.special import ellipe
 import warpwear
 from warpwear import Result, Study
 from warpwear.figures.data import FigureData
-from warpwear.figures.snapshots import diameters_of, junctions, share_above
-from warpwear.laws.junctions import critical_junction, junction_strength
+from warpwear.figures.snapshots import junctions
+from warpwear.laws.junctions import critical_junction, diameters_of, junction_strength, share_above
 
 STEEL: dict[str, float] = {
     "surface_energy": 1e-3,
@@ -69,6 +69,7 @@ def test_share_above_a_diameter_is_of_the_area() -> None:
     assert share_above(areas, 1.5) == pytest.approx(13.0 / 15.0)
     assert share_above(areas, 2.5) == pytest.approx(9.0 / 15.0)
     assert share_above(areas, 3.1) == 0.0
+    assert np.isnan(share_above(areas[:0], 1.0))
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +83,7 @@ def result() -> Result:
 
 def drawn(result: Result, critical: float | None) -> Any:
     data = FigureData(result)
-    data.study = SimpleNamespace(critical_junction=critical)  # type: ignore[assignment]
+    data.study = SimpleNamespace(critical_junction=critical, critical_diameter=critical)  # type: ignore[assignment]
     figure = junctions(data)
     figure.canvas.draw()
     return figure

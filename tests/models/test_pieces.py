@@ -393,7 +393,10 @@ def test_pieces_of_a_run_are_shown(tmp_path: Path) -> None:
     per_mm = result.history["pieces_disc"].sum() / 6.0
     assert told["disc"]["per_minute"] == pytest.approx(20.0 * per_mm)
     assert told["sphere"]["number"] == np.count_nonzero(result.pieces["body"] == 0.0)
-    assert "dust (0 %), d*, t and the start (zero)" in summary_text(result.summary)
+    told = summary_text(result.summary)
+    assert (
+        "diameter d* 20 µm and thickness t 0.6 µm of a piece, dust 0 %, start zero (nothing pending)" in told
+    )
     x, y = result.pieces["x"], result.pieces["y"]
     on_sphere = result.pieces["body"] == 0.0
     assert np.abs(x[on_sphere]).max() < 0.5 * 0.3

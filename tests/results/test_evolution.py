@@ -2,12 +2,19 @@
 
 import numpy as np
 import pytest
+from cases_track import small
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy import ndimage
 
 import warpwear
 from warpwear import Result, Study
 from warpwear.history.quantities import EVOLUTION
-from warpwear.results.evolution import surface_evolution
+from warpwear.results.evolution import (
+    inner_scar,
+    settling,
+    settling_course,
+    surface_evolution,
+)
 from warpwear.results.export import worn_heights
 
 
@@ -81,3 +88,59 @@ def test_a_flat_disc_has_no_roughness() -> None:
     assert table["islands"].tolist() == [1.0]
     # What is left of the sphere's form under a paraboloid, and the step at the scar's edge.
     assert table["sq"][0] < 0.2
+
+
+def test_both_bodies_in_the_inner_scar(result: Result) -> None:
+    """Bodies that conform are rough alike; their courses are those of the table, from before wear on."""
+    table = surface_evolution(result).table
+    assert_allclose(table["sq_sphere"][-1], table["sq_disc"][-1], rtol=0.01)
+    assert table["sq_sphere"][0] < 0.2 < 2.0 < table["sq_disc"][0] <= table["sq_disc_unworn"][0]
+    assert np.all(table["sq_disc"][1:] < table["sq_disc_unworn"][1:])
+    assert_allclose(table["sdq_sphere"][-1], table["sdq_disc"][-1], rtol=0.01)
+    slid, course = settling_course(result, "sphere")
+    assert_array_equal(slid, [0.0, *table["distance"]])
+    assert_array_equal(course, [0.0, *table["sq_sphere"]])
+    _, course = settling_course(result, "disc")
+    assert course[0] == table["sq_disc_unworn"][-1]
+    assert course[-1] == pytest.approx(table["sq_disc"][-1])
+    assert "5 places, where 6 are needed" in str(settling(result, "disc"))
+    assert result.summary["inner_scar"]["disc"]["settling"] is None
+    assert result.summary["inner_scar"]["sphere"]["sq_um"] == table["sq_sphere"][-1]
+
+
+def test_unworn_heights_of_a_track_are_those_of_its_surface() -> None:
+    """At places along the track, of the columns under the inner scar, worn and unworn."""
+    worn = warpwear.run(
+        small("representative", grid__cell="10 um", sliding__shift=8, output__snapshots=["3 mm"])
+    )
+    snapshot, last = worn.snapshot(-1), len(worn.snapshots) - 1
+    before = inner_scar(worn, last, snapshot, "disc", unworn=True)
+    after = inner_scar(worn, last, snapshot, "disc")
+    assert len(before) == len(after) > 1
+    whole = worn.track_heights()
+    columns = before[0].shape[1]
+    assert any(np.isin(part, whole).all() for part in before)
+    assert all(part.shape == before[0].shape for part in (*before, *after))
+    lost = np.mean([b - a for b, a in zip(before, after, strict=True)])
+    middle = slice(worn.y.size // 2 - columns // 2, worn.y.size // 2 + columns // 2)
+    assert lost == pytest.approx(np.add(*worn.track_loss(last))[:, middle].mean(), rel=0.3)
+
+
+def test_junctions_above_the_pieces_diameter_count() -> None:
+    """Where bodies wear in pieces d* is theirs; else that of eq 2.3; without either there is no share."""
+    study = Study.load("v3-fine")
+    assert study.critical_diameter == study.critical_junction
+    assert study.replace({"junctions.surface_energy": None}).critical_diameter is None
+    pieces = Study.load("running-in")
+    assert pieces.critical_diameter == 0.02 != pieces.critical_junction
+
+
+def test_the_share_above_is_that_of_the_islands(result: Result) -> None:
+    found = surface_evolution(result)
+    diameter = result.study.critical_junction
+    assert diameter is not None
+    for share, areas in zip(found.table["share_above_critical"], found.island_areas, strict=True):
+        large = areas > np.pi / 4.0 * diameter**2
+        assert share == pytest.approx(areas[large].sum() / areas.sum())
+    above = result.summary["junctions"]["share_above"]
+    assert above["end"] == found.table["share_above_critical"][-1] > above["first"]

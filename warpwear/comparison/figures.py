@@ -68,6 +68,7 @@ def area(axes: Axes, comparison: Comparison) -> None:
         fs.over_distance(axes, distance, np.where(values > 0.0, values, np.nan), **line)
     if _longest(comparison)[-1] > 0.0:  # not static contacts alone
         axes.set_xscale("log")
+        fs.plain_numbers(axes.xaxis)
     fs.logarithmic(axes)
     axes.set_ylabel("area in contact, mm²")
 

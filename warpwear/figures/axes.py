@@ -19,6 +19,8 @@ Shown = TypeVar("Shown")
 ALONG, ACROSS = "along sliding, x, mm", "across sliding, y, mm"
 #: Left, bottom, width and height of a colour bar beside a map, over the map's.
 BAR = (1.04, 0.0, 0.05, 1.0)
+#: Part of a map's width at either end that bears no tick where maps stand side by side.
+BESIDE = 0.05
 #: Decades of a colour bar up to which 2 and 5 are labelled.
 LABELLED = 2.5
 #: Part of an axis at the corners of a box in 3-D, where the labels of two axes meet.
@@ -71,6 +73,9 @@ def maps_of(
     def draw_all(axes: Any) -> None:
         for panel, thing in zip(np.atleast_1d(axes), shown, strict=True):
             draw(panel, thing)
+            low, high = panel.get_xlim()
+            room = BESIDE * (high - low)  # for labels of two panels that meet
+            panel.set_xticks([tick for tick in panel.get_xticks() if low + room < tick < high - room])
         finish(panel.figure)
         _tidy(axes)
 

@@ -18,12 +18,20 @@ from warpwear.history.snapshot import Snapshot
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Breaking
 from warpwear.laws.patches import Patches
+from warpwear.laws.settling import Settling
 from warpwear.models.patches.smooth import SmoothContact
-from warpwear.results.evolution import SurfaceEvolution, surface_evolution
-from warpwear.results.export import worn_heights
+from warpwear.results.evolution import (
+    SurfaceEvolution,
+    settling,
+    settling_course,
+    spectrum_in_scar,
+    surface_evolution,
+)
+from warpwear.results.export import BODIES, worn_heights
 from warpwear.results.file import ResultFile
 from warpwear.results.summary import bare_course
 from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
+from warpwear.surfaces.spectrum import Spectrum
 
 #: Most blocks along a side of a map, of the relief in 3-D, and of a track's map.
 MAP_BLOCKS, SURFACE_BLOCKS, TRACK_BLOCKS = 500, 60, 600
@@ -196,6 +204,33 @@ class FigureData:
     def roughness(self) -> dict[str, FloatArray]:
         """One value a snapshot, see `SurfaceEvolution.table`."""
         return self.evolution.table
+
+    @cached_property
+    def settling(self) -> dict[str, tuple[FloatArray, FloatArray, Settling | str]]:
+        """Distances [mm] and Sq [µm] in the inner scar by body, with its fit or why there is none."""
+        found = {body: settling_course(self.result, body) for body in BODIES}
+        return {body: (*course, settling(self.result, body)) for body, course in found.items()}
+
+    @cached_property
+    def spectra(self) -> dict[str, list[tuple[float, Spectrum]]]:
+        """Distance [mm] and power spectrum in the inner scar of the snapshots shown, by body."""
+        found: dict[str, list[tuple[float, Spectrum]]] = {body: [] for body in BODIES}
+        for index in self.shown:
+            snapshot = self.snapshot(index)
+            for body in BODIES:
+                spectrum = spectrum_in_scar(self.result, index, snapshot, body)
+                if spectrum is not None:
+                    found[body].append((snapshot.distance, spectrum))
+        return found
+
+    @cached_property
+    def pieces(self) -> SimpleNamespace:
+        """The pieces' diameters as cut by body [mm], and the diameter asked for."""
+        asked, table = self.study.pieces, self.result.pieces
+        cut = {
+            body: np.sort(table["diameter"][table["body"] == number]) for number, body in enumerate(BODIES)
+        }
+        return SimpleNamespace(cut=cut, asked=asked.diameter if asked else None)
 
     @cached_property
     def grooves(self) -> list[SimpleNamespace]:

@@ -21,7 +21,7 @@ AREAS: dict[str, tuple[str, dict[str, Any]]] = {
     "nominal": ("nominal (scar)", {"color": fs.NOMINAL, "ls": "-."}),
     "cumulative": ("running sum", {"color": fs.SUM, "ls": (0, (6, 1))}),
 }
-#: Bins of sizes and of distances in which pieces are counted.
+#: Bins of distances in which pieces are counted.
 PIECES_BINS = 30
 #: Shortest time shown in the unit [s], unit, seconds of it.
 TIMES = ((36000.0, "h", 3600.0), (600.0, "min", 60.0), (0.0, "s", 1.0))
@@ -139,22 +139,24 @@ def volumes(axes: Any, data: "FigureData") -> None:
 
 @fs.panels(2)
 def pieces(axes: Any, data: "FigureData") -> None:
-    """Diameters of the pieces as they were cut, and how many have left either body per distance."""
-    table, history, asked = data.result.pieces, data.history, data.study.pieces
+    """Share of the pieces up to a diameter as cut, and how many have left either body per distance.
+
+    Those of a disc are counted on its whole stroke, of which a track may stand for a part.
+    """
+    history, asked = data.history, data.pieces.asked
     sizes, rates = axes
-    widest = 1e3 * max(table["diameter"].max(), asked.diameter if asked else 0.0)
-    edges = np.linspace(0.0, 1.05 * widest, PIECES_BINS + 1)
     ends = np.linspace(0.0, history["distance"][-1], PIECES_BINS + 1)
-    for number, (body, colour) in enumerate((("sphere", fs.SPHERE), ("disc", fs.DISC))):
-        counts, _ = np.histogram(1e3 * table["diameter"][table["body"] == number], edges)
-        sizes.stairs(counts, edges, color=colour, label=body)
+    for body, line in (("sphere", {"color": fs.SPHERE, "ls": "--"}), ("disc", {"color": fs.DISC})):
+        cut, label = 1e3 * data.pieces.cut[body], data.about.name_of(body)
+        shares = np.linspace(0.0, 1.0, cut.size + 1)
+        sizes.step(np.append(0.0, cut), shares, where="post", label=label, **line)
         left = np.append(0.0, np.cumsum(history[f"pieces_{body}"]))
         slid = np.append(0.0, history["distance"])
-        rates.stairs(np.diff(np.interp(ends, slid, left)) / np.diff(ends), ends, color=colour)
+        rates.stairs(np.diff(np.interp(ends, slid, left)) / np.diff(ends), ends, **line)
     if asked is not None:
-        sizes.axvline(1e3 * asked.diameter, color=fs.HARDNESS, lw=1.0, label="d*")
-    sizes.set(xlabel="diameter as cut, µm", ylabel="number of pieces, –")
-    rates.set(xlabel="sliding distance, mm", ylabel="pieces per mm of sliding, 1/mm")
+        sizes.axvline(1e3 * asked, color=fs.HARDNESS, lw=1.0, label="d*")
+    sizes.set(xlabel="diameter as cut, µm", ylabel="pieces up to this diameter, share, –", ylim=(0.0, 1.02))
+    rates.set(xlabel="sliding distance, mm", ylabel="pieces per mm of sliding, 1/mm", ylim=(0.0, None))
     for panel in axes:
-        panel.set(xlim=(0.0, None), ylim=(0.0, None))
+        panel.set_xlim(0.0, None)
     fs.legend_above(sizes, columns=3)

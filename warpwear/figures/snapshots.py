@@ -1,4 +1,4 @@
-"""Figures of the disc's roughness in the scar and of the islands of contact, over the snapshots."""
+"""Figures of the bodies' roughness in the scar and of the islands of contact, over the snapshots."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
-from warpwear.grid import FloatArray
+from warpwear.laws.junctions import diameters_of, share_above
 
 if TYPE_CHECKING:
     from warpwear.figures.data import FigureData
@@ -30,6 +30,50 @@ def roughness(axes: Axes, data: "FigureData") -> None:
     fs.scale_distance(axes, table["distance"])
     axes.set(ylabel="roughness in the scar, µm", ylim=(0.0, None))
     fs.legend_above(axes, columns=5)
+
+
+@fs.panels(2)
+def texture(axes: Any, data: "FigureData") -> None:
+    """Sq and rms gradient Sdq of ball and disc in the inner scar over the distance, with fits of Sq.
+
+    A disc's Sq is over that of the same cells before wear, times that of the last ones.
+    """
+    table = data.roughness
+    heights, slopes = axes
+    for body, color, mark in (("sphere", fs.SPHERE, "o"), ("disc", fs.DISC, "s")):
+        line: dict[str, Any] = {"color": color, "marker": mark, "ms": 3}
+        slid, sq, fit = data.settling[body]
+        dots = line if isinstance(fit, str) else line | {"ls": "none"}
+        fs.over_distance(heights, slid, sq, label=data.about.name_of(body), **dots)
+        if not isinstance(fit, str):  # the fit is the line
+            places = np.linspace(0.0, float(slid[-1]), 200)
+            level, length = (fs.short(float(f"{value:.2g}")) for value in (fit.equilibrium, fit.length))
+            heights.plot(
+                places, fit.at(places), color=color, ls="--", lw=1.0, label=f"to {level} µm over {length} mm"
+            )
+        fs.over_distance(slopes, table["distance"], table[f"sdq_{body}"], **line)
+    heights.set_ylabel("Sq in the inner scar, µm")
+    slopes.set_ylabel("rms gradient Sdq in the inner scar, –")
+    for panel in axes:
+        panel.set(xlim=(0.0, None), ylim=(0.0, None))
+    fs.legend_above(heights, columns=4)
+
+
+@fs.panels(2)
+def spectrum(axes: Any, data: "FigureData") -> None:
+    """Power spectrum of ball and disc in the inner scar over the wavelength, a line a snapshot."""
+    for panel, body, color in zip(axes, ("sphere", "disc"), (fs.SPHERE, fs.DISC), strict=True):
+        shown = data.spectra[body]
+        for (distance, found), line in zip(shown, fs.in_time(color, len(shown)), strict=True):
+            label = f"{distance:.4g} mm" if body == "sphere" else None
+            # from mm⁴ to µm⁴
+            panel.plot(1e3 * found.wavelength, 1e12 * found.density, label=label, **line)
+        panel.set(xscale="log", xlabel="wavelength, µm", title=data.about.name_of(body))
+        panel.set_ylabel("power spectral density, µm⁴")
+        panel.invert_xaxis()
+        fs.logarithmic(panel)
+        fs.plain_numbers(panel.xaxis)
+    fs.legend_above(axes[0], columns=4)
 
 
 @fs.panels(2)
@@ -69,10 +113,11 @@ def junctions(axes: Axes, data: "FigureData") -> None:
     """Share of the contact area in islands up to a diameter, a line a snapshot, beside d* and the mesh.
 
     An island's diameter is that of the circle of its area. The legend says what share of the contact area
-    is in islands larger than d*; a study without a critical junction has neither that share nor the line.
+    is in islands larger than d*; a study without d* has neither that share nor the line. d* is that of the
+    pieces where bodies wear in pieces; one of eq 2.3 that is not it has a line, too.
     """
     evolution = data.evolution
-    critical = data.study.critical_junction
+    critical, formula = data.study.critical_diameter, data.study.critical_junction
     shown = [index for index in data.shown if evolution.island_areas[index].size]
     for index, line in zip(shown, fs.in_time(fs.CONTACT, len(shown)), strict=True):
         areas = evolution.island_areas[index]
@@ -89,19 +134,12 @@ def junctions(axes: Axes, data: "FigureData") -> None:
     axes.axvline(mesh, color=fs.NOMINAL, lw=0.6, label="one cell (mesh limit)")
     if critical is not None:
         axes.axvline(1e3 * critical, color=fs.HARDNESS, lw=1.4, label=f"d* = {1e3 * critical:.3g} µm")
+        if formula is not None and formula != critical:
+            told = f"{1e3 * formula:.3g} µm by eq 2.3"
+            axes.axvline(1e3 * formula, color=fs.HARDNESS, lw=0.8, ls="--", label=told)
     axes.set_xscale("log")
     fs.plain_numbers(axes.xaxis, decades=0.3)
     axes.tick_params(axis="x", which="minor", pad=5.0)  # its labels in line with those of decades
     axes.set(xlabel="diameter of an island, µm", ylabel="cumulative share of contact area, –")
     axes.set_ylim(0.0, 1.02)
     fs.legend_above(axes, columns=2)
-
-
-def diameters_of(areas: FloatArray) -> FloatArray:
-    """Return the diameters [mm] of circles of these areas [mm²], any shape."""
-    return np.asarray(2.0 * np.sqrt(areas / np.pi))
-
-
-def share_above(areas: FloatArray, diameter: float) -> float:
-    """Return the part of the islands' area in islands larger than a circle. areas: (islands,) [mm²]"""
-    return float(areas[diameters_of(areas) > diameter].sum() / areas.sum())

@@ -66,6 +66,8 @@ FIGURES: dict[str, Entry] = {
     "disc_profiles": Entry("shape:disc_profiles", _DISC),
     "profiles": Entry("shape:profiles", _FIELD),
     "roughness": Entry("snapshots:roughness", _ROUGHNESS),
+    "texture": Entry("snapshots:texture", (when.ONE_SNAPSHOT, when.UNWORN, when.SMOOTH, when.NO_TEXTURE)),
+    "spectrum": Entry("snapshots:spectrum", (when.NO_SNAPSHOT, when.UNWORN, when.SMOOTH, when.NO_SPECTRUM)),
     "islands": Entry("snapshots:islands", (when.SMOOTH_DISC, when.ONE_SNAPSHOT, when.ONLY_SAMPLES)),
     "junctions": Entry("snapshots:junctions", (when.SMOOTH_DISC, when.NO_JUNCTIONS, *_FIELD)),
     "pieces": Entry("history:pieces", (when.NO_PIECES,)),
@@ -96,6 +98,7 @@ ESSENTIAL: dict[str, tuple[str, ...]] = {
     "track_map": ("track",),
     "wear_per_pass": ("passes",),
     "roughness": ("roughness",),
+    "pieces": ("pieces",),
 }
 
 

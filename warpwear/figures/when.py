@@ -48,6 +48,17 @@ ONE_SNAPSHOT = Reason(
     "one snapshot shows no course; ask for more with output.snapshots",
 )
 SMOOTH_DISC = Reason(_is_smooth, "a smooth disc has neither roughness nor islands")
+SMOOTH = Reason(
+    lambda d: _is_smooth(d) and not d.study.wear.sheds, "smooth bodies that lose no pieces have no roughness"
+)
+NO_TEXTURE = Reason(
+    lambda d: not any(np.isfinite(d.roughness[f"sq_{body}"]).any() for body in ("sphere", "disc")),
+    "the scar has too few cells to tell its roughness",
+)
+NO_SPECTRUM = Reason(
+    lambda d: not all(d.spectra.values()),
+    "the scar has too few cells for a spectrum, or patches cover a part",
+)
 ONLY_SAMPLES = Reason(
     lambda d: d.study.samples_area, "the patches cover a part of the area only: see load_share and patch_zoom"
 )

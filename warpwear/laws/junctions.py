@@ -2,6 +2,10 @@
 
 import math
 
+import numpy as np
+
+from warpwear.grid import FloatArray
+
 
 def critical_junction(
     *, surface_energy: float, shear_modulus: float, poisson: float, strength: float
@@ -40,3 +44,17 @@ def junction_strength(hardness: float) -> float:
     lubricant make junctions weaker, and d* larger.
     """
     return hardness / (3.0 * math.sqrt(3.0))
+
+
+def share_above(areas: FloatArray, diameter: float) -> float:
+    """Return the part of the islands' area in islands larger than a circle; NaN without islands.
+
+    areas: (islands,) [mm²]. diameter: [mm]. Frérot, Aghababaei and Molinari (J. Mech. Phys. Solids 114,
+    2018, 172) take it, of d*, for the wear coefficient of full adhesion.
+    """
+    return float(areas[diameters_of(areas) > diameter].sum() / areas.sum()) if areas.size else math.nan
+
+
+def diameters_of(areas: FloatArray) -> FloatArray:
+    """Return the diameters [mm] of circles of these areas [mm²], any shape."""
+    return np.asarray(2.0 * np.sqrt(areas / np.pi))

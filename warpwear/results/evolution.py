@@ -1,10 +1,10 @@
-"""Roughness of the disc in the middle of the scar and islands of contact, against the distance slid.
+"""Roughness of ball and disc in the scar and islands of contact, against the distance slid.
 
 Taken from the snapshots of a result; ask for more with `output.snapshots`.
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -13,19 +13,18 @@ from scipy import ndimage  # every run needs it: not late, when memory may be sh
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION
 from warpwear.history.snapshot import Snapshot
-from warpwear.results.export import worn_heights
+from warpwear.laws.junctions import share_above
+from warpwear.laws.settling import Settling, fit_settling
+from warpwear.results.export import BODIES, worn_heights
 from warpwear.results.file import ResultFile
-from warpwear.surfaces.levelling import without_polynomial
-from warpwear.surfaces.roughness import bearing_parameters, height_parameters
+from warpwear.results.track import whole_rows
+from warpwear.surfaces.spectrum import Spectrum
+from warpwear.surfaces.worn.scar import Texture, ellipse, fine_spectrum, roughness_without_form, texture
 
-#: Parameters that are lengths.
-LENGTHS = ("sa", "sq", "sk", "spk", "svk")
-#: A worn scar is a bowl, a groove a trough: a polynomial of this degree is taken off as their form.
-FORM_DEGREE = 2
 #: Part of the scar's area whose roughness is taken.
 MIDDLE = 0.5
-#: A part of fewer cells has no roughness worth a number.
-FEWEST_CELLS = 100
+#: Most places along a track at which the disc's texture is taken.
+PLACES = 16
 
 
 @dataclass(frozen=True)
@@ -42,23 +41,30 @@ def surface_evolution(result: ResultFile) -> SurfaceEvolution:
 
 
 def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
-    numbers = range(len(result.snapshots))  # none of a run that was interrupted before the first
-    if result.at_hand.keys() >= {*numbers}:
+    kept = len(result.snapshots)  # none of a run that was interrupted before the first
+    if result.at_hand.keys() >= {*range(kept)}:
         with ThreadPoolExecutor(int(result.attributes["threads"])) as pool:
-            found = list(pool.map(partial(_of_snapshot, result), (result.at_hand[n] for n in numbers)))
+            fields = [result.at_hand[number] for number in range(kept)]
+            found = list(pool.map(partial(_of_snapshot, result), range(kept), fields))
     else:  # one at a time in memory
-        found = [_of_snapshot(result, snapshot) for snapshot in result.snapshots]
+        found = [_of_snapshot(result, index, snapshot) for index, snapshot in enumerate(result.snapshots)]
     table = {column.name: np.array([row[column.name] for row, _ in found]) for column in EVOLUTION}
     return SurfaceEvolution(table, tuple(islands for _, islands in found))
 
 
-def _of_snapshot(result: ResultFile, snapshot: Snapshot) -> tuple[dict[str, float], FloatArray]:
+def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[dict[str, float], FloatArray]:
     """The row of a snapshot, and the areas of its islands [mm²]."""
-    islands = island_areas(result, snapshot)
+    islands, critical = island_areas(result, snapshot), result.study.critical_diameter
     # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
     one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area
     row = {"distance": snapshot.distance} | _roughness_in_scar(result, snapshot)
-    return row | _count_islands(islands, one_cell), islands
+    for body in BODIES:
+        found = _texture(result, index, snapshot, body)
+        row |= {f"sq_{body}": 1e3 * found.sq, f"sdq_{body}": found.sdq, f"rq_{body}": 1e3 * found.rq}
+    row["sq_disc_unworn"] = 1e3 * _texture(result, index, snapshot, "disc", unworn=True).sq
+    row |= _count_islands(islands, one_cell)
+    above = np.nan if critical is None or np.isnan(one_cell) else share_above(islands, critical)
+    return row | {"share_above_critical": above}, islands
 
 
 def island_areas(result: ResultFile, snapshot: Snapshot) -> FloatArray:
@@ -94,21 +100,79 @@ def _roughness_in_scar(result: ResultFile, snapshot: Snapshot) -> dict[str, floa
     """
     extents = _extents(snapshot.touched)
     heights = worn_heights(result, snapshot, "disc", extents)
-    x, y = (np.linspace(-1.0, 1.0, 2 * n + 1)[1::2] for n in heights.shape)
-    inside = (x[:, None] ** 2 + y[None, :] ** 2 <= MIDDLE) & np.isfinite(heights)
+    inside = ellipse((heights.shape[0], heights.shape[1]), size=MIDDLE**0.5) & np.isfinite(heights)
     box = _extents(inside)
     return roughness_without_form(heights[box], inside[box])
 
 
-def roughness_without_form(
-    heights: FloatArray, inside: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"
-) -> dict[str, float]:
-    """Sa, Sq, Sk, Spk, Svk [µm] and Ssk of worn heights [mm], of the cells inside, once their form is gone.
+def inner_scar(
+    result: ResultFile, index: int, snapshot: Snapshot, body: str, *, unworn: bool = False
+) -> list[FloatArray]:
+    """Heights [mm] of a body in the middle of the scar, half as long and wide, at snapshot number `index`.
 
-    NaN where too few cells are inside.
+    One field; of the disc of a swept run one for each of some places along the track, evenly apart: one
+    place has too few asperities to tell the roughness of a track. unworn: as they were before any wear.
     """
-    if np.count_nonzero(inside) < FEWEST_CELLS:
-        return dict.fromkeys((*LENGTHS, "ssk"), np.nan)
-    level = without_polynomial(heights, degree=FORM_DEGREE, where=inside)[inside]
-    found = height_parameters(level) | vars(bearing_parameters(level))
-    return {name: 1.0e3 * found[name] for name in LENGTHS} | {"ssk": found["ssk"]}
+    extents = _extents(snapshot.touched)
+    quarters = [(part.stop - part.start) // 4 for part in extents]
+    rows, columns = (slice(part.start + q, part.stop - q) for part, q in zip(extents, quarters, strict=True))
+    if body == "sphere" or not result.study.is_swept:
+        heights = worn_heights(result, snapshot, body, (rows, columns))
+        if unworn:
+            heights = (
+                heights + (snapshot.wear_sphere if body == "sphere" else snapshot.wear_disc)[rows, columns]
+            )
+        return [heights]
+    whole, length = whole_rows(result), rows.stop - rows.start
+    length = min(length, whole.stop - whole.start)
+    places = min(PLACES, max((whole.stop - whole.start) // max(length, 1), 1))
+    starts = np.linspace(whole.start, whole.stop - length, places).astype(int)
+    found = []
+    for start in starts:
+        part = slice(int(start), int(start) + length)
+        heights = result.track_heights(part)[:, columns]
+        found.append(heights if unworn else heights - np.add(*result.track_loss(index, part))[:, columns])
+    return found
+
+
+def _texture(
+    result: ResultFile, index: int, snapshot: Snapshot, body: str, *, unworn: bool = False
+) -> Texture:
+    """Roughness of a body in the inner scar, root mean squares over its fields."""
+    fields = inner_scar(result, index, snapshot, body, unworn=unworn)
+    each = [astuple(texture(heights, cell=result.study.grid.cell)) for heights in fields]
+    return Texture(*(float(value) for value in np.sqrt(np.mean(np.square(each), axis=0))))
+
+
+def spectrum_in_scar(result: ResultFile, index: int, snapshot: Snapshot, body: str) -> Spectrum | None:
+    """The power spectrum of a body in the inner scar at snapshot number `index`, the mean over its fields.
+
+    None where the scar is too small, or patches cover a part of it.
+    """
+    fields = inner_scar(result, index, snapshot, body)
+    found = [fine_spectrum(heights, cell=result.study.grid.cell) for heights in fields]
+    known = [spectrum for spectrum in found if spectrum is not None]
+    if len(known) < len(found) or len({spectrum.density.size for spectrum in known}) != 1:
+        return None
+    return replace(known[0], density=np.mean([spectrum.density for spectrum in known], axis=0))
+
+
+def settling_course(result: ResultFile, body: str) -> tuple[FloatArray, FloatArray]:
+    """Distances [mm] and Sq [µm] of a body in the inner scar, from before wear on, as it is fitted.
+
+    A ball is smooth before. The inner scar grows, and a disc's Sq with it: it is taken over that of the same
+    cells unworn, times that of the last ones.
+    """
+    table = surface_evolution(result).table
+    after = table["distance"] > 0.0
+    slid, values = np.append(0.0, table["distance"][after]), table[f"sq_{body}"][after]
+    if body == "sphere" or not values.size:
+        return slid, np.append(0.0, values)
+    unworn = table["sq_disc_unworn"][after]
+    with np.errstate(invalid="ignore", divide="ignore"):  # a disc without roughness
+        return slid, unworn[-1] * np.append(1.0, values / unworn)
+
+
+def settling(result: ResultFile, body: str) -> Settling | str:
+    """The fitted course of a body's Sq [µm] in the inner scar, or half a sentence that says why not."""
+    return fit_settling(*settling_course(result, body))

@@ -10,6 +10,8 @@ from warpwear.grid import FloatArray
 from warpwear.history.rows import Named
 from warpwear.laws import friction
 from warpwear.laws.film import Breaking, fit_breaking
+from warpwear.results.evolution import settling, surface_evolution
+from warpwear.results.export import BODIES
 from warpwear.results.file import ResultFile
 from warpwear.results.track import by_pass, groove, roughness_in_track
 from warpwear.study import text as render
@@ -86,7 +88,9 @@ def summarise(result: ResultFile) -> dict[str, Any]:
         "junctions": {
             "critical_diameter_um": 1.0e3 * study.critical_junction if study.critical_junction else None,
             "strength_MPa": study.junction_strength,
+            "share_above": _share_above(result),
         },
+        "inner_scar": _inner_scar(result),
         "load_residual_N": {
             "largest": float(np.abs(history["load_residual"]).max()),
             "end": end["load_residual"],
@@ -304,11 +308,54 @@ def _pieces(result: ResultFile) -> dict[str, Any]:
         cut = table["diameter"][table["body"] == number]
         found[body] = {
             "number": int(cut.size),
+            "track_fraction": study.track.track_fraction if body == "disc" and study.is_swept else 1.0,
             "per_mm": per_mm,
             "per_minute": 60.0 * speed * per_mm if speed else None,
             "median_diameter_um": 1.0e3 * float(np.median(cut)) if cut.size else None,
             "pending_mm3": float(history[f"pending_volume_{body}"][-1]),
         }
+    return found
+
+
+def _share_above(result: ResultFile) -> dict[str, float] | None:
+    """The part of the area in contact in junctions above d*, at the first and the last snapshot, and d*."""
+    diameter, shares = (
+        result.study.critical_diameter,
+        surface_evolution(result).table["share_above_critical"],
+    )
+    if diameter is None or not shares.size or not np.isfinite(shares[[0, -1]]).all():
+        return None
+    return {"diameter_um": 1.0e3 * diameter, "first": float(shares[0]), "end": float(shares[-1])}
+
+
+def _inner_scar(result: ResultFile) -> dict[str, Any]:
+    """Roughness of both bodies at the end and how its course settles."""
+    last = {
+        name: _finite(column[-1]) for name, column in surface_evolution(result).table.items() if column.size
+    }
+    found: dict[str, Any] = {}
+    for body in BODIES:
+        fit = settling(result, body)
+        unworn = last.get("sq_disc_unworn") if body == "disc" else 0.0
+        ends = {"sq_um": f"sq_{body}", "sdq": f"sdq_{body}", "rq_along_um": f"rq_{body}"}
+        found[body] = (
+            {key: last.get(name) for key, name in ends.items()}
+            | {"sq_unworn_um": unworn}
+            | (
+                {"settling": None, "not_settling": fit}
+                if isinstance(fit, str)
+                else {
+                    "settling": {
+                        "equilibrium_um": fit.equilibrium,
+                        "equilibrium_error_um": fit.equilibrium_error,
+                        "running_in_length_mm": fit.length,
+                        "running_in_length_error_mm": fit.length_error,
+                        "initial_um": fit.initial,
+                        "rms_um": fit.rms,
+                    }
+                }
+            )
+        )
     return found
 
 

@@ -12,7 +12,7 @@ def summary_text(summary: dict[str, Any]) -> str:
     """Say in lines for people what a run amounts to. summary: `Result.summary`, units in its keys."""
     s = summary
     slid = f"{s['distance_mm']:g} mm slid in {s['steps']} steps, {s['elapsed_s']:.1f} s"
-    return "\n".join([f"{s['name']}: {slid}", *lines([*_contact(s), *_models(s), *_friction(s)])])
+    return "\n".join([f"{s['name']}: {slid}", *lines([*_contact(s), *_scar(s), *_models(s), *_friction(s)])])
 
 
 def _contact(s: dict[str, Any]) -> list[Row]:
@@ -81,10 +81,42 @@ def _pieces(pieces: dict[str, Any]) -> list[Row]:
     rows = [Row("pieces", "", told)]
     for body in ("sphere", "disc"):
         rate = "" if p[body]["per_minute"] is None else f", {p[body]['per_minute']:.3g} a minute"
-        told = f"{p[body]['number']}, {p[body]['per_mm']:.3g} per mm of sliding{rate}"
-        rows.append(Row(f"off the {body}", "", told))
-    decides = f"dust ({100.0 * p['dust_fraction']:.3g} %), d*, t and the start ({p['pending_start']})"
-    return [*rows, Row("decided by", "", f"{decides}: these choices move distances severalfold")]
+        part = p[body]["track_fraction"]
+        counted = "" if part == 1.0 else f" on {100.0 * part:.3g} % of the stroke"
+        told = f"{p[body]['number']}{counted}, {p[body]['per_mm']:.3g} per mm of sliding{rate}"
+        rows.append(Row(f"off the {body}", "", told + (", on all of it" if counted else "")))
+    start = "nothing pending" if p["pending_start"] == "zero" else "pending at random"
+    decides = (
+        f"diameter d* {p['diameter_um']:.3g} µm and thickness t {p['thickness_um']:.3g} µm of a piece, "
+        f"dust {100.0 * p['dust_fraction']:.3g} %, start {p['pending_start']} ({start}): "
+        "inputs that move distances severalfold"
+    )
+    return [*rows, Row("decided by", "", decides)]
+
+
+def _scar(s: dict[str, Any]) -> list[Row]:
+    """Declare how rough both bodies are in the inner scar, how that settles, and how large junctions are."""
+    rows = []
+    for body, found in s["inner_scar"].items():
+        if found["sq_um"] is None:
+            continue
+        unworn = f" of {found['sq_unworn_um']:.3g} µm unworn" if found["sq_unworn_um"] else ""
+        told = f"{unworn}, Sdq {found['sdq']:.2g}, along sliding Rq {found['rq_along_um']:.3g} µm"
+        if fit := found["settling"]:
+            constants = [
+                ("Sq settles at", "equilibrium_um", "equilibrium_error_um"),
+                ("over", "running_in_length_mm", "running_in_length_error_mm"),
+            ]
+            told += "; " + " ".join(
+                f"{label} {Row('', key, fit[key], digits=3, error=('', fit[error])).text}"
+                for label, key, error in constants
+            )
+        rows.append(Row(f"{body}, inner scar", "sq_um", found["sq_um"], digits=3, note=told))
+    if above := s["junctions"]["share_above"]:
+        first = f"of the area in contact (first {100.0 * above['first']:.3g} %)"
+        note = f"{first}, d* {above['diameter_um']:.3g} µm"
+        rows.append(Row("junctions over d*", "share_percent", 100.0 * above["end"], digits=3, note=note))
+    return rows
 
 
 def _patches(patches: dict[str, Any], *, of_half_space: bool) -> list[Row]:

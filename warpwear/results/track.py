@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.results.evolution import LENGTHS, roughness_without_form
 from warpwear.results.file import ResultFile
+from warpwear.surfaces.worn.scar import LENGTHS, roughness_without_form
 
 #: Rows of a track that are read at once.
 ROWS = 2000

@@ -208,6 +208,11 @@ class Content(Section):
             surface_energy=energy, shear_modulus=shear_modulus, poisson=poisson, strength=strength
         )
 
+    @property
+    def critical_diameter(self) -> float | None:
+        """Diameter d* [mm] above which a junction loses pieces: that of pieces, else of eq 2.3, or None."""
+        return self.pieces.diameter if self.pieces else self.critical_junction
+
     def contact_law(self) -> CappedFoundation:
         """Return the law of a cell before any wear."""
         stiffness = self.bulk_stiffness() if self.study.model == "macro" else self.contact.stiffness
