@@ -103,15 +103,11 @@ def _scar(s: dict[str, Any]) -> list[Row]:
         unworn = f" of {found['sq_unworn_um']:.3g} µm unworn" if found["sq_unworn_um"] else ""
         told = f"{unworn}, Sdq {found['sdq']:.2g}, along sliding Rq {found['rq_along_um']:.3g} µm"
         if fit := found["settling"]:
-            constants = [
-                ("Sq settles at", "equilibrium_um", "equilibrium_error_um"),
-                ("over", "running_in_length_mm", "running_in_length_error_mm"),
-            ]
-            told += "; " + " ".join(
-                f"{label} {Row('', key, fit[key], digits=3, error=('', fit[error])).text}"
-                for label, key, error in constants
-            )
-        rows.append(Row(f"{body}, inner scar", "sq_um", found["sq_um"], digits=3, note=told))
+            level = f"{fit['equilibrium_um']:.3g} ± {fit['equilibrium_error_um']:.1g} µm"
+            error = f"{fit['running_in_length_error_mm']:.2g}"
+            length = f"{fit['running_in_length_mm']:.3g} ± {float(error):g} mm"
+            told += f"; Sq settles at {level} over {length}"
+        rows.append(Row(f"{body}, inner scar", "", f"Sq {found['sq_um']:.3g} µm{told}"))
     if above := s["junctions"]["share_above"]:
         first = f"of the area in contact (first {100.0 * above['first']:.3g} %)"
         note = f"{first}, d* {above['diameter_um']:.3g} µm"
