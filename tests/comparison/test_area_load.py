@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 
 from warpwear import Study
 from warpwear.comparison.area_load import area_load, has_loads
-from warpwear.comparison.gather import Comparison, RunData
+from warpwear.comparison.gather import Comparison
+from warpwear.comparison.groups import Group, RunData
 
 FLAT = {
     "sphere.radius": "inf mm",
@@ -30,7 +31,7 @@ def compared(*changes: dict[str, Any]) -> Comparison:
         history = {"area_contact": np.array([1e-3 * study.contact.load, 1.0])}
         course = np.zeros(1), np.zeros(1)
         runs.append(RunData("run", Path("run"), study, history, {}, course, np.zeros(1), {}))
-    return Comparison(tuple(runs), (), ())
+    return Comparison(tuple(Group(run.name, (run,)) for run in runs), (), ())
 
 
 def lines(comparison: Comparison) -> dict[str, Any]:

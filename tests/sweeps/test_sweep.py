@@ -1,12 +1,12 @@
 """Sweeps through the public door: rows, folders that are the truth, workers that die, bands."""
 
-import csv
 import json
 import math
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
@@ -19,10 +19,12 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.sweeps.figures import courses
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
-from warpwear.sweeps.run_one import run_one
-from warpwear.sweeps.sweep import make_runs, task_of
+from warpwear.sweeps.run_one import Row, run_one
+from warpwear.sweeps.sweep import make_runs, share_runs, task_of
+from warpwear.sweeps.table import SweepResult
 
 ROOT = Path(__file__).parents[2]
 #: A rough contact that takes a tenth of a second.
@@ -41,11 +43,6 @@ class Here(Executor):
 
 def small(**changes: Any) -> Study:
     return Study.load("v3-fine").replace({**SMALL, **changes})
-
-
-def table_without_seconds(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8") as file:
-        return [{k: v for k, v in row.items() if k != "seconds"} for row in csv.DictReader(file)]
 
 
 @pytest.fixture(scope="module")
@@ -185,11 +182,11 @@ def test_error_of_a_call_is_raised() -> None:
 def test_sweep_from_a_script_without_a_guard(swept: Any, tmp_path: Path) -> None:
     """And its rows are those of another executor."""
     script = tmp_path / "script.py"
+    some = {"contact.load": ["4 N"], "disc.synthetic.seed": "1:2"}
     script.write_text(
-        "import warpwear\n"
+        "import json\nimport warpwear\n"
         f"study = warpwear.Study.load('v3-fine').replace({SMALL!r})\n"
-        f"found = warpwear.sweep(study, vary={VARY!r}, out='s', workers=2)\n"
-        "print(found.table['status'])\n",
+        f"print(json.dumps(warpwear.sweep(study, vary={some!r}, workers=1).table))\n",
         encoding="utf-8",
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -201,29 +198,92 @@ def test_sweep_from_a_script_without_a_guard(swept: Any, tmp_path: Path) -> None
         text=True,
         check=True,
     )
-    assert ran.stdout.count("done") == 6
-    rows = table_without_seconds(tmp_path / "s" / "table.csv")
-    assert len(rows) == 6
-    assert rows == table_without_seconds(swept.folder / "table.csv")
+    table = json.loads(ran.stdout)
+    assert table["status"] == ["done"] * 2
+    assert [*table] == [*swept.table]
+    for name, values in swept.table.items():
+        if name != "seconds":
+            assert table[name] == values[:2]
 
 
 def test_killed_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
-    plan = Plan(small(), section_of({"vary": VARY}, {}))
+    plan = Plan(small(), section_of({"vary": {**VARY, "disc.synthetic.seed": "1:2"}}, {}))
     done = []
 
     def interrupt(number: int, row: object) -> None:
         done.append(number)
-        if len(done) == 2:
+        if len(done) == 1:
             raise KeyboardInterrupt
 
-    with local_workers(2, cores=2) as pool, pytest.raises(KeyboardInterrupt):
+    with local_workers(1, cores=1) as pool, pytest.raises(KeyboardInterrupt):
         make_runs(plan, tmp_path, pool, threads=1, told=interrupt)
     finished = [path.parent.name for path in tmp_path.glob("runs/*/result.h5")]
-    assert 2 <= len(finished) <= 6
+    assert 1 <= len(finished) <= 4
     times = {path: path.stat().st_mtime_ns for path in tmp_path.glob("runs/*/result.h5")}
     rows = make_runs(plan, tmp_path, Here(), threads=1)
-    assert [row.status for row in rows] == ["done"] * 6
+    assert [row.status for row in rows] == ["done"] * 4
     assert all(path.stat().st_mtime_ns == when for path, when in times.items())
+
+
+def test_run_that_takes_far_longer_than_the_others_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("warpwear.sweeps.sweep.LOOK", 0.01)
+    monkeypatch.setattr("warpwear.sweeps.sweep.SILENCE", 0.2)
+    plan = Plan(small(), section_of({"vary": {"contact.load": ["4 N", "8 N"]}}, {}))
+    hanging = threading.Event()
+
+    def make(number: int) -> Row:
+        if number == 1:
+            assert hanging.wait(60.0)
+        time.sleep(0.02)
+        return Row("done")
+
+    class Hangs(Executor):
+        pool, made = ThreadPoolExecutor(2), iter(range(2))
+
+        def submit(self, function: Any, /, *arguments: Any, **named: Any) -> "Future[Any]":
+            return self.pool.submit(make, next(self.made))
+
+    told: list[str] = []
+
+    def warned(sentence: str) -> None:
+        told.append(sentence)
+        hanging.set()
+
+    rows = make_runs(plan, tmp_path, Hangs(), warned=warned)
+    assert [row.status for row in rows] == ["done"] * 2
+    assert len(told) == 1
+    assert told[0].startswith("run 1 has taken ")
+    assert plan.points[1].run in told[0]
+
+
+def test_sweeps_share_their_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan, store = Plan(small(), section_of({"vary": {"contact.load": ["8 N"]}}, {})), tmp_path / "store"
+    share_runs(tmp_path / "one", store)
+    first = make_runs(plan, tmp_path / "one", Here(), threads=1)
+    monkeypatch.setattr("warpwear.runs.run.StepLoop", None)  # nothing is computed again
+    share_runs(tmp_path / "two", store)
+    share_runs(tmp_path / "two", store)  # as with --resume
+    assert make_runs(plan, tmp_path / "two", Here(), threads=1)[0].ends == first[0].ends
+    assert (store / plan.points[0].run / "result.h5").is_file()
+    with pytest.raises(InputError, match="has its runs in"):
+        share_runs(tmp_path / "two", tmp_path / "other")
+
+
+def test_two_keys_have_colours_and_kinds_of_line(swept: Any) -> None:
+    """Two groups that are alike are both seen, and the legend names each value once."""
+    plan = Plan(small(), section_of({"vary": {**VARY, "contact.hardness": ["590 MPa", "1200 MPa"]}}, {}))
+    plan.band_over = ["disc.synthetic.seed"]
+    rows = [swept.rows[3 * (n // 6) + (n // 2) % 3] for n in range(12)]
+    figure = courses(SweepResult(plan, rows), ["cof", "area_contact"], ())
+    lines = figure.axes[0].get_lines()
+    assert [(line.get_linestyle(), line.get_linewidth()) for line in lines] == [("-", 2.4), ("--", 1.1)] * 2
+    assert len({line.get_color() for line in lines}) == 4
+    named = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert named == ["load 4 N", "load 8 N", "hardness 590 MPa", "hardness 1200 MPa"]
+    assert figure.axes[0].get_title() == "mean and 5–95 % of 3 runs"
+    assert swept.influence()["disc.synthetic.seed"] >= 0.0  # no order, no rank
 
 
 def test_lock_of_a_lost_computer_is_broken(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """The command `warpwear compare`."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -10,6 +11,12 @@ from warpwear.cli.places import comparison_folder, comparison_table, gathered
 
 @click.command()
 @click.argument("folders", metavar="[DIR]...", nargs=-1, type=PATH)
+@click.option(
+    "--band-over",
+    metavar="KEY",
+    multiple=True,
+    help="Key whose scatter a band shows: runs that differ in it alone are one line. Repeatable.",
+)
 @click.option(
     "--experiment",
     "experiments",
@@ -36,9 +43,17 @@ def compare(
     out: Path,
     file_format: str,
     overwrite: bool,
-    **given: str | None,
+    **given: Any,
 ) -> None:
     """Lay the runs in DIR... and measured courses of friction over each other.
+
+    DIR is the folder of a run, or of a sweep for all its runs. With
+
+    \b
+    warpwear compare loads --band-over disc.synthetic.seed
+
+    surfaces of several seeds are one line, their mean, in a band from 5 to 95 % of the runs, and one
+    column of the table, mean ± standard deviation.
 
     Prints a table, and writes it with overlaid figures: coefficient of friction, area in contact (over
     the load too, where runs differ in it), mean pressure, worn volumes, worn profiles.

@@ -23,6 +23,7 @@ from warpwear.cli.study import CHANGES, STUDY, parsed_changes
 @click.option("--seed", type=int, help="Of the samples.")
 @click.option("--band-over", metavar="KEY", multiple=True, help="Key whose scatter a band shows. Repeatable.")
 @click.option("--out", type=PATH, help="Folder of the sweep. [default: the study's name and -sweep, here]")
+@click.option("--runs", type=PATH, help="Folder of runs that sweeps share.  [default: runs/ in the sweep's]")
 @click.option("--workers", type=int, help="Processes here.  [default: one a core, or one a GPU]")
 @click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler, tls://HOST:PORT, instead.")
 @click.option("--insecure", is_flag=True, help="Allow a cluster that is neither encrypted nor here.")

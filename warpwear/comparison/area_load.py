@@ -7,10 +7,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpwear.comparison.gather import Comparison, RunData
+from warpwear.comparison.gather import Comparison
+from warpwear.comparison.groups import Group
 from warpwear.figures import style as fs
 from warpwear.grid import FloatArray
 from warpwear.laws.elastic import Hertz, SpectralMoments, greenwood_williamson_area, persson_area
+from warpwear.results.ensemble import band
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
 
@@ -35,18 +37,18 @@ def area_load(comparison: Comparison) -> Figure:
     Lines of theories are drawn where all runs have the same bodies: load over hardness; Hertz, of smooth
     bodies; Persson, and under a flat Greenwood and Williamson, of a surface whose spectrum is known.
     """
-    series: dict[str, list[RunData]] = defaultdict(list)
-    for run in comparison.runs:
-        series[_law(run.study)].append(run)
+    series: dict[str, list[Group]] = defaultdict(list)
+    for group in comparison.groups:
+        series[_law(group)].append(group)
     loads = [run.study.contact.load for run in comparison.runs]
     line = np.geomspace(min(loads) / MARGIN, max(loads) * MARGIN, LINES)
 
     def draw(axes: Axes) -> None:
-        for (name, runs), (colour, marker) in zip(series.items(), STYLES * len(series), strict=False):
-            runs.sort(key=lambda run: run.study.contact.load)
-            forces = [run.study.contact.load for run in runs]
-            areas = [1.0e3 * run.history["area_contact"][0] for run in runs]
-            axes.plot(forces, areas, color=colour, marker=marker, ms=4, label=name)
+        for (name, groups), (colour, marker) in zip(series.items(), STYLES * len(series), strict=False):
+            points = [_point(group) for group in groups]
+            force, area, low, high = np.transpose(sorted(points))
+            axes.plot(force, area, color=colour, marker=marker, ms=4, label=name)
+            axes.vlines(force, low, high, color=colour, lw=0.9)
         axes.set(xscale="log", xlim=(line[0], line[-1]))
         fs.logarithmic(axes)
         low, high = axes.get_ylim()
@@ -63,10 +65,19 @@ def area_load(comparison: Comparison) -> Figure:
     return fs.new_figure(draw, height=3.4)
 
 
-def _law(study: Study) -> str:
-    """Name the law and the hardness of a study."""
-    cap = f"H = {study.hardness:g} MPa" if np.isfinite(study.hardness) else "no hardness"
-    return f"computed: {study.contact.law}, {cap}"
+def _point(group: Group) -> tuple[float, float, float, float]:
+    """Mean load [N] of a group, and its area in contact at first [10⁻³ mm²]: mean and ends of the band."""
+    areas = np.array([[1.0e3 * run.history["area_contact"][0]] for run in group.runs])
+    mean, low, high = (float(found[0]) for found in band(areas))
+    return float(np.mean([run.study.contact.load for run in group.runs])), mean, low, high
+
+
+def _law(group: Group) -> str:
+    """Name the law and the hardness of the runs of a group, all of them where they differ."""
+    laws = dict.fromkeys(run.study.contact.law for run in group.runs)
+    capped = sorted({run.study.hardness for run in group.runs if np.isfinite(run.study.hardness)})
+    cap = f"H = {', '.join(f'{hardness:g}' for hardness in capped)} MPa" if capped else "no hardness"
+    return f"computed: {', '.join(laws)}, {cap}"
 
 
 def _theories(comparison: Comparison, load: FloatArray) -> dict[str, FloatArray]:

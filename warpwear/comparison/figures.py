@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from warpwear.comparison.area_load import area_load, has_loads
-from warpwear.comparison.gather import BODIES, Comparison, RunData
+from warpwear.comparison.gather import BODIES, Comparison
+from warpwear.comparison.groups import Course, Group, RunData
 from warpwear.figures import style as fs
 from warpwear.figures.axes import ACROSS
 from warpwear.grid import FloatArray
 from warpwear.measured.course import Experiment, mean_of_last_tenth
+from warpwear.results.ensemble import band, band_told
 
 COLOURS = (fs.SPHERE, fs.DISC, fs.CONTACT, fs.MEAN_PRESSURE, fs.SUM, fs.TOUCHED)
 LINES = ("-", "--", "-.", ":", (0, (6, 1)), (0, (3, 1, 1, 1)))
@@ -38,19 +39,19 @@ def cof(axes: Any, comparison: Comparison) -> None:
         for panel, end in zip(axes, (1.0, experiment.final_cof), strict=True):
             if end > 0.0:
                 _measured(panel, experiment, end, line)
-    for run, line in _runs(comparison):
-        if run.cof is not None:
-            distance, values = run.course
-            if values.size < run.cof.size and values.size < 2:
-                distance, values = run.history["distance"], run.cof
-            fs.over_distance(axes[0], distance, values, **line)
-            if run.study.friction.shear_strength is None:
-                at = -1 if run.study.friction.calibrate == "end" else 0
-                axes[0].plot(distance[at], values[at], "o", ms=4, mfc="white", mec=line["color"], zorder=3)
-                axes[0].set_title("○: calibrated to this value")
-            end = mean_of_last_tenth(distance, values)
-            if values.size > 1 and end > 0.0:
-                fs.over_distance(axes[1], distance, values / end, **line)
+    for group, line in _groups(comparison):
+        found = _drawn(axes[0], group, _cof, line)
+        if found is None:
+            continue
+        distance, values = found
+        friction = group.runs[0].study.friction
+        if friction.shear_strength is None:
+            place = -1 if friction.calibrate == "end" else 0
+            axes[0].plot(distance[place], values[place], "o", ms=4, mfc="white", mec=line["color"], zorder=3)
+            axes[0].set_title("○: calibrated to this value")
+        end = mean_of_last_tenth(distance, values)
+        if values.size > 1 and end > 0.0:
+            _drawn(axes[1], group, _cof, line, scale=1.0 / end)
     given = sum(run.study.friction.fitted == "end" for run in comparison.runs)
     if given:
         axes[0].set_title(f"the end is an input of {given} of {len(comparison.runs)} runs")
@@ -61,11 +62,23 @@ def cof(axes: Any, comparison: Comparison) -> None:
         panel.set(xlabel="sliding distance, mm", xlim=(0.0, None), ylim=(0.0, None))
 
 
+def _cof(run: RunData) -> Course | None:
+    """The course of the coefficient of friction of a run, if it is known."""
+    if run.cof is None:
+        return None
+    distance, values = run.course
+    return (run.history["distance"], run.cof) if values.size < min(run.cof.size, 2) else (distance, values)
+
+
+def _history(name: str, scale: float = 1.0) -> Callable[[RunData], Course]:
+    """Make what gives a column of a run's history over the distance slid."""
+    return lambda run: (run.history["distance"], scale * run.history[name])
+
+
 def area(axes: Axes, comparison: Comparison) -> None:
     """Draw the area in contact over the distance slid, both logarithmic."""
-    for run, line in _runs(comparison):
-        distance, values = run.history["distance"], run.history["area_contact"]
-        fs.over_distance(axes, distance, np.where(values > 0.0, values, np.nan), **line)
+    for group, line in _groups(comparison):
+        _drawn(axes, group, _history("area_contact"), line, positive=True)
     if _longest(comparison)[-1] > 0.0:  # not static contacts alone
         axes.set_xscale("log")
         fs.plain_numbers(axes.xaxis)
@@ -75,8 +88,8 @@ def area(axes: Axes, comparison: Comparison) -> None:
 
 def pressure(axes: Axes, comparison: Comparison) -> None:
     """Draw the mean pressure of the cells in contact over the distance slid."""
-    for run, line in _runs(comparison):
-        fs.over_distance(axes, run.history["distance"], run.history["pressure_mean"], **line)
+    for group, line in _groups(comparison):
+        _drawn(axes, group, _history("pressure_mean"), line)
     fs.scale_distance(axes, _longest(comparison))
     fs.scale_values(axes, *(run.history["pressure_mean"] for run in comparison.runs))
     axes.set_ylabel("mean pressure in contact, MPa")
@@ -84,10 +97,9 @@ def pressure(axes: Axes, comparison: Comparison) -> None:
 
 def volumes(axes: Any, comparison: Comparison) -> None:
     """Draw the worn volume of sphere and disc over the distance slid."""
-    for run, line in _runs(comparison):
+    for group, line in _groups(comparison):
         for panel, body in zip(axes, BODIES, strict=True):
-            volume = 1.0e3 * run.history[f"wear_volume_{body}"]
-            fs.over_distance(panel, run.history["distance"], volume, **line)
+            _drawn(panel, group, _history(f"wear_volume_{body}", 1.0e3), line)
     for panel, body in zip(axes, BODIES, strict=True):
         panel.set_title(body)
         panel.set(ylabel="worn volume, 10⁻³ mm³", xlim=(0.0, None), ylim=(0.0, None))
@@ -98,19 +110,24 @@ def profiles(axes: Any, comparison: Comparison) -> None:
 
     A track's is the mean cross-section of its groove.
     """
+    worn = [run for run in comparison.runs if run.wear]
     reach = 0.0
-    for run, line in _runs(comparison):
-        for panel, body in zip(axes, BODIES, strict=True):
-            if run.wear:
-                depth = run.wear[body]
-                panel.plot(run.across, -1.0e3 * depth, **(line | {"marker": ""}))
-                reach = max(reach, float(np.abs(run.across[depth > 0.0]).max(initial=0.0)))
+    for panel, body in zip(axes, BODIES, strict=True):
+        for group, line in _groups(comparison):
+            profile = partial(_profile, body)
+            _drawn(panel, group, profile, line | {"marker": ""}, xlabel=ACROSS)
+        ends = (float(np.abs(run.across[run.wear[body] > 0.0]).max(initial=0.0)) for run in worn)
+        reach = max(reach, *ends)
     for panel, body in zip(axes, BODIES, strict=True):
         panel.set_title(f"{body}, at the end")
-        panel.set(xlabel=ACROSS, ylabel="height lost by wear, µm", ylim=(None, 0.0))
-        panel.xaxis.set_major_locator(MaxNLocator(6))
+        panel.set(ylabel="height lost by wear, µm", ylim=(None, 0.0))
         if reach > 0.0:
             panel.set_xlim(-1.15 * reach, 1.15 * reach)
+
+
+def _profile(body: str, run: RunData) -> Course | None:
+    """The worn profile of a body [µm] over the places across sliding [mm]."""
+    return (run.across, -1.0e3 * run.wear[body]) if run.wear else None
 
 
 def _laid_over(
@@ -124,14 +141,19 @@ def _laid_over(
 
     draw: gets the axes, one or an array of them. measured: the legend names the experiments, too.
     """
-    lines: list[Experiment | RunData] = [*(comparison.experiments if measured else ()), *comparison.runs]
+    lines: list[Experiment | Group] = [*(comparison.experiments if measured else ()), *comparison.groups]
     width = fs.PAGE if panels > 1 else fs.COLUMN
     # The width holds this many names beside each other, a character some 0.055 inch and a line 0.45.
     longest = max(len(line.name) for line in lines)
     beside = max(1, min(len(lines), int(width / (0.055 * longest + 0.45))))
 
+    told = band_told([len(group.runs) for group in comparison.groups])
+
     def draw_all(axes: Any) -> None:
         draw(axes, comparison)
+        if told:
+            first = np.atleast_1d(axes)[0]
+            first.set_title("\n".join(filter(None, [first.get_title(), told])))
         fs.legend_above(*np.atleast_1d(axes), columns=beside)
 
     rows = -(-len(lines) // beside)
@@ -159,13 +181,39 @@ def drawn(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
             yield name, draw(comparison)
 
 
-def _runs(comparison: Comparison) -> Iterator[tuple[RunData, dict[str, Any]]]:
-    """Give each run with its line, which is the same in every figure."""
-    for index, run in enumerate(comparison.runs):
-        # Colours repeat after six runs, together with their lines only after thirty-six.
+def _groups(comparison: Comparison) -> Iterator[tuple[Group, dict[str, Any]]]:
+    """Give each group with its line, which is the same in every figure."""
+    for index, group in enumerate(comparison.groups):
+        # Colours repeat after six groups, together with their lines only after thirty-six.
         style = LINES[(index + index // len(COLOURS)) % len(LINES)]
-        line = {"color": COLOURS[index % len(COLOURS)], "ls": style, "label": run.name}
-        yield run, line | ({"marker": "o", "ms": 4} if run.history["distance"].size == 1 else {})
+        line = {"color": COLOURS[index % len(COLOURS)], "ls": style, "label": group.name}
+        alone = all(run.history["distance"].size == 1 for run in group.runs)
+        yield group, line | ({"marker": "o", "ms": 4} if alone else {})
+
+
+def _drawn(
+    panel: Axes,
+    group: Group,
+    of: Callable[[RunData], Course | None],
+    line: dict[str, Any],
+    *,
+    scale: float = 1.0,
+    positive: bool = False,
+    xlabel: str = "sliding distance, mm",
+) -> Course | None:
+    """Draw the course of a run, or the mean of a group's in a band; return it, None where there is none.
+
+    scale: what values are multiplied by. positive: leave gaps where they are not.
+    """
+    found = group.courses(of)
+    if found is None:
+        return None
+    places, values = found[0], scale * found[1]
+    mean, low, high = band(np.where(values > 0.0, values, np.nan) if positive else values)
+    fs.over_distance(panel, places, mean, xlabel=xlabel, **line)
+    if len(values) > 1:
+        panel.fill_between(places, low, high, color=line["color"], alpha=0.2, lw=0)
+    return places, mean
 
 
 def _experiments(comparison: Comparison) -> Iterator[tuple[Experiment, dict[str, Any]]]:

@@ -5,10 +5,19 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from warpwear.comparison.groups import (
+    MOST_NAMES,
+    Group,
+    RunData,
+    folders_of,
+    grouped,
+    is_sweep,
+    listed,
+    unlike,
+)
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.course import Experiment, check_coverage, read_experiment
@@ -19,6 +28,10 @@ from warpwear.results.track import groove, whole_steps
 from warpwear.study.study import Study
 
 BODIES = ("sphere", "disc")
+INTERRUPTED = "interrupted before the end."
+NO_COF = "no coefficient of friction: its end calibrates it."
+NO_SNAPSHOT = "no snapshot, so no profile."
+NO_FIELD = "no whole field, so no profile."
 #: Length along sliding over which profiles are averaged, as a part of the scar's.
 STRIP = 0.125
 #: Fewest points for the shape of a course.
@@ -30,37 +43,17 @@ LATEST_START = 1.0 / 60.0
 
 
 @dataclass(frozen=True, eq=False)
-class RunData:
-    """What is compared of a run; its file is closed."""
-
-    name: str
-    folder: Path
-    study: Study
-    history: dict[str, FloatArray]  # without a swept run's steps that are cut short, see `whole_steps`
-    summary: dict[str, Any]
-    course: tuple[FloatArray, FloatArray]  # distance [mm] and CoF, of a swept run the means of whole passes
-    across: FloatArray  # places across sliding [mm], shape (ny,)
-    wear: dict[str, FloatArray]  # body -> depth over `across` at the end [mm]; empty without a snapshot
-
-    @property
-    def cof(self) -> FloatArray | None:
-        """Coefficient of friction of every step, if it is known."""
-        values = self.history["cof"]
-        return values if bool(np.isfinite(values).all()) else None
-
-    @property
-    def shape(self) -> dict[str, float]:
-        """Exponent m and levelling index λ of the coefficient of friction, see `summary.shape_of_growth`."""
-        return {} if self.cof is None else _shape(*self.course)
-
-
-@dataclass(frozen=True, eq=False)
 class Comparison:
-    """Runs, experiments and what is to be said about them."""
+    """Runs in groups, experiments and what is to be said about them."""
 
-    runs: tuple[RunData, ...]
+    groups: tuple[Group, ...]
     experiments: tuple[Experiment, ...]
     notes: tuple[str, ...]
+
+    @property
+    def runs(self) -> tuple[RunData, ...]:
+        """The runs of all groups."""
+        return tuple(run for group in self.groups for run in group.runs)
 
     def rms(self, run: RunData, experiment: Experiment) -> float | None:
         """Find how the coefficients of friction differ: root mean square over the distance that both have.
@@ -76,20 +69,25 @@ def gather(
     folders: Sequence[str | Path],
     experiments: Sequence[str | Path] = (),
     *,
+    band_over: Sequence[str] = (),
     speed: str | None = None,
     stroke: str | None = None,
     columns: str | None = None,
 ) -> Comparison:
     """Read what is to be compared: run folders and files of experiments, two or more together.
 
+    folders: of runs, or of sweeps for all their runs. band_over: dotted keys; runs that differ in them alone
+    are one group, with a mean and a band.
     speed, stroke: text with a unit, for experiments that give times or cycles; by default those of the runs,
     if they agree. columns: see `warpwear.measured.columns.choose`. Raises InputError.
     """
     check_number(folders, experiments)
-    for path, count in Counter(Path(p).resolve() for p in (*folders, *experiments)).items():
+    found, left_out = folders_of(folders)
+    check_number(found, experiments)
+    for path, count in Counter(Path(p).resolve() for p in (*found, *experiments)).items():
         if count > 1:
             raise InputError(f"{path} is given {count} times; each run and experiment is expected once")
-    runs = [_read_run(Path(folder)) for folder in folders]
+    runs = [_read_run(folder) for folder in found]
     read = [
         read_experiment(
             path,
@@ -100,42 +98,44 @@ def gather(
         )
         for path in experiments
     ]
-    names = _names(runs, [Path(path) for path in experiments])
-    named = [replace(run, name=name) for run, name in zip(runs, names, strict=False)]
-    measured = [replace(e, name=name) for name, e in zip(names[len(runs) :], read, strict=True)]
-    notes = [f"{e.name}: {warning}" for e in measured for warning in e.warnings]
-    notes += _differences(named)
-    notes += [f"{r.name} was interrupted." for r in named if not r.summary["finished"]]
-    notes += _together([(r.name, warning) for r in named for warning in r.summary["warnings"]])
-    if inputs := [r.name for r in named if r.study.friction.fitted == "end" and r.cof is not None]:
+    groups = grouped(runs, band_over)
+    runs = [run for group in groups for run in group.runs]
+    files = [Path(path) for path in experiments]
+    stems = Counter(path.stem for path in files)
+    labels = [path.name if stems[path.stem] > 1 else path.stem for path in files]
+    named = unlike(labels, [group.name for group in groups], of=" (experiment)")
+    measured = [replace(e, name=name) for name, e in zip(named, read, strict=True)]
+    notes = left_out + [f"{e.name}: {warning}" for e in measured for warning in e.warnings]
+    notes += _differences(groups)
+    told = [(r.name, warning) for r in runs for warning in r.summary["warnings"]]
+    notes += _together([(r.name, INTERRUPTED) for r in runs if not r.summary["finished"]], runs)
+    notes += _together(told, runs)
+    if inputs := [r.name for r in runs if r.study.friction.fitted == "end" and r.cof is not None]:
         notes.append(
-            f"The CoF at the end of {', '.join(inputs)} is an input (friction.calibrate = 'end'), not a "
-            "result: compare the shear strengths, or run all with one friction.shear_strength."
+            f"The CoF at the end of {listed(inputs, len(runs))} is an input (friction.calibrate = 'end'), "
+            "not a result: compare the shear strengths, or run all with one friction.shear_strength."
         )
-    notes += [
-        f"{r.name} has no coefficient of friction: its end calibrates it." for r in named if r.cof is None
-    ]
-    notes += [
-        f"{r.name} has no {'whole field' if r.study.samples_area else 'snapshot'}, so no profile."
-        for r in named
-        if not r.wear
-    ]
+    notes += _together([(r.name, NO_COF) for r in runs if r.cof is None], runs)
+    notes += _together(
+        [(r.name, NO_FIELD if r.study.samples_area else NO_SNAPSHOT) for r in runs if not r.wear], runs
+    )
     for e in measured:
-        notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, named), *_gaps(e, named))]
-    return Comparison(tuple(named), tuple(measured), tuple(notes))
+        notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, runs), *_gaps(e, runs))]
+    return Comparison(tuple(groups), tuple(measured), tuple(notes))
 
 
-def _together(told: Sequence[tuple[str, str]]) -> list[str]:
+def _together(told: Sequence[tuple[str, str]], runs: Sequence[RunData]) -> list[str]:
     """Make one note of the runs of which the same is told. told: name of a run and what is told of it."""
     names: dict[str, list[str]] = {}
     for name, sentence in told:
         names.setdefault(sentence, []).append(name)
-    return [f"{', '.join(of)}: {sentence}" for sentence, of in names.items()]
+    return [f"{listed(of, len(runs))}: {sentence}" for sentence, of in names.items()]
 
 
 def check_number(folders: Sequence[str | Path], experiments: Sequence[str | Path]) -> None:
-    """Raise InputError for less than two together."""
-    if len(folders) + len(experiments) < 2:
+    """Raise InputError for less than two together; a sweep stands for several runs."""
+    sweeps = sum(is_sweep(Path(folder)) for folder in folders)
+    if len(folders) + sweeps + len(experiments) < 2:
         given = str([*folders, *experiments][0]) if folders or experiments else "nothing"
         raise InputError(f"compare needs two runs or more, or a run and an --experiment; given: {given}")
 
@@ -157,6 +157,11 @@ def rms_difference(
     # The integral of a squared straight line, exactly.
     parts = np.diff(places) * (gap[:-1] ** 2 + gap[:-1] * gap[1:] + gap[1:] ** 2) / 3.0
     return math.sqrt(float(parts.sum()) / (end - start))
+
+
+def shape_of_run(run: RunData) -> dict[str, float]:
+    """Find m and λ of the coefficient of friction of a run, see `summary.shape_of_growth`."""
+    return {} if run.cof is None else _shape(*run.course)
 
 
 def shape_of(experiment: Experiment) -> dict[str, float]:
@@ -203,25 +208,6 @@ def _read_run(folder: Path) -> RunData:
                 wear[body] = depth[rows].mean(axis=0)
         cof = course(result, "cof")
         return RunData(study.study.name, folder, study, history, summary, cof, result.y, wear)
-
-
-def _names(runs: list[RunData], experiments: list[Path]) -> list[str]:
-    """Name runs by their study, their folder where two are alike, else the path; files by their stem."""
-    folders = [run.folder.resolve() for run in runs]
-    labels = [run.name for run in runs]
-    for better in ([folder.name for folder in folders], [str(run.folder) for run in runs]):
-        seen = Counter(labels)
-        labels = [new if seen[old] > 1 else old for old, new in zip(labels, better, strict=True)]
-    files = [path.stem for path in experiments]
-    labels += [path.name if Counter(files)[path.stem] > 1 else path.stem for path in experiments]
-    found: list[str] = []
-    for index, label in enumerate(labels):
-        name = label if label not in found else f"{label} (experiment)" if index >= len(runs) else label
-        count = 2
-        while name in found:
-            name, count = f"{label} ({count})", count + 1
-        found.append(name)
-    return found
 
 
 def _common(values: Sequence[float | None]) -> float | None:
@@ -276,13 +262,19 @@ def _gaps(experiment: Experiment, runs: list[RunData]) -> list[str]:
     return check_coverage(experiment, start, end) if end > start else []
 
 
-def _differences(runs: list[RunData]) -> list[str]:
-    """List conditions in which the runs differ: they are then unlike tests."""
+def _differences(groups: Sequence[Group]) -> list[str]:
+    """List conditions in which groups differ: they are then unlike tests."""
     found = []
     for what, (unit, value_of) in CONDITIONS.items():
-        values = {run.name: value for run in runs if (value := value_of(run.study)) is not None}
-        shown = {k: v if isinstance(v, str) else f"{v:.6g} {unit}" for k, v in values.items()}
+        shown: dict[str, str] = {}
+        for group in groups:
+            values = [value for run in group.runs if (value := value_of(run.study)) is not None]
+            if values:
+                told = dict.fromkeys(v if isinstance(v, str) else f"{v:.6g} {unit}" for v in values)
+                shown[group.name] = ", ".join(told)
         if len(set(shown.values())) > 1:
-            told = ", ".join(f"{name} {text}".rstrip() for name, text in shown.items())
-            found.append(f"Unlike tests: the runs differ in {what} ({told}).")
+            told_of = [f"{name} {text}".rstrip() for name, text in shown.items()]
+            if len(told_of) > MOST_NAMES:
+                told_of = list(dict.fromkeys(shown.values()))
+            found.append(f"Unlike tests: the runs differ in {what} ({', '.join(told_of)}).")
     return found

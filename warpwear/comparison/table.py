@@ -1,12 +1,14 @@
 """The table of a comparison: for the terminal, as CSV and as JSON."""
 
 import csv
-from collections.abc import Callable
+import statistics
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from warpwear.comparison.gather import Comparison, RunData, shape_of
+from warpwear.comparison.gather import Comparison, shape_of, shape_of_run
+from warpwear.comparison.groups import RunData
 from warpwear.measured.course import Experiment
 from warpwear.results.report import aligned, shown, to_json, without_nan
 from warpwear.version import __version__
@@ -22,6 +24,10 @@ PASSES = (
     "Of swept runs area in contact, mean pressure and CoF at the end are means of the last pass; m, λ and "
     "differences from an experiment (rms) are of the means of whole passes."
 )
+
+
+#: Said where groups have several runs.
+BANDS = "Of several runs: mean ± standard deviation; figures show the mean and a band of 5 to 95 % of them."
 
 
 @dataclass(frozen=True)
@@ -53,7 +59,7 @@ def _entry(*keys: str) -> Callable[[RunData], Value]:
 
 def _of_shape(key: str) -> tuple[Callable[[RunData], Value], Callable[[Experiment], Value]]:
     """Make what finds m or λ of a run and of an experiment; None for a course that is too short."""
-    return lambda run: run.shape.get(key), lambda experiment: shape_of(experiment).get(key)
+    return lambda run: shape_of_run(run).get(key), lambda experiment: shape_of(experiment).get(key)
 
 
 QUANTITIES = (
@@ -82,30 +88,59 @@ ROUND_OFF = 1.0e-12
 SHOWN_UNITS = {"um": "µm", "mm^2": "mm²", "mm^3": "mm³", "1": ""}
 
 
-def columns(comparison: Comparison) -> dict[str, dict[str, Value]]:
-    """Find all values: name of a run or an experiment -> by the names of `QUANTITIES` and 'rms_cof NAME'."""
+def columns(comparison: Comparison, *, scatter: bool = False) -> dict[str, dict[str, Value]]:
+    """Find all values: name of a group or an experiment -> by the names of `QUANTITIES` and 'rms_cof NAME'.
+
+    Of several runs they are means over those that have a value, or with scatter standard deviations, None of
+    fewer than two.
+    """
+    taken = _scatter if scatter else _mean
     found: dict[str, dict[str, Value]] = {}
-    for run in comparison.runs:
-        values: dict[str, Value] = {quantity.name: quantity.of_run(run) for quantity in QUANTITIES}
-        values |= {f"rms_cof {e.name}": comparison.rms(run, e) for e in comparison.experiments}
-        found[run.name] = {"kind": "run", **values}
+    for group in comparison.groups:
+        values: dict[str, Value] = {q.name: taken([q.of_run(run) for run in group.runs]) for q in QUANTITIES}
+        for e in comparison.experiments:
+            values[f"rms_cof {e.name}"] = taken([comparison.rms(run, e) for run in group.runs])
+        found[group.name] = {"kind": "run", "runs": len(group.runs), **values}
     for experiment in comparison.experiments:
-        values = {quantity.name: quantity.of_experiment(experiment) for quantity in QUANTITIES}
-        found[experiment.name] = {"kind": "experiment", **values}
+        values = {q.name: None if scatter else q.of_experiment(experiment) for q in QUANTITIES}
+        found[experiment.name] = {"kind": "experiment", "runs": None, **values}
     return found
 
 
+def _mean(values: Sequence[Value]) -> Value:
+    """The value of one run; of several the mean of numbers, and words as often as they differ."""
+    known = list(dict.fromkeys(value for value in values if value is not None))
+    if len(known) < 2:
+        return known[0] if known else None
+    numbers = [value for value in values if isinstance(value, int | float)]
+    return statistics.fmean(numbers) if numbers else ", ".join(map(str, known))
+
+
+def _scatter(values: Sequence[Value]) -> Value:
+    """The standard deviation of two numbers or more."""
+    numbers = [value for value in values if isinstance(value, int | float)]
+    return statistics.stdev(numbers) if len(numbers) > 1 else None
+
+
+def has_bands(comparison: Comparison) -> bool:
+    """Tell whether any group has several runs."""
+    return any(len(group.runs) > 1 for group in comparison.groups)
+
+
 def to_text(comparison: Comparison) -> str:
-    """Write table and notes for a terminal: a line a quantity, a column a run or an experiment."""
-    table = columns(comparison)
-    labels = {quantity.name: _label(quantity) for quantity in QUANTITIES}
+    """Write table and notes for a terminal: a line a quantity, a column a group of runs or an experiment."""
+    table, scatter = columns(comparison), columns(comparison, scatter=True)
+    bands = has_bands(comparison)
+    labels = {"runs": "runs"} if bands else {}
+    labels |= {quantity.name: _label(quantity) for quantity in QUANTITIES}
     labels |= {f"rms_cof {e.name}": f"CoF − {e.name} (rms)" for e in comparison.experiments}
     cells = [["", *table]]
     for key, label in labels.items():
-        values = [values.get(key) for values in table.values()]
+        values = [table[name].get(key) for name in table]
         if any(value is not None for value in values):
-            cells.append([label, *map(_shown, values)])
-    told = []
+            errors = [scatter[name].get(key) if key != "runs" else None for name in table]
+            cells.append([label, *map(_with_scatter, values, errors)])
+    told = [BANDS] if bands else []
     if comparison.experiments:
         told.append("CoF at the end of an experiment: mean over the last tenth of its distance.")
     if any(run.study.is_swept for run in comparison.runs):
@@ -114,14 +149,26 @@ def to_text(comparison: Comparison) -> str:
 
 
 def write_csv(comparison: Comparison, path: Path) -> None:
-    """Write a row a run or an experiment, with units in the header."""
+    """Write a row a group of runs or an experiment, with units in the header.
+
+    Where groups have several runs, also standard deviations, the number of runs and their folders.
+    """
     names = {quantity.name: quantity.units for quantity in QUANTITIES}
     names |= {f"rms_cof {e.name}": "1" for e in comparison.experiments}
+    table, scatter = columns(comparison), columns(comparison, scatter=True)
+    folders = {group.name: [str(run.folder) for run in group.runs] for group in comparison.groups}
+    header = ["name", "kind", *(f"{name} [{units}]" for name, units in names.items())]
+    if bands := has_bands(comparison):
+        header += [*(f"{name}_std [{units}]" for name, units in names.items()), "runs", "folders"]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["name", "kind", *(f"{name} [{units}]" for name, units in names.items())])
-        for name, values in columns(comparison).items():
-            cells = [without_nan(values.get(key)) for key in names]
+        writer.writerow(header)
+        for name, values in table.items():
+            cells = [values.get(key) for key in names]
+            if bands:
+                cells += [scatter[name].get(key) for key in names]
+                cells += [values["runs"], "; ".join(folders.get(name, []))]
+            cells = [without_nan(cell) for cell in cells]
             shown = ["" if v is None else _quoted(v) if isinstance(v, str) else f"{v:.12g}" for v in cells]
             writer.writerow([_quoted(name), values["kind"], *shown])
 
@@ -135,6 +182,8 @@ def write_json(comparison: Comparison, path: Path) -> None:
     """Write the table with units, notes and where the runs lie."""
     content = {
         "comparison": columns(comparison),
+        "standard_deviation": columns(comparison, scatter=True) if has_bands(comparison) else {},
+        "groups": {group.name: [run.name for run in group.runs] for group in comparison.groups},
         "folders": {run.name: str(run.folder) for run in comparison.runs},
         "units": {quantity.name: quantity.units for quantity in QUANTITIES},
         "shapes": SHAPES,
@@ -154,3 +203,9 @@ def _label(quantity: Quantity) -> str:
 def _shown(value: Value) -> str:
     """Write a value for people, round-off as 0."""
     return "0" if isinstance(value, float) and abs(value) <= ROUND_OFF else shown(value)
+
+
+def _with_scatter(value: Value, scatter: Value) -> str:
+    """Write a value with its standard deviation, left out where that is round-off."""
+    told = isinstance(scatter, float) and isinstance(value, float) and scatter > 1e-9 * abs(value)
+    return f"{_shown(value)} ± {scatter:.2g}" if told else _shown(value)

@@ -18,7 +18,7 @@ from warpwear.sweeps.cluster import connected
 from warpwear.sweeps.plan import Plan, read_plan
 from warpwear.sweeps.report import summary_text, write_report
 from warpwear.sweeps.run_one import Row
-from warpwear.sweeps.sweep import RUNS, check_folder, estimate, local_executor, make_runs
+from warpwear.sweeps.sweep import RUNS, check_folder, estimate, local_executor, make_runs, share_runs
 from warpwear.sweeps.table import SweepResult
 
 
@@ -50,6 +50,7 @@ def command(
     asked: Mapping[str, Any],
     *,
     out: Path | None,
+    runs: Path | None,
     device: str,
     resume: bool,
     dry_run: bool,
@@ -72,6 +73,8 @@ def command(
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with _executor(plan, **where) as (executor, threads, workers):
         if not dry_run:
+            if runs is not None:
+                share_runs(folder, runs)
             (folder / RUNS).mkdir(parents=True, exist_ok=True)
         cost = estimate(plan, None if dry_run else folder, executor, threads=threads)
         click.echo(cost.sentence(workers), err=not dry_run)
@@ -84,8 +87,11 @@ def command(
                 if row.status.startswith("failed"):
                     bar.write(f"run {number}: {row.status}", file=sys.stderr)
 
+            def warned(sentence: str) -> None:
+                bar.write(f"warning: {sentence}", file=sys.stderr)
+
             try:
-                rows = make_runs(plan, folder, executor, threads=threads, told=told)
+                rows = make_runs(plan, folder, executor, threads=threads, told=told, warned=warned)
             except KeyboardInterrupt:
                 click.echo("the same command with --resume goes on from here", err=True)
                 raise

@@ -4,11 +4,15 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from warpwear.figures import style as fs
 from warpwear.grid import FloatArray
 from warpwear.measured.course import Experiment
+from warpwear.results.ensemble import band_told, is_label, short_names
 from warpwear.sweeps.table import SweepResult
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, for groups.
@@ -19,9 +23,11 @@ GREYS = ("#444444", "#888888", "#bbbbbb")
 SHOWN = {
     "cof": "coefficient of friction",
     "area_contact": "area in contact, mm²",
-    "wear_volume_sphere": "worn volume of the ball, mm³",
-    "wear_volume_disc": "worn volume of the disc, mm³",
+    "wear_volume_sphere": "worn volume of the ball, 10⁻³ mm³",
+    "wear_volume_disc": "worn volume of the disc, 10⁻³ mm³",
 }
+#: What values are multiplied by where the axis has another unit than the column.
+SCALES = {"wear_volume_sphere": 1.0e3, "wear_volume_disc": 1.0e3}
 #: Groups that are drawn one by one; more are only told apart by the table.
 MOST_GROUPS = 28
 
@@ -46,44 +52,102 @@ def drawn(result: SweepResult, experiments: tuple[Experiment, ...] = ()) -> Iter
 
 
 def courses(result: SweepResult, columns: list[str], experiments: tuple[Experiment, ...]) -> Figure:
-    """Draw courses: the mean of each group over the distance slid, and a band of 5 to 95 % of its runs."""
-    groups = list(result.plan.groups.items())[:MOST_GROUPS]
+    """Draw courses: the mean of each group over the distance slid, and a band of 5 to 95 % of its runs.
+
+    Areas, which grow over decades, have logarithmic axes: what differs at first is seen there.
+    """
+    known = result.plan.groups.items()
+    groups = [(label, runs) for label, runs in known if any(result.rows[run].courses for run in runs)]
+    groups = groups[:MOST_GROUPS]
+    lines, handles = _lines(result, groups)
+    measured = [
+        {"color": GREYS[n % len(GREYS)], "lw": 0.8, "label": e.name} for n, e in enumerate(experiments)
+    ]
+    handles += [Line2D([], [], **line) for line in measured]
+    several = len(handles) if len(groups) > 1 or experiments else 0
 
     def draw(axes: Any) -> None:
         panels = list(np.atleast_1d(axes))
-        for index, (label, runs) in enumerate(groups):
-            line = _line(index)
+        for (_, runs), line in zip(groups, lines, strict=True):
             for panel, name in zip(panels, columns, strict=False):
-                mean, low, high = result.band(name, runs)
-                panel.plot(result.distance, mean, label=label or "mean of all runs", **line)
+                mean, low, high = (SCALES.get(name, 1.0) * part for part in result.band(name, runs))
+                panel.plot(result.distance, mean, **line)
                 if len(runs) > 1:
                     panel.fill_between(result.distance, low, high, color=line["color"], alpha=0.2, lw=0)
-        for index, experiment in enumerate(experiments if columns[0] == "cof" else ()):
-            colour = GREYS[index % len(GREYS)]
-            panels[0].plot(experiment.distance, experiment.cof, color=colour, lw=0.8, label=experiment.name)
+        for experiment, line in zip(experiments if columns[0] == "cof" else (), measured, strict=False):
+            panels[0].plot(experiment.distance, experiment.cof, **line)
         for panel, name in zip(panels, columns, strict=False):
             panel.set(xlabel="sliding distance, mm", ylabel=SHOWN[name])
-            panel.set_ylim(0.0, None)
+            if name == "area_contact" and result.distance[0] > 0.0:
+                panel.set_xscale("log")
+                fs.plain_numbers(panel.xaxis)
+                fs.logarithmic(panel)
+            else:
+                panel.set(xlim=(0.0, None), ylim=(0.0, None))
+        panels[0].set_title(band_told([len(runs) for _, runs in groups]))
         for panel in panels[len(columns) :]:
             panel.set_visible(False)
-        if len(groups) > 1 or experiments:
-            fs.legend_above(*panels, columns=min(3, len(groups) + len(experiments)))
+        if several:
+            names = [str(handle.get_label()) for handle in handles]
+            panels[0].figure.figure.legend_above(handles, names, columns=_beside(handles))
 
     count = len(columns)
-    legend = 0.16 * -(-(len(groups) + len(experiments)) // 3) if len(groups) > 1 or experiments else 0.0
+    legend = 0.16 * -(-several // _beside(handles)) if several else 0.0
     rows = -(-count // 2)
     return fs.new_figure(draw, rows=rows, columns=min(2, count), height=fs.ROW + legend / rows)
 
 
+def _beside(handles: list[Line2D]) -> int:
+    """How many names of a legend stand beside each other over a page: a character takes some 0.055 inch."""
+    longest = max((len(str(handle.get_label())) for handle in handles), default=1)
+    return max(1, min(len(handles), int(fs.PAGE / (0.055 * longest + 0.5))))
+
+
+def _lines(
+    result: SweepResult, groups: list[tuple[str, list[int]]]
+) -> tuple[list[dict[str, Any]], list[Line2D]]:
+    """A line for each group, and what the legend shows.
+
+    Groups of two keys have a colour for each value of the one and a kind of line for each of the other: a
+    pale broad line is seen under a dark broken one where a key changes nothing.
+    """
+    plan = result.plan
+    names = {key: name for key, name in short_names(plan.keys).items() if key not in plan.band_over}
+    of = [{key: str(plan.points[runs[0]].values[key]) for key in names} for _, runs in groups]
+    values = {key: list(dict.fromkeys(found[key] for found in of)) for key in names}
+    two = sorted(names, key=lambda key: -len(values[key]))
+    if len(two) != 2 or len(values[two[0]]) > len(COLOURS) or len(values[two[1]]) > len(LINES):
+        lines = [_line(index) for index in range(len(groups))]
+        labels = [label or "mean of all runs" for label, _ in groups]
+        return lines, [Line2D([], [], label=n, **line) for n, line in zip(labels, lines, strict=True)]
+    colours, kinds = (values[key] for key in two)
+    shades = np.linspace(0.0, 0.9, len(kinds))
+
+    def line(colour: str, kind: int) -> dict[str, Any]:
+        shade = to_hex(fs.shades(colour)(shades[kind]))
+        return {"color": shade, "ls": LINES[kind], "lw": 1.1 if kind else 2.4}
+
+    lines = [line(COLOURS[colours.index(found[two[0]])], kinds.index(found[two[1]])) for found in of]
+    named = [{"color": c, "lw": 2.4, "label": v} for c, v in zip(COLOURS, colours, strict=False)]
+    named += [line(fs.NOMINAL, n) | {"label": value} for n, value in enumerate(kinds)]
+    keys = [names[two[0]]] * len(colours) + [names[two[1]]] * len(kinds)
+    both = zip(keys, named, strict=True)
+    return lines, [Line2D([], [], **look | {"label": f"{key} {look['label']}"}) for key, look in both]
+
+
 def scatter(result: SweepResult, column: str, varied: dict[str, tuple[FloatArray, str]]) -> Figure:
     """Draw an end value of every run over each key that is a number."""
-    keys = list(varied)[:4]
+    # Over a seed there is nothing to see but the scatter, which the bands show.
+    keys = [key for key in varied if not is_label(key)][:4] or list(varied)[:4]
+    names, ends = short_names(result.plan.keys), SCALES.get(column, 1.0) * result.ends(column)
 
     def draw(axes: Any) -> None:
         for panel, key in zip(np.atleast_1d(axes), keys, strict=False):
             values, unit = varied[key]
-            panel.plot(values, result.ends(column), "o", ms=3, color=COLOURS[0], alpha=0.6)
-            panel.set(xlabel=_axis(key, unit), ylabel=f"{SHOWN[column]} at the end")
+            panel.plot(values, ends, "o", ms=3, color=COLOURS[0], alpha=0.6)
+            panel.set(xlabel=_axis(names[key], unit), ylabel=_at_the_end(column))
+            panel.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10], integer=is_label(key)))
+            panel.set_ylim(0.0 if np.nanmin(ends) > 0.0 else None, None)
             if np.nanmin(values) > 0.0:
                 fs.scale_distance(panel, np.sort(values[np.isfinite(values)]))
         for panel in list(np.atleast_1d(axes))[len(keys) :]:
@@ -96,21 +160,23 @@ def heat_map(result: SweepResult, column: str, keys: list[tuple[str, FloatArray,
     """Draw the mean end value for each pair of values of two keys."""
     (first, x, x_unit), (second, y, y_unit) = keys
     xs, ys = np.unique(x), np.unique(y)
-    values = result.ends(column)
+    values = SCALES.get(column, 1.0) * result.ends(column)
+    names = short_names(result.plan.keys)
     means = np.array([[_mean(values[(x == a) & (y == b)]) for a in xs] for b in ys])
 
     def draw(axes: Any) -> None:
         image = axes.imshow(means, origin="lower", aspect="auto", cmap=fs.HEIGHTS)
         axes.set_xticks(range(xs.size), [f"{v:.4g}" for v in xs])
         axes.set_yticks(range(ys.size), [f"{v:.4g}" for v in ys])
-        axes.set(xlabel=_axis(first, x_unit), ylabel=_axis(second, y_unit))
+        axes.set(xlabel=_axis(names[first], x_unit), ylabel=_axis(names[second], y_unit))
         if means.size <= 49:
             middle = 0.5 * (np.nanmin(means) + np.nanmax(means))
             for row, column_of in np.ndindex(means.shape):
                 value = means[row, column_of]
                 colour = "white" if value < middle else "black"
-                axes.text(column_of, row, f"{value:.3g}", ha="center", va="center", color=colour, fontsize=7)
-        axes.figure.colorbar(image, ax=axes, label=f"{SHOWN[column]} at the end")
+                told = f"{value:.3g}" if np.isfinite(value) else "failed"
+                axes.text(column_of, row, told, ha="center", va="center", color=colour, fontsize=7)
+        axes.figure.colorbar(image, ax=axes, label=_at_the_end(column))
 
     return fs.new_figure(draw, width=1.3 * fs.COLUMN)
 
@@ -118,6 +184,7 @@ def heat_map(result: SweepResult, column: str, keys: list[tuple[str, FloatArray,
 def tornado(result: SweepResult, columns: list[str]) -> Figure:
     """Draw how strongly each key decides the end values, the strongest on top."""
     sampled = result.plan.design.kind == "saltelli"
+    names = short_names(result.plan.keys)
 
     def draw(axes: Any) -> None:
         for panel, column in zip(np.atleast_1d(axes), columns, strict=False):
@@ -131,10 +198,12 @@ def tornado(result: SweepResult, columns: list[str]) -> Figure:
                     low, high = indices.total_interval[:, factor]
                     panel.plot([low, high], [place, place], color="black", lw=1.0)
                     panel.plot(indices.first[factor], place, "o", color=COLOURS[4], ms=4)
-            panel.set_yticks(range(len(keys)), keys)
+            panel.set_yticks(range(len(keys)), [names[key] for key in keys])
             panel.set_title(f"{SHOWN[column].partition(',')[0]} at the end", fontsize=8)
             panel.set_xlabel(
-                "Sobol: total (bar, 95 %), first order (dot)" if sampled else "rank correlation (words: η²)"
+                "Sobol: total (bar, 95 %), first order (dot)"
+                if sampled
+                else "rank correlation (words, seeds: η²)"
             )
             panel.axvline(0.0, color="black", lw=0.6)
             panel.set_xlim(0.0 if sampled else -1.05, 1.05)
@@ -148,6 +217,12 @@ def _line(index: int) -> dict[str, Any]:
         "ls": LINES[(index // len(COLOURS)) % len(LINES)],
         "lw": 1.1,
     }
+
+
+def _at_the_end(column: str) -> str:
+    """Name an end value with its unit, which stands last."""
+    what, comma, unit = SHOWN[column].partition(",")
+    return f"{what} at the end{comma}{unit}"
 
 
 def _axis(key: str, unit: str) -> str:

@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from warpwear.errors import InputError
+from warpwear.results.ensemble import label_of, short_names
 from warpwear.study import loading
 from warpwear.study.study import Study
 from warpwear.sweeps.design import SAMPLED, Design, Factor, factors_of
@@ -54,11 +55,10 @@ class Plan:
     @property
     def groups(self) -> dict[str, list[int]]:
         """Label -> numbers of the runs that differ only in what the bands are taken over."""
-        kept = [key for key in self.keys if key not in self.band_over]
+        names = {key: name for key, name in short_names(self.keys).items() if key not in self.band_over}
         found: dict[str, list[int]] = {}
         for point in self.points:
-            label = ", ".join(f"{_short(key)} {point.values[key]}" for key in kept)
-            found.setdefault(label, []).append(point.number)
+            found.setdefault(label_of(point.values, names), []).append(point.number)
         return found
 
 
@@ -98,7 +98,3 @@ def _flat(nested: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
         else:
             found[f"{prefix}{key}"] = value
     return found
-
-
-def _short(key: str) -> str:
-    return key.rpartition(".")[2]

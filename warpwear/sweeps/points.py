@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -12,14 +11,13 @@ from typing import Any
 import numpy as np
 
 from warpwear.errors import InputError
+from warpwear.results.ensemble import that_matter
 from warpwear.study.keys import value_of
 from warpwear.study.study import Study
 from warpwear.surfaces.reading import read
 
 #: Number of what a stored run holds; it rises when the same study gives other numbers.
 RESULT_FORMAT = 1
-#: Sections and keys of a study that no number of its result depends on.
-NO_MATTER = {"study": ("name", "description"), "run": None, "assumed": None}
 #: Key that takes parts of a measured disc instead of values, and what says where they lie.
 CROP, POSITIONS = "disc.crop", {"positions", "seed"}
 
@@ -60,10 +58,7 @@ def name_of(study: Study, *, device: str) -> str:
     That is the resolved study without its names, what its surface file holds (not where it lies), the kind
     of device and `RESULT_FORMAT`. Raises InputError for a surface file that cannot be read.
     """
-    sections = tomllib.loads(study.to_toml())
-    for section, keys in NO_MATTER.items():
-        for key in keys or [*sections.get(section, ())]:
-            sections.get(section, {}).pop(key, None)
+    sections = that_matter(study)
     surface = value_of(sections, "disc.surface")
     if surface is not None:
         sections["disc"]["surface"] = _digest(

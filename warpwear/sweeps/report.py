@@ -61,15 +61,25 @@ def summary_text(result: SweepResult) -> str:
     lines = [f"{done} of {len(result.rows)} runs done"]
     width = max(len(row["label"]) for row in group_rows(result))
     lines += [
-        f"{row['label']:<{width}}  {row['runs']:4d} runs   cof at the end {row['mean']:.4g}"
-        + (f"   5–95 %: {row['low']:.4g} – {row['high']:.4g}" if row["runs"] > 1 else "")
-        for row in group_rows(result)
+        f"{row['label']:<{width}}  {row['runs']:4d} runs   " + _end_told(row) for row in group_rows(result)
     ]
     if len(result.plan.keys) > 1 and done > 1:
-        what = "Sobol's total index" if result.plan.design.kind == "saltelli" else "rank correlation"
+        what = (
+            "Sobol's total index"
+            if result.plan.design.kind == "saltelli"
+            else "rank correlation; of words and seeds η²"
+        )
         told = ", ".join(f"{key} {value:.2f}" for key, value in result.influence().items())
         lines.append(f"what decides it ({what}): {told}")
     return "\n".join([*lines, *failures(result)])
+
+
+def _end_told(row: dict[str, Any]) -> str:
+    """What the runs of a group came to, for the screen."""
+    if not np.isfinite(row["mean"]):
+        return "no coefficient of friction"
+    band = f"   5–95 %: {row['low']:.4g} – {row['high']:.4g}" if row["runs"] > 1 else ""
+    return f"cof at the end {row['mean']:.4g}{band}"
 
 
 def _page(result: SweepResult, drawn: dict[str, Figure]) -> str:
@@ -100,4 +110,6 @@ def failures(result: SweepResult) -> list[str]:
 
 
 def _shown(value: Any) -> str:
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:.5g}" if np.isfinite(value) else "–"
+    return str(value)

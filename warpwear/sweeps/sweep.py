@@ -2,6 +2,7 @@
 
 import shutil
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager, nullcontext
@@ -20,6 +21,10 @@ from warpwear.sweeps.run_one import Row, Task, is_there, run_one
 from warpwear.sweeps.table import SweepResult
 
 RUNS = "runs"
+#: How often it is looked after runs that take long [s].
+LOOK = 5.0
+#: A run is told of that takes this many times as long as the longest before, and this long at least [s].
+MANY, SILENCE = 10.0, 60.0
 #: A file that every finished sweep has.
 TABLE = "table.csv"
 
@@ -72,10 +77,12 @@ def make_runs(
     *,
     threads: int | None = None,
     told: Callable[[int, Row], object] | None = None,
+    warned: Callable[[str], object] | None = None,
 ) -> list[Row]:
     """Have an executor make the runs of a plan, each once, and return their rows in the plan's order.
 
-    told: is called with the number and row of each run that is done. On an interrupt what is not begun is
+    told: is called with the number and row of each run that is done. warned: is called with a sentence about a
+    run that takes far longer than all that are done, once. On an interrupt what is not begun is
     left, and KeyboardInterrupt raised.
     """
     rows: dict[int, Row] = {}
@@ -89,9 +96,26 @@ def make_runs(
         if future is None:
             future = asked[point.run] = executor.submit(run_one, task_of(plan, point, folder, threads))
         waiting.setdefault(future, []).append(point.number)
+    begun: dict[Future[Row], float] = {}
+    longest, late = 0.0, set[Future[Row]]()
     try:
         while waiting:
-            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+            done = wait(waiting, timeout=LOOK, return_when=FIRST_COMPLETED).done
+            now = time.monotonic()
+            for future in waiting:
+                if future.running():
+                    begun.setdefault(future, now)
+            longest = max([longest, *(now - begun[future] for future in done if future in begun)])
+            for future in begun.keys() & (waiting.keys() - done - late) if longest else ():
+                if now - begun[future] > max(SILENCE, MANY * longest):
+                    late.add(future)
+                    if warned is not None:
+                        point = plan.points[waiting[future][0]]
+                        warned(
+                            f"run {point.number} has taken {_duration(now - begun[future])}, the longest of the "
+                            f"others {_duration(longest)}: its process may hang ({folder / RUNS / point.run})"
+                        )
+            for future in done:
                 row = _row(future)
                 for number in waiting.pop(future):
                     rows[number] = row
@@ -167,6 +191,23 @@ def check_folder(folder: Path, *, resume: bool) -> None:
         raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
     if not resume:
         raise InputError(f"out = {folder} already holds a sweep; {RESUME_IT}, or {OTHER_FOLDER}.")
+
+
+def share_runs(folder: Path, store: Path) -> None:
+    """Keep the runs of a sweep in a folder that several sweeps share: the sweep's `runs` is a link to it.
+
+    Raises InputError where that cannot be, or where the sweep has its runs elsewhere.
+    """
+    place = folder / RUNS
+    try:
+        store.mkdir(parents=True, exist_ok=True)
+        if not place.is_dir():
+            folder.mkdir(parents=True, exist_ok=True)
+            place.symlink_to(store.resolve(), target_is_directory=True)
+    except OSError as error:
+        raise InputError(f"--runs {store} cannot be shared: {error.strerror or error}.") from error
+    if place.resolve() != store.resolve():
+        raise InputError(f"--runs {store}: the sweep in {folder} has its runs in {place.resolve()}.")
 
 
 @contextmanager

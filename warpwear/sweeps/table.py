@@ -12,6 +12,7 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import QUANTITIES
+from warpwear.results.ensemble import at, band, is_label
 from warpwear.study.keys import value_of
 from warpwear.sweeps.indices import Indices, sobol
 from warpwear.sweeps.plan import Plan
@@ -20,8 +21,6 @@ from warpwear.sweeps.run_one import Row
 pandas, xarray = lazy.module("pandas"), lazy.module("xarray")
 stats = lazy.module("scipy.stats")
 
-#: Percentiles between which a band lies.
-BAND = (5.0, 95.0)
 MEANINGS = {quantity.name: quantity for quantity in QUANTITIES}
 
 
@@ -72,7 +71,7 @@ class SweepResult:
             found = np.full((len(self.rows), places.size), np.nan)
             for line, row in zip(found, self.rows, strict=True):
                 if name in row.courses:
-                    line[:] = _at(places, row.courses["distance"], row.courses[name])
+                    line[:] = at(places, row.courses["distance"], row.courses[name])
             self._courses[name] = found
         return self._courses[name]
 
@@ -86,13 +85,7 @@ class SweepResult:
 
     def band(self, name: str, runs: Sequence[int]) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mean, 5th and 95th percentile of a column over some runs, each of shape (distances,)."""
-        values = self.courses(name)[list(runs)]
-        known = np.isfinite(values).any(axis=0)
-        made = np.full((3, values.shape[1]), np.nan)
-        if known.any():
-            made[0, known] = np.nanmean(values[:, known], axis=0)
-            made[1:, known] = np.nanpercentile(values[:, known], BAND, axis=0)
-        return made[0], made[1], made[2]
+        return band(self.courses(name)[list(runs)])
 
     def numbers(self, key: str) -> tuple[FloatArray, str] | None:
         """Values of a varied key as numbers, with their unit; None where they are words."""
@@ -108,7 +101,7 @@ class SweepResult:
         """How strongly each varied key decides an end value, 0 to 1 and largest first.
 
         Sobol's total index where the design allows it; else Spearman's rank correlation with its sign for
-        keys that are numbers, and for words the part of the variance between their means (η²).
+        keys that are numbers, and for words and seeds the part of the variance between their means (η²).
         """
         values = self.ends(name)
         indices = self.sobol(name)
@@ -117,7 +110,7 @@ class SweepResult:
             number = self.numbers(key)
             if indices is not None:
                 found[key] = float(indices.total[place])
-            elif number is not None:
+            elif number is not None and not is_label(key):
                 known = np.isfinite(values) & np.isfinite(number[0])
                 varies = known.sum() > 2 and np.ptp(values[known]) > 0.0 and np.ptp(number[0][known]) > 0.0
                 found[key] = float(stats.spearmanr(number[0][known], values[known])[0]) if varies else 0.0
@@ -172,14 +165,6 @@ def numbers_of(plan: Plan, key: str) -> tuple[FloatArray, str] | None:
             return None
         found.append(float(value))
     return np.array(found), unit
-
-
-def _at(places: FloatArray, distance: FloatArray, values: FloatArray) -> FloatArray:
-    """Values between those known, straight lines; NaN beyond the ends but for round-off."""
-    if distance.size == places.size and np.array_equal(distance, places):
-        return values
-    beyond = (places < distance[0] * (1.0 - 1e-9)) | (places > distance[-1] * (1.0 + 1e-9))
-    return np.where(beyond, np.nan, np.interp(places, distance, values))
 
 
 def _between(values: FloatArray, words: Sequence[str]) -> float:

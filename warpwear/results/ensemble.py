@@ -1,0 +1,82 @@
+"""Runs of one study side by side: bands over those that differ in a seed, and how groups are called."""
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+from warpwear.study.study import Study
+
+#: Percentiles between which a band lies.
+BAND = (5.0, 95.0)
+#: Sections and keys of a study that no number of its result depends on; None is the whole section.
+NO_MATTER: dict[str, tuple[str, ...] | None] = {
+    "study": ("name", "description"),
+    "run": None,
+    "assumed": None,
+}
+#: Last parts of keys that say nothing alone: what of the sphere?
+BODIES = ("sphere", "disc")
+
+
+def that_matter(study: Study) -> dict[str, Any]:
+    """The sections of a resolved study, without what no number of its result depends on."""
+    sections = tomllib.loads(study.to_toml())
+    for section, keys in NO_MATTER.items():
+        for key in keys or [*sections.get(section, ())]:
+            sections.get(section, {}).pop(key, None)
+    return sections
+
+
+def dotted(sections: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+    """The values of tables in tables by their dotted keys."""
+    found: dict[str, Any] = {}
+    for key, value in sections.items():
+        found |= dotted(value, f"{above}{key}.") if isinstance(value, Mapping) else {f"{above}{key}": value}
+    return found
+
+
+def short_names(keys: Sequence[str]) -> dict[str, str]:
+    """Dotted key -> its last part, as far as that says which of the keys it is."""
+    ends = [key.rpartition(".")[2] for key in keys]
+    plain = {end for end in ends if ends.count(end) == 1 and end not in BODIES}
+    return {key: end if end in plain else key for key, end in zip(keys, ends, strict=True)}
+
+
+def label_of(values: Mapping[str, Any], names: Mapping[str, str]) -> str:
+    """Say what sets a group apart, 'load 4 N, hardness 590 MPa'. values, names: by dotted key."""
+    return ", ".join(f"{name} {values[key]}" for key, name in names.items())
+
+
+def is_label(key: str) -> bool:
+    """Tell whether the numbers of a key only tell one case from another, as seeds do."""
+    return key.rpartition(".")[2] == "seed"
+
+
+def at(places: FloatArray, distance: FloatArray, values: FloatArray) -> FloatArray:
+    """Values between those known, straight lines; NaN beyond the ends but for round-off."""
+    if distance.size == places.size and np.array_equal(distance, places):
+        return values
+    room = 1e-9 * float(np.abs(distance[[0, -1]]).max())
+    beyond = (places < distance[0] - room) | (places > distance[-1] + room)
+    return np.where(beyond, np.nan, np.interp(places, distance, values))
+
+
+def band(values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mean, 5th and 95th percentile of courses, (runs, places); each (places,), NaN where none is known."""
+    known = np.isfinite(values).any(axis=0)
+    made = np.full((3, values.shape[1]), np.nan)
+    if known.any():
+        made[0, known] = np.nanmean(values[:, known], axis=0)
+        made[1:, known] = np.nanpercentile(values[:, known], BAND, axis=0)
+    return made[0], made[1], made[2]
+
+
+def band_told(numbers: Sequence[int]) -> str:
+    """Say for a title what lines and bands show. numbers: of runs in each group."""
+    most, fewest = max(numbers, default=1), min(numbers, default=1)
+    if most == 1:
+        return ""
+    return f"mean and 5–95 % of {most if most == fewest else f'{fewest} to {most}'} runs"
