@@ -11,9 +11,9 @@ from warpwear.contact.half_space_passes import Iterate
 from warpwear.grid import FloatArray
 
 #: Cells that are moved at once, at most.
-FEW = 128
+FEW = 256
 #: Gap left or overlap of a cell that may change sides, over the largest violation of complementarity.
-NEAR = 0.5
+NEAR = 0.25
 #: Changes of sides at most.
 ROUNDS = 30
 
@@ -38,7 +38,9 @@ def aim(iterate: Iterate, level: float, violation: float) -> bool:
     return True
 
 
-def best_of_few(matrix: FloatArray, slope: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray | None:
+def best_of_few(
+    matrix: FloatArray, slope: FloatArray, low: FloatArray, high: FloatArray
+) -> FloatArray | None:
     """Changes x between bounds, whose sum is 0, with the least ½ x·matrix x + slope·x.
 
     The bounds that hold are changed until they suit (Hintermüller, Ito and Kunisch 2002, SIAM J. Optim. 13,
