@@ -171,7 +171,7 @@ def test_the_same_pieces_as_by_a_serial_reference(
 
 
 def test_pieces_do_not_depend_on_how_their_rounds_are_launched(device: str) -> None:
-    """All rounds of a step in a launch, one a launch where the table has no room for more, or a thread a cell."""
+    """All rounds of a step in a launch, one where the table has no room for more, or a thread a cell."""
     pieces, tables = next(iter(PIECES.values())), []
     disc = np.random.default_rng(1).normal(0.0, 2e-4, (53, GRID.ny))
     for rounds in ("all", "one", "threads"):
