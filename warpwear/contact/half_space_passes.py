@@ -226,7 +226,7 @@ class Iterate:
     @property
     def can_aim_at_few(self) -> bool:
         """Whether `on_host` and `coefficients` give the fields of one part."""
-        return self._executor.device.is_cpu and self.parts == 1
+        return self._executor.device.is_cpu and self.parts == 1 and self._influence.of_one_grid
 
     def on_host(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Pressure, gradient, caps and trial on a CPU, shape (nx, ny), in the fields' own memory."""

@@ -30,6 +30,8 @@ class Operator(ABC):
     _response: Any
     _near: Transforms  # of the inverse, with a table of what it divides by; may be those of the response
     _nearby: Any
+    #: Whether it is one convolution of all cells, so that there are `coefficients`.
+    of_one_grid = False
     #: A table of the response, and its coefficients by distance in cells.
     _coefficients: tuple[Any, Any] = None, None
 
@@ -76,6 +78,8 @@ class Influence(Operator):
     that of uniform pressures on square cells, exact; Love 1929, Phil. Trans. R. Soc. A 228, 377; Johnson,
     Contact Mechanics, 1985, section 3.3). Call `set_compliance` before use.
     """
+
+    of_one_grid = True
 
     def __init__(self, executor: Executor, *, modulus: float, boundary: str) -> None:
         grid = executor.grid

@@ -82,7 +82,7 @@ class Pending:
             self._launch(kernels.take_cells, self.waiting.size, [cells])
 
     def shed(self) -> list[FloatArray]:
-        """Let all pieces leave that are due; tables of peak, middle, volume and cells cut, round after round."""
+        """Let all pieces leave that are due; tables of peak, middle, volume and cells cut, by round."""
         listed = int(self.body.counts.numpy()[0])
         if not listed:
             return []
@@ -92,7 +92,7 @@ class Pending:
         return found
 
     def _in_one_launch(self) -> tuple[int, list[FloatArray]]:
-        """Make the rounds, as many as the table of pieces has room for in a launch; how many, and the pieces."""
+        """Make the rounds, in a launch as many as the table has room for; how many, and the pieces."""
         rounds, found = 0, list[FloatArray]()
         while rounds < ROUNDS:
             self._launch(kernels.shed, 1, [ROUNDS - rounds, int(not rounds), self._footprint], [self._left])
