@@ -5,7 +5,18 @@ Symbols as in `half_space`: p pressure, t = Gp + g its gradient.
 
 import warp as wp
 
-from warpwear.kernels.cells import ABSENT, LANES, NONE, ONE, ZERO, Cells, largest_of, of_row, sum_of
+from warpwear.kernels.cells import (
+    ABSENT,
+    LANES,
+    NONE,
+    ONE,
+    ZERO,
+    Cells,
+    largest_of,
+    lowest_of,
+    of_row,
+    sum_of,
+)
 
 wp.set_module_options({"enable_backward": False})
 
@@ -63,11 +74,12 @@ def extents(
     last = Cells(-NONE)
     for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
         g = gap_in[row, k]
-        for j in range(LANES):
-            column = wp.float64(k * LANES + j)
-            below = k * LANES + j < columns and g[j] <= level
-            first[j] = wp.max(first[j], wp.where(below, -column, -NONE))
-            last[j] = wp.max(last[j], wp.where(below, column, -NONE))
+        if lowest_of(g) <= level:  # as in few vectors
+            for j in range(LANES):
+                column = wp.float64(k * LANES + j)
+                below = k * LANES + j < columns and g[j] <= level
+                first[j] = wp.max(first[j], wp.where(below, -column, -NONE))
+                last[j] = wp.max(last[j], wp.where(below, column, -NONE))
     furthest = largest_of(last)
     maxima_out[0, slot] = wp.where(furthest >= ZERO, -wp.float64(row), -NONE)
     maxima_out[1, slot] = wp.where(furthest >= ZERO, wp.float64(row), -NONE)

@@ -37,7 +37,7 @@ class Body:
     sums: wp.array(dtype=wp.float64)  # pending in the footprint around a listed cell, 0 elsewhere [mm]
     listed: wp.array(dtype=wp.int32)  # cells whose footprint gained in this step
     peaks: wp.array(dtype=wp.int32)  # those where a piece is due in this round
-    counts: wp.array(dtype=wp.int32)  # of the listed cells, and of the peaks
+    counts: wp.array(dtype=wp.int32)  # of the listed cells, of the peaks, and see `shed`
     down: wp.float64  # 1 where heights grow as a body is worn, as those of the sphere; −1 of the disc
     columns: wp.int32  # without padding
     periodic: wp.int32  # 1 where after the last row comes the first
@@ -156,10 +156,9 @@ def take_cells(first: wp.int32, slots_per_row: wp.int32, cells_in: wp.array(dtyp
     list_cell(cells_in[first + wp.tid()], body)
 
 
-@wp.kernel
-def sum_up(first: wp.int32, slots_per_row: wp.int32, anew: wp.int32, footprint: Footprint, body: Body):
-    """What is pending in the footprints around the cells listed; only where a piece was due, unless anew."""
-    cell = body.listed[first + wp.tid()]
+@wp.func
+def sum_around(cell: wp.int32, anew: wp.int32, footprint: Footprint, body: Body):
+    """What is pending in the footprint around a cell; only where a piece was due, unless anew."""
     if anew == 0 and body.sums[cell] < footprint.needed:
         return
     row = cell // body.pending.shape[1]
@@ -173,10 +172,9 @@ def sum_up(first: wp.int32, slots_per_row: wp.int32, anew: wp.int32, footprint: 
     body.sums[cell] = total
 
 
-@wp.kernel
-def find_peaks(first: wp.int32, slots_per_row: wp.int32, footprint: Footprint, body: Body):
-    """The cells whose sum calls for a piece, and is the largest (sum, index) of a square around them."""
-    cell = body.listed[first + wp.tid()]
+@wp.func
+def find_peak(cell: wp.int32, footprint: Footprint, body: Body):
+    """Note a cell whose sum calls for a piece, and is the largest (sum, index) of a square around it."""
     mine = body.sums[cell]
     if mine < footprint.needed:
         return
@@ -198,21 +196,15 @@ def find_peaks(first: wp.int32, slots_per_row: wp.int32, footprint: Footprint, b
         body.peaks[wp.atomic_add(body.counts, 1, 1)] = cell
 
 
-@wp.kernel
-def cut(
-    first: wp.int32,
-    slots_per_row: wp.int32,
-    footprint: Footprint,
-    body: Body,
-    pieces_out: wp.array2d(dtype=wp.float64),
+@wp.func
+def cut_at(
+    peak: wp.int32, number: wp.int32, footprint: Footprint, body: Body, pieces: wp.array2d(dtype=wp.float64)
 ):
-    """A piece leaves at each peak: index of the peak, and of the middle, volume [mm], cells cut.
+    """A piece leaves at a peak: index of the peak, and of the middle, volume [mm], cells cut.
 
     Its middle is the cell near the peak with most pending, the last of
     those with as much. The crack surface lies where the cut has the volume of a piece, or what is pending.
     """
-    number = first + wp.tid()
-    peak = body.peaks[number]
     width = body.pending.shape[1]
     row = peak // width
     column = peak - row * width
@@ -271,10 +263,75 @@ def cut(
                 body.height[r, c] = body.down * deeper
                 body.wear[r, c] = body.wear[r, c] + (deeper - depth)
                 removed += deeper - depth
-    pieces_out[number, 0] = wp.float64(peak)
-    pieces_out[number, 1] = wp.float64(middle)
-    pieces_out[number, 2] = removed
-    pieces_out[number, 3] = cells
+    pieces[number, 0] = wp.float64(peak)
+    pieces[number, 1] = wp.float64(middle)
+    pieces[number, 2] = removed
+    pieces[number, 3] = cells
+
+
+@wp.kernel
+def sum_up(first: wp.int32, slots_per_row: wp.int32, anew: wp.int32, footprint: Footprint, body: Body):
+    """What is pending around the cells listed; only where a piece was due, unless anew."""
+    sum_around(body.listed[first + wp.tid()], anew, footprint, body)
+
+
+@wp.kernel
+def find_peaks(first: wp.int32, slots_per_row: wp.int32, footprint: Footprint, body: Body):
+    """The peaks among the cells listed."""
+    find_peak(body.listed[first + wp.tid()], footprint, body)
+
+
+@wp.kernel
+def cut(
+    first: wp.int32,
+    slots_per_row: wp.int32,
+    footprint: Footprint,
+    body: Body,
+    pieces_out: wp.array2d(dtype=wp.float64),
+):
+    """A piece leaves at each peak."""
+    number = first + wp.tid()
+    cut_at(body.peaks[number], number, footprint, body, pieces_out)
+
+
+@wp.kernel
+def shed(
+    first: wp.int32,
+    slots_per_row: wp.int32,
+    rounds: wp.int32,
+    anew: wp.int32,
+    footprint: Footprint,
+    body: Body,
+    pieces_out: wp.array2d(dtype=wp.float64),
+):
+    """Rounds of `sum_up`, `find_peaks` and `cut` by one thread, while there are peaks, and room for as many.
+
+    Counts then are those of the pieces and of the rounds in which any left, round by round by their peaks.
+    """
+    listed = body.counts[0]
+    made = wp.int32(0)
+    left = wp.int32(0)
+    peaks = wp.int32(1)
+    while made < rounds and peaks > 0 and left + body.peaks.shape[0] <= pieces_out.shape[0]:
+        body.counts[1] = 0
+        for n in range(listed):
+            sum_around(body.listed[n], wp.where(made == 0, anew, 0), footprint, body)
+        for n in range(listed):
+            find_peak(body.listed[n], footprint, body)
+        peaks = body.counts[1]
+        for n in range(1, peaks):  # the order of the list is no matter
+            peak = body.peaks[n]
+            place = n + 0
+            while place > 0 and body.peaks[wp.max(place - 1, 0)] > peak:
+                body.peaks[place] = body.peaks[place - 1]
+                place -= 1
+            body.peaks[place] = peak
+        for n in range(peaks):
+            cut_at(body.peaks[n], left + n, footprint, body, pieces_out)
+        left += peaks
+        made += wp.where(peaks > 0, 1, 0)
+    body.counts[1] = left
+    body.counts[2] = made
 
 
 @wp.kernel

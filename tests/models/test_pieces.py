@@ -186,6 +186,28 @@ def test_the_same_pieces_as_by_a_serial_reference(
         assert_allclose(mine[:, 4], [piece[2] for piece in reference.left], rtol=1e-9)
 
 
+def test_pieces_do_not_depend_on_how_their_rounds_are_launched(device: str) -> None:
+    """All rounds of a step in a launch, one where the table has no room for more, or a thread a cell."""
+    pieces, tables = next(iter(PIECES.values())), []
+    disc = np.random.default_rng(1).normal(0.0, 2e-4, (53, GRID.ny))
+    for rounds in ("all", "one", "threads"):
+        with Executor(GRID, device=device) as executor:
+            bodies = bodies_of(executor, disc, pieces)
+            shed = SlidingPieces(pieces, executor, bodies, periodic=True, track_fraction=0.5)
+            for body in shed.both:
+                body.in_one_launch = rounds != "threads"
+                if rounds == "one":
+                    body._left = body._left[: body._most]
+            for step in range(4):
+                shed.begin()
+                shed.take(executor.field(pressure_of(step)), 7 * step, (9.4e-7 * 0.8, 12.7e-7 * 1.1))
+                shed.shed(7 * step, {}, {})
+        tables.append(shed.book.table)
+    assert len(tables[0]) > 10
+    for table in tables[1:]:
+        assert_array_equal(table, tables[0])
+
+
 #: A small test on the half-space at 5 µm cells; a pass of 3 mm is a lap of 0.4 mm.
 SMALL: dict[str, Any] = {
     "sphere.radius": "3 mm",

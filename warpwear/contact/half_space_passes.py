@@ -10,7 +10,7 @@ from warpwear.contact.balance import PART, TOLERANCE, Carried, find_offsets, new
 from warpwear.contact.influence import Operator
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, IntArray
 from warpwear.kernels import half_space as passes
 from warpwear.kernels import half_space_setup
 
@@ -222,6 +222,23 @@ class Iterate:
         self._influence.respond(self._step, self._response)
         curvature = self._product(self._step, self._response)
         return float(slope.sum()), curvature, float(used.max())
+
+    @property
+    def can_aim_at_few(self) -> bool:
+        """Whether `on_host` and `coefficients` give the fields of one part."""
+        return self._executor.device.is_cpu and self.parts == 1 and self._influence.of_one_grid
+
+    def on_host(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Pressure, gradient, caps and trial on a CPU, shape (nx, ny), in the fields' own memory."""
+        values = self._executor.to_numpy
+        caps = np.full((1, 1), float(self._fields.cap))
+        if self._parts is not None:
+            caps = caps * values(self._parts)
+        return values(self.pressure), values(self.gradient), caps, values(self._trial)
+
+    def coefficients(self, rows: IntArray, columns: IntArray) -> FloatArray:
+        """The operator between cells of these rows and columns [mm/MPa]."""
+        return self._influence.coefficients(rows, columns)
 
     def _product(self, first: Field, second: Field) -> float:
         (total,) = self._pass(half_space_setup.product, [first, second], [], sums=1)

@@ -13,6 +13,7 @@ import math
 
 import numpy as np
 
+from warpwear.contact import half_space_few as few
 from warpwear.contact.balance import TOLERANCE
 from warpwear.contact.half_space_passes import NO_CAP, Iterate, Products, SearchSums
 from warpwear.grid import FloatArray
@@ -47,6 +48,8 @@ class Search:
         self._curvature = 0.0
         self._last: bool | None = None  # kind of the last step; None: nothing to remember
         self._plain_left = 0
+        #: Violation from which moving few cells alone is not tried [mm].
+        self._few_below = math.inf
 
     def level(self, state: SearchSums) -> FloatArray:
         """Approach λ of each part [mm]: given, or the mean gap of the cells between the bounds.
@@ -73,6 +76,8 @@ class Search:
         while True:
             plain = self._plain_left > 0 or state.between.sum() <= ELASTIC_FRACTION * state.touching.sum()
             self._plain_left = max(self._plain_left - 1, 0)
+            if plain and loaded and (settled := self._settle_few(state, level)) is not None:
+                return settled
             remembers = self._last is plain
             aimed = self._aim(level, plain)
             if aimed is not None:
@@ -88,6 +93,23 @@ class Search:
                 # A pressure off its bound by the last digit of the load hides where the others want to go.
                 return self._go(plain, aimed, 1.0, used, loaded)
             self._last, self._plain_left = None, PLAIN_STEPS
+
+    def _settle_few(self, state: SearchSums, level: FloatArray) -> SearchSums | None:
+        """Move the few cells alone whose place is open; None where that is no way."""
+        if self._asked is None or not self._iterate.can_aim_at_few or state.between.sum() > few.FEW:
+            return None
+        violation = max(float((state.highest - level).max()), float((level - state.lowest).max()))
+        if violation > self._few_below:
+            return None
+        self._few_below = 0.5 * violation
+        if not few.aim(self._iterate, level.item(), violation):
+            return None
+        shift = np.zeros_like(level)
+        slope, curvature, _ = self._iterate.step(level, shift)
+        if not -slope > 0.5 * curvature > 0.0:  # it leads up
+            return None
+        self._last = None
+        return self._iterate.advance(1.0, shift=shift)
 
     def _aim(self, level: FloatArray, plain: bool) -> FloatArray | None:
         """Make the trial pressure; return the shifts that restore its load, None where it leads up."""

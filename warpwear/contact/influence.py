@@ -13,7 +13,7 @@ from warpwear import lazy
 from warpwear.contact.transforms import CupyTransforms, ScipyTransforms, Transforms
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import InputError
-from warpwear.grid import FloatArray, Grid
+from warpwear.grid import FloatArray, Grid, IntArray
 
 fft = lazy.module("scipy.fft")
 
@@ -30,6 +30,10 @@ class Operator(ABC):
     _response: Any
     _near: Transforms  # of the inverse, with a table of what it divides by; may be those of the response
     _nearby: Any
+    #: Whether it is one convolution of all cells, so that there are `coefficients`.
+    of_one_grid = False
+    #: A table of the response, and its coefficients by distance in cells.
+    _coefficients: tuple[Any, Any] = None, None
 
     @abstractmethod
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
@@ -48,6 +52,19 @@ class Operator(ABC):
         """Displacement [mm] under a pressure [MPa], compliances included."""
         self._far.filter(pressure, self._response, displacement)
 
+    def coefficients(self, rows: IntArray, columns: IntArray) -> FloatArray:
+        """Displacement of each cell listed under a unit pressure on each [mm/MPa], compliances included."""
+        table, shape = self._response, self._far.shape
+        if self._coefficients[0] is not table:
+            # The response is even in both directions, so that a quarter of it is all.
+            quarter = fft.irfft(table[: shape[0] // 2 + 1], n=shape[1], axis=1)[:, : shape[1] // 2 + 1]
+            quarter = fft.irfft(quarter, n=shape[0], axis=0)[: shape[0] // 2 + 1]
+            self._coefficients = table, np.ascontiguousarray(quarter)
+        away = [np.abs(places[:, np.newaxis] - places) for places in (rows, columns)]
+        along, across = (np.minimum(d, size - d) for d, size in zip(away, shape, strict=True))
+        found: FloatArray = self._coefficients[1][along, across]
+        return found
+
     def invert(self, displacement: Field, pressure: Field) -> None:
         """About the pressure [MPa] of a displacement [mm]: |q| E*/2 without compliances. May be in place."""
         self._near.filter(displacement, self._nearby, pressure, divide=True)
@@ -61,6 +78,8 @@ class Influence(Operator):
     that of uniform pressures on square cells, exact; Love 1929, Phil. Trans. R. Soc. A 228, 377; Johnson,
     Contact Mechanics, 1985, section 3.3). Call `set_compliance` before use.
     """
+
+    of_one_grid = True
 
     def __init__(self, executor: Executor, *, modulus: float, boundary: str) -> None:
         grid = executor.grid

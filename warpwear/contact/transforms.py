@@ -18,8 +18,9 @@ T = TypeVar("T")
 
 #: Fewer modes a thread are not worth a pool.
 MODES_PER_THREAD = 30_000
-#: Blocks of rows that threads take one by one.
+#: Blocks of rows that threads take one by one, at most, and the modes that a block has at least.
 ROW_BLOCKS = 16
+MODES_PER_BLOCK = 4_000
 #: Width of the blocks of columns that they take.
 COLUMNS = 64
 #: Below any response [mm/MPa].
@@ -34,7 +35,7 @@ class Transforms(ABC):
 
     def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
         self._executor = executor
-        self._shape = shape
+        self.shape = shape
         self.transforms = 0
 
     def table(self, values: FloatArray) -> Any:
@@ -82,7 +83,8 @@ class ScipyTransforms(Transforms):
         #: Without padding the spectrum lies in the cells of the result, but for the last column.
         self._held = modes - 1 if shape == executor.grid.shape else 0
         self._spectrum = np.empty((nx, modes - self._held), dtype=np.complex128)
-        self._rows = _blocks(0, nx, -(-nx // ROW_BLOCKS))
+        blocks = min(max(nx * modes // MODES_PER_BLOCK, 1), ROW_BLOCKS)
+        self._rows = _blocks(0, nx, -(-nx // blocks))
         self._columns = _blocks(0, self._held, COLUMNS) + _blocks(self._held, modes, COLUMNS)
         self._pool = pool_for(executor, nx * modes)
 
@@ -97,14 +99,14 @@ class ScipyTransforms(Transforms):
         rest: Any = self._spectrum.view(kind)[:, : self._spectrum.shape[1]]
 
         def forward(rows: slice) -> None:
-            lines = fft.rfft(values[rows].astype(real, copy=False), n=self._shape[1], axis=1)
+            lines = fft.rfft(values[rows].astype(real, copy=False), n=self.shape[1], axis=1)
             first[rows], rest[rows] = lines[:, :held], lines[:, held:]
 
         def across(columns: slice) -> None:
             part = first if columns.start < held else rest
             start = columns.start if columns.start < held else columns.start - held
             block = part[:, start : start + columns.stop - columns.start]
-            lines = fft.fft(block, n=self._shape[0], axis=0, overwrite_x=True)
+            lines = fft.fft(block, n=self.shape[0], axis=0, overwrite_x=True)
             factor = table[:, columns].astype(real, copy=False)
             if divide:
                 np.divide(lines, factor, out=lines, where=factor > 0.0)
@@ -115,7 +117,7 @@ class ScipyTransforms(Transforms):
 
         def back(rows: slice) -> None:
             lines = np.concatenate([first[rows], rest[rows]], axis=1) if held else rest[rows]
-            result[rows] = fft.irfft(lines, n=self._shape[1], axis=1, overwrite_x=True)[:, :ny]
+            result[rows] = fft.irfft(lines, n=self.shape[1], axis=1, overwrite_x=True)[:, :ny]
 
         for_each(self._pool, forward, self._rows)
         for_each(self._pool, across, self._columns)
@@ -151,9 +153,9 @@ class CupyTransforms(Transforms):
             nx, ny = result.shape[-2:]
             if divide:
                 values, table = values.astype(cupy.float32), self._reciprocals(table)
-            spectrum = fft.rfft2(values, s=self._shape)
+            spectrum = fft.rfft2(values, s=self.shape)
             spectrum *= table
-            result[:] = fft.irfft2(spectrum, s=self._shape)[..., :nx, :ny]
+            result[:] = fft.irfft2(spectrum, s=self.shape)[..., :nx, :ny]
 
     def _reciprocals(self, table: Any) -> Any:
         """1/table, 0 where it is 0."""

@@ -45,7 +45,7 @@ class PatchTransforms(Transforms):
         divide: ÷ instead, in single precision; modes where the table is 0 are left out.
         """
         self.transforms += 1
-        side, shape, axes = self._side, self._shape, (1, 2)
+        side, shape, axes = self._side, self.shape, (1, 2)
         values, result = (_cells(field.numpy(), side) for field in (field_in, field_out))
         factor: Any = table
         real: Any = np.float64

@@ -58,12 +58,14 @@ class Pending:
             sums=wp.zeros(size, dtype=wp.float64, device=device),
             listed=wp.zeros(size, dtype=wp.int32, device=device),
             peaks=wp.zeros(self._most, dtype=wp.int32, device=device),
-            counts=wp.zeros(2, dtype=wp.int32, device=device),
+            counts=wp.zeros(3, dtype=wp.int32, device=device),
             down=down,
             columns=grid.ny,
             periodic=int(periodic),
         )
-        self._left = wp.zeros((self._most, 4), dtype=wp.float64, device=device)
+        self._left = wp.zeros((2 * self._most, 4), dtype=wp.float64, device=device)
+        #: Whether one thread makes all rounds, as a CPU does best.
+        self.in_one_launch = bool(device.is_cpu)
         self._margin = law.margin(cell)
         self._table = wp.zeros((3, rows), dtype=wp.float64, device=device)
         #: Sums of wear and pending, and deepest wear, of each row [mm].
@@ -80,12 +82,32 @@ class Pending:
             self._launch(kernels.take_cells, self.waiting.size, [cells])
 
     def shed(self) -> list[FloatArray]:
-        """Let all pieces leave that are due; the peak, middle, volume and cells cut of each, by round."""
+        """Let all pieces leave that are due; tables of peak, middle, volume and cells cut, by round."""
         listed = int(self.body.counts.numpy()[0])
-        found: list[FloatArray] = []
         if not listed:
-            return found
-        anew = 1
+            return []
+        rounds, found = self._in_one_launch() if self.in_one_launch else self._round_by_round(listed)
+        self.waiting = self._due(listed) if rounds == ROUNDS else self.waiting[:0]
+        self._launch(kernels.forget, listed, [])
+        return found
+
+    def _in_one_launch(self) -> tuple[int, list[FloatArray]]:
+        """Make the rounds, in a launch as many as the table has room for; how many, and the pieces."""
+        rounds, found = 0, list[FloatArray]()
+        while rounds < ROUNDS:
+            self._launch(kernels.shed, 1, [ROUNDS - rounds, int(not rounds), self._footprint], [self._left])
+            _, pieces, made = self.body.counts.numpy().tolist()
+            rounds += made
+            if pieces:
+                found.append(self._left.numpy()[:pieces].copy())
+            if pieces + self._most <= self._left.shape[0]:  # there was room for more
+                break
+        self.body.counts[1:].zero_()
+        return rounds, found
+
+    def _round_by_round(self, listed: int) -> tuple[int, list[FloatArray]]:
+        """Make the rounds with a thread a cell, and a peak; how many, and the pieces of each."""
+        anew, found = 1, list[FloatArray]()
         for _ in range(ROUNDS):
             self._launch(kernels.sum_up, listed, [anew, self._footprint])
             self._launch(kernels.find_peaks, listed, [self._footprint])
@@ -96,9 +118,7 @@ class Pending:
             self.body.counts[1:].zero_()
             left = self._left[:peaks].numpy()
             found.append(left[np.argsort(left[:, 0])])  # the order of the list is no matter
-        self.waiting = self._due(listed) if len(found) == ROUNDS else self.waiting[:0]
-        self._launch(kernels.forget, listed, [])
-        return found
+        return len(found), found
 
     def totals(self, first_row: int, rows: int) -> tuple[float, float, float]:
         """Sums of wear and of what is pending beyond the start, and the deepest wear [mm].
