@@ -5,8 +5,7 @@ import json
 import math
 import re
 import shutil
-from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,9 @@ from warpwear.comparison.gather import gather, rms_difference, shape_of
 from warpwear.comparison.table import to_text, write_csv
 from warpwear.errors import InputError
 from warpwear.measured.course import Experiment
+from warpwear.sweeps.plan import Plan, section_of
+from warpwear.sweeps.sweep import make_runs
+from warpwear.sweeps.table import SweepResult
 
 
 @pytest.fixture(scope="module")
@@ -373,13 +375,15 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     vary = {"contact.load": ["4 N", "8 N"], "disc.synthetic.seed": "1:3"}
     study = study.replace({"grid.extent": "1 mm", "output.snapshots": []})
     out = tmp_path_factory.mktemp("swept") / "loads"
-    return warpwear.sweep(study, vary=vary, out=out, executor=_Here()).folder
+    plan = Plan(study, section_of({"vary": vary}, {}))
+    SweepResult(plan, make_runs(plan, out, _Here())).write_tables(out)
+    return out
 
 
-class _Here:
+class _Here(Executor):
     """An executor that calls at once, in this thread."""
 
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
+    def submit(self, function: Any, /, *arguments: Any, **named: Any) -> "Future[Any]":
         future: Future[Any] = Future()
         future.set_result(function(*arguments))
         return future

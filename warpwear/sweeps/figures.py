@@ -60,7 +60,7 @@ def courses(result: SweepResult, columns: list[str], experiments: tuple[Experime
     groups = [(label, runs) for label, runs in known if any(result.rows[run].courses for run in runs)]
     groups = groups[:MOST_GROUPS]
     lines, handles = _lines(result, groups)
-    measured = [
+    measured: list[dict[str, Any]] = [
         {"color": GREYS[n % len(GREYS)], "lw": 0.8, "label": e.name} for n, e in enumerate(experiments)
     ]
     handles += [Line2D([], [], **line) for line in measured]
@@ -94,7 +94,7 @@ def courses(result: SweepResult, columns: list[str], experiments: tuple[Experime
     count = len(columns)
     legend = 0.16 * -(-several // _beside(handles)) if several else 0.0
     rows = -(-count // 2)
-    return fs.new_figure(draw, rows=rows, columns=min(2, count), height=fs.ROW + legend / rows)
+    return fs.new_figure(draw, rows=rows, columns=min(2, count), height=fs.ROW + legend / rows, fixed=True)
 
 
 def _beside(handles: list[Line2D]) -> int:
@@ -128,7 +128,9 @@ def _lines(
         return {"color": shade, "ls": LINES[kind], "lw": 1.1 if kind else 2.4}
 
     lines = [line(COLOURS[colours.index(found[two[0]])], kinds.index(found[two[1]])) for found in of]
-    named = [{"color": c, "lw": 2.4, "label": v} for c, v in zip(COLOURS, colours, strict=False)]
+    named: list[dict[str, Any]] = [
+        {"color": c, "lw": 2.4, "label": v} for c, v in zip(COLOURS, colours, strict=False)
+    ]
     named += [line(fs.NOMINAL, n) | {"label": value} for n, value in enumerate(kinds)]
     keys = [names[two[0]]] * len(colours) + [names[two[1]]] * len(kinds)
     both = zip(keys, named, strict=True)
@@ -153,7 +155,7 @@ def scatter(result: SweepResult, column: str, varied: dict[str, tuple[FloatArray
         for panel in list(np.atleast_1d(axes))[len(keys) :]:
             panel.set_visible(False)
 
-    return fs.new_figure(draw, rows=-(-len(keys) // 2), columns=min(2, len(keys)))
+    return fs.new_figure(draw, rows=-(-len(keys) // 2), columns=min(2, len(keys)), fixed=True)
 
 
 def heat_map(result: SweepResult, column: str, keys: list[tuple[str, FloatArray, str]]) -> Figure:
@@ -174,7 +176,7 @@ def heat_map(result: SweepResult, column: str, keys: list[tuple[str, FloatArray,
             for row, column_of in np.ndindex(means.shape):
                 value = means[row, column_of]
                 colour = "white" if value < middle else "black"
-                told = f"{value:.3g}" if np.isfinite(value) else "failed"
+                told = f"{value:#.3g}" if np.isfinite(value) else "–"
                 axes.text(column_of, row, told, ha="center", va="center", color=colour, fontsize=7)
         axes.figure.colorbar(image, ax=axes, label=_at_the_end(column))
 

@@ -77,12 +77,12 @@ def make_runs(
     *,
     threads: int | None = None,
     told: Callable[[int, Row], object] | None = None,
-    warned: Callable[[str], object] | None = None,
+    warned: Callable[[str], object] = lambda sentence: None,
 ) -> list[Row]:
     """Have an executor make the runs of a plan, each once, and return their rows in the plan's order.
 
-    told: is called with the number and row of each run that is done. warned: is called with a sentence about a
-    run that takes far longer than all that are done, once. On an interrupt what is not begun is
+    told: is called with the number and row of each run that is done. warned: is called once with a
+    sentence about a run that takes far longer than all that are done. On an interrupt what is not begun is
     left, and KeyboardInterrupt raised.
     """
     rows: dict[int, Row] = {}
@@ -97,26 +97,26 @@ def make_runs(
             future = asked[point.run] = executor.submit(run_one, task_of(plan, point, folder, threads))
         waiting.setdefault(future, []).append(point.number)
     begun: dict[Future[Row], float] = {}
-    longest, late = 0.0, set[Future[Row]]()
+    longest = 0.0
+    late: set[Future[Row]] = set()
     try:
         while waiting:
-            done = wait(waiting, timeout=LOOK, return_when=FIRST_COMPLETED).done
-            now = time.monotonic()
             for future in waiting:
                 if future.running():
-                    begun.setdefault(future, now)
-            longest = max([longest, *(now - begun[future] for future in done if future in begun)])
+                    begun.setdefault(future, time.monotonic())
+            done = wait(waiting, timeout=LOOK, return_when=FIRST_COMPLETED).done
             for future in begun.keys() & (waiting.keys() - done - late) if longest else ():
-                if now - begun[future] > max(SILENCE, MANY * longest):
+                took = time.monotonic() - begun[future]
+                if took > max(SILENCE, MANY * longest):
                     late.add(future)
-                    if warned is not None:
-                        point = plan.points[waiting[future][0]]
-                        warned(
-                            f"run {point.number} has taken {_duration(now - begun[future])}, the longest of the "
-                            f"others {_duration(longest)}: its process may hang ({folder / RUNS / point.run})"
-                        )
+                    point = plan.points[waiting[future][0]]
+                    warned(
+                        f"run {point.number} has taken {_duration(took)}, the longest of the others "
+                        f"{_duration(longest)}: its process may hang ({folder / RUNS / point.run})"
+                    )
             for future in done:
                 row = _row(future)
+                longest = max(longest, row.seconds if row.status == "done" else 0.0)
                 for number in waiting.pop(future):
                     rows[number] = row
                     if told is not None:
