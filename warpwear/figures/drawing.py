@@ -8,6 +8,7 @@ import sys
 from contextlib import suppress
 from types import SimpleNamespace
 
+from warpwear import lazy
 from warpwear.figures import fields, history, patches, shape, snapshots, track
 from warpwear.figures import style as fs
 
@@ -27,6 +28,9 @@ def main() -> None:
             for name, place in places.items():
                 file, _, function = place.partition(":")
                 with suppress(Exception):  # who ordered it draws it then, and says what is wrong
+                    if file not in BY_NAME:  # a page, which shows pictures
+                        pictures[name] = lazy.resolve(place)(needed, pictures)
+                        continue
                     pictures[name] = fs.bytes_of(getattr(BY_NAME[file], function)(data))
     pickle.dump(pictures, sys.stdout.buffer)
     sys.stdout.flush()

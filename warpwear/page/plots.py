@@ -56,6 +56,7 @@ class Line:
     y: FloatArray
     dash: str = "solid"
     markers: bool = False
+    wide: bool = False
 
 
 @dataclass(frozen=True)
@@ -193,9 +194,7 @@ def _maps(plot: Plotter, data: FigureData) -> Section:
     if log:
         seen = [v.pressure[v.pressure > 0.0] for v in views if v.pressure.any()]
         low = max(0.8 * min(float(np.percentile(values, BELOW)) for values in seen), most / SPAN)
-    pressures = [
-        Coded.of(np.where(v.pressure > 0.0, v.pressure, np.nan), low, most, log=log) for v in views
-    ]
+    pressures = [Coded.of(np.where(v.pressure > 0.0, v.pressure, np.nan), low, most, log=log) for v in views]
     window = data.window_of(side)
     states = [Coded(view.state, 0.0, 1.0) for view in views]
     block = "cell" if window.factor == 1 else f"{window.factor} × {window.factor} cells"
@@ -238,7 +237,9 @@ def _courses(plot: Plotter, data: FigureData) -> Section:
     log_x = bool(x.size and x[0] > 0.0 and x[-1] > WIDE_DISTANCE * x[0])
     charts: list[Chart] = []
 
-    def chart(name: str, title: str, unit: str, lines: list[Line], *, log: bool = True, note: str = "") -> None:
+    def chart(
+        name: str, title: str, unit: str, lines: list[Line], *, log: bool = True, note: str = ""
+    ) -> None:
         lines = [line for line in lines if np.isfinite(line.y).any() and (line.y != 0.0).any()]
         if lines and not plot.reason(name):
             wide = log and is_wide(*(line.y for line in lines))
@@ -252,10 +253,15 @@ def _courses(plot: Plotter, data: FigureData) -> Section:
 
     areas = [line(f"area_{key}", name, colour, dash) for key, name, colour, dash in AREAS]
     chart("areas", "Areas", "area, mm²", areas)
-    of_area = f"The area that shears: {dict((a, n) for a, n, *_ in AREAS)[about.friction_area]}; {about.shear}."
+    of_area = (
+        f"The area that shears: {dict((a, n) for a, n, *_ in AREAS)[about.friction_area]}; {about.shear}."
+    )
     cof = [line("cof", "coefficient of friction", "NEUTRAL")]
     chart("cof", "Coefficient of friction", "coefficient of friction, –", cof, log=False, note=of_area)
-    pressures = [line("pressure_mean", "mean", "MEAN_PRESSURE"), line("pressure_max", "largest", "NEUTRAL", "dot")]
+    pressures = [
+        line("pressure_mean", "mean", "MEAN_PRESSURE"),
+        line("pressure_max", "largest", "NEUTRAL", "dot"),
+    ]
     if math.isfinite(data.study.hardness):
         pressures.append(Line("hardness", "HARDNESS", over, np.full(over.size, data.study.hardness), "dash"))
     chart("pressure", "Pressure", "pressure in contact, MPa", pressures)
@@ -294,13 +300,15 @@ def _profiles(plot: Plotter, data: FigureData) -> Section:
     for cut, title in ((view.along, "Along the sliding direction"), (view.across, "Across it")):
         sphere, disc = cut.sphere - approach, cut.disc
         found = (
-            (f"{slider} before", "SPHERE", sphere - cut.wear_sphere, "dash"),
-            ("disc before", "NOMINAL", disc + cut.wear_disc, "dot"),
-            (f"{slider} after", "SPHERE", sphere, "solid"),
-            ("disc after", "DISC", disc, "solid"),
+            ("disc before", "NOMINAL", disc + cut.wear_disc, "dot", False),
+            (f"{slider} before", "SPHERE", sphere - cut.wear_sphere, "dash", False),
+            (f"{slider} after", "TOUCHED", sphere, "solid", True),
+            ("disc after", "DISC", disc, "solid", False),
         )
-        lines = [Line(name, colour, cut.place, 1e3 * y, dash) for name, colour, y, dash in found]
-        charts.append(Chart(title.lower(), title, "place, mm", "height over the disc, µm", lines, static="profiles"))
+        lines = [Line(name, c, cut.place, 1e3 * y, dash, wide=wide) for name, c, y, dash, wide in found]
+        charts.append(
+            Chart(title.lower(), title, "place, mm", "height over the disc, µm", lines, static="profiles")
+        )
     text = "Through the middle, at the end, in contact. Before: without the wear of the run."
     return Section("The scar in section", charts, "profiles", text)
 
@@ -314,7 +322,9 @@ def _roughness(plot: Plotter, data: FigureData) -> Section:
     table = data.track_roughness if swept else data.roughness
     x = table["passes" if swept else "distance"]
     lines = [Line(label, colour, x, table[key], dash, True) for key, label, colour, dash in PARAMETERS]
-    label, unit = ("passes, –", "roughness in the groove, µm") if swept else (DISTANCE, "roughness in the scar, µm")
+    label, unit = (
+        ("passes, –", "roughness in the groove, µm") if swept else (DISTANCE, "roughness in the scar, µm")
+    )
     log_x = not swept and bool(x[0] > 0.0 and x[-1] > WIDE_DISTANCE * x[0])
     place = "groove" if swept else "scar"
     caption = f"Height parameters (ISO 25178-2) of the disc in the middle of the {place}, its form taken off."
@@ -337,8 +347,16 @@ def _groove(plot: Plotter, data: FigureData) -> Section:
     return Section(
         "The groove",
         [
-            Chart("groove across", "Mean section of the groove", "across, mm", change, sections, static="groove"),
-            Chart("groove along", "Depth along the track", "along, mm", change, [Line("at the end", "DISC", places, -1e3 * depths)]),
+            Chart(
+                "groove across", "Mean section of the groove", "across, mm", change, sections, static="groove"
+            ),
+            Chart(
+                "groove along",
+                "Depth along the track",
+                "along, mm",
+                change,
+                [Line("at the end", "DISC", places, -1e3 * depths)],
+            ),
         ],
         "groove",
     )
@@ -392,7 +410,9 @@ def _bodies(plot: Plotter, data: FigureData) -> Section:
         f"Mean heights of squares of {side:.3g} µm, positive out of the material, so that the {slider} lies turned "
         "over. Heights are drawn larger than places. Drag to turn, wheel to zoom; on the keyboard the arrow keys, + and −."
     )
-    return Section("The bodies in 3-D", [Bodies("bodies", "The bodies", window.extent, bodies, caption)], "bodies-3d")
+    return Section(
+        "The bodies in 3-D", [Bodies("bodies", "The bodies", window.extent, bodies, caption)], "bodies-3d"
+    )
 
 
 SECTIONS: tuple[Callable[[Plotter, FigureData], Section], ...] = (

@@ -16,7 +16,15 @@ CLOSE = 1e-3
 #: Signs that LaTeX takes for commands, and others that its fonts may lack -> what to write.
 LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "µ": r"$\mu$"}
 LATEX |= {sign: f"\\{sign}" for sign in "{}$&#%_"} | {"²": "$^2$", "³": "$^3$", "⁻": "$^-$", "×": r"$\times$"}
-LATEX |= {"±": r"$\pm$", "−": "--", "–": "--", "τ": r"$\tau$", "·": r"$\cdot$", "α": r"$\alpha$", "√": r"$\surd$"}
+LATEX |= {
+    "±": r"$\pm$",
+    "−": "--",
+    "–": "--",
+    "τ": r"$\tau$",
+    "·": r"$\cdot$",
+    "α": r"$\alpha$",
+    "√": r"$\surd$",
+}
 
 #: Commands to be typed inside the run folder, and what they do.
 COMMANDS = (
@@ -30,7 +38,7 @@ COMMANDS = (
 
 @dataclass(frozen=True)
 class Answer:
-    """One of the numbers at the top. error: what is known of its uncertainty. given: why it is an input."""
+    """One of the numbers at the top. error: what is known of its uncertainty. given: how far it is an input, as a sentence."""
 
     label: str
     value: str
@@ -85,7 +93,7 @@ def _motion(study: Study, summary: dict[str, Any]) -> str:
     if not study.sliding.total:
         return "is pressed at rest"
     slid = f"slides {summary['distance_mm']:.6g} mm"
-    return f"{slid} along a track" if study.is_swept else f"{slid} on one place"
+    return f"{slid} along a track" if study.is_swept else f"{slid} on the same place of the disc"
 
 
 def _asked(study: Study, summary: dict[str, Any]) -> str:
@@ -93,7 +101,7 @@ def _asked(study: Study, summary: dict[str, Any]) -> str:
     load = f"under {study.contact.load:.4g} N"
     more = ", how much is worn off" if study.sliding.total else ""
     return (
-        f"{_slider(study)} {_motion(study, summary)} {load} on {_disc(study)}: how large is the scar, how much of it "
+        f"{_slider(study)} on {_disc(study)} {_motion(study, summary)} {load}: how large is the scar, how much of it "
         f"touches and under what pressure{more}, and what is the coefficient of friction at the end?"
     )
 
@@ -106,7 +114,9 @@ def _answers(study: Study, s: dict[str, Any]) -> list[Answer]:
         rounding = f"± {100.0 * parts['estimated_error_at_most']:.2g} % by the length of the steps"
     of_pass = ", mean of the last pass" if "track" in s else ""
     spread = s["pressure_MPa"]["std"]
-    spread_text = f"standard deviation {spread:.2g} MPa" if spread > 1e-6 * s["pressure_MPa"]["mean"] else "uniform"
+    spread_text = (
+        f"standard deviation {spread:.2g} MPa" if spread > 1e-6 * s["pressure_MPa"]["mean"] else "uniform"
+    )
     found = [
         Answer(
             "Scar, along × across sliding",
@@ -132,34 +142,40 @@ def _answers(study: Study, s: dict[str, Any]) -> list[Answer]:
     depths, volumes = s["depth_um"], [s["volume_mm3"][body] for body in ("sphere", "disc")]
     slider = "sphere" if study.sphere.curvature else "flat"
     if study.sliding.total:
-        off = max(abs(value) for value in s["conservation_relative"].values())
         found.append(
             Answer(
                 f"Worn volume, {slider} and disc",
                 " and ".join(f"{1e3 * volume:.4g}" for volume in volumes),
                 "10⁻³ mm³",
-                f"off K F L by {off:.1g}; as good as the wear coefficients that the study gives",
+                "as good as the wear coefficients",
                 f"deepest {shown(depths['sphere'])} and {shown(depths['disc'])} µm",
-                "the sum is an input: wear coefficient × load × distance",
+                "Not predicted: wear coefficient × load × distance, whatever the contact",
             )
         )
     else:
-        found.append(Answer("Approach of the bodies", shown(s["approach_um"]), "µm", "", "from the mean planes"))
+        found.append(
+            Answer("Approach of the bodies", shown(s["approach_um"]), "µm", "", "from the mean planes")
+        )
     cof = s["cof"]["end"]
     if cof is None:
         note = "calibrated at the end, which the run did not reach"
         return [*found, Answer("Coefficient of friction", "–", "", "", note)]
     strength = s["shear_strength_MPa"]
-    tau = "" if strength is None else f"shear strength {strength:.3g} MPa"
-    given, note = "", f"{tau}, given by the study; area {s['cof_area']}"
+    tau = "its shear strength" if strength is None else f"its shear strength, {strength:.3g} MPa,"
+    given = f"Not predicted: {tau} is {_source(s)}"
     if s["cof_input"] == "end":
-        given, note = "the measured coefficient, to which the shear strength is fitted", f"{tau}, fitted"
-    elif s["cof_input"]:
-        note = f"{tau}, fitted to {s['cof_reference']:g} at the start, an input"
-    elif "friction.shear_strength" in s["assumptions"]:
-        note = f"{tau}, assumed; area {s['cof_area']}"
-    error = "" if given else "as good as the shear strength"
+        given = f"An input: {tau} is fitted so that it is met"
+    note = f"the area that shears: {s['cof_area']}"
+    error = "" if s["cof_input"] == "end" else "as good as the shear strength"
     return [*found, Answer("Coefficient of friction at the end", f"{cof:.3g}", "", error, note, given)]
+
+
+def _source(s: dict[str, Any]) -> str:
+    """Say where the shear strength comes from."""
+    if s["cof_input"]:
+        when = "end" if s["cof_input"] == "end" else "start"
+        return f"fitted to a coefficient of {s['cof_reference']:g} at the {when}"
+    return "assumed" if "friction.shear_strength" in s["assumptions"] else "given by the study"
 
 
 def _trust(study: Study, s: dict[str, Any]) -> list[str]:
@@ -171,7 +187,7 @@ def _trust(study: Study, s: dict[str, Any]) -> list[str]:
         "The equations are solved: all checks below hold."
         if good
         else "Not all checks below hold: see residuals and conservation.",
-        f"The contact covers {cells:.3g} cells of {s['cell_um']:g} µm. What the mesh changes, a run with half the cell "
+        f"The contact covers {cells:,.0f} cells of {s['cell_um']:g} µm. What the mesh changes, a run with half the cell "
         "tells: this one does not.",
         f"{len(s['warnings']) or 'No'} warning{'s' * (len(s['warnings']) != 1)} and {len(s['assumptions'])} "
         f"assumption{'s' * (len(s['assumptions']) != 1)}. What is assumed is not checked by anything on this page.",
@@ -195,7 +211,12 @@ def _checks(s: dict[str, Any]) -> list[dict[str, Any]]:
     """List residuals and conservation, each with what it means."""
     load = s["load_residual_N"]["largest"] / s["load_N"]
     rows = [
-        ("load carried − load asked for, largest over the steps", s["load_residual_N"]["largest"], "N", load <= CLOSE),
+        (
+            "load carried − load asked for, largest over the steps",
+            s["load_residual_N"]["largest"],
+            "N",
+            load <= CLOSE,
+        ),
         *(
             (f"worn volume of the {body} against Archard's K F L, relative", value, "", abs(value) <= CLOSE)
             for body, value in s["conservation_relative"].items()
@@ -207,9 +228,12 @@ def _checks(s: dict[str, Any]) -> list[dict[str, Any]]:
         rows.append(("area by the length of the steps, estimated, relative", error, "", error <= 0.05))
     filled = s.get("load_on_filled_percent")
     if filled:
-        rows.append(("load on points that were not measured", filled["largest"], "%", filled["largest"] <= 2.0))
+        rows.append(
+            ("load on points that were not measured", filled["largest"], "%", filled["largest"] <= 2.0)
+        )
     return [
-        {"what": what, "value": f"{value:.2g} {unit}".rstrip(), "good": bool(good)} for what, value, unit, good in rows
+        {"what": what, "value": f"{value:.2g} {unit}".rstrip(), "good": bool(good)}
+        for what, value, unit, good in rows
     ]
 
 
@@ -223,10 +247,12 @@ def _law(study: Study, s: dict[str, Any]) -> str:
 def _methods(study: Study, s: dict[str, Any]) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
     sphere, disc = (s["wear_coefficient_mm3_per_Nm"][body] for body in ("sphere", "disc"))
-    hardness = f", with the pressure of a cell limited to {s['hardness_MPa']:.4g} MPa" if s["hardness_MPa"] else ""
+    hardness = (
+        f", with the pressure of a cell limited to {s['hardness_MPa']:.4g} MPa" if s["hardness_MPa"] else ""
+    )
     sentences = [
         f"Contact and wear were computed with warpwear {s['version']} ({study.study.model} model).",
-        f"{_slider(study)} {_motion(study, s)} under {s['load_N']:.4g} N on {_disc(study)}.",
+        f"{_slider(study)} on {_disc(study)} {_motion(study, s)} under {s['load_N']:.4g} N.",
         f"The contact was solved {_law(study, s)}{hardness}, on {study.cells.nx} × {study.cells.ny} square cells of "
         f"{s['cell_um']:.4g} µm, in {s['steps']} step{'s' * (s['steps'] != 1)}.",
     ]
@@ -236,10 +262,9 @@ def _methods(study: Study, s: dict[str, Any]) -> str:
             f"mm³/(N·m) for the disc{_wear_law(study)}."
         )
     if s["shear_strength_MPa"] is not None:
-        source = f"fitted to a coefficient of {s['cof_reference']:g}" if s["cof_input"] else "as given"
         sentences.append(
             f"Friction is the area ({s['cof_area']}) times an interfacial shear strength of "
-            f"{s['shear_strength_MPa']:.3g} MPa, {source}, over the load."
+            f"{s['shear_strength_MPa']:.3g} MPa, {_source(s)}, over the load."
         )
     sentences.append(f"The load was balanced to {s['load_residual_N']['largest']:.1g} N in every step.")
     return " ".join(sentences)
@@ -253,7 +278,9 @@ def _table(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> list[t
     """List quantity, value and unit of what went in and what came out."""
     rows = [
         ("Load", shown(s["load_N"]), "N"),
-        ("Radius of the sphere", shown(1.0 / study.sphere.curvature), "mm") if study.sphere.curvature else None,
+        ("Radius of the sphere", shown(1.0 / study.sphere.curvature), "mm")
+        if study.sphere.curvature
+        else None,
         ("Sliding distance", shown(s["distance_mm"], 6), "mm"),
         ("Cell", shown(s["cell_um"]), "µm"),
         ("Hardness (cap of the pressure)", shown(s["hardness_MPa"]), "MPa") if s["hardness_MPa"] else None,

@@ -17,7 +17,9 @@ from warpwear.errors import InputError
 from warpwear.figures.process import LATE, Painter
 from warpwear.figures.table import PLOTS
 from warpwear.history.snapshot import Snapshot
+from warpwear.page.content import MAKER, content_of, made_here, statics, write_page
 from warpwear.result import Result
+from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, OWN_SURFACE, SURFACE_FILE
 from warpwear.results.seal import HEADER
 from warpwear.results.tables import write_summary, write_tables
@@ -141,7 +143,7 @@ def run_study(study: Study | str | Path, how: How) -> Result:
         with Painter(cores if draws else 1) as painter:
             result, at_hand = _compute(study, given, how, progress, painter)
             if how.out is not None and draws:
-                _draw(result, at_hand, how.out, how.plots, painter)
+                _draw(result, at_hand, how, painter)
         result.seconds = clock.seconds
         if how.out is not None and how.whole:
             write_summary(how.out, result)
@@ -239,14 +241,28 @@ def _leave(result: Result, loop: StepLoop, work: Path | None, painter: Painter) 
         write_tables(work, loop.study, result)
     if draws:
         painter.order(result.plot)
+        if work:
+            painter.order_page(manifest.PAGE, content_of(result, result.plot), MAKER)
 
 
-def _draw(result: Result, at_hand: dict[int, Snapshot], folder: Path, plots: str, painter: Painter) -> None:
-    """Write the figures, those of the painter and those that it left."""
+def _draw(result: Result, at_hand: dict[int, Snapshot], how: How, painter: Painter) -> None:
+    """Write the figures and the page, those of the painter and those that it left."""
+    assert how.out is not None
     with phase("draw"):
         result.at_hand = at_hand
-        result.plot.save_all(folder / "figures", plots=plots, drawn=painter.pictures())
+        drawn = painter.pictures()
+        paths = result.plot.save_all(how.out / manifest.FIGURES, plots=how.plots, drawn=drawn)
+        if how.whole:
+            page = drawn.get(manifest.PAGE) or _page_of(result, paths)
+            write_page(how.out, page)
         result.at_hand = {}
+
+
+def _page_of(result: Result, paths: list[Path]) -> bytes:
+    """Make the page of a run whose figures are drawn. paths: of these."""
+    content = content_of(result, result.plot)
+    shown = statics(content)
+    return made_here(content, {path.stem: path.read_bytes() for path in paths if path.stem in shown})
 
 
 def steps(

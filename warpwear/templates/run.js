@@ -60,7 +60,7 @@
     const traces = plot.lines.map((line, i) => ({
       type: "scatter", mode: line.markers ? "lines+markers" : "lines", name: line.name,
       x: lines.get(plot)[i][0], y: logY ? lines.get(plot)[i][1].map((v) => (v > 0 ? v : NaN)) : lines.get(plot)[i][1],
-      line: { color: colour(line.colour), dash: line.dash, width: 2 }, hovertemplate: "%{y:.4~g}",
+      line: { color: colour(line.colour), dash: line.dash, width: line.wide ? 5 : 2 }, hovertemplate: "%{y:.4~g}",
     }));
     const least = plot.lines.every((_, i) => lines.get(plot)[i][1].every((v) => !(v < 0)));
     const logarithmic = { type: "log", exponentformat: "power", dtick: 1, tickformat: "~g" };
@@ -87,7 +87,7 @@
         ...common, z: rowsOf(arrayOf(field.codes), field.codes.shape), colorscale: steps,
         zmin: -0.5, zmax: count - 0.5, zsmooth: false,
         hovertemplate: "%{x:.4~g}, %{y:.4~g} mm<extra></extra>",
-        colorbar: { orientation: "h", y: 1.0, yanchor: "bottom", thickness: 12, len: 1, tickfont: { size: 11 },
+        colorbar: { thickness: 12, len: 1, tickfont: { size: 11 },
           tickvals: plot.states.map((_, i) => i), ticktext: plot.states.map(([label]) => label.replace(" ", "<br>")) },
       };
     } else {
@@ -103,8 +103,7 @@
         ...common, z: values, customdata: field.log ? values.map((row) => row.map((v) => 10 ** v)) : values,
         colorscale: scaleOf(data.pressures), zmin: low, zmax: high,
         hovertemplate: `%{customdata:.3~g} ${plot.unit}<br>%{x:.4~g}, %{y:.4~g} mm<extra></extra>`,
-        colorbar: { orientation: "h", y: 1.0, yanchor: "bottom", thickness: 12, len: 1, tickfont: { size: 11 },
-          title: { text: plot.unit, side: "top", font: { size: 12 } },
+        colorbar: { thickness: 12, len: 1, tickfont: { size: 11 }, title: { text: plot.unit, side: "right", font: { size: 12 } },
           ...(ticks.length ? { tickvals: ticks.map(([at]) => at), ticktext: ticks.map(([, text]) => text) } : {}) },
       };
     }
@@ -116,7 +115,7 @@
   };
 
   // ---- bodies in 3-D ------------------------------------------------------------------------------
-  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: 2.0 };
+  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: 1.7 };
   const camera = { ...START };
   const eye = () => ({
     x: camera.far * Math.cos(camera.tilt) * Math.cos(camera.turn),
