@@ -27,8 +27,8 @@ class _Reports(click.Group):
 def report() -> None:
     """Write the page of a run, or a report of many runs.
 
-    'warpwear report DIR' writes DIR/report.html again, the page that a run leaves: a single file that needs no
-    network. A run folder called thesis is './thesis'.
+    'warpwear report DIR' writes DIR/report.html again, the page that a run leaves: a single file that needs
+    no network. A run folder called thesis is './thesis'.
     """
 
 

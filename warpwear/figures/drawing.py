@@ -19,7 +19,8 @@ BY_NAME = {file.__name__.rpartition(".")[2]: file for file in FILES}
 
 def main() -> None:
     """Draw what is ordered until there are no more orders; then hand over the pictures."""
-    orders, pictures = sys.stdin.buffer, {}
+    orders = sys.stdin.buffer
+    pictures: dict[str, bytes] = {}
     fs.bytes_of(fs.new_figure(lambda axes: axes.semilogx([1.0, 10.0], [0.0, 1.0])))  # loads fonts meanwhile
     with suppress(EOFError):
         while True:

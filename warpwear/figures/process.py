@@ -79,7 +79,7 @@ class Painter:
             self._orders.put(pickle.dumps((content, {name: maker})))
 
     def pictures(self) -> dict[str, bytes]:
-        """Wait for the pictures; return those that there are: content of PNG files, by the figure's name; a page."""
+        """Wait for the pictures; return the PNG files that there are by the figure's name, and the page."""
         if self._process is not None:
             self._orders.put(None)
             self._thread.join(PATIENCE)

@@ -22,8 +22,10 @@ LIMITS: tuple[tuple[Callable[[Study], bool], str], ...] = (
     (lambda s: not _slides(s), "Nothing slides: this is the contact before the first wear."),
     (
         lambda s: _slides(s) and not s.is_swept,
-        "The disc lies still: the same cells stay under the sphere for the whole distance. Once the bodies conform, "
-        "area, pressure and friction are those of a smooth disc, and the disc gets far deeper than on a track.",
+        "The disc lies still: the same cells stay under the sphere for the whole distance. Once the bodies "
+        "conform, "
+        "area, pressure and friction are those of a smooth disc, and the disc gets far deeper than on a "
+        "track.",
     ),
     (
         lambda s: _slides(s) and s.is_swept,
@@ -31,22 +33,26 @@ LIMITS: tuple[tuple[Callable[[Study], bool], str], ...] = (
     ),
     (
         lambda s: s.is_swept and s.track.track_fraction < 1.0,
-        "A lap of the track stands for a whole pass: the sphere meets a short piece of the disc again and again.",
+        "A lap of the track stands for a whole pass: the sphere meets a short piece of the disc again and "
+        "again.",
     ),
     (
         lambda s: s.is_swept and _is_local(s),
-        "Where the sphere slides, the local law yields by nothing but the wear of the step. Its area therefore falls "
+        "Where the sphere slides, the local law yields by nothing but the wear of the step. Its area "
+        "therefore falls "
         "with the length of the step (sliding.shift). The cure is contact.law = 'half-space'.",
     ),
     (lambda s: not s.is_rough, "The disc is smooth: nothing on this page comes from roughness."),
     (
         lambda s: s.is_rough and _is_local(s),
-        "Asperities do not feel each other: the contact law is local. How much that matters depends on the hardness "
+        "Asperities do not feel each other: the contact law is local. How much that matters depends on the "
+        "hardness "
         "over E* times the rms slope of the disc. contact.law = 'half-space' couples them.",
     ),
     (
         lambda s: s.is_rough and s.disc.synthetic is None,
-        "The result depends on the shortest wave of the surface, which the measurement's pixel or filter decides.",
+        "The result depends on the shortest wave of the surface, which the measurement's pixel or filter "
+        "decides.",
     ),
     (
         lambda s: s.is_rough and s.disc.synthetic is not None and s.disc.synthetic.kind != "flat",
@@ -55,7 +61,8 @@ LIMITS: tuple[tuple[Callable[[Study], bool], str], ...] = (
     ),
     (
         lambda s: s.samples_area,
-        "Patches that stand for more than themselves are off by up to 40 % in the area on the way, although they end "
+        "Patches that stand for more than themselves are off by up to 40 % in the area on the way, although "
+        "they end "
         "within 3 %.",
     ),
     (
@@ -68,12 +75,14 @@ LIMITS: tuple[tuple[Callable[[Study], bool], str], ...] = (
     ),
     (
         lambda s: s.friction.fitted is not None,
-        "The coefficient of friction is an input: the shear strength is fitted so that it is met. The run computes "
+        "The coefficient of friction is an input: the shear strength is fitted so that it is met. The run "
+        "computes "
         "the shape of its course, not its height.",
     ),
     (
         lambda s: s.friction.fitted is None,
-        "Friction is calibrated, not predicted: it follows the area by the shear strength that the study gives. Every "
+        "Friction is calibrated, not predicted: it follows the area by the shear strength that the study "
+        "gives. Every "
         "kind of area asks for another strength; they differ by a factor of a hundred and more.",
     ),
     (
@@ -82,15 +91,18 @@ LIMITS: tuple[tuple[Callable[[Study], bool], str], ...] = (
     ),
     (
         lambda s: s.wear.sheds,
-        "Size, thickness and start of the pieces are choices, which move the distances at which they leave severalfold.",
+        "Size, thickness and start of the pieces are choices, which move the distances at which they leave "
+        "severalfold.",
     ),
     (
         _slides,
-        "Wear debris, transfer, work hardening, heat and speed are not modelled. The speed only sets the time axis.",
+        "Wear debris, transfer, work hardening, heat and speed are not modelled. The speed only sets the "
+        "time axis.",
     ),
     (
         _slides,
-        "Volumes equal to K F L validate nothing: any pressure field gives them. Look at areas and pressures.",
+        "Volumes equal to K F L validate nothing: any pressure field gives them. Look at areas and "
+        "pressures.",
     ),
 )
 

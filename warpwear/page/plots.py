@@ -93,7 +93,8 @@ class Coded:
         most = 2**bits - 2
         known = np.isfinite(values) & ((values > 0.0) | (not log))
         shown = np.where(known, values, low)
-        low, high, shown = (np.log10(v) if log else v for v in (low, high, shown))
+        if log:
+            low, high, shown = math.log10(low), math.log10(high), np.log10(shown)
         step = (high - low) / most or 1.0
         codes = np.where(known, 1.0 + np.clip(np.rint((shown - low) / step), 0.0, most), 0.0)
         return cls(codes.astype(f"u{bits // 8}"), float(low - step), float(step), log)
@@ -251,11 +252,10 @@ def _courses(plot: Plotter, data: FigureData) -> Section:
     def total(column: str, name: str, colour: str, dash: str = "solid", factor: float = 1.0) -> Line:
         return Line(name, colour, x, factor * history[column][end], dash)
 
+    names = {area: name for area, name, *_ in AREAS}
     areas = [line(f"area_{key}", name, colour, dash) for key, name, colour, dash in AREAS]
     chart("areas", "Areas", "area, mm²", areas)
-    of_area = (
-        f"The area that shears: {dict((a, n) for a, n, *_ in AREAS)[about.friction_area]}; {about.shear}."
-    )
+    of_area = f"The area that shears: {names[about.friction_area]}; {about.shear}."
     cof = [line("cof", "coefficient of friction", "NEUTRAL")]
     chart("cof", "Coefficient of friction", "coefficient of friction, –", cof, log=False, note=of_area)
     pressures = [
@@ -327,6 +327,7 @@ def _roughness(plot: Plotter, data: FigureData) -> Section:
     )
     log_x = not swept and bool(x[0] > 0.0 and x[-1] > WIDE_DISTANCE * x[0])
     place = "groove" if swept else "scar"
+    label, unit = "passes, –" if swept else DISTANCE, f"roughness in the {place}, µm"
     caption = f"Height parameters (ISO 25178-2) of the disc in the middle of the {place}, its form taken off."
     title = f"Roughness in the {place}"
     return Section(title, [Chart("roughness", title, label, unit, lines, caption, name, log_x)], "roughness")
@@ -343,20 +344,12 @@ def _groove(plot: Plotter, data: FigureData) -> Section:
         for g, colour, dash in zip(data.grooves, shades, dashes, strict=True)
     ]
     places, depths = data.depth_along
-    change = "change of height, µm"
+    along, change = [Line("at the end", "DISC", places, -1e3 * depths)], "change of height, µm"
     return Section(
         "The groove",
         [
-            Chart(
-                "groove across", "Mean section of the groove", "across, mm", change, sections, static="groove"
-            ),
-            Chart(
-                "groove along",
-                "Depth along the track",
-                "along, mm",
-                change,
-                [Line("at the end", "DISC", places, -1e3 * depths)],
-            ),
+            Chart("across", "Mean section of the groove", "across, mm", change, sections, static="groove"),
+            Chart("along", "Depth along the track", "along, mm", change, along),
         ],
         "groove",
     )
@@ -407,8 +400,10 @@ def _bodies(plot: Plotter, data: FigureData) -> Section:
             bodies[name] = Coded.of(1e3 * heights, low, high, bits=16)
     side = 1e3 * window.factor * data.about.cell
     caption = (
-        f"Mean heights of squares of {side:.3g} µm, positive out of the material, so that the {slider} lies turned "
-        "over. Heights are drawn larger than places. Drag to turn, wheel to zoom; on the keyboard the arrow keys, + and −."
+        f"Mean heights of squares of {side:.3g} µm, positive out of the material, so that the {slider} lies "
+        f"turned "
+        "over. Heights are drawn larger than places. Drag to turn, wheel to zoom; on the keyboard the arrow "
+        "keys, + and −."
     )
     return Section(
         "The bodies in 3-D", [Bodies("bodies", "The bodies", window.extent, bodies, caption)], "bodies-3d"

@@ -1,4 +1,4 @@
-"""What a run's page says in words and numbers: what was asked, the answer, what it rests on, how to cite it."""
+"""What a run's page says in words and numbers: what was asked, the answer, and what it rests on."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ COMMANDS = (
 
 @dataclass(frozen=True)
 class Answer:
-    """One of the numbers at the top. error: what is known of its uncertainty. given: how far it is an input, as a sentence."""
+    """A number at the top. error: its uncertainty as far as known. given: how far it is an input."""
 
     label: str
     value: str
@@ -101,7 +101,8 @@ def _asked(study: Study, summary: dict[str, Any]) -> str:
     load = f"under {study.contact.load:.4g} N"
     more = ", how much is worn off" if study.sliding.total else ""
     return (
-        f"{_slider(study)} on {_disc(study)} {_motion(study, summary)} {load}: how large is the scar, how much of it "
+        f"{_slider(study)} on {_disc(study)} {_motion(study, summary)} {load}: how large is the scar, how "
+        f"much of it "
         f"touches and under what pressure{more}, and what is the coefficient of friction at the end?"
     )
 
@@ -187,10 +188,12 @@ def _trust(study: Study, s: dict[str, Any]) -> list[str]:
         "The equations are solved: all checks below hold."
         if good
         else "Not all checks below hold: see residuals and conservation.",
-        f"The contact covers {cells:,.0f} cells of {s['cell_um']:g} µm. What the mesh changes, a run with half the cell "
+        f"The contact covers {cells:,.0f} cells of {s['cell_um']:g} µm. What the mesh changes, a run with "
+        f"half the cell "
         "tells: this one does not.",
         f"{len(s['warnings']) or 'No'} warning{'s' * (len(s['warnings']) != 1)} and {len(s['assumptions'])} "
-        f"assumption{'s' * (len(s['assumptions']) != 1)}. What is assumed is not checked by anything on this page.",
+        f"assumption{'s' * (len(s['assumptions']) != 1)}. What is assumed is not checked by anything on "
+        f"this page.",
     ]
 
 
@@ -209,13 +212,14 @@ def _assumptions(study: Study, reasons: dict[str, str]) -> list[dict[str, str]]:
 
 def _checks(s: dict[str, Any]) -> list[dict[str, Any]]:
     """List residuals and conservation, each with what it means."""
-    load = s["load_residual_N"]["largest"] / s["load_N"]
+    residual = s["load_residual_N"]["largest"]
+    balanced = residual <= CLOSE * s["load_N"]
     rows = [
         (
             "load carried − load asked for, largest over the steps",
-            s["load_residual_N"]["largest"],
+            residual,
             "N",
-            load <= CLOSE,
+            balanced,
         ),
         *(
             (f"worn volume of the {body} against Archard's K F L, relative", value, "", abs(value) <= CLOSE)
@@ -253,12 +257,14 @@ def _methods(study: Study, s: dict[str, Any]) -> str:
     sentences = [
         f"Contact and wear were computed with warpwear {s['version']} ({study.study.model} model).",
         f"{_slider(study)} on {_disc(study)} {_motion(study, s)} under {s['load_N']:.4g} N.",
-        f"The contact was solved {_law(study, s)}{hardness}, on {study.cells.nx} × {study.cells.ny} square cells of "
+        f"The contact was solved {_law(study, s)}{hardness}, on {study.cells.nx} × {study.cells.ny} square "
+        f"cells of "
         f"{s['cell_um']:.4g} µm, in {s['steps']} step{'s' * (s['steps'] != 1)}.",
     ]
     if study.sliding.total:
         sentences.append(
-            f"Wear followed Archard's law in every cell, with {sphere:.3g} mm³/(N·m) for the sphere and {disc:.3g} "
+            f"Wear followed Archard's law in every cell, with {sphere:.3g} mm³/(N·m) for the sphere and "
+            f"{disc:.3g} "
             f"mm³/(N·m) for the disc{_wear_law(study)}."
         )
     if s["shear_strength_MPa"] is not None:
@@ -318,7 +324,10 @@ def _latex(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> str:
 
 
 def _citation(version: str) -> str:
-    return (
-        f"@software{{warpwear,\n  author  = {{{{The warpwear developers}}}},\n  title   = {{warpwear: fine-mesh contact, "
-        f"wear and friction of rough surfaces}},\n  version = {{{version}}}\n}}"
-    )
+    fields = {
+        "author": "{The warpwear developers}",
+        "title": "warpwear: fine-mesh contact, wear and friction of rough surfaces",
+        "version": version,
+    }
+    entries = ",\n".join(f"  {name} = {{{value}}}" for name, value in fields.items())
+    return f"@software{{warpwear,\n{entries}\n}}"
