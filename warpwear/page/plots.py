@@ -198,8 +198,12 @@ def _maps(plot: Plotter, data: FigureData) -> Section:
     pressures = [Coded.of(np.where(v.pressure > 0.0, v.pressure, np.nan), low, most, log=log) for v in views]
     window = data.window_of(side)
     states = [Coded(view.state, 0.0, 1.0) for view in views]
-    block = "cell" if window.factor == 1 else f"{window.factor} × {window.factor} cells"
-    caption = f"A point is {block}; it shows the largest of them, so areas look larger than the numbers say."
+    caption = "A point is a cell."
+    if window.factor > 1:
+        caption = (
+            f"A point is {window.factor} × {window.factor} cells and shows the largest of them, so that areas "
+            "look larger than the numbers say."
+        )
     return Section(
         "Contact and pressure",
         [
@@ -209,7 +213,7 @@ def _maps(plot: Plotter, data: FigureData) -> Section:
                 labels,
                 window.extent,
                 pressures,
-                [f"mean {means[v.row]:.4g}, standard deviation {scatter[v.row]:.2g} MPa" for v in views],
+                [f"mean {means[v.row]:.4g}, standard deviation {scatter[v.row]:.3g} MPa" for v in views],
                 unit="MPa",
                 static="pressure_map",
             ),
@@ -255,7 +259,7 @@ def _courses(plot: Plotter, data: FigureData) -> Section:
     names = {area: name for area, name, *_ in AREAS}
     areas = [line(f"area_{key}", name, colour, dash) for key, name, colour, dash in AREAS]
     chart("areas", "Areas", "area, mm²", areas)
-    of_area = f"The area that shears: {names[about.friction_area]}; {about.shear}."
+    of_area = f"The area that shears: {names[about.friction_area]}; {about.shear.removesuffix(', as given')}."
     cof = [line("cof", "coefficient of friction", "NEUTRAL")]
     chart("cof", "Coefficient of friction", "coefficient of friction, –", cof, log=False, note=of_area)
     pressures = [

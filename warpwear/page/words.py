@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from warpwear.contact.balance import TOLERANCE
 from warpwear.page.limits import limits_of
 from warpwear.results.report import shown
 from warpwear.results.summary_text import summary_text
@@ -11,8 +12,8 @@ from warpwear.study.keys import declarations, value_of
 from warpwear.study.study import Study
 from warpwear.study.text import readable
 
-#: A residual of the load beyond this part of it is worth a look; volumes off Archard's alike.
-CLOSE = 1e-3
+#: What checks allow: part of a volume off Archard's, and of the area by the length of steps.
+CONSERVED, STEPS = 1e-10, 0.02
 #: Signs that LaTeX takes for commands, and others that its fonts may lack -> what to write.
 LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "µ": r"$\mu$"}
 LATEX |= {sign: f"\\{sign}" for sign in "{}$&#%_"} | {"²": "$^2$", "³": "$^3$", "⁻": "$^-$", "×": r"$\times$"}
@@ -61,7 +62,7 @@ def words_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
         "trust": _trust(study, summary),
         "limits": limits_of(study),
         "assumptions": _assumptions(study, summary["assumptions"]),
-        "checks": _checks(summary),
+        "checks": _checks(study, summary),
         "summary": summary_text(summary),
         "methods": _methods(study, summary),
         "table": _table(study, summary, answers),
@@ -111,12 +112,12 @@ def _answers(study: Study, s: dict[str, Any]) -> list[Answer]:
     """Give the five numbers that answer the question."""
     cell, rounding = s["cell_um"], ""
     parts = s.get("track", {}).get("parts")
-    if parts:
+    if parts and parts["estimated_error_at_most"] > 0.0:
         rounding = f"± {100.0 * parts['estimated_error_at_most']:.2g} % by the length of the steps"
     of_pass = ", mean of the last pass" if "track" in s else ""
     spread = s["pressure_MPa"]["std"]
     spread_text = (
-        f"standard deviation {spread:.2g} MPa" if spread > 1e-6 * s["pressure_MPa"]["mean"] else "uniform"
+        f"standard deviation {spread:.3g} MPa" if spread > 1e-6 * s["pressure_MPa"]["mean"] else "uniform"
     )
     found = [
         Answer(
@@ -146,7 +147,7 @@ def _answers(study: Study, s: dict[str, Any]) -> list[Answer]:
         found.append(
             Answer(
                 f"Worn volume, {slider} and disc",
-                " and ".join(f"{1e3 * volume:.4g}" for volume in volumes),
+                ", ".join(f"{1e3 * volume:.4g}" for volume in volumes),
                 "10⁻³ mm³",
                 "as good as the wear coefficients",
                 f"deepest {shown(depths['sphere'])} and {shown(depths['disc'])} µm",
@@ -181,20 +182,27 @@ def _source(s: dict[str, Any]) -> str:
 
 def _trust(study: Study, s: dict[str, Any]) -> list[str]:
     """Say what speaks for the numbers and what against them, in a few sentences."""
-    checks = _checks(s)
-    good = all(row["good"] for row in checks)
+    good = all(row["good"] for row in _checks(study, s))
     cells = s["area_mm2"]["contact"] / study.cells.cell_area
-    return [
+    warned, assumed = (_count(len(s[of]), of.removesuffix("s")) for of in ("warnings", "assumptions"))
+    found = [
         "The equations are solved: all checks below hold."
         if good
         else "Not all checks below hold: see residuals and conservation.",
-        f"The contact covers {cells:,.0f} cells of {s['cell_um']:g} µm. What the mesh changes, a run with "
-        f"half the cell "
-        "tells: this one does not.",
-        f"{len(s['warnings']) or 'No'} warning{'s' * (len(s['warnings']) != 1)} and {len(s['assumptions'])} "
-        f"assumption{'s' * (len(s['assumptions']) != 1)}. What is assumed is not checked by anything on "
-        f"this page.",
+        f"The contact covers {cells:,.0f} cells of {s['cell_um']:g} µm. How much the mesh changes is told by "
+        "a run with half the cell, not by this one.",
+        f"{warned}, {assumed}. Nothing on this page checks what is assumed.",
     ]
+    if filled := s.get("load_on_filled_percent"):
+        most = filled["largest"]
+        found.append(
+            f"At most {most:.2g} % of the load rests on points that were not measured but filled in."
+        )
+    return found
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number or 'No'} {what}{'s' * (number != 1)}"
 
 
 def _assumptions(study: Study, reasons: dict[str, str]) -> list[dict[str, str]]:
@@ -210,34 +218,24 @@ def _assumptions(study: Study, reasons: dict[str, str]) -> list[dict[str, str]]:
     return rows
 
 
-def _checks(s: dict[str, Any]) -> list[dict[str, Any]]:
-    """List residuals and conservation, each with what it means."""
+def _checks(study: Study, s: dict[str, Any]) -> list[dict[str, Any]]:
+    """List residuals and conservation, and whether each is within its limit."""
+    balance = max(study.load_tolerance if study.uses_bearing_area else 0.0, TOLERANCE * s["load_N"])
     residual = s["load_residual_N"]["largest"]
-    balanced = residual <= CLOSE * s["load_N"]
-    rows = [
-        (
-            "load carried − load asked for, largest over the steps",
-            residual,
-            "N",
-            balanced,
-        ),
-        *(
-            (f"worn volume of the {body} against Archard's K F L, relative", value, "", abs(value) <= CLOSE)
-            for body, value in s["conservation_relative"].items()
-        ),
-    ]
-    parts = s.get("track", {}).get("parts")
-    if parts:
+    rows = [("load carried − load asked for, largest of a step", residual, balance, "N")]
+    for body, value in s["conservation_relative"].items():
+        rows.append((f"worn volume of the {body} over Archard's K F L, less 1", abs(value), CONSERVED, ""))
+    if parts := s.get("track", {}).get("parts"):
         error = parts["estimated_error_at_most"]
-        rows.append(("area by the length of the steps, estimated, relative", error, "", error <= 0.05))
-    filled = s.get("load_on_filled_percent")
-    if filled:
-        rows.append(
-            ("load on points that were not measured", filled["largest"], "%", filled["largest"] <= 2.0)
-        )
+        rows.append(("error of the area by the length of steps, estimated", error, STEPS, ""))
     return [
-        {"what": what, "value": f"{value:.2g} {unit}".rstrip(), "good": bool(good)}
-        for what, value, unit, good in rows
+        {
+            "what": what,
+            "value": f"{value:.2g} {unit}".rstrip(),
+            "most": f"{most:.2g} {unit}".rstrip(),
+            "good": value <= most,
+        }
+        for what, value, most, unit in rows
     ]
 
 
