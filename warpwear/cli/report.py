@@ -5,13 +5,43 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import DEVICE, PATH, THREADS
-from warpwear.cli.places import thesis_page
+from warpwear.cli.options import DEVICE, FOLDER, PATH, THREADS
+from warpwear.cli.places import results, run_page, thesis_page
+
+#: Name of the command that takes a run folder; no folder has to be called so.
+OF_A_RUN = "DIR"
+#: Dots per inch of the pictures that stand in a page made again.
+DPI = 200
 
 
-@click.group()
+class _Reports(click.Group):
+    """Reports by name; what is no name of one is the folder of a run."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        if args and not args[0].startswith("-") and args[0] not in self.commands:
+            args = [OF_A_RUN, *args]
+        return super().parse_args(ctx, args)
+
+
+@click.group(cls=_Reports)
 def report() -> None:
-    """Write a report of many runs as one page."""
+    """Write the page of a run, or a report of many runs.
+
+    'warpwear report DIR' writes DIR/report.html again, the page that a run leaves: a single file that needs
+    no network. A run folder called thesis is './thesis'.
+    """
+
+
+@report.command(OF_A_RUN)
+@FOLDER
+def of_a_run(folder: Path) -> None:
+    """Write report.html into the folder of a run: its numbers, plots, assumptions and limits on one page."""
+    with results.Result.open(folder) as result:
+        content = run_page.content_of(result, result.plot)
+        wanted = set(run_page.statics(content)) & set(result.plot.names())
+        pictures = {name: result.plot.png(name, dpi=DPI) for name in sorted(wanted)}
+        page = run_page.made_here(content, pictures)
+        click.echo(run_page.write_page(result.folder or folder, page))
 
 
 @report.command()

@@ -12,7 +12,7 @@ from contextlib import suppress
 from queue import SimpleQueue
 from threading import Thread
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from warpwear.figures.table import ESSENTIAL, FIGURES, Plotter
 
@@ -70,8 +70,16 @@ class Painter:
             self._orders.put(pickle.dumps((plot.data.packed([*needed]), places)))
             self._ordered.update(names)
 
+    def order_page(self, name: str, content: dict[str, Any], maker: str) -> None:
+        """Ask for a page of content and of all pictures, to be found among these by its name; do not wait.
+
+        maker: place of what makes it of both, which the other process imports.
+        """
+        if self._process is not None:
+            self._orders.put(pickle.dumps((content, {name: maker})))
+
     def pictures(self) -> dict[str, bytes]:
-        """Wait for the pictures; return those that there are: content of PNG files, by the figure's name."""
+        """Wait for the pictures; return the PNG files that there are by the figure's name, and the page."""
         if self._process is not None:
             self._orders.put(None)
             self._thread.join(PATIENCE)

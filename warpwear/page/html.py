@@ -1,15 +1,21 @@
 """A report as one self-contained HTML page: templates, embedded figures, a folder never half written."""
 
 import base64
+import json
+import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from warpwear import lazy
+from warpwear.errors import InputError
 from warpwear.figures import style as fs
 from warpwear.results.folder import whole_folder
 
@@ -17,6 +23,12 @@ jinja2 = lazy.module("jinja2")
 
 #: Dots per inch of embedded pictures: a page's width of 7 inches then has 1120.
 DPI = 160
+#: Where the plotting library lies in its package; its scripts alone are used.
+PLOTLY = "package_data/plotly.min.js"
+#: Colours of a scale that the page's script interpolates.
+SHADES = 12
+#: Colours that have to stand out from a dark page as well: the script takes the text's instead.
+INKS = {"HARDNESS": "ink", "NEUTRAL": "ink", "NOMINAL": "soft", "clear": "clear"}
 
 
 def render(template: str, filters: Mapping[str, Callable[..., Any]], **content: Any) -> str:
@@ -57,3 +69,66 @@ def write_report(folder: Path, files: Mapping[str, str]) -> None:
     with whole_folder(folder, list(files)) as work:
         for name, text in files.items():
             (work / name).write_text(text, encoding="utf-8")
+
+
+def run_page(content: Mapping[str, Any], pictures: Mapping[str, bytes]) -> bytes:
+    """Make the page of a run. content: of `warpwear.page.content`. pictures: name of a figure -> PNG file.
+
+    Data and plotting library lie compressed in the page, where no character of a name can end a script.
+    """
+    static = {name: f"data:image/png;base64,{_base64(png)}" for name, png in pictures.items()}
+    scale = [to_hex(fs.PRESSURES(place)) for place in np.linspace(0.0, 1.0, SHADES)]
+    heights = [to_hex(fs.HEIGHTS(place)) for place in np.linspace(0.0, 1.0, SHADES)]
+    plots = [plot for section in content["sections"] for plot in section["plots"]]
+    for plot in plots:
+        for line in plot.get("lines", ()):
+            line["colour"] = colour_of(line["colour"])
+        if "states" in plot:
+            plot["states"] = [(label, colour_of(colour)) for label, colour in plot["states"]]
+    data = {"plots": plots, "pressures": scale, "heights": heights}
+    text = render(
+        "run.html",
+        {},
+        **content,
+        static=static,
+        data=_packed(json.dumps(data, default=_plain).encode()),
+        plotly=_packed(_plotly()),
+        script=_template("run.js"),
+    )
+    return text.encode()
+
+
+def colour_of(name: str) -> str:
+    """Give the colour of figures that a name stands for, or the name of one that depends on the page."""
+    return INKS.get(name) or str(getattr(fs, name))
+
+
+def _plotly() -> bytes:
+    """Read the plotting library's script. Raises InputError where it is not installed."""
+    spec = find_spec("plotly")  # importing all of it takes longer than the whole page
+    if spec is None or spec.origin is None:
+        raise InputError("report.html needs the package plotly: pip install plotly")
+    return (Path(spec.origin).parent / PLOTLY).read_bytes()
+
+
+def _template(name: str) -> str:
+    """Read a script of `templates/` as it is."""
+    return (Path(__file__).parent.parent / "templates" / name).read_text(encoding="utf-8")
+
+
+def _base64(content: bytes) -> str:
+    return base64.b64encode(content).decode("ascii")
+
+
+def _packed(content: bytes) -> str:
+    """Compress for the script of the page: deflate with zlib's header, as text."""
+    return _base64(zlib.compress(content, 6))
+
+
+def _plain(value: Any) -> Any:
+    """Turn an array into what JSON has: its numbers of few bits, x running fastest, as text."""
+    if not isinstance(value, np.ndarray):
+        return value.item()  # a number of NumPy
+    numbers = value if value.dtype.kind == "u" else value.astype(np.float32)
+    kind = numbers.dtype.newbyteorder("<")
+    return {"type": kind.str[1:], "shape": numbers.shape, "data": _base64(numbers.T.astype(kind).tobytes())}

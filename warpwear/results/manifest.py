@@ -9,6 +9,8 @@ from pathlib import Path, PurePath
 
 NAME = "manifest.json"
 FIGURES = "figures"
+#: The run's own page, which shows its figures and so goes with them.
+PAGE = "report.html"
 #: Key of the names; a file of that name by another program has none.
 WRITTEN = "written_by_warpwear"
 
@@ -33,11 +35,16 @@ def write(folder: Path, names: Iterable[str], *, work: Path | None = None) -> No
 
 def add_figure(path: Path) -> None:
     """Note a figure that was drawn into a run's own folder of figures, and no other."""
-    folder = path.parent.parent
+    if path.parent.name == FIGURES and not path.parent.is_symlink():
+        add(path.parent.parent, f"{FIGURES}/{path.name}")
+
+
+def add(folder: Path, name: str) -> None:
+    """Note a file that was written into a run's own folder beside what the run wrote, and no other."""
     names = written(folder)
-    if names and path.parent.name == FIGURES and not path.parent.is_symlink():
+    if names:
         with suppress(OSError):  # it stays when the run is replaced
-            write(folder, {*names, f"{FIGURES}/{path.name}"})
+            write(folder, {*names, name})
 
 
 def remove(folder: Path, names: Iterable[str]) -> None:

@@ -22,7 +22,7 @@ from warpwear.study.study import Study
 
 LOG = "log.txt"
 #: What every run writes, beside figures; its result and checkpoint say themselves what they are.
-NAMES = ("study.toml", "history.csv", "surface.csv", "summary.json", LOG, manifest.NAME)
+NAMES = ("study.toml", "history.csv", "surface.csv", "summary.json", LOG, manifest.NAME, manifest.PAGE)
 
 
 def check(folder: Path, *, overwrite: bool, resume: bool) -> None:
@@ -153,7 +153,7 @@ def move_into_place(work: Path, folder: Path) -> None:
             (folder / name).rename(folder / kept)
             warnings.warn(f"{folder / name} was not written by a run: it is {kept} now.", stacklevel=2)
     manifest.write(folder, before | now, work=work)
-    manifest.remove(folder, {name for name in before if "/" in name})
+    manifest.remove(folder, {name for name in before if "/" in name or name == manifest.PAGE})
     with (work / FILE_NAME).open("r+b") as file:
         seal(file, MAGIC)
     for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):

@@ -18,6 +18,7 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
+from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, OWN_SURFACE, SURFACE_FILE
 from warpwear.results.seal import HEADER
 from warpwear.results.tables import write_summary, write_tables
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from warpwear.figures.process import Painter
 
 process = lazy.module("warpwear.figures.process")
+pages = lazy.module("warpwear.page.content")
 
 LOG = logging.getLogger("warpwear")
 
@@ -149,7 +151,7 @@ def run_study(study: Study | str | Path, how: How) -> Result:
         with process.Painter(cores) if draws else nullcontext() as painter:
             result, at_hand = _compute(study, given, how, progress, painter)
             if how.out is not None and painter is not None:
-                _draw(result, at_hand, how.out, how.plots, painter)
+                _draw(result, at_hand, how, painter)
         result.seconds = clock.seconds
         if how.out is not None and how.whole:
             write_summary(how.out, result)
@@ -247,14 +249,29 @@ def _leave(result: Result, loop: StepLoop, work: Path | None, painter: "Painter 
         write_tables(work, loop.study, result)
     if draws and painter is not None:
         painter.order(result.plot)
+        if work:
+            painter.order_page(manifest.PAGE, pages.content_of(result, result.plot), pages.MAKER)
 
 
-def _draw(result: Result, at_hand: dict[int, Snapshot], folder: Path, plots: str, painter: "Painter") -> None:
-    """Write the figures, those of the painter and those that it left."""
+def _draw(result: Result, at_hand: dict[int, Snapshot], how: How, painter: "Painter") -> None:
+    """Write the figures and the page, those of the painter and those that it left."""
+    assert how.out is not None
     with phase("draw"):
         result.at_hand = at_hand
-        result.plot.save_all(folder / "figures", plots=plots, drawn=painter.pictures())
+        drawn = painter.pictures()
+        paths = result.plot.save_all(how.out / manifest.FIGURES, plots=how.plots, drawn=drawn)
+        if how.whole:
+            page = drawn.get(manifest.PAGE) or _page_of(result, paths)
+            pages.write_page(how.out, page)
         result.at_hand = {}
+
+
+def _page_of(result: Result, paths: list[Path]) -> bytes:
+    """Make the page of a run whose figures are drawn. paths: of these."""
+    content = pages.content_of(result, result.plot)
+    shown = pages.statics(content)
+    page: bytes = pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in shown})
+    return page
 
 
 def steps(

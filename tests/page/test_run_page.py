@@ -1,0 +1,292 @@
+"""The page of a run: one file without requests, harmless whatever its names, moved and turned in a browser."""
+
+import base64
+import json
+import os
+import re
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cases_track import small
+from click.testing import CliRunner
+
+import warpwear
+from warpwear import InputError, Result, Study
+from warpwear.cli.main import commands
+from warpwear.figures import process
+from warpwear.page.content import content_of, write_page
+from warpwear.page.html import run_page
+from warpwear.page.plots import Coded, thinned
+from warpwear.page.words import to_latex, words_of
+
+MOST = 6e6  # bytes of a page
+PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
+CHROMIUM = "/usr/bin/chromium"
+FLAGS = ["--no-sandbox", "--no-first-run", "--disable-background-networking", "--enable-unsafe-swiftshader"]
+FLAGS += ["--use-gl=angle", "--use-angle=swiftshader"]
+EVIL = "<script>alert(1)</script> \"'$x$ </scr" + "x" * 300 + " {{ 7 * 7 }} &amp;"
+
+
+def study_of(kind: str) -> Study:
+    """A small study of a kind."""
+    if kind == "track":
+        return small("full", output__snapshots=["3 mm"], grid__cell="10 um", sliding__shift=8)
+    if kind == "two-scale":
+        more = {"grid.cell": "10 um", "disc.synthetic.cut_off": "20 um", "sliding.distance": "3 mm"}
+        return Study.load(kind).replace(more | {"output.snapshots": ["0.3 mm"]})
+    changes: dict[str, dict[str, Any]] = {
+        "static": {"sliding.distance": "0 mm", "output.snapshots": []},
+        "half-space": {
+            "contact.law": "half-space",
+            "sliding.distance": "1 mm",
+            "output.snapshots": ["0.3 mm"],
+        },
+        "smooth": {"study.model": "macro"},
+        "evil": {"study.description": EVIL},
+    }
+    return Study.load("v3-fine").replace(PLAIN | changes.get(kind, {}))
+
+
+@pytest.fixture(scope="module")
+def page_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Makes a run of a kind once, and its page; gives the page's path."""
+    made: dict[str, Path] = {}
+
+    def page(kind: str) -> Path:
+        if kind not in made:
+            folder = tmp_path_factory.mktemp("pages") / kind
+            study: Any = study_of(kind)
+            if kind == "measured":
+                name = folder.parent / '<script>x</script "$.npy'.replace("/", "")
+                np.save(name, 1e-3 * np.random.default_rng(0).normal(size=(100, 100)))
+                study = study.replace(
+                    {"disc.pixel": "20 um", "disc.height_unit": "mm", "disc.surface": str(name)}
+                )
+            warpwear.run(study, out=folder).close()
+            made[kind] = folder / "report.html"
+        return made[kind]
+
+    return page
+
+
+def data_of(page: str) -> Any:
+    found = re.search(r'id="data">([^<]*)<', page)
+    assert found
+    return json.loads(zlib.decompress(base64.b64decode(found[1])))
+
+
+def array_of(packed: Any) -> Any:
+    kind = {"u1": "u1", "u2": "<u2", "f4": "<f4"}[packed["type"]]
+    return np.frombuffer(base64.b64decode(packed["data"]), kind).reshape(packed["shape"][::-1]).T
+
+
+@pytest.mark.parametrize(
+    "kind", ["rough", "static", "track", "two-scale", "half-space", "measured", "smooth"]
+)
+def test_a_run_leaves_a_page_that_needs_nothing(page_of: Callable[[str], Path], kind: str) -> None:
+    path = page_of(kind)
+    page = path.read_text(encoding="utf-8")
+    assert len(page.encode()) <= MOST
+    outside = re.sub(r"<(script|style)\b.*?</\1>", "", page, flags=re.S)
+    assert not re.findall(r'(?:src|href)="(?!data:|#)', outside)
+    assert "url(" not in page
+    assert "report.html" in json.loads((path.parent / "manifest.json").read_text())["written_by_warpwear"]
+    with Result.open(path.parent) as result:
+        area = result.summary["area_mm2"]["contact"]
+        assert f"{area:.4g}" in page
+        for assumed in result.summary["assumptions"]:
+            assert assumed in page
+        if result.plot.reason("areas") is None:
+            areas = next(p for p in data_of(page)["plots"] if p["id"] == "areas")
+            course = array_of(areas["lines"][0]["y"])
+            np.testing.assert_allclose(course, result.plot.data.course["area_contact"], rtol=1e-6)
+        if result.plot.reason("pressure_map") is None:
+            field = next(p for p in data_of(page)["plots"] if p["id"] == "pressure_map")["fields"][-1]
+            codes = array_of(field["codes"])
+            values = field["low"] + field["step"] * codes[codes > 0].astype(float)
+            values = 10.0**values if field["log"] else values
+            truth = result.plot.data.view(result.snapshot_distances.size - 1).pressure
+            assert np.array_equal(codes > 0, truth > 0.0)
+            step = 10.0 ** field["step"] - 1.0 if field["log"] else field["step"] / truth.max()
+            seen = truth[truth > 0.0]
+            low = 10.0 ** (field["low"] + field["step"]) if field["log"] else 0.0
+            off = np.abs(values - np.maximum(seen, low)) / (seen if field["log"] else truth.max())
+            assert off.max() <= step
+
+
+def test_names_do_nothing(page_of: Callable[[str], Path]) -> None:
+    page = page_of("evil").read_text(encoding="utf-8")
+    assert "<script>alert" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
+    assert "{{ 7 * 7 }}" in page
+    assert page.count("<script") == page.count("</script>") == 3
+    assert "<script>x<" not in page_of("measured").read_text(encoding="utf-8")
+
+
+def test_latex_says_what_stands_there() -> None:
+    assert to_latex("a_b $5% \\x{y}~^#&") == (
+        r"a\_b \$5\% \textbackslash{}x\{y\}\textasciitilde{}\textasciicircum{}\#\&"
+    )
+
+
+def test_what_is_an_input_is_marked() -> None:
+    fitted = Study.load("v3-fine").replace(PLAIN | {"friction.coefficient": 0.6})
+    given = Study.load("v3-fine").replace(PLAIN)
+    for study, mark, limit in (
+        (fitted, "An input", "is an input"),
+        (given, "Not predicted", "not predicted"),
+    ):
+        with warpwear.run(study) as result:
+            words = words_of(result.study, result.summary)
+        assert words["answers"][-1]["given"].startswith(mark)
+        assert sum(limit in sentence for sentence in words["limits"]) == 1
+
+
+def test_limits_follow_the_run() -> None:
+    def said(kind: str) -> str:
+        from warpwear.page.limits import limits_of
+
+        return " ".join(limits_of(study_of(kind)))
+
+    assert "lies still" in said("rough")
+    assert "lies still" not in said("track")
+    assert "lies still" not in said("static")
+    assert "Asperities do not feel" in said("rough")
+    assert "Asperities do not feel" not in said("half-space")
+    assert "smooth" in said("smooth")
+
+
+def test_no_plots_no_page_and_an_old_one_goes(tmp_path: Path) -> None:
+    study = study_of("static")
+    warpwear.run(study, out=tmp_path / "run").close()
+    assert (tmp_path / "run/report.html").is_file()
+    warpwear.run(study, out=tmp_path / "run", plots=False, overwrite=True).close()
+    assert not (tmp_path / "run/report.html").exists()
+    (tmp_path / "run/report.html").write_text("mine")
+    with pytest.raises(InputError, match=r"report\.html"):
+        warpwear.run(study, out=tmp_path / "run", overwrite=True)
+    with pytest.raises(InputError, match="not a page of warpwear"):
+        write_page(tmp_path / "run", b"")
+    assert (tmp_path / "run/report.html").read_text() == "mine"
+
+
+def test_a_second_process_makes_the_same_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """But for the pictures' compression, which is alike too."""
+    start, pages = process.Painter.__init__, []
+    for cores in (1, 2):
+        with monkeypatch.context() as patched:
+            patched.setattr(process.Painter, "__init__", lambda self, n, c=cores: start(self, n and c))
+            warpwear.run(study_of("rough"), out=tmp_path / f"{cores}").close()
+        text = (tmp_path / f"{cores}/report.html").read_text(encoding="utf-8")
+        pages.append(re.sub(r"(?s)<details><summary>The summary.*?</details>", "", text))
+    assert pages[0] == pages[1]
+
+
+def test_the_command_makes_it_again(page_of: Callable[[str], Path]) -> None:
+    path = page_of("track")
+    path.unlink()
+    for _ in range(2):
+        made = CliRunner().invoke(commands, ["report", str(path.parent)], catch_exceptions=False)
+        assert made.exit_code == 0
+        assert path.is_file()
+    help_text = CliRunner().invoke(commands, ["report", "--help"]).output
+    assert "thesis" in help_text
+    assert "DIR" in help_text
+
+
+def test_codes_keep_values() -> None:
+    values = np.array([[np.nan, 1.0], [30.0, 1000.0]])
+    coded = Coded.of(values, 1.0, 1000.0, log=True)
+    assert coded.codes[0, 0] == 0
+    back = 10.0 ** (coded.low + coded.step * coded.codes)
+    np.testing.assert_allclose(back[0, 1], 1.0)
+    np.testing.assert_allclose(back[1], [30.0, 1000.0], rtol=0.014)
+    steps = np.linspace(1e-3, 1e5, 200_000)
+    chosen = thinned(steps)
+    assert chosen[0] == 0
+    assert chosen[-1] == steps.size - 1
+    assert chosen.size <= 1500
+
+
+def test_a_name_of_a_run_in_memory(tmp_path: Path) -> None:
+    with warpwear.run(study_of("static")) as result:
+        page = run_page(content_of(result, result.plot), {})
+    assert b"<img" not in page
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """Chromium without a window; skips where there is none."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    if not os.path.exists(CHROMIUM):
+        pytest.skip("no chromium")
+    with sync_api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield opened
+        opened.close()
+
+
+def visit(browser: Any, path: Path, **how: Any) -> tuple[Any, list[str], list[str]]:
+    """Open a page; returns it, what it requested beside itself, and its errors."""
+    page, requests, errors = browser.new_page(**how), [], []
+    page.on("request", lambda request: requests.append(request.url))
+    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(path.as_uri())
+    page.wait_for_selector("html[data-ready]", timeout=90_000)
+    return page, [url for url in requests if url != path.as_uri()], errors
+
+
+def test_slider_by_keyboard_and_bodies_by_mouse(browser: Any, page_of: Callable[[str], Path]) -> None:
+    page, requests, errors = visit(browser, page_of("rough"), viewport={"width": 1280, "height": 900})
+    shown = "document.querySelector('.plot.map').data[0].z"
+    last = page.evaluate(f"{shown}.flatMap(row => [...row]).filter(v => v === v).length")
+    page.focus(".slider")
+    page.keyboard.press("Home")
+    assert page.inner_text("output") == "after 0.3 mm"
+    page.wait_for_function(f"{shown}.flatMap(row => [...row]).filter(v => v === v).length !== {last}")
+    node = page.locator(".plot.bodies")
+    node.scroll_into_view_if_needed()
+    box = node.bounding_box()
+    page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 0.5 * box["height"])
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.55 * box["height"], steps=4)
+    page.mouse.up()
+    page.wait_for_function("document.querySelector('.plot.bodies').dataset.turned > 0")
+    eye = "document.querySelector('.plot.bodies').layout.scene.camera.eye.x"
+    before = page.evaluate(eye)
+    node.focus()
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function(f"{eye} !== {before}")
+    page.click("#choose-body button:nth-child(3)")
+    page.click("#theme")
+    assert page.evaluate("document.documentElement.classList.contains('dark')")
+    assert not requests
+    assert not errors
+    page.close()
+
+
+@pytest.mark.parametrize("kind", ["track", "two-scale", "static", "half-space", "measured", "evil"])
+def test_pages_fit_and_say_nothing_wrong(browser: Any, page_of: Callable[[str], Path], kind: str) -> None:
+    for width in (400, 1280):
+        how = {
+            "viewport": {"width": width, "height": 900},
+            "color_scheme": "dark" if width == 400 else "light",
+        }
+        page, requests, errors = visit(browser, page_of(kind), **how)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert not requests
+        assert not errors
+        page.close()
+
+
+def test_without_scripts_pictures_stand_there(browser: Any, page_of: Callable[[str], Path]) -> None:
+    page = browser.new_page(java_script_enabled=False)
+    page.goto(page_of("rough").as_uri())
+    assert page.locator("img.static:visible").count() >= 5
+    assert page.locator(".plot:visible").count() == 0
+    page.close()

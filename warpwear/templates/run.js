@@ -1,0 +1,227 @@
+"use strict";
+// Draws the plots of a run's page. All that it needs lies in the page, compressed; nothing is requested.
+(async () => {
+  const root = document.documentElement, $ = (id) => document.getElementById(id);
+  const all = (query, inside = document) => [...inside.querySelectorAll(query)];
+  const bytesOf = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
+  const unpacked = async (id) => {
+    const stream = new Blob([bytesOf($(id).textContent)]).stream();
+    return new Response(stream.pipeThrough(new DecompressionStream("deflate"))).text();
+  };
+
+  let data;
+  try {
+    data = JSON.parse(await unpacked("data"));
+    const library = document.createElement("script");
+    library.textContent = await unpacked("plotly");
+    document.head.append(library);
+  } catch (error) {
+    $("too-old").hidden = false;
+    return;
+  }
+  root.classList.add("scripted");
+
+  // ---- arrays -------------------------------------------------------------------------------------
+  const TYPES = { u1: Uint8Array, u2: Uint16Array, f4: Float32Array };
+  const arrayOf = (packed) => new TYPES[packed.type](bytesOf(packed.data).buffer);
+  const rowsOf = (values, [nx, ny]) => Array.from({ length: ny }, (_, j) => values.subarray(j * nx, (j + 1) * nx));
+  // Values of codes, NaN for 0; logarithms stay logarithms.
+  const decoded = (coded) => {
+    const values = Float32Array.from(arrayOf(coded.codes), (c) => (c ? coded.low + coded.step * c : NaN));
+    return rowsOf(values, coded.codes.shape);
+  };
+  const places = (first, last, count) =>
+    Float64Array.from({ length: count }, (_, i) => first + ((i + 0.5) * (last - first)) / count);
+
+  // ---- looks --------------------------------------------------------------------------------------
+  const media = { dark: matchMedia("(prefers-color-scheme: dark)"), print: matchMedia("print") };
+  let chosen = null; // the reader's own choice of dark or light
+  const isDark = () => !media.print.matches && (chosen ?? media.dark.matches);
+  const ink = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
+  const colour = (name) => (name.startsWith("#") ? name : ink(name));
+  const scaleOf = (colours) => colours.map((c, i) => [i / (colours.length - 1), c]);
+  const axis = (title, more = {}) => ({
+    title: { text: title }, gridcolor: ink("grid"), linecolor: ink("soft"), zeroline: false, showline: true,
+    ticks: "outside", tickcolor: ink("soft"), automargin: true, ...more,
+  });
+  const layout = (more) => ({
+    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", margin: { l: 60, r: 15, t: 10, b: 45 },
+    font: { family: "system-ui, Segoe UI, Helvetica Neue, Arial, sans-serif", size: 13, color: ink("ink") },
+    hoverlabel: { bgcolor: ink("card"), bordercolor: ink("soft"), font: { color: ink("ink") } }, ...more,
+  });
+  const CONFIG = { responsive: true, displaylogo: false, displayModeBar: false };
+
+  // ---- charts -------------------------------------------------------------------------------------
+  let linear = false;
+  const lines = new Map(); // arrays are decoded once
+  const chart = (plot) => {
+    if (!lines.has(plot)) lines.set(plot, plot.lines.map((line) => [arrayOf(line.x), arrayOf(line.y)]));
+    const logX = plot.log_x && !linear, logY = plot.log_y && !linear;
+    const traces = plot.lines.map((line, i) => ({
+      type: "scatter", mode: line.markers ? "lines+markers" : "lines", name: line.name,
+      x: lines.get(plot)[i][0], y: logY ? lines.get(plot)[i][1].map((v) => (v > 0 ? v : NaN)) : lines.get(plot)[i][1],
+      line: { color: colour(line.colour), dash: line.dash, width: line.wide ? 5 : 2 }, hovertemplate: "%{y:.4~g}",
+    }));
+    const least = plot.lines.every((_, i) => lines.get(plot)[i][1].every((v) => !(v < 0)));
+    const logarithmic = { type: "log", exponentformat: "power", dtick: 1, tickformat: "~g" };
+    return [traces, layout({
+      hovermode: "x unified", showlegend: plot.lines.length > 1,
+      legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 } },
+      margin: { l: 65, r: 15, t: 10, b: 45 },
+      xaxis: axis(plot.x, { ...(logX ? logarithmic : {}), hoverformat: ".5~g" }),
+      yaxis: axis(plot.y, logY ? logarithmic : { rangemode: least ? "tozero" : "normal" }),
+    })];
+  };
+
+  // ---- maps over the snapshots --------------------------------------------------------------------
+  const shown = new Map(); // plot -> number of its snapshot
+  const map = (plot) => {
+    const number = shown.get(plot) ?? plot.fields.length - 1, field = plot.fields[number];
+    const [nx, ny] = field.codes.shape, [x0, x1, y0, y1] = plot.extent;
+    const common = { type: "heatmap", x: places(x0, x1, nx), y: places(y0, y1, ny), hoverongaps: false };
+    let trace;
+    if (plot.states.length) {
+      const count = plot.states.length;
+      const steps = plot.states.flatMap(([, c], i) => [[i / count, colour(c)], [(i + 1) / count, colour(c)]]);
+      trace = {
+        ...common, z: rowsOf(arrayOf(field.codes), field.codes.shape), colorscale: steps,
+        zmin: -0.5, zmax: count - 0.5, zsmooth: false,
+        hovertemplate: "%{x:.4~g}, %{y:.4~g} mm<extra></extra>",
+        colorbar: { thickness: 12, len: 1, tickfont: { size: 11 },
+          tickvals: plot.states.map((_, i) => i), ticktext: plot.states.map(([label]) => label.replace(" ", "<br>")) },
+      };
+    } else {
+      const values = decoded(field), of = plot.fields.map((f) => [f.low + f.step, f.low + 255 * f.step]);
+      const low = Math.min(...of.map(([v]) => v)), high = Math.max(...of.map(([, v]) => v));
+      const ticks = [];
+      if (field.log) for (let p = Math.floor(low); p <= high; p += 1)
+        for (const digit of high - low > 2 ? [1] : [1, 2, 5]) {
+          const at = p + Math.log10(digit);
+          if (at >= low && at <= high) ticks.push([at, `${+(10 ** at).toPrecision(1)}`]);
+        }
+      trace = {
+        ...common, z: values, customdata: field.log ? values.map((row) => row.map((v) => 10 ** v)) : values,
+        colorscale: scaleOf(data.pressures), zmin: low, zmax: high,
+        hovertemplate: `%{customdata:.3~g} ${plot.unit}<br>%{x:.4~g}, %{y:.4~g} mm<extra></extra>`,
+        colorbar: { thickness: 12, len: 1, tickfont: { size: 11 }, title: { text: plot.unit, side: "right", font: { size: 12 } },
+          ...(ticks.length ? { tickvals: ticks.map(([at]) => at), ticktext: ticks.map(([, text]) => text) } : {}) },
+      };
+    }
+    return [[trace], layout({
+      margin: { l: 60, r: 15, t: 10, b: 45 },
+      xaxis: axis("along sliding, mm", { constrain: "domain", showgrid: false }),
+      yaxis: axis("across, mm", { scaleanchor: "x", constrain: "domain", showgrid: false }),
+    })];
+  };
+
+  // ---- bodies in 3-D ------------------------------------------------------------------------------
+  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: 1.7 };
+  const camera = { ...START };
+  const eye = () => ({
+    x: camera.far * Math.cos(camera.tilt) * Math.cos(camera.turn),
+    y: camera.far * Math.cos(camera.tilt) * Math.sin(camera.turn), z: camera.far * Math.sin(camera.tilt),
+  });
+  let body = 0;
+  const bodies = (plot) => {
+    const coded = Object.values(plot.bodies)[body], [nx, ny] = coded.codes.shape, [x0, x1, y0, y1] = plot.extent;
+    const axis3 = (title) => ({ title: { text: title, font: { size: 12 } }, gridcolor: ink("grid"), color: ink("ink"), showbackground: false });
+    const trace = {
+      type: "surface", x: places(x0, x1, nx), y: places(y0, y1, ny), z: decoded(coded), colorscale: scaleOf(data.heights),
+      colorbar: { title: { text: "height, µm", side: "right" }, thickness: 12, len: 0.7 },
+      hovertemplate: "%{z:.4~g} µm<br>%{x:.4~g}, %{y:.4~g} mm<extra></extra>",
+    };
+    return [[trace], layout({
+      margin: { l: 0, r: 0, t: 0, b: 0 },
+      scene: { xaxis: axis3("along, mm"), yaxis: axis3("across, mm"), zaxis: axis3("height, µm"),
+        aspectmode: "manual", aspectratio: { x: 1, y: (y1 - y0) / (x1 - x0), z: 0.45 }, camera: { eye: eye() } },
+    })];
+  };
+  const canvas = document.createElement("canvas");
+  const hasWebGL = Boolean(canvas.getContext("webgl2") || canvas.getContext("webgl"));
+
+  // ---- all of them --------------------------------------------------------------------------------
+  const KINDS = { chart, map, bodies };
+  const plotOf = (node) => data.plots[Number(node.dataset.plot)];
+  const draw = async (node) => {
+    const plot = plotOf(node);
+    if (plot.kind === "bodies" && !hasWebGL) return;
+    node.classList.add("drawn");
+    const [traces, looks] = KINDS[plot.kind](plot);
+    await Plotly.react(node, traces, looks, CONFIG);
+    if (plot.kind === "bodies" && !node.dataset.turned) {
+      node.dataset.turned = "0";
+      node.on("plotly_relayout", (change) => {
+        const at = (change["scene.camera"] ?? {}).eye;
+        if (!at) return;
+        camera.far = Math.hypot(at.x, at.y, at.z);
+        [camera.tilt, camera.turn] = [Math.asin(at.z / camera.far), Math.atan2(at.y, at.x)];
+        node.dataset.turned = String(Number(node.dataset.turned) + 1);
+      });
+    }
+  };
+  const nodes = all(".plot");
+  const drawAll = async () => {
+    root.classList.toggle("dark", isDark());
+    $("theme").textContent = isDark() ? "Light" : "Dark";
+    $("theme").setAttribute("aria-pressed", String(isDark()));
+    for (const node of nodes) await draw(node);
+  };
+
+  for (const slider of all(".slider")) {
+    const section = slider.closest("section"), maps = all(".plot.map", section);
+    slider.addEventListener("input", () => {
+      const number = Number(slider.value), { labels } = plotOf(maps[0]);
+      slider.setAttribute("aria-valuetext", labels[number]);
+      slider.parentElement.querySelector("output").textContent = labels[number];
+      for (const node of maps) {
+        shown.set(plotOf(node), number);
+        draw(node);
+        const says = node.parentElement.querySelector(".says-now");
+        if (says) says.textContent = plotOf(node).says[number];
+      }
+    });
+  }
+  $("linear")?.addEventListener("click", () => {
+    linear = !linear;
+    $("linear").setAttribute("aria-pressed", String(linear));
+    for (const node of all("#courses .plot")) draw(node);
+  });
+  all("#choose-body button").forEach((button, number, buttons) => button.addEventListener("click", () => {
+    body = number;
+    buttons.forEach((other, i) => other.setAttribute("aria-pressed", String(i === number)));
+    for (const node of all(".plot.bodies")) draw(node);
+  }));
+  const TURNS = {
+    ArrowLeft: () => { camera.turn -= 0.1; }, ArrowRight: () => { camera.turn += 0.1; },
+    ArrowUp: () => { camera.tilt = Math.min(camera.tilt + 0.1, 1.5); },
+    ArrowDown: () => { camera.tilt = Math.max(camera.tilt - 0.1, -1.5); },
+    "+": () => { camera.far *= 0.9; }, "-": () => { camera.far /= 0.9; }, Home: () => { Object.assign(camera, START); },
+  };
+  for (const node of all(".plot.bodies")) node.addEventListener("keydown", (event) => {
+    if (!TURNS[event.key]) return;
+    event.preventDefault();
+    TURNS[event.key]();
+    Plotly.relayout(node, { "scene.camera": { eye: eye() } });
+  });
+  for (const button of all("button.copy")) button.addEventListener("click", async () => {
+    const text = $(button.dataset.copy).textContent, before = button.textContent;
+    try {
+      await navigator.clipboard.writeText(text);
+    } catch (error) { // a page from a disk may not be allowed to
+      const field = document.createElement("textarea");
+      field.value = text;
+      document.body.append(field);
+      field.select();
+      document.execCommand("copy");
+      field.remove();
+      button.focus();
+    }
+    button.textContent = "Copied";
+    setTimeout(() => { button.textContent = before; }, 1500);
+  });
+  $("theme").addEventListener("click", () => { chosen = !isDark(); drawAll(); });
+  for (const query of Object.values(media)) query.addEventListener("change", drawAll);
+  addEventListener("beforeprint", drawAll);
+  await drawAll();
+  root.dataset.ready = "true"; // for who waits for it
+})();
