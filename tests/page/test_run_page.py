@@ -1,4 +1,4 @@
-"""The page of a run: one file without requests, harmless whatever its names, moved and turned in a browser."""
+"""The page of a run: one file without requests, harmless whatever its names, moved in a browser."""
 
 import base64
 import json
