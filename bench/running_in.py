@@ -420,9 +420,9 @@ def draw(tables: dict[str, dict[str, dict[float, float]]]) -> Figure:
             panel.set_xlim(25.0, 2900.0)
             panel.spines[["top", "right"]].set_visible(False)
             if panel.get_legend_handles_labels()[0]:
-                panel.legend(fontsize=7, frameon=False)
+                panel.legend(fontsize=7, frameon=False, loc="upper left")
         for panel in row:
-            panel.set_ylim(0.0, 0.65 if what == "friction" else None)
+            panel.set_ylim(0.0, 1.05 if what == "friction" else None)
     axes[0, 0].set_ylabel("coefficient of friction, mean of 30 mm, –")
     axes[1, 0].set_ylabel("area in contact over F/H, –")
     for panel in axes[1]:
