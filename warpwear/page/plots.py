@@ -201,8 +201,8 @@ def _maps(plot: Plotter, data: FigureData) -> Section:
     caption = "A point is a cell."
     if window.factor > 1:
         caption = (
-            f"A point is {window.factor} × {window.factor} cells and shows the largest of them, so that areas "
-            "look larger than the numbers say."
+            f"A point is {window.factor} × {window.factor} cells and shows the largest of them, so that "
+            "areas look larger than the numbers say."
         )
     return Section(
         "Contact and pressure",
