@@ -1,4 +1,4 @@
-"""The page of a run: one file without requests, harmless whatever its names, moved in a browser."""
+"""The page of a run: one file without requests, harmless whatever its names, turned in a browser."""
 
 import base64
 import json
@@ -25,6 +25,7 @@ from warpwear.page.words import to_latex, words_of
 
 MOST = 6e6  # bytes of a page
 PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
+KINDS = ("track", "two-scale", "static", "half-space", "measured", "smooth")
 CHROMIUM = "/usr/bin/chromium"
 FLAGS = ["--no-sandbox", "--no-first-run", "--disable-background-networking", "--enable-unsafe-swiftshader"]
 FLAGS += ["--use-gl=angle", "--use-angle=swiftshader"]
@@ -84,9 +85,7 @@ def array_of(packed: Any) -> Any:
     return np.frombuffer(base64.b64decode(packed["data"]), kind).reshape(packed["shape"][::-1]).T
 
 
-@pytest.mark.parametrize(
-    "kind", ["rough", "static", "track", "two-scale", "half-space", "measured", "smooth"]
-)
+@pytest.mark.parametrize("kind", ["rough", *KINDS])
 def test_a_run_leaves_a_page_that_needs_nothing(page_of: Callable[[str], Path], kind: str) -> None:
     path = page_of(kind)
     page = path.read_text(encoding="utf-8")
@@ -270,7 +269,7 @@ def test_slider_by_keyboard_and_bodies_by_mouse(browser: Any, page_of: Callable[
     page.close()
 
 
-@pytest.mark.parametrize("kind", ["track", "two-scale", "static", "half-space", "measured", "evil"])
+@pytest.mark.parametrize("kind", ["evil", *(pytest.param(k, marks=pytest.mark.slow) for k in KINDS)])
 def test_pages_fit_and_say_nothing_wrong(browser: Any, page_of: Callable[[str], Path], kind: str) -> None:
     for width in (400, 1280):
         how = {

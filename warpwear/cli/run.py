@@ -43,6 +43,7 @@ def run(
     """Run STUDY and write its run folder.
 
     \b
+    report.html    all of it on one page, to be opened in a browser; without figures there is none
     study.toml     the whole study, with every default and assumption
     result.h5      history and snapshots, in plain HDF5
     history.csv    one row a step, units in the header

@@ -364,7 +364,9 @@ def _loads(plot: Plotter, data: FigureData) -> Section:
     if plot.reason("load_share"):
         return Section("Load shares", [])
     loads, labels = data.loads, [after(distance) for distance in data.distances]
-    most = max(float(of.max()) for of in loads.of.values())
+    most, log = max(float(of.max()) for of in loads.of.values()), is_wide(*loads.of.values())
+    least = min(float(of[of > 0.0].min(initial=most)) for of in loads.of.values())
+    low = max(least, most / SPAN) if log else 0.0
     apart = ["as prescribed"] * len(labels)
     if loads.apart and not loads.prescribed:
         apart = [f"{100.0 * part:.2g} % of the load on other patches" for part in loads.apart]
@@ -374,7 +376,7 @@ def _loads(plot: Plotter, data: FigureData) -> Section:
             f"Load over area: {name}",
             labels,
             loads.window.extent,
-            [Coded.of(np.where(of > 0.0, of, np.nan), 0.0, most) for of in fields],
+            [Coded.of(np.where(of > 0.0, of, np.nan), low, most, log=log) for of in fields],
             apart if number else [""] * len(labels),
             unit="MPa",
             static="" if number else "load_share",

@@ -115,7 +115,7 @@
   };
 
   // ---- bodies in 3-D ------------------------------------------------------------------------------
-  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: 1.7 };
+  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: innerWidth < 640 ? 2.4 : 1.7 };
   const camera = { ...START };
   const eye = () => ({
     x: camera.far * Math.cos(camera.tilt) * Math.cos(camera.turn),
@@ -164,7 +164,10 @@
     root.classList.toggle("dark", isDark());
     $("theme").textContent = isDark() ? "Light" : "Dark";
     $("theme").setAttribute("aria-pressed", String(isDark()));
-    for (const node of nodes) await draw(node);
+    for (const node of nodes) {
+      await draw(node);
+      if (node.classList.contains("drawn") && node.offsetWidth) Plotly.Plots.resize(node); // print is narrower
+    }
   };
 
   for (const slider of all(".slider")) {
