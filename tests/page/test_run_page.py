@@ -20,6 +20,7 @@ from warpwear.cli.main import commands
 from warpwear.figures import process
 from warpwear.page.content import content_of, write_page
 from warpwear.page.html import run_page
+from warpwear.page.limits import limits_of
 from warpwear.page.plots import Coded, thinned
 from warpwear.page.words import to_latex, words_of
 
@@ -147,8 +148,6 @@ def test_what_is_an_input_is_marked() -> None:
 
 def test_limits_follow_the_run() -> None:
     def said(kind: str) -> str:
-        from warpwear.page.limits import limits_of
-
         return " ".join(limits_of(study_of(kind)))
 
     assert "lies still" in said("rough")
