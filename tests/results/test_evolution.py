@@ -1,5 +1,8 @@
 """Roughness and islands against the distance slid."""
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 from cases_track import small
@@ -9,6 +12,7 @@ from scipy import ndimage
 import warpwear
 from warpwear import Result, Study
 from warpwear.history.quantities import EVOLUTION
+from warpwear.results import evolution
 from warpwear.results.evolution import (
     inner_scar,
     settling,
@@ -144,3 +148,16 @@ def test_the_share_above_is_that_of_the_islands(result: Result) -> None:
         assert share == pytest.approx(areas[large].sum() / areas.sum())
     above = result.summary["junctions"]["share_above"]
     assert above["end"] == found.table["share_above_critical"][-1] > above["first"]
+
+
+def test_a_run_computes_it_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The result in its place knows what was found before it was moved there."""
+    made: list[int] = []
+    of_snapshot = evolution._of_snapshot
+    monkeypatch.setattr(
+        evolution, "_of_snapshot", lambda *given: made.append(given[1]) or of_snapshot(*given)
+    )
+    study = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "3 mm"})
+    with warpwear.run(study, out=tmp_path / "run", plots=False) as result:
+        assert result.surface_evolution.table["distance"].size == len(result.snapshots)
+        assert sorted(made) == list(range(len(result.snapshots)))

@@ -329,6 +329,10 @@ class ResultFile:
         derived: Derived = self._derived[name]
         return derived
 
+    def take_over(self, same: "ResultFile") -> None:
+        """Keep what was made of the same result before it was moved, so that it is not made again."""
+        self._derived |= same._derived
+
     def close(self) -> None:
         """Close the file. What was read stays."""
         self._file.close()

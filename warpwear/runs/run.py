@@ -211,7 +211,8 @@ def _compute(
                 result.close()
                 run_folder.move_into_place(work, how.out)
                 loop.end_checkpoints()
-                result = Result.open_sealed(how.out / FILE_NAME)
+                before, result = result, Result.open_sealed(how.out / FILE_NAME)
+                result.take_over(before)
                 if not result.owns_surface:  # which lies elsewhere now
                     result.study = study
     for stopped in (loop.failed, loop.interrupted):
