@@ -1,7 +1,6 @@
 """Roughness and islands against the distance slid."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
