@@ -56,102 +56,115 @@ _WEAR = """
     double pressure = 0.0, deviation = 0.0, worn = 0.0, highest = 0.0, deepest = 0.0;
     double pressure_next = 0.0, nearest_next = absent;
     int contact = 0, capped = 0, touched = 0, between_next = 0;  // whole numbers cost a GPU less
-    int first_row = beyond, last_row = -1, first_column = beyond, last_column = -1;
+    int first_column = beyond, last_column = -1;
+    long long first_place = -1, last_place = -1;  // of a cell in the field: its row follows from it
     const auto& search = steps.search.data[0];
     const double base = search.base, offset = search.offset, cap = steps.cap, mean = search.mean;
     const double base_next = search.approach, offset_next = search.ahead;
     const auto& worn_by = steps.wear_per_pressure.data[steps.step.data[0]];
     const double opening = worn_by[0] + worn_by[1], s = stiffness;
-    const int lines = gap_out.shape[0] / columns;
-    for (int row = block; row < lines; row += steps.blocks) {
-        const long long start = (long long)row * columns;
-        const int touched_before = touched;
-        for (int first = lane; first < columns; first += FOUR * width) {
-            double g[FOUR], u[FOUR];
-            #pragma unroll
-            for (int j = 0; j < FOUR; ++j) {  // loaded together: one at a time does not keep the memory busy
-                const int column = first + j * width;
-                const bool is_there = column < columns;
-                g[j] = is_there ? gap[start + column] : absent;
-                u[j] = is_there ? unworn[start + column] : absent;
-            }
-            #pragma unroll
-            for (int j = 0; j < FOUR; ++j) {
-                const int column = first + j * width;
-                double p = ((base - g[j]) + offset) * s;
-                p = p > 0.0 ? p : 0.0;
-                p = p < cap ? p : cap;
-                const double after = g[j] + opening * p, w = after - u[j];
-                if (p > 0.0) {
-                    gap[start + column] = after;
-                    pressure += p;
-                    deviation += (p - mean) * (p - mean);
-                    contact += 1;
-                    capped += p >= cap ? 1 : 0;
-                    highest = highest > p ? highest : p;
-                }
-                if (p + w > 0.0) {
-                    touched += 1;
-                    first_column = first_column < column ? first_column : column;
-                    last_column = last_column > column ? last_column : column;
-                    worn += w;
-                    deepest = deepest > w ? deepest : w;
-                }
-                const double r = ((base_next - after) + offset_next) * stiffness_next, full = fabs(r - cap);
-                double q = r > 0.0 ? r : 0.0;
-                q = q < cap ? q : cap;
-                pressure_next += q;
-                between_next += r == q ? 1 : 0;
-                const double near = fabs(r) < full ? fabs(r) : full;
-                nearest_next = nearest_next < near ? nearest_next : near;
-            }
+    const long long cells = gap_out.shape[0];
+    for (long long start = (long long)block * FOUR * width; start < cells;
+         start += (long long)steps.blocks * FOUR * width) {
+        const int place = (int)(start % columns) + lane;
+        double g[FOUR], u[FOUR];
+        #pragma unroll
+        for (int j = 0; j < FOUR; ++j) {  // loaded together: one at a time does not keep the memory busy
+            const long long cell = start + lane + j * width;
+            const bool is_there = cell < cells;
+            g[j] = is_there ? gap[cell] : absent;
+            u[j] = is_there ? unworn[cell] : absent;
         }
-        if (touched > touched_before) {
-            first_row = first_row < row ? first_row : row;
-            last_row = row;
+        #pragma unroll
+        for (int j = 0; j < FOUR; ++j) {
+            const long long cell = start + lane + j * width;
+            double p = ((base - g[j]) + offset) * s;
+            p = p > 0.0 ? p : 0.0;
+            p = p < cap ? p : cap;
+            const double after = g[j] + opening * p, w = after - u[j];
+            if (p > 0.0) {
+                gap[cell] = after;
+                pressure += p;
+                deviation += (p - mean) * (p - mean);
+                contact += 1;
+                capped += p >= cap ? 1 : 0;
+                highest = highest > p ? highest : p;
+            }
+            if (p + w > 0.0) {
+                int column = place + j * width;
+                while (column >= columns) column -= columns;
+                touched += 1;
+                first_place = first_place < 0 ? cell : first_place;
+                last_place = cell;
+                first_column = first_column < column ? first_column : column;
+                last_column = last_column > column ? last_column : column;
+                worn += w;
+                deepest = deepest > w ? deepest : w;
+            }
+            const double r = ((base_next - after) + offset_next) * stiffness_next, full = fabs(r - cap);
+            double q = r > 0.0 ? r : 0.0;
+            q = q < cap ? q : cap;
+            pressure_next += q;
+            between_next += r == q ? 1 : 0;
+            const double near = fabs(r) < full ? fabs(r) : full;
+            nearest_next = nearest_next < near ? nearest_next : near;
         }
     }
 
-#if defined(__CUDA_ARCH__)
-    __shared__ double of_warps[32];
-    const auto of_block = [&](double v, bool adds) {
-        for (int apart = 16; apart > 0; apart /= 2) {
-            const double other = __shfl_down_sync(0xffffffff, v, apart);
-            v = adds ? v + other : (v > other ? v : other);
-        }
-        __syncthreads();
-        if (lane % 32 == 0) of_warps[lane / 32] = v;
-        __syncthreads();
-        for (int n = 1; n < width / 32; ++n)
-            v = adds ? v + of_warps[n] : (v > of_warps[n] ? v : of_warps[n]);
-        return v;
-    };
-#else
-    const auto of_block = [&](double v, bool) { return v; };
-#endif
-    const auto keep = [&](auto& table, int line, double v, bool adds) {
-        v = of_block(v, adds);
-        if (lane == 0) wp::index(table, line, block) = v;
-    };
     const bool some = touched > 0;
 """
+#: What a block leaves: table, line, value of a thread, and whether values are added up or the largest counts.
+_LEAVES = (
+    ("trial", 0, "pressure_next", True),
+    ("trial", 1, "stiffness_next * between_next", True),
+    ("trial", 2, "-nearest_next", False),
+    ("found", WearSum.PRESSURE, "pressure", True),
+    ("found", WearSum.DEVIATION_SQUARED, "deviation", True),
+    ("found", WearSum.CONTACT, "contact", True),
+    ("found", WearSum.CAPPED, "capped", True),
+    ("found", WearSum.TOUCHED, "touched", True),
+    ("found", WearSum.WORN, "worn", True),
+    ("found", len(WearSum) + WearMost.PRESSURE, "highest", False),
+    ("found", len(WearSum) + WearMost.WORN, "deepest", False),
+    ("found", len(WearSum) + WearMost.FIRST_ROW, "some ? -double(first_place / columns) : no_index", False),
+    ("found", len(WearSum) + WearMost.LAST_ROW, "some ? double(last_place / columns) : no_index", False),
+    ("found", len(WearSum) + WearMost.FIRST_COLUMN, "some ? -double(first_column) : no_index", False),
+    ("found", len(WearSum) + WearMost.LAST_COLUMN, "some ? double(last_column) : no_index", False),
+)
+# All at once: each warp of the block brings every value to one, then has some of the values of all warps.
 _KEEP = f"""
-    keep(steps.trial, 0, pressure_next, true);
-    keep(steps.trial, 1, stiffness_next * between_next, true);
-    keep(steps.trial, 2, -nearest_next, false);
-    keep(steps.found, {WearSum.PRESSURE.value}, pressure, true);
-    keep(steps.found, {WearSum.DEVIATION_SQUARED.value}, deviation, true);
-    keep(steps.found, {WearSum.CONTACT.value}, contact, true);
-    keep(steps.found, {WearSum.CAPPED.value}, capped, true);
-    keep(steps.found, {WearSum.TOUCHED.value}, touched, true);
-    keep(steps.found, {WearSum.WORN.value}, worn, true);
-    const int most = {len(WearSum)};
-    keep(steps.found, most + {WearMost.PRESSURE.value}, highest, false);
-    keep(steps.found, most + {WearMost.WORN.value}, deepest, false);
-    keep(steps.found, most + {WearMost.FIRST_ROW.value}, some ? -double(first_row) : no_index, false);
-    keep(steps.found, most + {WearMost.LAST_ROW.value}, some ? double(last_row) : no_index, false);
-    keep(steps.found, most + {WearMost.FIRST_COLUMN.value}, some ? -double(first_column) : no_index, false);
-    keep(steps.found, most + {WearMost.LAST_COLUMN.value}, some ? double(last_column) : no_index, false);
+#if defined(__CUDA_ARCH__)
+    __shared__ double of_warps[{len(_LEAVES)}][32];
+    const int warp = lane / 32, in_warp = lane % 32, warps = width / 32;
+    const auto of_warp = [&](double v, bool adds) {{
+        for (int apart = 16; apart > 0; apart /= 2) {{
+            const double other = __shfl_down_sync(0xffffffff, v, apart);
+            v = adds ? v + other : (v > other ? v : other);
+        }}
+        return v;
+    }};
+    const auto leave = [&](int n, double v, bool adds) {{
+        v = of_warp(v, adds);
+        if (in_warp == 0) of_warps[n][warp] = v;
+    }};
+    {"".join(f"leave({n}, {value}, {str(adds).lower()});" for n, (_, _, value, adds) in enumerate(_LEAVES))}
+    __syncthreads();
+    const auto keep = [&](auto& table, int line, int n, double, bool adds) {{
+        if (n % warps != warp) return;
+        const double v = of_warp(in_warp < warps ? of_warps[n][in_warp] : (adds ? 0.0 : -1.0e300), adds);
+        if (in_warp == 0) wp::index(table, line, block) = v;
+    }};
+#else
+    const auto keep = [&](auto& table, int line, int, double v, bool) {{
+        wp::index(table, line, block) = v;
+    }};
+#endif
+    {
+    "".join(
+        f"keep(steps.{table}, {int(line)}, {n}, {value}, {str(adds).lower()});"
+        for n, (table, line, value, adds) in enumerate(_LEAVES)
+    )
+}
 """
 
 

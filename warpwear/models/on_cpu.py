@@ -5,7 +5,7 @@ Where a step asks for more than the launch can do, it makes no further, and that
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -28,19 +28,7 @@ from warpwear.kernels import blocks
 from warpwear.kernels.blocks import BALANCE, MEMORY
 from warpwear.kernels.cells import EXTENTS
 from warpwear.laws.task import ContactTask
-
-#: Steps of a block at most: interrupts and checkpoints wait for its end.
-LONGEST_BLOCK = 500
-
-
-class Found(NamedTuple):
-    """What a launch found of the steps that it made: of each quantity an array."""
-
-    made: int
-    balance: Any  # a Balance of arrays
-    reference: FloatArray  # that the scatter of the pressure counts from [MPa]
-    total: dict[str, Any]
-    most: dict[str, Any]
+from warpwear.models.booking import Found
 
 
 class Block:
@@ -135,39 +123,6 @@ class Block:
         return Found(made, Balance(*balance), reference, total, most), dict(
             zip(MEMORY, known.tolist(), strict=False)
         )
-
-
-def booked(
-    found: Found,
-    ledger: Ledger,
-    increments: FloatArray,
-    removals: Sequence[tuple[float, float]],
-    enter: Callable[..., Step],
-) -> Iterator[Step]:
-    """Enter steps that a launch made into the books, and yield them.
-
-    enter: books the last of them, which may have widened the contact or failed, as one made by itself.
-    """
-    count, balance, reference, total, most = found
-    if not count:
-        return
-    before, wear = slice(0, count - 1), np.array(removals[:count]).T
-
-    def part(values: dict[str, FloatArray], which: Any) -> dict[str, Any]:
-        return {name: column[which] for name, column in values.items()}
-
-    yield from ledger.enter_all(
-        balance._make(column[before] for column in balance),
-        increments[before],
-        (wear[0, before], wear[1, before]),
-        reference[before],
-        part(total, before),
-        part(most, before),
-    )
-    last = count - 1
-    alone = balance._make(float(column[last]) for column in balance)
-    sums, maxima = ({n: float(v) for n, v in part(values, last).items()} for values in (total, most))
-    yield enter(alone, float(increments[last]), removals[last], float(reference[last]), sums, maxima)
 
 
 def in_launches(

@@ -13,6 +13,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import TOLERANCE, Balance, residual_of
+from warpwear.contact.foresight import Foresight
 from warpwear.engine.executor import Executor, Field, arguments, set_numbers
 from warpwear.kernels.cells import LANES, NO_INDEX, PressureMost, PressureSum, WearMost, WearSum, names_of
 from warpwear.kernels.gpu import steps as gpu_steps
@@ -20,24 +21,21 @@ from warpwear.kernels.gpu import steps_rest, steps_sliding
 from warpwear.kernels.gpu.steps import Search, Steps
 from warpwear.kernels.sliding import Bodies, OfRows, OfTiles
 from warpwear.laws.task import ContactTask
+from warpwear.models.booking import Found
 
 #: Steps made before the first of them is given, at most.
 LONGEST_BLOCK = 2000
-#: Steps whose history is read in one go.
-PIECE = 250
+#: Steps whose history is read in one go: while the host books them the device makes the next.
+PIECE = 128
 #: Steps of a graph: launching one takes the host about as long as a small step takes the device.
-STEPS_OF_GRAPH = 4
+STEPS_OF_GRAPH = 8
 BLOCK = 256  # threads
-BLOCKS_AT_REST = 1056  # eight for each of the 132 multiprocessors of a large GPU
+BLOCKS_AT_REST = 4  # of each multiprocessor: as many as their registers let run at a time
 BLOCKS_DISPLACED = 2112  # at most
 HEADER = int(gpu_steps.HEADER)  # columns of a row before the others
 
 #: A kernel, the blocks that run it, and its arguments after `Steps`.
 Pass = tuple[Any, int, Sequence[Any]]
-
-
-#: What a step leaves: its balance, and the sums and maxima that a history row is made of.
-DeviceStep = tuple[Balance, dict[str, float], dict[str, float]]
 
 
 class DeviceSteps:
@@ -100,25 +98,33 @@ class DeviceSteps:
         *,
         approach: float,
         mean_pressure: float,
+        foresight: Foresight | None = None,
         shifts: Sequence[int] = (),
         wander: float = 0.0,
-    ) -> Iterator[DeviceStep]:
+    ) -> Iterator[Found]:
         """Make steps that wear sphere and disc by K ΔL = removals [mm³/N] each, at most LONGEST_BLOCK.
 
-        approach [mm], mean_pressure [MPa]: of the step before. shifts: displacements of the disc [rows], and
-        wander: how far off the next approach may be [mm]. The fields are those after the last step when that
-        one is given. Raises ConvergenceError for an unbalanced one.
+        approach [mm], mean_pressure [MPa]: of the step before. foresight: what is known of the approaches.
+        shifts: displacements of the disc [rows], and wander: how far off the next approach may be [mm]. Steps
+        are given a few at a time; the fields are those after the last one when that is given. Raises
+        ConvergenceError for an unbalanced one.
         """
         steps, count = self._steps, len(removals)
         wp.copy(steps.wear_per_pressure, wp.array([*removals], dtype=wp.vec2d, device="cpu"), count=count)
         if shifts:
             wp.copy(steps.shift, wp.array([*shifts], dtype=wp.int32, device="cpu"), count=count)
+        removed = sum(removals[0])
         last = arguments(Search, approach=approach, wander=wander, mean=mean_pressure, rate=mean_pressure)
-        set_numbers(last, place=-1.0, ahead=sum(removals[0]) * mean_pressure)
+        set_numbers(last, place=-1.0, ahead=removed * mean_pressure)
+        line = None if foresight is None else foresight.line
+        if foresight is not None and line is not None:
+            ahead = foresight.expected(removed)
+            set_numbers(last, slid=line.slid, place=line.place, rate=line.rate, trend=line.trend, ahead=ahead)
         steps.search.assign([last])
         steps.step.zero_()
         self._launch(gpu_steps.begin, 1)
         self._grown = np.array([field.numpy().sum() for field in self._kept], dtype=np.longdouble)
+        self._mean = mean_pressure
         fetched: tuple[int, int, Any] | None = None
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
@@ -164,7 +170,7 @@ class DeviceSteps:
         device, block = self._device, 1 if self._device.is_cpu else BLOCK  # one thread on a CPU: for tests
         wp.launch(kernel, dim=blocks * block, inputs=[self._steps, *fields], device=device, block_dim=block)
 
-    def _given(self, first: int, end: int, fetched: Any) -> Iterator[DeviceStep]:
+    def _given(self, first: int, end: int, fetched: Any) -> Iterator[Found]:
         """Steps whose rows are fetched, when the event says so."""
         if fetched is not None:
             wp.synchronize_event(fetched)
@@ -173,12 +179,25 @@ class DeviceSteps:
         growing = slice(HEADER + len(totals) - len(self._kept), HEADER + len(totals))
         grown = self._grown + np.cumsum(rows[:, growing], axis=0, dtype=np.longdouble)
         rows[:, growing], self._grown = grown, grown[-1]
-        for row in rows.tolist():
-            base, offset, evaluations, pressure = row[: HEADER + 1]
-            residual = residual_of(pressure * self._cell_area, self._task.load, approach=base + offset)
-            balance = Balance(base, offset, self._task.hardness, residual, evaluations=int(evaluations))
-            total = dict(zip(totals, row[HEADER:], strict=False))
-            yield balance, total, dict(zip(most, row[HEADER + len(totals) :], strict=True))
+        base, offset, evaluations, *columns = np.ascontiguousarray(rows.T)
+        total = dict(zip(totals, columns, strict=False))
+        with np.errstate(divide="ignore", invalid="ignore"):  # of steps that are refused below
+            means = total["pressure"] / total["contact"]
+        reference = np.concatenate([[self._mean], means[:-1]])
+        self._mean = float(means[-1])
+        load = self._task.load
+        residual = total["pressure"] * self._cell_area - load
+        wrong = np.flatnonzero(~(np.abs(residual) <= 2.0 * TOLERANCE * load))
+        made = int(wrong[0]) if wrong.size else end - first
+        cap, none = np.full(end - first, self._task.hardness), np.zeros(end - first)
+        balance: Any = Balance(
+            *(part[:made] for part in (base, offset, cap, residual, none, none, evaluations))
+        )
+        maxima = dict(zip(most, columns[len(totals) :], strict=True))
+        if made:
+            yield Found(made, balance, reference, total, maxima)
+        if wrong.size:
+            residual_of(residual[made] + load, load, approach=base[made] + offset[made])
 
 
 def at_rest(executor: Executor, task: ContactTask, gap: Field, unworn: Field) -> DeviceSteps:
@@ -189,7 +208,7 @@ def at_rest(executor: Executor, task: ContactTask, gap: Field, unworn: Field) ->
         return wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=executor.device, copy=False)
 
     gap, unworn = numbers(gap), numbers(unworn)
-    blocks = 3 if executor.device.is_cpu else BLOCKS_AT_REST
+    blocks = 3 if executor.device.is_cpu else BLOCKS_AT_REST * executor.device.sm_count
     passes = [(steps_rest.carried, blocks, [gap]), (steps_rest.wear_step, blocks, [unworn, gap])]
     return DeviceSteps(executor, task, (WearSum, WearMost), passes)
 

@@ -36,8 +36,9 @@ from warpwear.kernels.contact import Law
 from warpwear.kernels.wear_loops import Increment, Tables
 from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
+from warpwear.models.booking import Found, booked
 from warpwear.models.model import Model
-from warpwear.models.on_cpu import Block, booked, in_launches
+from warpwear.models.on_cpu import Block, in_launches
 from warpwear.models.rest.bodies import RestingBodies
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ class OneScaleModel(Model):
     heights: of the disc over its mean plane [mm], shape (nx, ny). The caller may let go of the array.
     """
 
-    #: Steps made on a device before their history is read.
+    #: Interrupts and checkpoints wait for the end of a block.
     longest_block = 500
     STATE: ClassVar = {
         "state": RestingBodies,
@@ -86,6 +87,8 @@ class OneScaleModel(Model):
         #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
         self.blocks_allowed = executor.device.is_cuda and self._foreseen
         self._loop: DeviceSteps | None = None
+        if self.blocks_allowed:
+            self.longest_block = on_gpu.LONGEST_BLOCK
         self._law, self._increment = arguments(Law), arguments(Increment)
         sums, maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
         self._tables = arguments(Tables, sums=sums, maxima=maxima, ahead=self._balancer.lookahead)
@@ -135,14 +138,16 @@ class OneScaleModel(Model):
         if self._loop is None:
             self._loop = on_gpu.at_rest(self._executor, self.task, self.state.gap, self.state.unworn)
         removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
-        mean = self._ledger.row["pressure_mean"]
-        made = self._loop.run(removals, approach=self._last.approach, mean_pressure=mean)
-        for increment, removed, (balance, *found) in zip(increments, removals, made, strict=True):
-            self._last, self._lookahead = balance, None
-            self._foresight.note(balance.approach, sum(removed))
-            reference = self._ledger.row["pressure_mean"]
-            total, most = (divided(of_both, self.state.fractions) for of_both in found)
-            yield self._ledger.enter(balance, increment, removed, reference, total, most)
+        mean, slid, done = self._ledger.row["pressure_mean"], np.array(increments), 0
+        for found in self._loop.run(
+            removals, approach=self._last.approach, mean_pressure=mean, foresight=self._foresight
+        ):
+            approaches = (found.balance.base + found.balance.offset).tolist()
+            for approach, removed in zip(approaches, removals[done:], strict=False):
+                self._foresight.note(approach, sum(removed))
+            self._last, self._lookahead = Balance(*(float(part[-1]) for part in found.balance)), None
+            yield from booked(self._of_both(found), self._ledger, slid[done:], removals[done:], self._enter)
+            done += found.made
 
     def _in_one_launch(
         self, block: Block, increments: Sequence[float], then: float | None
@@ -175,10 +180,7 @@ class OneScaleModel(Model):
                 carried = Carried(left["force"], left["slope"], left["straight"])
                 self._lookahead = Lookahead(float(plan[done + found.made, 3]), left["ahead"], carried)
             residual = found.total["pressure"] * self._executor.grid.cell_area - self.task.load
-            total, most = (divided(part, self.state.fractions) for part in (found.total, found.most))
-            found = found._replace(
-                balance=found.balance._replace(load_residual=residual), total=total, most=most
-            )
+            found = self._of_both(found._replace(balance=found.balance._replace(load_residual=residual)))
             return found.made, booked(found, self._ledger, slid[done:], removals[done:], self._enter)
 
         def alone(number: int) -> Step:
@@ -187,6 +189,11 @@ class OneScaleModel(Model):
             )
 
         return in_launches(len(increments), launch, alone)
+
+    def _of_both(self, found: Found) -> Found:
+        """What was worn of both bodies together, as that of sphere and disc."""
+        total, most = (divided(part, self.state.fractions) for part in (found.total, found.most))
+        return found._replace(total=total, most=most)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.

@@ -21,8 +21,9 @@ from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTi
 from warpwear.laws.archard import distance_factor, removals_of
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
+from warpwear.models.booking import booked
 from warpwear.models.film import BareCells
-from warpwear.models.on_cpu import Block, booked, in_launches
+from warpwear.models.on_cpu import Block, in_launches
 from warpwear.models.on_gpu import DeviceSteps, displaced
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.pieces import SlidingPieces
@@ -242,10 +243,12 @@ class SlidingContact:
             wander=max(self._changes, default=FIRST_SCATTER),
             mean_pressure=self._ledger.row["pressure_mean"],
         )
-        for increment, removal, (balance, total, most) in zip(increments, removals, made, strict=True):
-            self._note(balance.approach)
-            reference = self._ledger.row["pressure_mean"]
-            yield self._enter(balance, increment, removal, reference, total, most)
+        slid, done = np.array(increments), 0
+        for found in made:
+            for approach in (found.balance.base + found.balance.offset).tolist():
+                self._note(approach)
+            yield from booked(found, self._ledger, slid[done:], removals[done:], self._enter)
+            done += found.made
 
     def in_one_launch(self, increments: Sequence[float]) -> Iterator[tuple[int, Step]]:
         """Steps of a disc that lies still as `step` makes them, as many in a launch as it can.
