@@ -116,9 +116,8 @@ class DeviceSteps:
         removed = sum(removals[0])
         last = arguments(Search, approach=approach, wander=wander, mean=mean_pressure, rate=mean_pressure)
         set_numbers(last, place=-1.0, ahead=removed * mean_pressure)
-        line = None if foresight is None else foresight.line
-        if foresight is not None and line is not None:
-            ahead = foresight.expected(removed)
+        line, ahead = (foresight.line, foresight.expected(removed)) if foresight else (None, None)
+        if line is not None and ahead is not None:
             set_numbers(last, slid=line.slid, place=line.place, rate=line.rate, trend=line.trend, ahead=ahead)
         steps.search.assign([last])
         steps.step.zero_()
@@ -190,9 +189,8 @@ class DeviceSteps:
         wrong = np.flatnonzero(~(np.abs(residual) <= 2.0 * TOLERANCE * load))
         made = int(wrong[0]) if wrong.size else end - first
         cap, none = np.full(end - first, self._task.hardness), np.zeros(end - first)
-        balance: Any = Balance(
-            *(part[:made] for part in (base, offset, cap, residual, none, none, evaluations))
-        )
+        parts: Any = base, offset, cap, residual, none, none, evaluations
+        balance = Balance._make(part[:made] for part in parts)
         maxima = dict(zip(most, columns[len(totals) :], strict=True))
         if made:
             yield Found(made, balance, reference, total, maxima)

@@ -145,7 +145,8 @@ class OneScaleModel(Model):
             approaches = (found.balance.base + found.balance.offset).tolist()
             for approach, removed in zip(approaches, removals[done:], strict=False):
                 self._foresight.note(approach, sum(removed))
-            self._last, self._lookahead = Balance(*(float(part[-1]) for part in found.balance)), None
+            self._last = found.balance._make(float(part[-1]) for part in found.balance)
+            self._lookahead = None
             yield from booked(self._of_both(found), self._ledger, slid[done:], removals[done:], self._enter)
             done += found.made
 
