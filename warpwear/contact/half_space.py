@@ -5,10 +5,11 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from warpwear.contact import half_space_nested as nested
 from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.contact.certificate import Certificate
 from warpwear.contact.half_space_passes import Iterate
@@ -128,7 +129,7 @@ class BoundedPressure:
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
         parts: Field | None = None,
-        certified: bool = True,
+        certified: bool | None = True,
     ) -> HalfSpaceContact:
         """Solve the contact at a mean pressure [MPa] or at an approach [mm].
 
@@ -138,7 +139,7 @@ class BoundedPressure:
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
         line. parts: of the hardness, 0 < part ≤ 1, that cells bear; None: all of it. certified: whether to
-        certify a pressure that was found from another, for a pair of transforms; one found from nothing is.
+        certify the pressure, for one more pair of transforms; None: if it is found from nothing.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
@@ -146,8 +147,9 @@ class BoundedPressure:
         asked = self._asked(mean_pressure, approach)
         self._iterate.set_parts(parts)
         compliances = compliance, streak_compliance, streak_window
-        certified = certified or not self._started
-        iterations = transforms = 0
+        certified = not self._started if certified is None else certified
+        transforms = 0 if self._started else self._start(gap, asked, approach, compliances, parts)
+        iterations = 0
         for _ in range(1 + RENEWALS):
             if self.on_device is not None and asked is not None and self._iterate.parts == 1:
                 contact = self._solve_on(self.on_device, gap, float(asked.item()), compliances, parts)
@@ -165,6 +167,17 @@ class BoundedPressure:
         raise ConvergenceError(
             f"the pressure of the half-space contact cannot be certified: {certificate.fault}."
         )
+
+    def _start(
+        self,
+        gap: Field,
+        asked: FloatArray | None,
+        approach: float | None,
+        compliances: tuple[float, float, int | None],
+        parts: Field | None,
+    ) -> int:
+        """Find a first pressure, where there is a way to; the pairs of transforms that it took."""
+        return 0
 
     def certificate_of(
         self,
@@ -332,6 +345,13 @@ class HalfSpace(BoundedPressure):
         max_iterations: int = MAX_ITERATIONS,
         on_device: bool | None = None,
     ) -> None:
+        self._like: dict[str, Any] = {
+            "modulus": modulus,
+            "boundary": boundary,
+            "hardness": hardness,
+            "on_device": on_device,
+        }
+        self._wide: HalfSpace | None = None
         influence = Influence(executor, modulus=modulus, boundary=boundary)
         super().__init__(
             executor, influence, hardness=hardness, tolerance=tolerance, max_iterations=max_iterations
@@ -346,3 +366,43 @@ class HalfSpace(BoundedPressure):
                 rounding=ROUNDING,
                 max_iterations=max_iterations,
             )
+
+    def _start(
+        self,
+        gap: Field,
+        asked: FloatArray | None,
+        approach: float | None,
+        compliances: tuple[float, float, int | None],
+        parts: Field | None,
+    ) -> int:
+        """Start from the contact on cells twice as wide, of whose transforms four count as one."""
+        fine = self._executor
+        if not nested.pays(fine):
+            return 0
+        if self._wide is None:
+            grid = nested.wider(fine.grid)
+            self._wide = HalfSpace(
+                Executor(grid, device=str(fine.device), threads=fine.threads),
+                tolerance=nested.TOLERANCE,
+                max_iterations=nested.MAX_ITERATIONS,
+                **self._like,
+            )
+        wide, on = self._wide, self._wide._executor
+        own, streak, window = compliances
+        wide.forget()
+        try:
+            found = wide.solve(
+                nested.gather(fine, gap, on),
+                mean_pressure=None if asked is None else float(asked.item()) / fine.grid.cells,
+                approach=approach,
+                compliance=own,
+                streak_compliance=streak,
+                streak_window=None if window is None else max(window // 2, 1),
+                parts=None if parts is None else nested.gather(fine, parts, on),
+                certified=False,
+            )
+        except (ConvergenceError, InputError):
+            return 0
+        nested.spread(on, found.pressure_field, fine, self._iterate.pressure)
+        self._started = True
+        return -(-found.transforms // 4)

@@ -168,7 +168,7 @@ class WindowedHalfSpace:
         streak_window: int | None = None,
         parts: Field | None = None,
         least_part: float = 1.0,
-        certified: bool = True,
+        certified: bool | None = True,
     ) -> HalfSpaceContact:
         """Solve the contact at a load [N], otherwise as `half_space.BoundedPressure.solve` does.
 
@@ -176,7 +176,7 @@ class WindowedHalfSpace:
         the parts.
         """
         whole, least = self._executor.grid, least_part * self._hardness
-        certified = certified or not self._started
+        certified = not self._started if certified is None else certified
 
         def carries(window: Window) -> bool:
             """Whether cells at the least of their caps do: none falls below it later."""

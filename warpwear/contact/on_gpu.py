@@ -59,6 +59,7 @@ class DeviceSearch:
             shortest_useful=search.SHORTEST_USEFUL_STEP,
             outward=search.OUTWARD,
             plain_steps=search.PLAIN_STEPS,
+            patience=search.PATIENCE,
             tolerance=tolerance,
             rounding=rounding,
             of_load=TOLERANCE,

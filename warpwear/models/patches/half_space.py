@@ -109,10 +109,10 @@ class HalfSpacePatches(Model):
             self._film.look(start)
         if self._smooth is None:
             self._influence.set_bulk(1.0 / self._ledger.foundation)
-            contact = self._share(sum(removals), certified=self.certified)
+            contact = self._share(sum(removals), certified=self.certified or None)
             approach = contact.approach
         else:
-            contact = self._press(self._smooth, sum(removals), certified=self.certified)
+            contact = self._press(self._smooth, sum(removals), certified=self.certified or None)
             approach = self._smooth.approach
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
         # The scatter is summed about a value near the mean.
@@ -132,7 +132,7 @@ class HalfSpacePatches(Model):
         bare = None if self._film is None else self._executor.to_numpy(self._film.bare)
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=worn, bare=bare)
 
-    def _press(self, smooth: SmoothContact, removal: float, *, certified: bool) -> HalfSpaceContact:
+    def _press(self, smooth: SmoothContact, removal: float, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact by loads that a smooth one prescribes. removal: K ΔL of both bodies [mm³/N]."""
         loads = smooth.press(foundation=self._ledger.foundation, removal=removal)[self._order]
         # One that has carried a load is visited for good, which is how it can let go of it.
@@ -146,13 +146,13 @@ class HalfSpacePatches(Model):
             certified=certified,
         )
 
-    def _share(self, removal: float, *, certified: bool) -> HalfSpaceContact:
+    def _share(self, removal: float, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact by loads that patches share through one approach. removal: as of `_press`.
 
         It is solved once no patch that was left out lies below its approach: those carry nothing then.
         """
         load = self.task.load / (self.patches.count * self.patches.area)
-        certified = certified or not self._solver.started
+        certified = certified or not self._solver.started  # of the last of its solves
         needed = self._below(self._reached + GROWTH_GUESS * removal * self._ledger.row["pressure_mean"])
         # As many as carry the load at the hardness.
         carriers = load / self.task.least_hardness * self._influence.cells

@@ -161,7 +161,9 @@ class SlidingHalfSpace:
             if self.film is not None:
                 self.film.look(start, shift=shift, columns=columns)
             last = done + of_part == cells
-            contact = self._solve(shift, increment * weight, removals, certified=self.certified and last)
+            contact = self._solve(
+                shift, increment * weight, removals, certified=True if self.certified and last else None
+            )
             certificates.append(contact.certificate)
             if asked and not parts:
                 static = self._static_area()
@@ -232,7 +234,7 @@ class SlidingHalfSpace:
             self._asperities = self.task.dust * OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
 
     def _solve(
-        self, shift: int, increment: float, removals: tuple[float, float], *, certified: bool
+        self, shift: int, increment: float, removals: tuple[float, float], *, certified: bool | None
     ) -> HalfSpaceContact:
         """Solve the contact at the end of an increment [mm] that wears sphere and disc by K ΔL [mm³/N]."""
         state, (of_sphere, of_disc) = self.state, (self.task.dust * removal for removal in removals)
