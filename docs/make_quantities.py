@@ -8,6 +8,7 @@ def markdown_table() -> str:
     limits = {
         None: "",
         "track": "runs over a track",
+        "half-space": "half-spaces",
         "half-space track": "half-spaces over a track",
         "patches": "runs with patches",
         "dents": "tracks that keep their dents",

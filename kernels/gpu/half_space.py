@@ -45,6 +45,7 @@ class Rules:
     shortest_useful: wp.float64
     outward: wp.float64
     plain_steps: wp.int32
+    patience: wp.int32
     tolerance: wp.float64  # of complementarity
     rounding: wp.float64
     of_load: wp.float64  # tolerance of the load
@@ -88,6 +89,7 @@ class Numbers:
     last: wp.int32  # kind of the last step: 1 plain, 0 not, −1 none
     plain: wp.int32  # of this one
     plain_left: wp.int32
+    plain_done: wp.int32  # plain steps so far
     loaded: wp.int32  # whether the pressure carries the load
     failed: wp.int32  # whether the preconditioned descent leads up
     whole: wp.int32  # whether the trial is taken itself
@@ -437,8 +439,11 @@ def judge(solve: Solve):
                 n.status = CONVERGED
             elif n.iteration >= rules.iterations:
                 n.status = LED_NOWHERE
-        n.plain = wp.where(n.plain_left > 0 or between <= rules.elastic_fraction * touching, 1, 0)
+        patient = n.plain_done < rules.patience or between == ZERO
+        capped = between <= rules.elastic_fraction * touching
+        n.plain = wp.where(n.plain_left > 0 or (capped and patient), 1, 0)
         n.plain_left = wp.max(n.plain_left - 1, 0)
+        n.plain_done = n.plain_done + n.plain
         solve.near[0] = 1 - n.plain
         solve.searching[0] = wp.where(n.status == 0, 1, 0)
         solve.numbers[0] = n

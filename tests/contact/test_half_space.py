@@ -13,7 +13,7 @@ import pytest
 import warp as wp
 from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense_streak, rough
 
-from warpwear.contact import half_space_few, half_space_search
+from warpwear.contact import half_space_few, half_space_nested, half_space_search
 from warpwear.contact.half_space import HalfSpace
 from warpwear.contact.half_space_passes import FOLDED
 from warpwear.contact.transforms import CupyTransforms, _stream_of
@@ -310,3 +310,67 @@ def test_the_stream_is_shared_as_the_library_wants_it(is_new: bool) -> None:
     new = SimpleNamespace(Stream=SimpleNamespace(from_external=lambda shared: ("new", shared)))
     found = _stream_of(new if is_new else old, SimpleNamespace(stream=stream, ordinal=3))
     assert found == (("new", stream) if is_new else ("old", 77, 3))
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (37, 50)])
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("hardness", [math.inf, 1.5])
+def test_a_start_on_wider_cells_leads_to_the_same_contact_in_less(
+    shape: tuple[int, int], boundary: str, hardness: float, device: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where lines are left over, where cells have no surface, and where each bears a part of the hardness."""
+    grid = Grid(*shape, 0.5)
+    gap, draw = rough(grid, shortest=6), np.random.default_rng(2)
+    gap[:3, :5] = PADDING
+    options: dict[str, Any] = {"modulus": MODULUS, "boundary": boundary, "hardness": hardness}
+    asked: dict[str, Any] = {"mean_pressure": 0.12, "compliance": 0.02, "streak_compliance": 0.05}
+    found, work = [], []
+    with Executor(grid, device=device) as executor:
+        if math.isfinite(hardness):
+            asked["parts"] = executor.field(draw.uniform(0.5, 1.0, shape), padding=1.0)
+        for least in (10**6, 16):
+            for name in ("LEAST_SIDE", "LEAST_SIDE_ON_GPU"):
+                monkeypatch.setattr(half_space_nested, name, least)
+            contact = HalfSpace(executor, tolerance=1e-9, **options).solve(
+                executor.field(gap, padding=PADDING), streak_window=6, **asked
+            )
+            assert contact.certificate is not None
+            found.append(contact.pressure.copy())
+            work.append(contact.iterations)
+        # And at an approach.
+        moved = HalfSpace(executor, tolerance=1e-9, **options).solve(
+            executor.field(gap, padding=PADDING),
+            approach=contact.approach,
+            streak_window=6,
+            **{name: value for name, value in asked.items() if name != "mean_pressure"},
+        )
+    np.testing.assert_allclose(found[1], found[0], atol=1e-5 * found[0].max())
+    np.testing.assert_allclose(moved.pressure, found[0], atol=1e-5 * found[0].max())
+    assert work[1] <= 1.2 * work[0]  # so few cells have no long waves to spare
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_a_start_on_wider_cells_saves_iterations(boundary: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    grid = Grid(128, 128, 1.0 / 128)
+    gap = rough(grid, rms=0.01, shortest=12)
+    if boundary == "free":
+        gap = 0.1 * gap + 0.5 * ((grid.x[:, np.newaxis] - grid.x.mean()) ** 2 + (grid.y - grid.y.mean()) ** 2)
+    work = []
+    with Executor(grid) as executor:
+        for least in (10**6, 64):
+            monkeypatch.setattr(half_space_nested, "LEAST_SIDE", least)
+            solver = HalfSpace(executor, modulus=1.0, boundary=boundary, tolerance=1e-4)
+            work.append(solver.solve(executor.field(gap), mean_pressure=0.01).transforms)
+    assert work[1] < 0.9 * work[0]
+
+
+def test_plain_steps_that_do_not_arrive_give_way() -> None:
+    """Steps by the plain gradient alone took up to 66 here, and 100 on 512² cells."""
+    grid = Grid(128, 128, 1.0 / 128)
+    gap = rough(grid, rms=0.006, shortest=64)
+    with Executor(grid) as executor:
+        for hardness in (0.05, 0.1):
+            for share in (0.5, 0.9, 0.99):
+                solver = HalfSpace(executor, modulus=1.0, hardness=hardness, tolerance=1e-8)
+                contact = solver.solve(executor.field(gap), mean_pressure=share * hardness)
+                assert contact.iterations <= 60

@@ -4,12 +4,14 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 """
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
+from warpwear.contact import half_space_nested as nested
 from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
+from warpwear.contact.certificate import Certificate
 from warpwear.contact.half_space_passes import Iterate
 from warpwear.contact.half_space_search import Search
 from warpwear.contact.influence import Influence, Operator
@@ -24,6 +26,8 @@ TOLERANCE = 1.0e-6
 MAX_ITERATIONS = 1000
 #: Smaller differences of displacements, relative to them, are those of the last digits.
 ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
+#: Times that a search goes on from its own result where that cannot be certified.
+RENEWALS = 3
 
 
 @dataclass(frozen=True)
@@ -36,11 +40,14 @@ class HalfSpaceContact:
     load_residual: float  # mean pressure over the one asked for, − 1, furthest from 0; 0 at an approach
     cells_in_contact: int  # with p > 0
     iterations: int
-    transforms: int  # pairs of Fourier transforms
+    transforms: int  # pairs of Fourier transforms of the search; a certificate takes one more
     pressure_field: Field
     gradient_field: Field  # gap after deformation and wear, from the mean planes [mm]
     executor: Executor
     cells: int  # of the surface
+    scale: FloatArray  # that violations count over, of each part [mm]
+    allowed: FloatArray  # violation that may be left, of each part [mm]
+    certificate: Certificate | None = None
 
     @property
     def approach(self) -> float:
@@ -94,6 +101,11 @@ class BoundedPressure:
         #: Makes whole solves at a load, where there is one.
         self.on_device: DeviceSearch | None = None
 
+    @property
+    def started(self) -> bool:
+        """Whether the next solve has a pressure to start from."""
+        return self._started
+
     def forget(self) -> None:
         """Start the next solve from nothing."""
         self._started = False
@@ -117,6 +129,7 @@ class BoundedPressure:
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
         parts: Field | None = None,
+        certified: bool | None = True,
     ) -> HalfSpaceContact:
         """Solve the contact at a mean pressure [MPa] or at an approach [mm].
 
@@ -125,18 +138,77 @@ class BoundedPressure:
         the mean planes [mm]. compliance: c of every cell beside the half-space's [mm/MPa]: K ΔL of both
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
-        line. parts: of the hardness, 0 < part ≤ 1, that cells bear; None: all of it.
+        line. parts: of the hardness, 0 < part ≤ 1, that cells bear; None: all of it. certified: whether to
+        certify the pressure, for one more pair of transforms; None: if it is found from nothing.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
         """
         asked = self._asked(mean_pressure, approach)
         self._iterate.set_parts(parts)
-        cells = self._iterate.cells
+        compliances = compliance, streak_compliance, streak_window
+        certified = not self._started if certified is None else certified
+        transforms = 0 if self._started else self._start(gap, asked, approach, compliances, parts)
+        iterations = 0
+        for _ in range(1 + RENEWALS):
+            if self.on_device is not None and asked is not None and self._iterate.parts == 1:
+                contact = self._solve_on(self.on_device, gap, float(asked.item()), compliances, parts)
+            else:
+                contact = self._search(gap, asked, approach, compliances)
+            iterations, transforms = iterations + contact.iterations, transforms + contact.transforms
+            contact = replace(contact, iterations=iterations, transforms=transforms)
+            if not certified:
+                return contact
+            certificate = self.certificate_of(gap, contact, asked, compliances)
+            if not certificate.fault:
+                return replace(contact, certificate=certificate)
+            # What the search added up has drifted: it goes on from the gradient made anew.
+        self._started = False
+        raise ConvergenceError(
+            f"the pressure of the half-space contact cannot be certified: {certificate.fault}."
+        )
+
+    def _start(
+        self,
+        gap: Field,
+        asked: FloatArray | None,
+        approach: float | None,
+        compliances: tuple[float, float, int | None],
+        parts: Field | None,
+    ) -> int:
+        """Find a first pressure, where there is a way to; the pairs of transforms that it took."""
+        return 0
+
+    def certificate_of(
+        self,
+        gap: Field,
+        contact: HalfSpaceContact,
+        asked: FloatArray | None,
+        compliances: tuple[float, float, int | None],
+    ) -> Certificate:
+        """Certify the pressure field as it stands, at the approaches of a contact. It does not change.
+
+        asked: Σ p of each part [MPa]; None at an approach. compliances: own, streak and window, as of the
+        solve of the contact.
+        """
+        displaced = None
         if self.on_device is not None and asked is not None and self._iterate.parts == 1:
-            compliances = compliance, streak_compliance, streak_window
-            return self._solve_on(self.on_device, gap, float(asked.item()), compliances, parts)
-        self._influence.set_compliance(compliance, streak_compliance, streak_window)
+            displaced = self.on_device.displacement()
+        else:
+            self._influence.set_compliance(*compliances)
+        terms = {"approaches": contact.approaches, "scale": contact.scale, "allowed": contact.allowed}
+        return self._iterate.certificate(gap, asked, displaced=displaced, **terms)
+
+    def _search(
+        self,
+        gap: Field,
+        asked: FloatArray | None,
+        approach: float | None,
+        compliances: tuple[float, float, int | None],
+    ) -> HalfSpaceContact:
+        """Search as `solve` says, pass by pass."""
+        cells, compliance = self._iterate.cells, compliances[0]
+        self._influence.set_compliance(*compliances)
         done = self._influence.transforms
         moments = self._iterate.moments(gap)
         response = self._influence.shortest_response + compliance
@@ -172,6 +244,8 @@ class BoundedPressure:
                     gradient_field=self._iterate.gradient,
                     executor=self._executor,
                     cells=self._influence.cells,
+                    scale=scale,
+                    allowed=allowed,
                 )
             moved = search.move(state, level, loaded=loaded)
             if moved is None:
@@ -205,6 +279,8 @@ class BoundedPressure:
         if found[Told.STATUS] != CONVERGED:
             raise self._not_converged(round(found[Told.ITERATION]), violation, relative)
         self._started = True
+        scale = found[Told.SCALE]
+        yielded = abs(found[Told.LEVEL]) + found[Told.TOTAL] / self._influence.cells / stiffness
         return HalfSpaceContact(
             approaches=np.full(1, found[Told.LEVEL]),
             mean_pressure=found[Told.TOTAL] / self._influence.cells,
@@ -217,6 +293,8 @@ class BoundedPressure:
             gradient_field=self._iterate.gradient,
             executor=self._executor,
             cells=self._influence.cells,
+            scale=np.full(1, scale),
+            allowed=np.full(1, max(self._tolerance * scale, ROUNDING * yielded)),
         )
 
     def _asked(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
@@ -267,6 +345,13 @@ class HalfSpace(BoundedPressure):
         max_iterations: int = MAX_ITERATIONS,
         on_device: bool | None = None,
     ) -> None:
+        self._like: dict[str, Any] = {
+            "modulus": modulus,
+            "boundary": boundary,
+            "hardness": hardness,
+            "on_device": on_device,
+        }
+        self._wide: HalfSpace | None = None
         influence = Influence(executor, modulus=modulus, boundary=boundary)
         super().__init__(
             executor, influence, hardness=hardness, tolerance=tolerance, max_iterations=max_iterations
@@ -281,3 +366,43 @@ class HalfSpace(BoundedPressure):
                 rounding=ROUNDING,
                 max_iterations=max_iterations,
             )
+
+    def _start(
+        self,
+        gap: Field,
+        asked: FloatArray | None,
+        approach: float | None,
+        compliances: tuple[float, float, int | None],
+        parts: Field | None,
+    ) -> int:
+        """Start from the contact on cells twice as wide, of whose transforms four count as one."""
+        fine = self._executor
+        if not nested.pays(fine):
+            return 0
+        if self._wide is None:
+            grid = nested.wider(fine.grid)
+            self._wide = HalfSpace(
+                Executor(grid, device=str(fine.device), threads=fine.threads),
+                tolerance=nested.TOLERANCE,
+                max_iterations=nested.MAX_ITERATIONS,
+                **self._like,
+            )
+        wide, on = self._wide, self._wide._executor
+        own, streak, window = compliances
+        wide.forget()
+        try:
+            found = wide.solve(
+                nested.gather(fine, gap, on),
+                mean_pressure=None if asked is None else float(asked.item()) / fine.grid.cells,
+                approach=approach,
+                compliance=own,
+                streak_compliance=streak,
+                streak_window=None if window is None else max(window // 2, 1),
+                parts=None if parts is None else nested.gather(fine, parts, on),
+                certified=False,
+            )
+        except (ConvergenceError, InputError):
+            return 0
+        nested.spread(on, found.pressure_field, fine, self._iterate.pressure)
+        self._started = True
+        return -(-found.transforms // 4)

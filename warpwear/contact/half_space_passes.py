@@ -7,7 +7,9 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import PART, TOLERANCE, Carried, find_offsets, newton_in_bracket
+from warpwear.contact.certificate import TOGETHER, TOGETHER_ON_GPU, Certificate, cells_of, certify
 from warpwear.contact.influence import Operator
+from warpwear.contact.transforms import arrays_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, IntArray
@@ -126,6 +128,30 @@ class Iterate:
         self._influence.respond(self.pressure, self._response)
         self._pass(half_space_setup.gradient, [self._executor.grid.ny, gap, self._response], [self.gradient])
         return self.advance(0.0)
+
+    def certificate(
+        self, gap: Field, asked: FloatArray | None, *, displaced: Any = None, **terms: FloatArray
+    ) -> Certificate:
+        """Certify the pressure as it stands; nothing changes but the last step's response, which is lost.
+
+        displaced: under it, as an array of the device, shape (nx, ny), or made here. asked, terms: as of
+        `certificate.certify`.
+        """
+        executor, cap = self._executor, float(self._fields.cap)
+        cap = math.inf if cap >= NO_CAP else cap
+        if displaced is None:
+            self._influence.respond(self.pressure, self._response, counted=False)
+        with arrays_of(executor) as (xp, view):
+            visited = self._slots // executor.slots_per_row
+            p, g = view(self.pressure), view(gap)
+            u = view(self._response) if displaced is None else xp.asarray(displaced)
+            of_cap = None if self._parts is None else view(self._parts)
+            together = TOGETHER if xp is np else TOGETHER_ON_GPU
+            rows = [slice(visited)] if self.parts == 1 else [slice(n, n + 1) for n in range(visited)]
+            parts = [
+                cells_of(p[r], g[r], u[r], cap, None if of_cap is None else of_cap[r], together) for r in rows
+            ]
+            return certify(parts, asked=asked, cell_area=executor.grid.cell_area, xp=xp, **terms)
 
     def take_trial(self, shift: FloatArray) -> None:
         """The trial pressure, shifted and clipped, becomes the pressure. Its gradient is then out of date."""

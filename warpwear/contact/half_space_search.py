@@ -22,6 +22,8 @@ from warpwear.kernels.cells import PADDING
 #: Where a smaller fraction of the cells in contact is below the cap, |q| is no guide: steps then follow the
 #: plain gradient.
 ELASTIC_FRACTION = 0.3
+#: Plain steps of a solve; |q| leads on where so many have not led to its end.
+PATIENCE = 16
 #: A step is taken whole, bounds and all, if it is at least this fraction of the best length; else the best
 #: length is taken.
 WHOLE_STEP = 0.9
@@ -48,6 +50,7 @@ class Search:
         self._curvature = 0.0
         self._last: bool | None = None  # kind of the last step; None: nothing to remember
         self._plain_left = 0
+        self._plain_steps = 0  # so far
         #: Violation from which moving few cells alone is not tried [mm].
         self._few_below = math.inf
 
@@ -74,9 +77,13 @@ class Search:
         loaded: whether the pressure carries the load. If not, the step is taken whole, so that it does.
         """
         while True:
-            plain = self._plain_left > 0 or state.between.sum() <= ELASTIC_FRACTION * state.touching.sum()
+            between = state.between.sum()
+            capped = between <= ELASTIC_FRACTION * state.touching.sum()
+            patient = self._plain_steps < PATIENCE or between == 0.0
+            plain = self._plain_left > 0 or (capped and patient)
             self._plain_left = max(self._plain_left - 1, 0)
-            if plain and loaded and (settled := self._settle_few(state, level)) is not None:
+            self._plain_steps += plain
+            if (plain or capped) and loaded and (settled := self._settle_few(state, level)) is not None:
                 return settled
             remembers = self._last is plain
             aimed = self._aim(level, plain)

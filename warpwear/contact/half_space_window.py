@@ -168,6 +168,7 @@ class WindowedHalfSpace:
         streak_window: int | None = None,
         parts: Field | None = None,
         least_part: float = 1.0,
+        certified: bool | None = True,
     ) -> HalfSpaceContact:
         """Solve the contact at a load [N], otherwise as `half_space.BoundedPressure.solve` does.
 
@@ -175,6 +176,7 @@ class WindowedHalfSpace:
         the parts.
         """
         whole, least = self._executor.grid, least_part * self._hardness
+        certified = not self._started if certified is None else certified
 
         def carries(window: Window) -> bool:
             """Whether cells at the least of their caps do: none falls below it later."""
@@ -210,12 +212,15 @@ class WindowedHalfSpace:
                 streak_compliance=streak_compliance,
                 streak_window=streak_window,
                 parts=None if parts is None else self._parts,
+                certified=certified,
             )
             self._started = True
             self._clear_beside(window)
             window.give(contact.pressure_field, self._pressure)
             transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
-            reached = self._below(gap, contact.approach)
+            # Beyond the window no cell may count in the certificate either.
+            level = contact.certificate.level if contact.certificate else contact.approach
+            reached = self._below(gap, max(contact.approach, level))
             if self._boundary == "periodic" or window.holds(reached):
                 break
             # Too few cells give too large an approach: what lies below it holds the contact of them all.

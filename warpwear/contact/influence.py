@@ -48,9 +48,10 @@ class Operator(ABC):
         """Pairs of transforms done so far, of the response and of its inverse."""
         return self._far.transforms + (self._near.transforms if self._near is not self._far else 0)
 
-    def respond(self, pressure: Field, displacement: Field) -> None:
-        """Displacement [mm] under a pressure [MPa], compliances included."""
+    def respond(self, pressure: Field, displacement: Field, *, counted: bool = True) -> None:
+        """Displacement [mm] under a pressure [MPa], compliances included. counted: among the transforms."""
         self._far.filter(pressure, self._response, displacement)
+        self._far.transforms -= not counted
 
     def coefficients(self, rows: IntArray, columns: IntArray) -> FloatArray:
         """Displacement of each cell listed under a unit pressure on each [mm/MPa], compliances included."""

@@ -59,6 +59,7 @@ class DeviceSearch:
             shortest_useful=search.SHORTEST_USEFUL_STEP,
             outward=search.OUTWARD,
             plain_steps=search.PLAIN_STEPS,
+            patience=search.PATIENCE,
             tolerance=tolerance,
             rounding=rounding,
             of_load=TOLERANCE,
@@ -137,6 +138,15 @@ class DeviceSearch:
                 f"the load balance of the half-space missed {ROUGH_BALANCE:g} of the load."
             )
         return found
+
+    def displacement(self) -> Any:
+        """Displacement under the pressure as it stands, by the compliances of the last solve, (nx, ny) [mm].
+
+        A pressure beyond what a cell's part of the hardness bears is brought down to it.
+        """
+        self._pass(passes.present)
+        self._respond()
+        return self._far.made[: self._executor.grid.nx, : self._executor.grid.ny]
 
     def _take_parts(self, parts: Field | None) -> None:
         """Bound cells by these parts of the hardness; graphs hold whether there are any."""

@@ -17,6 +17,8 @@ import numpy.typing as npt
 
 from warpwear.contact.balance import RIGID, Balancer, Foundation
 from warpwear.contact.bearing_area import TIE, BearingArea
+from warpwear.contact.certificate import Certificate, cells_of, certify
+from warpwear.contact.half_space import ROUNDING as OF_DIGITS
 from warpwear.contact.half_space import TOLERANCE, HalfSpace
 from warpwear.contact.half_space_window import WindowedHalfSpace
 from warpwear.contact.influence import Influence
@@ -35,6 +37,8 @@ FIELDS_NEEDED = 24.0
 ROUNDING = 1.0e-12
 #: Largest difference between the load carried and the load asked for, relatively.
 LOAD_TOLERANCE = 1.0e-9
+#: What transforms on all cells instead of those in reach may change of a violation, relatively.
+SLACK = 1.0e-9
 #: Cells that the lists of tiles hold at least, over those that carry the load at the hardness.
 SPARE = 2.0
 
@@ -47,8 +51,9 @@ class ArrayContact:
     lies above. gap: distance between the bodies after elastic deformation; 0 under a pressure below the
     hardness, negative where the hardness is reached (how deep the material has to flow), infinite beyond the
     sphere's edge. residual: the largest violation of (gap = 0 under pressure, gap ≥ 0 elsewhere, gap ≤ 0 at
-    the hardness) over the rms height of the gap before contact. evaluations: pairs of Fourier transforms on a
-    half-space, else passes over the cells that a trial approach took.
+    the hardness) over the rms height of the gap before contact. certificate: that and more, reckoned anew
+    from the pressure: by how much its energy can exceed the least, above all. evaluations: pairs of Fourier
+    transforms on a half-space, else passes over the cells that a trial approach took.
     """
 
     pressure: FloatArray  # pressure, shape (nx, ny)
@@ -56,8 +61,13 @@ class ArrayContact:
     approach: float  # length
     cell: float  # length
     hardness: float | None  # pressure
-    residual: float
+    certificate: Certificate
     evaluations: int
+
+    @property
+    def residual(self) -> float:
+        """Largest violation of the contact conditions over the rms height of the gap before contact."""
+        return self.certificate.violation
 
     @cached_property
     def load(self) -> float:
@@ -176,12 +186,12 @@ def solve_contact(
     with Executor(Grid(nx, ny, 1.0), device=device, threads=threads) as executor:
         try:
             found = _solve_half_space(task, executor, tolerance) if edge else _solve_cells(task, executor)
+            contact = _contact_of(task, found, cell=cell, hardness=hardness, tolerance=tolerance)
         except ConvergenceError as error:
             raise ConvergenceError(
                 f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "
                 f"{error}"
             ) from error
-    contact = _contact_of(task, found, cell, hardness)
     if sphere_radius is not None and _touches_edge(found.pressure):
         warnings.warn(
             f"the contact with the sphere reaches the edge of heights, of the shape {surface.shape}, beyond "
@@ -250,19 +260,21 @@ class _Found(NamedTuple):
     displacement: FloatArray
     approach: float
     evaluations: int
+    allowed: float = 0.0  # violation that its solver allowed itself
 
 
 def _solve_half_space(task: _Task, executor: Executor, tolerance: float) -> _Found:
     """Solve on the cells that the other body can reach, then displace all of them."""
     assert task.edge is not None
-    pressure, approach, transforms = np.zeros(task.gap.shape), task.approach, 0
+    pressure, approach, transforms, allowed = np.zeros(task.gap.shape), task.approach, 0, 0.0
     options: dict[str, Any] = {"modulus": 1.0, "boundary": task.edge, "hardness": task.cap}
     options["tolerance"] = tolerance
     if task.mean is not None:
         found = WindowedHalfSpace(executor, **options).solve(
             _field(task.gap, executor), load=task.mean * task.gap.size
         )
-        pressure[:], approach, transforms = found.pressure, found.approach, found.transforms
+        pressure[:], approach = found.pressure, found.approach
+        transforms, allowed = found.transforms, found.allowed.item()
     assert approach is not None
     reached = task.gap < approach
     if task.mean is None and reached.any():
@@ -272,10 +284,12 @@ def _solve_half_space(task: _Task, executor: Executor, tolerance: float) -> _Fou
             Grid(part.shape[0], part.shape[1], 1.0), device=str(executor.device), threads=executor.threads
         ) as smaller:
             found = HalfSpace(smaller, **options).solve(_field(part, smaller), approach=approach)
-            pressure[window], transforms = found.pressure, found.transforms
+            pressure[window], transforms, allowed = found.pressure, found.transforms, found.allowed.item()
     field = executor.zeros()
     Influence(executor, modulus=1.0, boundary=task.edge).respond(executor.field(pressure), field)
-    return _Found(pressure, executor.to_numpy(field).copy(), approach, transforms + 1)
+    return _Found(
+        pressure, executor.to_numpy(field).copy(), approach, transforms + 1, (1.0 + SLACK) * allowed
+    )
 
 
 def _touches_edge(pressure: FloatArray) -> bool:
@@ -324,25 +338,36 @@ def _solve_cells(task: _Task, executor: Executor) -> _Found:
     return _Found(pressure, pressure * task.response, approach, evaluations)
 
 
-def _contact_of(task: _Task, found: _Found, cell: float, hardness: float | None) -> ArrayContact:
-    """A solved task in the caller's units, with the violation that is left."""
+def _contact_of(
+    task: _Task, found: _Found, *, cell: float, hardness: float | None, tolerance: float
+) -> ArrayContact:
+    """A solved task in the caller's units, certified. Raises ConvergenceError."""
     left = task.gap + found.displacement - found.approach
-    at_cap = found.pressure >= task.cap
-    under_pressure = np.where(at_cap, np.maximum(left, 0.0), np.abs(left))
-    violation = float(np.where(found.pressure > 0.0, under_pressure, np.maximum(-left, 0.0)).max())
     there = task.gap[np.isfinite(task.gap)]
+    yielded = abs(found.approach) + float(found.pressure.mean())
     # Of a flat, over what it yields.
-    scale = float(there.std()) if np.ptp(there) else abs(found.approach) + float(found.pressure.mean())
+    scale = float(there.std()) if np.ptp(there) else yielded
+    asked = None if task.mean is None else np.full(1, task.mean * task.gap.size)
+    certificate = certify(
+        [cells_of(found.pressure, task.gap, found.displacement, task.cap)],
+        approaches=np.full(1, found.approach),
+        asked=asked,
+        scale=np.full(1, scale),
+        allowed=np.full(1, max(tolerance * scale, OF_DIGITS * yielded, found.allowed)),
+        cell_area=1.0,
+    )
+    if certificate.fault:
+        raise ConvergenceError(f"the pressure cannot be certified: {certificate.fault}.")
     pressure = found.pressure * task.pressure
     if hardness is not None:
-        pressure = np.where(at_cap, hardness, np.minimum(pressure, hardness))
+        pressure = np.where(found.pressure >= task.cap, hardness, np.minimum(pressure, hardness))
     return ArrayContact(
         pressure=pressure,
         gap=left * task.length,
         approach=found.approach * task.length,
         cell=cell,
         hardness=hardness,
-        residual=violation / scale if violation else 0.0,
+        certificate=certificate.scaled(length=task.length, pressure=task.pressure, area=cell**2),
         evaluations=found.evaluations,
     )
 

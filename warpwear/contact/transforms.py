@@ -1,8 +1,9 @@
 """Fourier transforms of fields by SciPy on a CPU and CuPy on a GPU, which work on Warp's own arrays."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import numpy as np
@@ -237,6 +238,21 @@ class CupyFilter(Filter):
 def filter_of(executor: Executor, shape: tuple[int, int], kind: type[np.floating[Any]]) -> Filter:
     """Transforms where the executor's fields are. kind: of number."""
     return (Filter if executor.device.is_cpu else CupyFilter)(executor, shape, kind)
+
+
+@contextmanager
+def arrays_of(executor: Executor) -> Iterator[tuple[Any, Callable[[Field], Any]]]:
+    """NumPy, or CuPy in the stream of Warp's device; and what sees a field with it, shape (rows, ny)."""
+    if executor.device.is_cpu:
+        yield np, executor.to_numpy
+        return
+    cupy = load_cupy(executor.device)
+
+    def view(field: Field) -> Any:
+        return cupy.asarray(field).reshape(field.shape[0], -1)[:, : executor.grid.ny]
+
+    with cupy.cuda.Device(executor.device.ordinal), _stream_of(cupy.cuda, executor.device):
+        yield cupy, view
 
 
 def load_cupy(device: Any) -> Any:

@@ -12,10 +12,10 @@ from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a piece.
 Per = Literal["step", "patch", "cell", "snapshot", "piece"]
-#: Runs that a quantity is limited to: over a track, there on the half-space, with patches, over a track that
+#: Runs that a quantity is limited to: over a track, on the half-space, both, with patches, over a track that
 #: keeps its dents, with a film, of bodies that wear in pieces, with contacts that are also solved without
 #: wear.
-Only = Literal["track", "half-space track", "patches", "dents", "film", "pieces", "static area"]
+Only = Literal["track", "half-space", "half-space track", "patches", "dents", "film", "pieces", "static area"]
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,7 @@ class Quantity:
         return {
             None: True,
             "track": study.is_swept,
+            "half-space": study.contact.law == "half-space",
             "half-space track": study.is_swept and study.contact.law == "half-space",
             "patches": study.study.model == "two-scale",
             "pieces": study.wear.sheds,
@@ -102,6 +103,21 @@ QUANTITIES: tuple[Quantity, ...] = (
         ),
         ("area_error", "1", "estimated relative error of the contact area by the length of these parts"),
         only="half-space track",
+    ),
+    *_per(
+        "step",
+        (
+            "violation",
+            "1",
+            "certified: largest violation of the contact conditions over the rms height; NaN between",
+        ),
+        (
+            "energy_gap",
+            "mJ",
+            "certified: energy of the pressure above the least possible, at most; NaN between",
+        ),
+        ("energy_gap_relative", "1", "that energy over load times rms height of the gap; NaN between"),
+        only="half-space",
     ),
     *_per(
         "step",

@@ -18,6 +18,8 @@ class Model(ABC):
     steps_in_flight = 0
     #: Steps of a block at most.
     longest_block = 1
+    #: Whether the next step is to be certified, where its law has a certificate.
+    certified = False
 
     @property
     def in_blocks(self) -> bool:
@@ -43,13 +45,17 @@ class Model(ABC):
         """
         raise NotImplementedError
 
-    def steps(self, plan: Iterable[tuple[float, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for."""
+    def steps(self, plan: Iterable[tuple[float, bool] | tuple[float, bool, bool]]) -> Iterator[Step]:
+        """One step for each increment [mm] of the plan, with its pressure where that is asked for.
+
+        A third word says whether to certify the step.
+        """
         block: list[float] = []
         end: list[None] = [None]
         for this, following in itertools.pairwise(itertools.chain(plan, end)):
             assert this is not None
-            increment, with_pressure = this
+            increment, with_pressure, *certified = this
+            self.certified = any(certified)
             then = following[0] if following else None
             if with_pressure or not self.in_blocks:
                 yield self.advance(increment, with_pressure=with_pressure, then=then)

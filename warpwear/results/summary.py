@@ -368,7 +368,21 @@ def _half_space(result: ResultFile) -> dict[str, Any] | None:
         "effective_modulus_MPa": study.effective_modulus,
         "boundary": study.boundary,
         "transforms": {"median": float(np.median(result.history["evaluations"]))},
+        **_certified(result.history),
     }
+
+
+def _certified(history: Mapping[str, FloatArray]) -> dict[str, Any]:
+    """What the certificates of the pressures say; nothing of a result without them."""
+    if "violation" not in history:
+        return {}
+    there = ~np.isnan(history["violation"])
+    found: dict[str, Any] = {"steps": int(there.sum())}
+    for name in ("violation", "energy_gap", "energy_gap_relative"):
+        values = history[name][there]
+        key = f"{name}_mJ" if name == "energy_gap" else name
+        found[key] = {"end": float(values[-1]), "largest": float(values.max())} if values.size else None
+    return {"certified": found}
 
 
 def _relative(value: float, expected: float) -> float:

@@ -22,7 +22,7 @@ ROUNDING = 1.0e-15
 #: Share of the load that may rest on points of the disc that were not measured.
 ON_FILLED = 0.05
 #: Columns that may be no number: without a speed, before the shear strength is calibrated, between solves.
-OPEN = frozenset(("time", "cof", "area_static"))
+OPEN = frozenset(("time", "cof", "area_static", "violation", "energy_gap", "energy_gap_relative"))
 BODIES = (
     ("wear_volume_sphere", "archard_volume_sphere", "pending_volume_sphere"),
     ("wear_volume_disc", "archard_volume_disc", "pending_volume_disc"),

@@ -192,7 +192,7 @@ class StepLoop:
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
         numbers, doubtful = range(len(self._rows) + 1, len(plan) + 1), self._filled is not None
         looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=True)]
-        asked = ((step[0], look or with_fields) for step, look in zip(left, looks, strict=True))
+        asked = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
         steps = self._model.steps(asked)
         for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
             row = step.row | {"distance": distance}

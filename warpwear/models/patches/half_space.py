@@ -15,6 +15,7 @@ from typing import ClassVar
 import numpy as np
 import warp as wp
 
+from warpwear.contact.certificate import columns_of
 from warpwear.contact.half_space import BoundedPressure, HalfSpaceContact
 from warpwear.contact.half_space_passes import NO_CAP
 from warpwear.engine.executor import Executor, Field, arguments
@@ -108,10 +109,10 @@ class HalfSpacePatches(Model):
             self._film.look(start)
         if self._smooth is None:
             self._influence.set_bulk(1.0 / self._ledger.foundation)
-            contact = self._share(sum(removals))
+            contact = self._share(sum(removals), certified=self.certified or None)
             approach = contact.approach
         else:
-            contact = self._press(self._smooth, sum(removals))
+            contact = self._press(self._smooth, sum(removals), certified=self.certified or None)
             approach = self._smooth.approach
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
         # The scatter is summed about a value near the mean.
@@ -121,7 +122,9 @@ class HalfSpacePatches(Model):
             worn = replace(worn, bare=self._film.under(contact.pressure_field, self._influence.chunks))
             self._film.rub(start + increment)
         transforms = self._influence.transforms - before
-        return self._ledger.enter(worn, (approach, 0.0), increment, removals, reference, pressure, transforms)
+        made = self._ledger.enter(worn, (approach, 0.0), increment, removals, reference, pressure, transforms)
+        made.row.update(columns_of(contact.certificate))
+        return made
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -129,22 +132,27 @@ class HalfSpacePatches(Model):
         bare = None if self._film is None else self._executor.to_numpy(self._film.bare)
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=worn, bare=bare)
 
-    def _press(self, smooth: SmoothContact, removal: float) -> HalfSpaceContact:
+    def _press(self, smooth: SmoothContact, removal: float, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact by loads that a smooth one prescribes. removal: K ΔL of both bodies [mm³/N]."""
         loads = smooth.press(foundation=self._ledger.foundation, removal=removal)[self._order]
         # One that has carried a load is visited for good, which is how it can let go of it.
         self.visited = max(self.visited, int(np.flatnonzero(loads)[-1]) + 1)
         self._influence.visit(self.visited)
         return self._solver.solve(
-            self.gap, mean_pressure=loads[: self.visited], compliance=removal, parts=self._parts
+            self.gap,
+            mean_pressure=loads[: self.visited],
+            compliance=removal,
+            parts=self._parts,
+            certified=certified,
         )
 
-    def _share(self, removal: float) -> HalfSpaceContact:
+    def _share(self, removal: float, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact by loads that patches share through one approach. removal: as of `_press`.
 
         It is solved once no patch that was left out lies below its approach: those carry nothing then.
         """
         load = self.task.load / (self.patches.count * self.patches.area)
+        certified = certified or not self._solver.started  # of the last of its solves
         needed = self._below(self._reached + GROWTH_GUESS * removal * self._ledger.row["pressure_mean"])
         # As many as carry the load at the hardness.
         carriers = load / self.task.least_hardness * self._influence.cells
@@ -152,7 +160,9 @@ class HalfSpacePatches(Model):
         while True:
             self.visited = min(needed, self.patches.count)
             self._influence.visit(self.visited)
-            contact = self._solver.solve(self.gap, mean_pressure=load, compliance=removal, parts=self._parts)
+            contact = self._solver.solve(
+                self.gap, mean_pressure=load, compliance=removal, parts=self._parts, certified=certified
+            )
             needed = self._below(contact.approach)
             if needed <= self.visited:
                 self._reached = max(self._reached, contact.approach)

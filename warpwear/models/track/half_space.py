@@ -8,6 +8,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import Balance, residual_of
+from warpwear.contact.certificate import Certificate, columns_of
 from warpwear.contact.half_space import HalfSpaceContact
 from warpwear.contact.half_space_passes import NO_CAP
 from warpwear.contact.half_space_window import WindowedHalfSpace
@@ -70,6 +71,8 @@ class SlidingHalfSpace:
     }
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
+    #: Whether to certify the pressure with which the next step ends.
+    certified = False
 
     def __init__(
         self,
@@ -145,6 +148,7 @@ class SlidingHalfSpace:
         pooled = dict.fromkeys(OF_A_PART if self.film is None else (*OF_A_PART, "bare"), 0.0)
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
         static = math.nan
+        certificates: list[Certificate | None] = []
         asked = self._static is not None and self._steps_done % self.task.static_area_every == 0
         if self.pieces is not None:
             self.pieces.begin()
@@ -156,11 +160,15 @@ class SlidingHalfSpace:
             removals = self.task.removals(start, increment * weight)
             if self.film is not None:
                 self.film.look(start, shift=shift, columns=columns)
-            contact = self._solve(shift, increment * weight, removals)
+            last = done + of_part == cells
+            contact = self._solve(
+                shift, increment * weight, removals, certified=True if self.certified and last else None
+            )
+            certificates.append(contact.certificate)
             if asked and not parts:
                 static = self._static_area()
             done, parts, transforms = done + of_part, parts + 1, transforms + contact.transforms
-            pressure = contact.pressure.copy() if with_pressure and done == cells else None
+            pressure = contact.pressure.copy() if with_pressure and last else None
             total, most = self._wear(contact, shift, increment * weight, removals)
             if self.film is not None:
                 total["bare"] = self.film.under(contact.pressure_field)
@@ -188,7 +196,7 @@ class SlidingHalfSpace:
             most | {"pressure": highest},
             pressure=pressure,
         )
-        step.row.update(parts=float(parts), area_error=error)
+        step.row.update(parts=float(parts), area_error=error, **columns_of(*certificates))
         if self._static is not None:
             step.row["area_static"] = static
         self._steps_done += 1
@@ -225,7 +233,9 @@ class SlidingHalfSpace:
             elastic = 1.0 - total["capped"] / total["contact"]
             self._asperities = self.task.dust * OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
 
-    def _solve(self, shift: int, increment: float, removals: tuple[float, float]) -> HalfSpaceContact:
+    def _solve(
+        self, shift: int, increment: float, removals: tuple[float, float], *, certified: bool | None
+    ) -> HalfSpaceContact:
         """Solve the contact at the end of an increment [mm] that wears sphere and disc by K ΔL [mm³/N]."""
         state, (of_sphere, of_disc) = self.state, (self.task.dust * removal for removal in removals)
         window = self.cells_passing(increment)
@@ -240,6 +250,7 @@ class SlidingHalfSpace:
             streak_window=window,
             parts=self._parts,
             least_part=self._least_part,
+            certified=certified,
         )
 
     def _static_area(self) -> float:

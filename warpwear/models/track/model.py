@@ -62,6 +62,8 @@ class SweptModel(Model):
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, slide on by the increment [mm] and wear both bodies."""
+        if isinstance(self.contact, SlidingHalfSpace):
+            self.contact.certified = self.certified
         if isinstance(self.contact, SlidingHalfSpace) and self._track.moves:
             cells = self._track.cells_of(self._done)
             return self._placed(

@@ -1,0 +1,59 @@
+"""A first pressure for a contact of many cells: that of the contact on cells twice as wide, solved roughly.
+
+The gap of a wide cell is the mean of its four, so that the long waves are those of the fine grid, and its
+pressure is that of all four. A pair of transforms costs a quarter there, and what a search spends on the long
+waves, which decide where load goes, it then need not spend on the fine grid.
+"""
+
+from warpwear.contact.transforms import arrays_of
+from warpwear.engine.executor import Executor, Field
+from warpwear.grid import Grid
+from warpwear.kernels.cells import PADDING
+
+#: Cells along each side of a grid from which wide ones pay.
+LEAST_SIDE = 256
+#: On a GPU, where a solve on wide cells takes a graph of its own, once.
+LEAST_SIDE_ON_GPU = 4096
+#: Tolerance of the contact on wide cells, as of `half_space.BoundedPressure`.
+TOLERANCE = 1.0e-3
+MAX_ITERATIONS = 100
+#: Beyond it there is no surface [mm]: a mean with a cell that has none lies beyond.
+NO_SURFACE = 1.0e-3 * PADDING
+
+
+def pays(executor: Executor) -> bool:
+    """Whether wide cells make a solve shorter."""
+    least = LEAST_SIDE if executor.device.is_cpu else LEAST_SIDE_ON_GPU
+    return min(executor.grid.shape) >= least
+
+
+def wider(grid: Grid) -> Grid:
+    """The grid of cells twice as wide; where a number of cells is odd the last one goes over the edge."""
+    return Grid(-(-grid.nx // 2), -(-grid.ny // 2), 2.0 * grid.cell)
+
+
+def gather(executor: Executor, field: Field, wide: Executor) -> Field:
+    """Means of a field over wide cells, as a field of theirs; `PADDING` where one of the four is that."""
+    nx, ny = executor.grid.shape
+    made = wide.zeros()
+    with arrays_of(executor) as (xp, view), arrays_of(wide) as (_, view_wide):
+        values, means = view(field), view_wide(made)
+        rows, columns = (
+            xp.minimum(xp.arange(2 * n), m - 1) for n, m in zip(wide.grid.shape, (nx, ny), strict=True)
+        )
+        for first in range(2):
+            of_rows = values[rows[first::2]]
+            for second in range(2):
+                means += 0.25 * of_rows[:, columns[second::2]]
+        means[means >= NO_SURFACE] = PADDING
+    return made
+
+
+def spread(wide: Executor, field: Field, executor: Executor, field_out: Field) -> None:
+    """Give each cell of a field the value of the wide cell that it lies in."""
+    with arrays_of(executor) as (_, view), arrays_of(wide) as (_, view_wide):
+        values, means = view(field_out), view_wide(field)
+        for first in range(2):
+            for second in range(2):
+                part = values[first::2, second::2]
+                part[:] = means[: part.shape[0], : part.shape[1]]
