@@ -1,11 +1,11 @@
 """Results as files that other software opens: one table of formats, one way to write them all."""
 
-import importlib.util
-import shutil
 import tempfile
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -108,9 +108,10 @@ def export(
     unknown, for an option that no format takes, for a package that is missing and for files that are there.
     """
     _check_known("format", formats, FORMATS)
-    has_track = result.study.is_swept
-    _check_known("body", bodies or (), (*BODIES, TRACK) if has_track else BODIES)
-    _check_known("field", fields or (), WRITABLE)
+    study = result.study
+    has = [name for name, quantity in WRITABLE.items() if quantity.applies_to(study)]
+    _check_known("body", bodies or (), (*BODIES, TRACK) if study.is_swept else BODIES)
+    _check_known("field", fields or (), has)
     options = {"bodies": bodies, "fields": fields, "points": points, "exaggeration": exaggeration}
     _check_taken({name for name, value in options.items() if value is not None}, formats)
     if points is not None and points < FEWEST_POINTS:
@@ -125,7 +126,7 @@ def export(
             result,
             wanted if wanted is not None else numbers_of(result, EVERY if FORMATS[name].every else -1) or (),
             tuple(bodies or BODIES),
-            tuple(fields or WRITABLE),
+            tuple(fields or has),
             points or (STL_POINTS if name == "stl" else None),
             exaggeration or 1.0,
         )
@@ -139,16 +140,18 @@ def export(
 def _write_all(folder: Path, writers: dict[str, Callable[[Path], None]]) -> list[Path]:
     """Write files beside their places and move them there when all are whole. writers: by name."""
     is_new = not folder.exists()
-    folder.mkdir(parents=True, exist_ok=True)
-    work = Path(tempfile.mkdtemp(prefix=".export-", dir=folder))
     try:
-        for name, write in writers.items():
-            write(work / name)
-        return [(work / name).replace(folder / name) for name in writers]
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".export-", dir=folder) as work:
+            for name, write in writers.items():
+                write(Path(work) / name)
+            return [(Path(work) / name).replace(folder / name) for name in writers]
+    except OSError as error:
+        raise InputError(f"out = {folder} cannot be written: {error.strerror or error}") from error
     finally:
-        shutil.rmtree(work, ignore_errors=True)
-        if is_new and not any(folder.iterdir()):
-            folder.rmdir()
+        if is_new:
+            with suppress(OSError):  # unless there is something in it
+                folder.rmdir()
 
 
 def numbers_of(
@@ -193,5 +196,5 @@ def _check_taken(given: set[str], formats: Sequence[str]) -> None:
             raise InputError(f"{option} changes nothing in {', '.join(formats)}; it is for {takers}")
     for name in formats:
         for package in FORMATS[name].packages:
-            if importlib.util.find_spec(package) is None:
+            if find_spec(package) is None:
                 raise InputError(f"format = '{name}' needs the package {package}: pip install 'warpwear[io]'")

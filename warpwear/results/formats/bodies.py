@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -31,7 +31,11 @@ HEIGHTS = {
         "height_disc", "mm", "height of the worn disc out of its material, over its mean plane", "cell"
     ),
     "height_track": Quantity(
-        "height_track", "mm", "height of the worn track out of its material, over its mean plane", "cell"
+        "height_track",
+        "mm",
+        "height of the worn track out of its material, over its mean plane",
+        "cell",
+        "track",
     ),
 }
 #: Every field that can be written, by name.
@@ -118,7 +122,7 @@ class Job:
     fields: tuple[str, ...] = tuple(WRITABLE)
     points: int | None = None
     exaggeration: float = 1.0
-    _read: dict[int, Snapshot] = field(default_factory=dict, repr=False)
+    _kept: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def suffix(self, number: int) -> str:
         """What tells a snapshot's file from others of its kind: nothing where there is one."""
@@ -127,28 +131,39 @@ class Job:
     @property
     def sheets(self) -> tuple[str, ...]:
         """Names of the sheets: the domain of the contact, and the track where it is asked for."""
-        return ("fields", "track_fields") if TRACK in self.bodies else ("fields",)
+        has_track = TRACK in self.bodies and any(name in ON_THE_TRACK for name in self.fields)
+        return ("fields", "track_fields") if has_track else ("fields",)
 
     def snapshot(self, number: int) -> Snapshot:
-        """The snapshot of a number; the last one that was asked for is kept."""
-        if number not in self._read:
-            self._read.clear()
-            self._read[number] = self.result.snapshot(number)
-        return self._read[number]
+        """The snapshot of a number; it is kept, with heights made of it, until another is asked for."""
+        if self._kept.get("number") != number:
+            self._kept.clear()
+            self._kept.update(number=number, snapshot=self.result.snapshot(number))
+        found: Snapshot = self._kept["snapshot"]
+        return found
+
+    def _heights(self, body: str, number: int) -> FloatArray:
+        """Heights of a worn body at the snapshot of a number [mm], that of the track over all its rows."""
+        snapshot = self.snapshot(number)
+        if body not in self._kept:
+            if body != TRACK:
+                self._kept[body] = worn_heights(self.result, snapshot, body)
+            else:
+                lost = snapshot.wear_disc + (0.0 if snapshot.plastic_disc is None else snapshot.plastic_disc)
+                self._kept[body] = self.result.track_heights() - lost
+        found: FloatArray = self._kept[body]
+        return found
 
     def body(self, name: str, number: int) -> Body:
         """A worn body at the snapshot of a number, reduced to `points`."""
         result, snapshot = self.result, self.snapshot(number)
         title = f"{result.study.study.name}: worn {name} after {snapshot.distance:g} mm of sliding"
-        if name == TRACK:
-            x, heights = result.track_x, self._worn_track(snapshot)
-        else:
-            x, heights = result.x, worn_heights(result, snapshot, name)
+        x, heights = result.track_x if name == TRACK else result.x, self._heights(name, number)
         history = result.history
         row = np.searchsorted(history["distance"], snapshot.distance * (1.0 - 1.0e-12))
         approach = float(history["approach"][min(int(row), history["approach"].size - 1)])
-        body = Body(name, title, x, result.y, heights, approach)
-        return replace(body, **self._reduced(x, heights=heights))
+        x, y, found = self._reduced(x, {"heights": heights})
+        return Body(name, title, x, y, found["heights"], approach)
 
     def sheet(self, name: str, number: int, *, whole_disc: bool = False) -> Sheet:
         """The fields asked for at the snapshot of a number, reduced to `points`.
@@ -167,16 +182,12 @@ class Job:
             if key in snapshot.fields:
                 values = snapshot.fields[key]
                 found[key] = snapshot.beneath(values) if of_track and not on_track else values
-            elif key in ("height_sphere", "height_disc"):
-                found[key] = worn_heights(result, snapshot, key.removeprefix("height_"))
-            elif key == "height_track" and swept:
-                found[key] = self._worn_track(snapshot)
+            elif key in HEIGHTS and (key != "height_track" or swept):
+                found[key] = self._heights(key.removeprefix("height_"), number)
         if "gap" in found:
             found["gap"] = np.where(found["gap"] > NO_SURFACE, np.nan, found["gap"])
         x = result.track_x if on_track else result.x
-        reduced = self._reduced(x, **found)
-        places = {axis: reduced.pop(axis) for axis in ("x", "y")}
-        return Sheet(name, snapshot.distance, **places, fields=reduced)
+        return Sheet(name, snapshot.distance, *self._reduced(x, found))
 
     def along(self, number: int) -> float:
         """Where the sphere's apex is along the track [mm]; 0 where the track is not among the bodies."""
@@ -187,16 +198,9 @@ class Job:
             else 0.0
         )
 
-    def _worn_track(self, snapshot: Snapshot) -> FloatArray:
-        """Heights of the whole track as worn [mm], shape (rows, ny)."""
-        lost = (
-            snapshot.wear_disc
-            if snapshot.plastic_disc is None
-            else snapshot.wear_disc + snapshot.plastic_disc
-        )
-        return np.asarray(self.result.track_heights() - lost)
-
-    def _reduced(self, x: FloatArray, **fields: FloatArray) -> dict[str, FloatArray]:
+    def _reduced(
+        self, x: FloatArray, fields: dict[str, FloatArray]
+    ) -> tuple[FloatArray, FloatArray, dict[str, FloatArray]]:
         """Means over blocks of cells, at most `points` a side; a block cut short at an end is left out."""
         y = self.result.y
         if self.points is not None:
@@ -206,7 +210,7 @@ class Job:
             for name, values in fields.items():
                 blocks = values[: nx * along, : ny * across].reshape(nx, along, ny, across)
                 fields[name] = blocks.mean(axis=(1, 3))
-        return {"x": x, "y": y} | fields
+        return x, y, fields
 
 
 class Write(Protocol):

@@ -31,21 +31,23 @@ Attributes = Mapping[str, object]
 
 def vti_files(job: Job) -> Files:
     """Name an image of the fields and a surface of each body for every snapshot, and a film of each."""
-    names = [(name, "vti", _write_image) for name in job.sheets]
-    names += [(name, "vts", _write_surface) for name in job.bodies]
-    for name, ending, write in names:
-        films = {number: f"{name}_{number:04d}.{ending}" for number in job.numbers}
-        for number, file in films.items():
-            yield file, partial(write, job, name, number)
-        yield f"{name}.pvd", partial(_write_film, job, films)
+    writers = dict.fromkeys(job.sheets, ("vti", _write_image))
+    writers |= dict.fromkeys(job.bodies, ("vts", _write_surface))
+    films: dict[str, dict[int, str]] = {name: {} for name in writers}
+    for number in job.numbers:
+        for name, (ending, write) in writers.items():
+            films[name][number] = f"{name}_{number:04d}.{ending}"
+            yield films[name][number], partial(write, job, name, number)
+    for name, film in films.items():
+        yield f"{name}.pvd", partial(_write_film, job, film)
 
 
-def _write_film(job: Job, films: dict[int, str], path: Path) -> None:
+def _write_film(job: Job, film: dict[int, str], path: Path) -> None:
     """Write the list of a film's files: its time is the sliding distance [mm]."""
     distances = job.result.snapshot_distances
     root = _root("Collection")
     collection = ElementTree.SubElement(root, "Collection")
-    for number, file in films.items():
+    for number, file in film.items():
         entry = {"timestep": repr(float(distances[number])), "group": "", "part": "0", "file": file}
         ElementTree.SubElement(collection, "DataSet", entry)
     ElementTree.ElementTree(root).write(path, encoding="UTF-8", xml_declaration=True)
@@ -156,7 +158,7 @@ def _label(name: str) -> str:
 
 def _packed(values: "np.ndarray[Any, Any]") -> bytes:
     """Pack an array as VTK does: number, size, last size and packed sizes of blocks, and these, in base64."""
-    content = memoryview(values.astype(values.dtype.newbyteorder("<"), copy=False)).cast("B")
+    content = values.astype(values.dtype.newbyteorder("<"), copy=False).tobytes()
     blocks = [zlib.compress(content[at : at + BLOCK], LEVEL) for at in range(0, len(content), BLOCK)]
     sizes = (len(blocks), BLOCK, len(content) % BLOCK, *map(len, blocks))
     return base64.b64encode(struct.pack(f"<{len(sizes)}Q", *sizes)) + base64.b64encode(b"".join(blocks))
