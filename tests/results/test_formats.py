@@ -388,7 +388,7 @@ def test_csv_has_labelled_columns(tmp_path: Path, result: Result) -> None:
 
 
 def test_several_snapshots_have_numbers(tmp_path: Path, result: Result) -> None:
-    paths = export(result, tmp_path, formats=["npy"], snapshot=[0, "30 mm"], bodies=["disc"])
+    paths = result.export(tmp_path, formats=["npy"], snapshot=[0, "30 mm"], bodies=["disc"])
     assert [path.name for path in paths] == ["disc_worn_0000.npy", "disc_worn_0002.npy"]
     assert np.array_equal(np.load(paths[0]), worn_heights(result, result.snapshot(0), "disc"))
 
