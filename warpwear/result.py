@@ -48,8 +48,8 @@ class Result(ResultFile):
     def export(self, folder: str | Path, **options: Any) -> list[Path]:
         """Write worn bodies and fields into a folder for other software; returns the paths.
 
-        options: formats, such as ["vti", "x3p"]; snapshot, bodies, fields, points, exaggeration, overwrite, as
-        `warpwear export` has them. Raises InputError.
+        options: formats, such as ["vti", "x3p"]; snapshot, bodies, fields, points, exaggeration, overwrite,
+        as `warpwear export` has them. Raises InputError.
         """
         paths: list[Path] = resolve(EXPORT)(self, folder, **options)
         return paths
