@@ -22,6 +22,8 @@ from warpwear.results.formats.vtk import vti_files
 STL_POINTS = 250
 #: Fewest points along a side that make a surface.
 FEWEST_POINTS = 2
+#: Largest factor on heights.
+MOST_EXAGGERATED = 1.0e6
 #: Every snapshot, as a word.
 EVERY = "all"
 
@@ -116,8 +118,10 @@ def export(
     _check_taken({name for name, value in options.items() if value is not None}, formats)
     if points is not None and points < FEWEST_POINTS:
         raise InputError(f"points = {points} make no surface; allowed: {FEWEST_POINTS} or more")
-    if exaggeration is not None and not 0.0 < exaggeration < float("inf"):
-        raise InputError(f"exaggeration = {exaggeration:g} is not possible; allowed: more than 0")
+    if exaggeration is not None and not 0.0 < exaggeration <= MOST_EXAGGERATED:
+        raise InputError(
+            f"exaggeration = {exaggeration:g} is not possible; allowed: more than 0, to {MOST_EXAGGERATED:g}"
+        )
     wanted = numbers_of(result, snapshot)
     folder = Path(folder)
     writers: dict[str, Callable[[Path], None]] = {}

@@ -23,8 +23,8 @@ LEVEL = 1
 TYPES = {"f4": "Float32", "f8": "Float64", "u1": "UInt8"}
 #: Value of vtkGhostType for a point that is not shown.
 HIDDEN = 2
-#: Which body a field is of, by the end of its name; one that names none is of both.
-OTHERS = {"sphere": "_disc", "disc": "_sphere", "track": "_sphere"}
+#: What a body's surface does not show, by the end of a field's name: the other body, and what lies between.
+OTHERS = {"sphere": ("_disc", "gap"), "disc": ("_sphere", "gap"), "track": ("_sphere", "gap")}
 
 Attributes = Mapping[str, object]
 
@@ -69,7 +69,10 @@ def _write_image(job: Job, name: str, number: int, path: Path) -> None:
 
 
 def _write_surface(job: Job, name: str, number: int, path: Path) -> None:
-    """Write a body as a surface in space [mm], with its fields; points that it lacks are hidden."""
+    """Write a body as a surface in space [mm], with its fields; points that it lacks are hidden.
+
+    Places in space are float32, which are to be seen, and heights as they were computed.
+    """
     body, snapshot = job.body(name, number), job.snapshot(number)
     sheet = job.sheet("track_fields" if name == "track" else "fields", number)
     fields = {key: v for key, v in sheet.fields.items() if not key.endswith(OTHERS[name])}
@@ -82,7 +85,7 @@ def _write_surface(job: Job, name: str, number: int, path: Path) -> None:
     file.say(job, snapshot.distance)
     file.point_data({f"height_{name}": body.heights} | fields, hidden=None if there.all() else ~there)
     points = ElementTree.SubElement(file.piece, "Points")
-    file.array(points, "points [mm]", np.stack([x, y, z], axis=-1))
+    file.array(points, "points [mm]", np.stack([x, y, z], axis=-1).astype(np.float32))
     file.write(path)
 
 
