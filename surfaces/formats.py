@@ -10,6 +10,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
+from warpwear.surfaces.container import ORIGINAL, Member, choose, is_container, members_of, unpacked
 from warpwear.surfaces.point_cloud import gridded, units_in
 from warpwear.surfaces.text import NoTable, read_table
 
@@ -17,7 +18,8 @@ h5py = lazy.module("h5py")
 
 READABLE = (
     "allowed is an areal height map that SurfaceTopography reads (.al3d, .sur, .x3p, .opd, .plu, .mnt, .sdf "
-    "and others), text of points x y z or of a matrix, or a 2-D array in .npy or .npz"
+    "and others), a container of contact.engineering (.zip), text of points x y z or of a matrix, or a 2-D "
+    "array in .npy or .npz"
 )
 NPY, ZIP = b"\x93NUMPY", b"PK"  # that files of these kinds begin with
 UTF16 = (b"\xff\xfe", b"\xfe\xff")
@@ -47,11 +49,14 @@ class Raw:
     notes: tuple[str, ...] = ()  # what was decided while reading, in sentences
 
 
-def read_raw(path: Path, *, pixel: tuple[float, float] | None, array: str | None) -> Raw:
-    """Read what a file holds: .npy, .npz, text or an instrument's format, by its content.
+def read_raw(
+    path: Path, *, pixel: tuple[float, float] | None, array: str | None, channel: int | None = None
+) -> Raw:
+    """Read what a file holds: .npy, .npz, text, a container or an instrument's format, by its content.
 
     The ending decides what its content leaves open. pixel: the one given [mm], if any; array: the one to take
-    of a .npz that holds several. Raises InputError, naming ``disc.surface``, for what cannot be read.
+    of a .npz or container that holds several; channel: of an instrument's file. Raises InputError, naming
+    ``disc.surface``, for what cannot be read.
     """
     suffix = path.suffix.lower()
     try:
@@ -63,11 +68,13 @@ def read_raw(path: Path, *, pixel: tuple[float, float] | None, array: str | None
         return _read_npy(path)
     if suffix == ".npz" or (start.startswith(ZIP) and _is_npz(path)):
         return _read_npz(path, array)
+    if start.startswith(ZIP) and is_container(path):
+        return _read_container(path, pixel, array)
     is_text = _is_text(path)
     if is_text and suffix in TEXT:
         return _read_text(path, pixel)
     try:
-        return _read_instrument(path, pixel)
+        return _read_instrument(path, pixel, channel=channel)
     except InputError as error:
         if not is_text and suffix not in TEXT:
             raise
@@ -210,8 +217,72 @@ def _open_topography(path: Path, *, plain: bool) -> Any:
     raise known or ValueError("no reader knows the format")
 
 
-def _read_instrument(path: Path, given: tuple[float, float] | None, *, plain: bool = False) -> Raw:
-    """Read the channel of heights that SurfaceTopography takes.
+def _read_container(path: Path, given: tuple[float, float] | None, array: str | None) -> Raw:
+    """Read one measurement of a container; what its file leaves open the container's list may say."""
+    try:
+        members = members_of(path)
+    except ImportError as error:
+        raise _needs_package(path) from error
+    except Exception as error:  # the reader is foreign: whatever it raises is a bad file
+        raise refusal(path, f"cannot be read as a container ({_first_line(error)})") from error
+    member = choose(path, members, array)
+    refused = refusal(path, f"lists no file of {member.label!r}")
+    for kind, name in member.files:
+        try:
+            with unpacked(path, name) as file:
+                if is_container(file):
+                    raise ValueError("a container in a container")
+                try:
+                    channel = member.about.get("data_source")
+                    raw = read_raw(file, pixel=given, array=None, channel=channel)
+                except InputError as error:
+                    raise InputError(str(error).replace(str(file), f"{path}: {name}")) from error
+            return _as_listed(raw, member, kind)
+        except InputError as error:
+            refused = error
+        except Exception as error:  # a name that is not there, a wrong checksum, sizes that are no numbers
+            refused = refusal(path, f"cannot be read at {name!r} ({_first_line(error)})")
+    raise refused
+
+
+def _as_listed(raw: Raw, member: Member, kind: str) -> Raw:
+    """Complete what a container's file says with what its list does: sizes, unit, factor of the heights."""
+    about, notes = member.about, (*raw.notes, f"measurement {member.label!r} of the container")
+    unit = about["unit"] if isinstance(about.get("unit"), str) else None
+    pixel, sizes = raw.pixel, about.get("size")
+    if sizes and len(sizes) == 2:
+        listed = tuple(float(size) / n for size, n in zip(sizes, raw.heights.shape, strict=True))
+        pixel = pixel or listed
+        if unit == raw.lateral_unit and any(
+            abs(a / b - 1.0) > 1e-4 for a, b in zip(pixel, listed, strict=True)
+        ):
+            notes = (*notes, f"its file gives another size than the list, {sizes[0]:g} × {sizes[1]:g} {unit}")
+    heights = raw.heights
+    if kind == ORIGINAL:
+        heights = heights * float(about.get("height_scale") or 1.0)
+    else:
+        notes = (*notes, "heights as the database prepared them: levelled and filled as its list says")
+    return replace(
+        raw,
+        heights=heights,
+        pixel=pixel,
+        lateral_unit=raw.lateral_unit or unit,
+        height_unit=raw.height_unit or unit,
+        notes=notes,
+    )
+
+
+def _needs_package(path: Path) -> InputError:
+    return InputError(
+        f"disc.surface '{path}' needs SurfaceTopography, which is not installed: allowed without it is "
+        '.npy, or run pip install "warpwear[io]"'
+    )
+
+
+def _read_instrument(
+    path: Path, given: tuple[float, float] | None, *, plain: bool = False, channel: int | None = None
+) -> Raw:
+    """Read the channel of heights that SurfaceTopography takes, or the one of a number.
 
     given: pixel [mm] where the file has none; plain: whether its readers of text are asked too.
     """
@@ -222,18 +293,20 @@ def _read_instrument(path: Path, given: tuple[float, float] | None, *, plain: bo
             channels = [c for c in reader.channels if getattr(c, "is_height_channel", True)]
             if not channels:
                 raise ValueError("no channel of heights")
-            default = reader.default_channel
-            channel = next((c for c in channels if c.index == default.index), channels[0])
-            if channel.dim != 2:
-                return Raw(heights=np.zeros(channel.nb_grid_pts or 1), format=str(reader.format()))
-            points, room = math.prod(channel.nb_grid_pts), path.stat().st_size
+            wanted = reader.default_channel.index if channel is None else channel
+            taken = next((c for c in channels if c.index == wanted), channels[0] if channel is None else None)
+            if taken is None:
+                raise ValueError(f"no channel of heights number {channel}")
+            if taken.dim != 2:
+                return Raw(heights=np.zeros(taken.nb_grid_pts or 1), format=str(reader.format()))
+            points, room = math.prod(taken.nb_grid_pts), path.stat().st_size
             if points > min(MOST_POINTS, BLOCK + POINTS_A_BYTE * room):
                 raise ValueError(f"{points} points in {room} bytes, which is more than can be there")
             sizes = None
-            if channel.physical_sizes is None:
+            if taken.physical_sizes is None:
                 # Only to get at the heights: the pixel used is the study's, or there is an error
-                sizes = tuple(n * p for n, p in zip(channel.nb_grid_pts, given or (1.0, 1.0), strict=True))
-            topography = channel.topography(physical_sizes=sizes)
+                sizes = tuple(n * p for n, p in zip(taken.nb_grid_pts, given or (1.0, 1.0), strict=True))
+            topography = taken.topography(physical_sizes=sizes)
             heights = topography.heights()
             if reader.format() == "asc" and min(heights.shape) == 3:
                 # the reader takes an incomplete list of points for a matrix of three columns
@@ -242,10 +315,7 @@ def _read_instrument(path: Path, given: tuple[float, float] | None, *, plain: bo
             pixel = tuple(float(p) for p in topography.pixel_size) if sizes is None else None
             return Raw(heights, str(reader.format()), pixel, lateral_unit=unit, height_unit=unit)
     except ImportError as error:
-        raise InputError(
-            f"disc.surface '{path}' needs SurfaceTopography, which is not installed: allowed without it is "
-            '.npy, or run pip install "warpwear[io]"'
-        ) from error
+        raise _needs_package(path) from error
     except Exception as error:  # the reader is foreign: whatever it raises is a bad file
         raise refusal(path, f"cannot be read as a surface ({_first_line(error)})") from error
 

@@ -3,6 +3,7 @@
 import base64
 from functools import cached_property
 from html import escape
+from pathlib import Path
 from typing import Any
 
 from warpwear.lazy import resolve
@@ -14,6 +15,8 @@ from warpwear.results.summary_text import INPUT
 
 #: Draws the figures; Matplotlib takes as long to import as everything else together.
 PLOTTER = "warpwear.figures.table:Plotter"
+#: Writes files for other software.
+EXPORT = "warpwear.results.export:export"
 #: Figures shown, as far as the run has them; pixels an inch.
 FIGURES, DPI = ("cof", "pressure_map"), 110
 
@@ -41,6 +44,15 @@ class Result(ResultFile):
         Dimensions step, distance (of the snapshots), x, y, track_x, patch; units in the attributes.
         """
         return to_xarray(self)
+
+    def export(self, folder: str | Path, **options: Any) -> list[Path]:
+        """Write worn bodies and fields into a folder for other software; returns the paths.
+
+        options: formats, such as ["vti", "x3p"]; snapshot, bodies, fields, points, exaggeration, overwrite,
+        as `warpwear export` has them. Raises InputError.
+        """
+        paths: list[Path] = resolve(EXPORT)(self, folder, **options)
+        return paths
 
     @cached_property
     def plot(self) -> Any:

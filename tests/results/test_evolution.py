@@ -18,7 +18,7 @@ from warpwear.results.evolution import (
     settling_course,
     surface_evolution,
 )
-from warpwear.results.export import worn_heights
+from warpwear.results.formats.bodies import worn_heights
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,8 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.results.export import export, worn_heights
+from warpwear.results.export import export
+from warpwear.results.formats.bodies import worn_heights
 
 
 @pytest.fixture(scope="module")
@@ -68,8 +69,8 @@ def test_an_earlier_snapshot(tmp_path: Path, result: Result) -> None:
 
 
 def test_bad_input(tmp_path: Path, result: Result) -> None:
-    with pytest.raises(InputError, match=r"format = 'stl' is not known; allowed: sdf, xyz, npy"):
-        export(result, tmp_path / "out", formats=["stl"])
+    with pytest.raises(InputError, match=r"format = 'obj' is not known; allowed: sdf, xyz, npy"):
+        export(result, tmp_path / "out", formats=["obj"])
     with pytest.raises(InputError, match=r"snapshot = 7 is not in this result; allowed: 0 to 1"):
         export(result, tmp_path / "out", snapshot=7)
     assert not (tmp_path / "out").exists()

@@ -18,7 +18,7 @@ from warpwear import InputError, Result, Study
 from warpwear.comparison.gather import gather
 from warpwear.comparison.table import to_text
 from warpwear.figures.table import FIGURES
-from warpwear.results.export import export
+from warpwear.results.export import FORMATS, export
 from warpwear.results.file import MAGIC
 from warpwear.results.report import to_json
 from warpwear.results.seal import seal
@@ -146,7 +146,7 @@ def use(folder: Path, dice: random.Random, out: Path) -> None:
         for name in dice.sample(list(FIGURES), 2):
             if name not in left_out:
                 result.plot.png(name, dpi=40)
-        export(result, out, formats=["npy", "xyz"], overwrite=True)
+        export(result, out, formats=dice.sample(list(FORMATS), 3), snapshot="all", overwrite=True)
         if result.study.study.model == "two-scale":
             result.load_share, result.area_patch  # noqa: B018
     to_text(gather([folder, out.parent / "good"]))

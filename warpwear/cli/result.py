@@ -1,6 +1,7 @@
 """The commands that take the folder of a run: `warpwear plot`, `animate` and `export`."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -49,19 +50,53 @@ def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None
 @click.command("export")
 @FOLDER
 @click.option("--out", type=PATH, help="Folder to write. [default: DIR/export]")
-@click.option("--format", "formats", multiple=True, help="sdf, xyz or npy; repeatable. [default: all]")
-@click.option("--snapshot", default=-1, show_default=True, help="Number of the snapshot; -1 is the end.")
+@click.option(
+    "--format",
+    "formats",
+    metavar="NAME",
+    multiple=True,
+    help="sdf, xyz, npy, x3p, stl, csv, vti or netcdf; repeatable. [default: sdf, xyz and npy]",
+)
+@click.option(
+    "--snapshot",
+    metavar="WHICH",
+    multiple=True,
+    help="Number (-1 is the end), distance such as '30 mm', or all; repeatable. "
+    "[default: the end; all for vti and netcdf]",
+)
+@click.option(
+    "--body",
+    "bodies",
+    metavar="NAME",
+    multiple=True,
+    help="sphere, disc, or track: all of it, of a run that slides over one. Repeatable. "
+    "[default: sphere and disc]",
+)
+@click.option(
+    "--field",
+    "fields",
+    metavar="NAME",
+    multiple=True,
+    help="Field of csv, vti and netcdf, e.g. pressure. Repeatable. [default: all]",
+)
+@click.option(
+    "--points", type=int, help="Most points along a side, means of blocks. [default: 250 for stl, else all]"
+)
+@click.option("--exaggeration", type=float, help="Factor on the heights of stl and vti. [default: 1]")
 @click.option("--overwrite", is_flag=True, help="Replace files that are there.")
-def export_command(
-    folder: Path, out: Path | None, formats: tuple[str, ...], snapshot: int, overwrite: bool
-) -> None:
-    """Write both worn bodies of the run in DIR.
+def export_command(folder: Path, out: Path | None, overwrite: bool, **options: Any) -> None:
+    """Write the worn bodies and the fields of the run in DIR for other software.
 
-    The files hold heights for other software: sdf is ASCII after ISO 25178-71, xyz has a line a point in
-    mm, npy is an array of heights in mm.
+    \b
+    sdf, x3p   heights for MountainsMap and Gwyddion, in metres
+    stl        ball and disc in their places, as closed solids in mm
+    vti        fields, ball and disc for ParaView; open the .pvd, which is a film
+    netcdf     history and fields for xarray and MATLAB, with units
+    csv        fields, a row a cell, and profiles for MATLAB and Excel
+    xyz, npy   points and arrays of heights, in mm
     """
     with results.Result.open(folder) as result:
         where = out if out is not None else (result.folder or folder) / "export"
-        chosen = formats or tuple(exported.WRITERS)
-        for path in exported.export(result, where, snapshot=snapshot, formats=chosen, overwrite=overwrite):
+        given = {name: value for name, value in options.items() if value not in (None, ())}
+        for path in exported.export(result, where, overwrite=overwrite, **given):
             click.echo(path)

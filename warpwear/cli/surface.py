@@ -13,7 +13,7 @@ from warpwear.cli.places import surface_command
 PREPARATION = {
     "--pixel": "Distance of the points, e.g. '0.5 um' or '0.5 um, 0.6 um'; overrides the file.",
     "--height-unit": "Unit of the heights: m, mm, um or nm; overrides the file.",
-    "--array": "Which array of a .npz that holds several.",
+    "--array": "Which array of a .npz, or measurement of a .zip, by name or number.",
     "--height-sign": "down turns heights over (the file gives depths).",
     "--crop": "Part used: 'x0, x1, y0, y1' from the file's corner, or a size such as '1 mm'.",
     "--sliding-axis": "Axis of the file along sliding: x or y. [default: x]",

@@ -27,8 +27,8 @@ from warpwear.results.evolution import (
     spectrum_in_scar,
     surface_evolution,
 )
-from warpwear.results.export import BODIES, worn_heights
 from warpwear.results.file import ResultFile
+from warpwear.results.formats.bodies import BODIES, worn_heights
 from warpwear.results.summary import bare_course
 from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
 from warpwear.surfaces.spectrum import Spectrum

@@ -52,13 +52,13 @@ class Snapshot:
         if self.row is not None and self.wear_disc.any():
             carried = self.wear_disc
         elif self.row is not None:
-            here = self._under(filled)
+            here = self.beneath(filled)
         return float(np.sum(carried, where=here) / np.sum(carried))
 
     @property
     def wear_beneath(self) -> FloatArray:
         """Wear of the disc under the sphere's domain [mm], shape (nx, ny)."""
-        found: FloatArray = self.wear_disc if self.row is None else self._under(self.wear_disc)
+        found: FloatArray = self.wear_disc if self.row is None else self.beneath(self.wear_disc)
         return found
 
     @property
@@ -75,9 +75,10 @@ class Snapshot:
         """What is gone of the disc under the sphere's domain [mm]: worn, or displaced for good."""
         if self.plastic_disc is None:
             return self.wear_beneath
-        return np.asarray(self.wear_beneath + self._under(self.plastic_disc))
+        return np.asarray(self.wear_beneath + self.beneath(self.plastic_disc))
 
-    def _under(self, field: Any) -> Any:
+    def beneath(self, field: Any) -> Any:
+        """The part of a field of the track, shape (rows, ny), under the sphere's domain, shape (nx, ny)."""
         assert self.row is not None
         rows = np.arange(self.row, self.row + self.pressure.shape[0]) % field.shape[0]
         return np.asarray(field[rows])

@@ -15,8 +15,8 @@ from warpwear.history.quantities import EVOLUTION
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.junctions import share_above
 from warpwear.laws.settling import Settling, fit_settling
-from warpwear.results.export import BODIES, worn_heights
 from warpwear.results.file import ResultFile
+from warpwear.results.formats.bodies import BODIES, worn_heights
 from warpwear.results.track import whole_rows
 from warpwear.surfaces.spectrum import Spectrum
 from warpwear.surfaces.worn.scar import Texture, ellipse, fine_spectrum, roughness_without_form, texture

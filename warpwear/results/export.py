@@ -1,118 +1,204 @@
-"""Worn bodies as files that surface metrology software opens."""
+"""Results as files that other software opens: one table of formats, one way to write them all."""
 
+import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
-import numpy as np
-
-from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.grid import FloatArray
-from warpwear.history.snapshot import Snapshot
 from warpwear.results.file import ResultFile
-from warpwear.study.surface import surface_in
-from warpwear.surfaces.sphere import sag
+from warpwear.results.formats.bodies import BODIES, TRACK, WRITABLE, Body, Files, Job
+from warpwear.results.formats.metrology import write_sdf, write_x3p
+from warpwear.results.formats.netcdf import netcdf_files
+from warpwear.results.formats.stl import write_stl
+from warpwear.results.formats.text import csv_files, write_npy, write_xyz
+from warpwear.results.formats.vtk import vti_files
 
-BODIES = ("sphere", "disc")
-#: All rows or columns of a field.
-ALL = slice(None)
-#: A gap beyond this stands for a place beyond the sphere's rim [mm].
-NO_SURFACE = 1.0e20
+#: Points of a solid along a side, unless others are asked for.
+STL_POINTS = 250
+#: Fewest points along a side that make a surface.
+FEWEST_POINTS = 2
+#: Largest factor on heights.
+MOST_EXAGGERATED = 1.0e6
+#: Every snapshot, as a word.
+EVERY = "all"
 
 
-def worn_heights(
-    result: ResultFile, snapshot: Snapshot, body: str, part: tuple[slice, slice] = (ALL, ALL)
-) -> FloatArray:
-    """Heights of a worn body [mm], positive out of its material, shape (nx, ny) or that of a part of it.
+@dataclass(frozen=True)
+class Format:
+    """A format that results are written in.
 
-    The disc's are over its mean plane, the sphere's over the apex it had, so that its cap lies below 0.
-    Beyond the sphere's edge the sphere is NaN and the disc as it was before; NaN too if its file is gone, and
-    of a swept run, whose disc is what lies under the sphere. Where the patches of a two-scale
-    run cover nothing both are NaN.
+    files: names the files of a job and what writes them; holds: what stands in them, for people; takes: which
+    options change them; packages: what must be installed; every: whether it has all snapshots by default.
     """
-    curvature = result.study.sphere.curvature
-    radius = 1.0 / curvature if curvature else np.inf
-    x, y, gap = result.x[part[0]], result.y[part[1]], snapshot.gap[part]
-    sphere = sag(x, y, radius=radius) + snapshot.wear_sphere[part]
-    with np.errstate(invalid="ignore"):  # beyond the sphere's edge
-        heights = -sphere if body == "sphere" else sphere - gap
-    not_covered = np.isnan(gap)  # by the patches of a two-scale run
-    beyond = (~np.isfinite(sphere) | (gap > NO_SURFACE)) & ~not_covered
-    heights[beyond | not_covered] = np.nan
-    if body == "disc" and beyond.any() and snapshot.row is None:
-        with suppress(InputError):
-            heights[beyond] = surface_in(result.study).heights(x, y)[beyond]
-    return heights
+
+    files: Callable[[Job], Files]
+    holds: str
+    takes: frozenset[str]
+    packages: tuple[str, ...] = ()
+    every: bool = False
+
+
+def _bodies(ending: str, write: Callable[..., None], job: Job, *, given: Sequence[str] = ()) -> Files:
+    """Name a file for each body and snapshot. given: what of the job the writer asks for."""
+    for number in job.numbers:
+        for name in job.bodies:
+            file = f"{name}_worn{job.suffix(number)}.{ending}"
+            yield (
+                file,
+                partial(_write_body, write, job, name, number, {key: getattr(job, key) for key in given}),
+            )
+
+
+def _write_body(
+    write: Callable[..., None], job: Job, name: str, number: int, given: dict[str, Any], path: Path
+) -> None:
+    body: Body = job.body(name, number)
+    write(path, body, **given)
+
+
+_BODY = frozenset({"bodies", "points"})
+#: Name of a format -> the format, in the order in which they are told.
+FORMATS: dict[str, Format] = {
+    "sdf": Format(partial(_bodies, "sdf", write_sdf), "heights, ISO 25178-71, metres", _BODY, ("sdfio",)),
+    "xyz": Format(partial(_bodies, "xyz", write_xyz), "points x y z, mm", _BODY),
+    "npy": Format(partial(_bodies, "npy", write_npy), "an array of heights, mm", _BODY),
+    "x3p": Format(partial(_bodies, "x3p", write_x3p), "heights, ISO 5436-2, metres", _BODY),
+    "stl": Format(
+        partial(_bodies, "stl", write_stl, given=("exaggeration",)),
+        "closed solids, mm",
+        _BODY | {"exaggeration"},
+    ),
+    "csv": Format(csv_files, "fields, a row a cell, and profiles", _BODY | {"fields"}),
+    "vti": Format(
+        vti_files, "fields, bodies and films for ParaView", _BODY | {"fields", "exaggeration"}, every=True
+    ),
+    "netcdf": Format(
+        netcdf_files,
+        "history and fields, labelled",
+        frozenset({"fields"}),
+        ("xarray", "h5netcdf"),
+        every=True,
+    ),
+}
+#: Formats that are written where none is asked for.
+USUAL = ("sdf", "xyz", "npy")
 
 
 def export(
     result: ResultFile,
     folder: str | Path,
     *,
-    snapshot: int = -1,
-    formats: Sequence[str] = ("sdf", "xyz", "npy"),
+    formats: Sequence[str] = USUAL,
+    snapshot: int | str | Sequence[int | str] | None = None,
+    bodies: Sequence[str] | None = None,
+    fields: Sequence[str] | None = None,
+    points: int | None = None,
+    exaggeration: float | None = None,
     overwrite: bool = False,
 ) -> list[Path]:
-    """Write both worn bodies at one snapshot (-1: the end) into a folder; returns the paths.
+    """Write a result into a folder, in formats of `FORMATS`; returns the paths, all of them or none written.
 
-    sdf: ASCII, ISO 25178-71, metres. xyz: a line x, y, z a point, mm, tabs between them. npy: heights alone,
-    mm, shape (nx, ny). Raises InputError for an unknown format or snapshot and for files that are there.
+    snapshot: a number (-1 is the end), a distance with its unit, "all", or several of these; by default all
+    for netcdf and vti, and the end for others. bodies: sphere and disc, or of a swept run track. fields: of
+    netcdf, vti and csv, by default all. points: most along a side (250 for stl, else every cell), each the
+    mean of a block. exaggeration: of the heights of stl and vti in space. Raises InputError for what is
+    unknown, for an option that no format takes, for a package that is missing and for files that are there.
     """
-    unknown = [name for name in formats if name not in WRITERS]
-    if unknown:
-        raise InputError(f"format = '{unknown[0]}' is not known; allowed: {', '.join(WRITERS)}")
-    kept = result.snapshot_distances.size
-    if not -kept <= snapshot < kept:
+    _check_known("format", formats, FORMATS)
+    study = result.study
+    has = [name for name, quantity in WRITABLE.items() if quantity.applies_to(study)]
+    _check_known("body", bodies or (), (*BODIES, TRACK) if study.is_swept else BODIES)
+    _check_known("field", fields or (), has)
+    options = {"bodies": bodies, "fields": fields, "points": points, "exaggeration": exaggeration}
+    _check_taken({name for name, value in options.items() if value is not None}, formats)
+    if points is not None and points < FEWEST_POINTS:
+        raise InputError(f"points = {points} make no surface; allowed: {FEWEST_POINTS} or more")
+    if exaggeration is not None and not 0.0 < exaggeration <= MOST_EXAGGERATED:
         raise InputError(
-            f"snapshot = {snapshot} is not in this result; allowed: 0 to {kept - 1}, -1 is the last"
+            f"exaggeration = {exaggeration:g} is not possible; allowed: more than 0, to {MOST_EXAGGERATED:g}"
         )
+    wanted = numbers_of(result, snapshot)
     folder = Path(folder)
-    paths = {(body, kind): folder / f"{body}_worn.{kind}" for body in BODIES for kind in formats}
-    there = [path for path in paths.values() if path.exists()]
-    if there and not overwrite:
-        raise InputError(
-            f"out = {folder} already holds {there[0].name}; give another folder, or overwrite it"
+    writers: dict[str, Callable[[Path], None]] = {}
+    for name in dict.fromkeys(formats):
+        job = Job(
+            result,
+            wanted if wanted is not None else numbers_of(result, EVERY if FORMATS[name].every else -1) or (),
+            tuple(bodies or BODIES),
+            tuple(fields or has),
+            points or (STL_POINTS if name == "stl" else None),
+            exaggeration or 1.0,
         )
-    folder.mkdir(parents=True, exist_ok=True)
-    fields = result.snapshot(snapshot)
-    for (body, kind), path in paths.items():
-        partial = path.with_name(f".{path.name}.partial")
-        try:
-            WRITERS[kind](partial, worn_heights(result, fields, body), result)
-            partial.replace(path)
-        finally:
-            partial.unlink(missing_ok=True)
-    return list(paths.values())
+        writers |= dict(FORMATS[name].files(job))
+    there = [name for name in writers if (folder / name).exists()]
+    if there and not overwrite:
+        raise InputError(f"out = {folder} already holds {there[0]}; give another folder, or overwrite it")
+    return _write_all(folder, writers)
 
 
-def _write_sdf(path: Path, heights: FloatArray, result: ResultFile) -> None:
+def _write_all(folder: Path, writers: dict[str, Callable[[Path], None]]) -> list[Path]:
+    """Write files beside their places and move them there when all are whole. writers: by name."""
+    is_new = not folder.exists()
     try:
-        sdfio = lazy.load("sdfio")
-    except ImportError as error:
-        raise InputError("format = 'sdf' needs the package sdfio: pip install 'warpwear[io]'") from error
-    step = 1.0e-3 * result.study.grid.cell
-    # A profile of the file runs along the sliding direction.
-    metadata = sdfio.Metadata(revision=sdfio.Revision.ISO_1_0, manufacturer_id="warpwear")
-    data = 1.0e-3 * heights.T
-    with path.open("wb") as file:
-        sdfio.write(file, data, x_scale=step, y_scale=step, format=sdfio.FileFormat.ASCII, metadata=metadata)
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".export-", dir=folder) as work:
+            for name, write in writers.items():
+                write(Path(work) / name)
+            return [(Path(work) / name).replace(folder / name) for name in writers]
+    except OSError as error:
+        raise InputError(f"out = {folder} cannot be written: {error.strerror or error}") from error
+    finally:
+        if is_new:
+            with suppress(OSError):  # unless there is something in it
+                folder.rmdir()
 
 
-def _write_xyz(path: Path, heights: FloatArray, result: ResultFile) -> None:
-    x, y = np.meshgrid(result.x, result.y, indexing="ij")
-    points = np.column_stack([x.ravel(), y.ravel(), heights.ravel()])
-    points = points[np.isfinite(points[:, 2])]
-    np.savetxt(path, points, fmt="%.9g", delimiter="\t", header="x [mm]\ty [mm]\tz [mm]")
+def numbers_of(
+    result: ResultFile, snapshot: int | str | Sequence[int | str] | None
+) -> tuple[int, ...] | None:
+    """Numbers of the snapshots that are asked for, each once and in their order; None for None.
+
+    Raises InputError for those that are not there.
+    """
+    if snapshot is None:
+        return None
+    asked = [snapshot] if isinstance(snapshot, int | str) else list(snapshot)
+    kept = result.snapshot_distances.size
+    found: set[int] = set()
+    for one in asked:
+        text = str(one).strip()
+        if text == EVERY:
+            found |= set(range(kept))
+        elif not text.lstrip("-").isdecimal():
+            found.add(result.number_at(text))
+        elif -kept <= int(text) < kept:
+            found.add(int(text) % kept)
+        else:
+            raise InputError(
+                f"snapshot = {one} is not in this result; allowed: 0 to {kept - 1}, -1 is the last, a "
+                "distance such as '30 mm', or all"
+            )
+    return tuple(sorted(found))
 
 
-def _write_npy(path: Path, heights: FloatArray, result: ResultFile) -> None:
-    with path.open("wb") as file:
-        np.save(file, heights)
+def _check_known(what: str, names: Sequence[str], known: Sequence[str] | dict[str, Any]) -> None:
+    for name in names:
+        if name not in known:
+            raise InputError(f"{what} = '{name}' is not known; allowed: {', '.join(known)}")
 
 
-WRITERS: dict[str, Callable[[Path, FloatArray, ResultFile], None]] = {
-    "sdf": _write_sdf,
-    "xyz": _write_xyz,
-    "npy": _write_npy,
-}
+def _check_taken(given: set[str], formats: Sequence[str]) -> None:
+    """Raise InputError for an option that changes none of the formats, and for a package that is missing."""
+    for option in sorted(given):
+        if not any(option in FORMATS[name].takes for name in formats):
+            takers = ", ".join(name for name, known in FORMATS.items() if option in known.takes)
+            raise InputError(f"{option} changes nothing in {', '.join(formats)}; it is for {takers}")
+    for name in formats:
+        for package in FORMATS[name].packages:
+            if find_spec(package) is None:
+                raise InputError(f"format = '{name}' needs the package {package}: pip install 'warpwear[io]'")

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from warpwear.errors import OVERWRITE_IT, InputError
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, IntArray
 from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
@@ -247,6 +247,13 @@ class ResultFile:
             return np.array([group.attrs["distance"] for group in file["snapshots"].values()])
 
     @cached_property
+    def snapshot_rows(self) -> IntArray:
+        """Row of the track under the sphere's first row, one a snapshot; empty of a run without a track."""
+        with self._reading() as file:
+            found = [group.attrs.get("row") for group in file["snapshots"].values()]
+            return np.array([row for row in found if row is not None], dtype=np.int64)
+
+    @cached_property
     def load_on_filled(self) -> FloatArray:
         """Share of the load on points that the disc's file lacks, one a snapshot; empty where it is whole."""
         with self._reading() as file:
@@ -280,6 +287,10 @@ class ResultFile:
         One that was asked for there, where no step ends (of a swept run, or snapshots = "auto"), is the first
         after it. Raises InputError, naming those that are kept, for another distance.
         """
+        return self.snapshot(self.number_at(distance))
+
+    def number_at(self, distance: str | float) -> int:
+        """The number of the snapshot that `at` finds. Raises InputError."""
         try:
             number = isinstance(distance, Real) and not isinstance(distance, bool)
             asked = float(distance) if number else parse(distance, "mm")
@@ -294,7 +305,7 @@ class ResultFile:
                 f"at = {distance!r}: no snapshot is kept there; allowed: "
                 f"{', '.join(f'{d:g} mm' for d in kept) or 'none, as the run has no snapshots'}."
             )
-        return self.snapshot(int(found[0]))
+        return int(found[0])
 
     @cached_property
     def track_x(self) -> FloatArray:

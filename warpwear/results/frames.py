@@ -1,6 +1,6 @@
 """A result as tables of pandas and data sets of xarray, with units and meanings in their attributes."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,13 @@ from warpwear.history.quantities import FIELDS, OF_THE_TRACK, PATCH_TABLES, UNIT
 from warpwear.results.file import ResultFile
 
 COLUMNS = {quantity.name: quantity for quantity in per("step")}
+#: What the axes of fields are, for people and for programs that follow the CF conventions.
+AXES = {
+    "distance": {"long_name": "sliding distance of the snapshot"},
+    "x": {"long_name": "place along the sliding direction, 0 below the unworn apex", "axis": "X"},
+    "y": {"long_name": "place across the sliding direction", "axis": "Y"},
+    "track_x": {"long_name": "place along the track, 0 in its middle"},
+}
 
 
 def to_dataframe(result: ResultFile) -> Any:
@@ -32,6 +39,17 @@ def to_xarray(result: ResultFile) -> Any:
     the attributes `units` and `long_name`. A single snapshot is read from the file by
     xarray.open_dataset(path, group="snapshots/0000", engine="h5netcdf"). Raises InputError without xarray.
     """
+    snapshots = list(result.snapshots)
+    found = courses(result, tuple(range(len(snapshots))))
+    for name in snapshots[0].fields if snapshots else ():
+        along = "track_x" if name in OF_THE_TRACK and "track_x" in found.coords else "x"
+        stacked = np.stack([snapshot.fields[name] for snapshot in snapshots])
+        found[name] = _described(FIELDS, name, ("distance", along, "y"), stacked)
+    return found
+
+
+def courses(result: ResultFile, numbers: Sequence[int]) -> Any:
+    """What `to_xarray` gives but for the fields, with the coordinates of snapshots of these numbers."""
     xarray = _package("xarray", "to_xarray")
     history = dict(result.history)
     coordinates = {
@@ -46,20 +64,17 @@ def to_xarray(result: ResultFile) -> Any:
         about_places = {"units": "mm", "long_name": "centre of the patch"}
         for name, centres in zip(("patch_x", "patch_y"), places, strict=True):
             coordinates[name] = ("patch", centres.ravel(), about_places)
-    snapshots = list(result.snapshots)
-    if snapshots:
-        axes = {"distance": result.snapshot_distances, "x": result.x, "y": result.y}
+    if numbers:
+        axes = {"distance": result.snapshot_distances[list(numbers)], "x": result.x, "y": result.y}
         if result.study.is_swept:
             axes["track_x"] = result.track_x
-            rows = np.array([snapshot.row for snapshot in snapshots])
+            rows = result.snapshot_rows[list(numbers)]
             coordinates["track_row"] = ("distance", rows, {"long_name": "row of the track under x[0]"})
-        coordinates |= {name: (name, values, {"units": "mm"}) for name, values in axes.items()}
-        for name in snapshots[0].fields:
-            along = "track_x" if name in OF_THE_TRACK and "track_x" in axes else "x"
-            stacked = np.stack([snapshot.fields[name] for snapshot in snapshots])
-            data[name] = _described(FIELDS, name, ("distance", along, "y"), stacked)
-    about = {"title": result.study.study.name, "study": result.study.to_toml()}
-    about["source"] = f"warpwear {result.attributes['version']}"
+        coordinates |= {name: (name, values, {"units": "mm"} | AXES[name]) for name, values in axes.items()}
+    about = {"Conventions": "CF-1.11", "title": result.study.study.name}
+    about |= {"source": f"warpwear {result.attributes['version']}", "study": result.study.to_toml()}
+    if result.study.study.description:
+        about["comment"] = result.study.study.description
     return xarray.Dataset(data, coordinates, about)
 
 

@@ -11,8 +11,8 @@ from warpwear.history.rows import Named
 from warpwear.laws import friction
 from warpwear.laws.film import Breaking, fit_breaking
 from warpwear.results.evolution import settling, surface_evolution
-from warpwear.results.export import BODIES
 from warpwear.results.file import ResultFile
+from warpwear.results.formats.bodies import BODIES
 from warpwear.results.track import by_pass, groove, roughness_in_track
 from warpwear.study import text as render
 from warpwear.study.study import Study

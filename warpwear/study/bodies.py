@@ -129,7 +129,7 @@ class Disc(Body):
     height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = file_key(
         None, "unit of the file's heights, needed by .npy; overrides what a file says"
     )
-    array: str | None = file_key(None, "which array of a .npz that holds several")
+    array: str | None = file_key(None, "which array of a .npz, or measurement of a .zip, by name or number")
 
     def _check(self) -> None:
         if self.surface is not None and self.synthetic is not None:

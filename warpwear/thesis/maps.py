@@ -12,7 +12,7 @@ from warpwear.figures.axes import ACROSS, draw_map, panels_of
 from warpwear.figures.view import Window, positive
 from warpwear.grid import FloatArray
 from warpwear.result import Result
-from warpwear.results.export import worn_heights
+from warpwear.results.formats.bodies import worn_heights
 from warpwear.thesis.figures import Gallery
 from warpwear.thesis.numbers import Numbers, snapshot_at
 from warpwear.thesis.printed import DRAWN_AT, STROKE

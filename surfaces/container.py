@@ -1,0 +1,131 @@
+"""Containers of contact.engineering: a .zip of measurements, of which one is taken out and read."""
+
+import re
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from warpwear import lazy
+from warpwear.errors import InputError
+
+containers = lazy.module("SurfaceTopography.Container.IO")
+
+#: Files of a container that list what is in it: the second is read where the first is not there.
+YAML = "meta.yml"
+LISTS = ("index.json", YAML)
+#: Keys of YAML that copy others: a few lines of them can fill any memory, and no container needs them.
+MERGES = re.compile(rb"(?:^|[\s{,])<<['\"]?\s*:")
+#: Names of a measurement's file in the list: as it was uploaded, and as the database keeps it, levelled.
+ORIGINAL, SQUEEZED = "original", "squeezed-netcdf"
+MOST_LIST = 2**24  # bytes of such a list
+MOST_MEMBER = 2**32  # bytes of a measurement
+#: Bytes that may come of one byte of the archive: packed zeros give a thousand.
+EXPANSION = 200
+BLOCK = 2**20  # bytes that are unpacked together
+
+
+@dataclass(frozen=True)
+class Member:
+    """A measurement in a container.
+
+    label: its name, with that of its surface where there are several; about: what the list says of it.
+    """
+
+    number: int
+    label: str
+    about: dict[str, Any]
+
+    @property
+    def is_map(self) -> bool:
+        """Whether it is areal: a line scan has one size."""
+        sizes = self.about.get("size")
+        return not isinstance(sizes, list | tuple) or len(sizes) == 2
+
+    @property
+    def files(self) -> list[tuple[str, str]]:
+        """Which of its files are there, the original first: kind and name."""
+        named = dict(self.about.get("datafile") or {})
+        return [(kind, named[kind]) for kind in (ORIGINAL, SQUEEZED) if isinstance(named.get(kind), str)]
+
+
+def is_container(path: Path) -> bool:
+    """Return whether a file is a .zip with a list of measurements."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return any(name in archive.namelist() for name in LISTS)
+    except (OSError, ValueError, zipfile.BadZipFile):
+        return False
+
+
+def members_of(path: Path) -> list[Member]:
+    """Return the measurements that a container lists.
+
+    Raises ImportError without SurfaceTopography, and whatever its reader does for a list that is wrong.
+    """
+    with zipfile.ZipFile(path) as archive:
+        there = [name for name in LISTS if name in archive.namelist()]
+        for name in there:
+            if archive.getinfo(name).file_size > MOST_LIST:
+                raise ValueError(f"its list {name} has more than {MOST_LIST} bytes")
+        if there == [YAML] and MERGES.search(archive.read(YAML)):
+            raise ValueError(f"its list {YAML} has merge keys, which may grow without end")
+    reader = containers.CEReader(str(path))
+    surfaces = [reader.container(number).info for number in range(reader.nb_containers)]
+    found: list[Member] = []
+    for surface in surfaces:
+        for about in surface["topographies"]:
+            label = _name(about, f"measurement {len(found)}")
+            if len(surfaces) > 1:
+                label = f"{_name(surface, 'surface')}/{label}"
+            found.append(Member(len(found), label, dict(about)))
+    return found
+
+
+def _name(about: Any, otherwise: str) -> str:
+    name = about.get("name")
+    return name if isinstance(name, str) and name else otherwise
+
+
+def choose(path: Path, members: list[Member], asked: str | None) -> Member:
+    """Return the measurement of a container that is asked for by its name or number, or the only map.
+
+    Raises InputError, naming ``disc.array``, where there is not one such.
+    """
+    maps = [member for member in members if member.is_map]
+    if asked is None:
+        fitting = maps
+    else:
+        fitting = [m for m in maps if m.label == asked] or [m for m in maps if str(m.number) == asked.strip()]
+    if len(fitting) == 1:
+        return fitting[0]
+    if not maps:
+        raise InputError(f"disc.surface '{path}' holds no areal measurement, only line scans or nothing")
+    what = "several measurements" if asked is None else f"no measurement {asked!r}"
+    if asked is not None and fitting:
+        what = f"{len(fitting)} measurements {asked!r}"
+    listed = ", ".join(f"{member.number} ({member.label})" for member in maps)
+    raise InputError(f"disc.surface '{path}' holds {what}: disc.array gives a number or a name of: {listed}")
+
+
+@contextmanager
+def unpacked(path: Path, name: str) -> Iterator[Path]:
+    """Unpack a file of an archive, for as long as it is read. Raises ValueError for one that is too large."""
+    with (
+        zipfile.ZipFile(path) as archive,
+        archive.open(name) as packed,
+        tempfile.TemporaryDirectory(prefix="warpwear-") as folder,
+    ):
+        most = min(MOST_MEMBER, BLOCK + EXPANSION * path.stat().st_size)
+        out = Path(folder) / f"member{Path(name).suffix[:10]}"
+        size = 0
+        with out.open("wb") as file:
+            while block := packed.read(BLOCK):
+                size += len(block)
+                if size > most:
+                    raise ValueError(f"more than {most} bytes in {path.stat().st_size} of a .zip")
+                file.write(block)
+        yield out

@@ -1,0 +1,524 @@
+"""Files for ParaView, MountainsMap, MATLAB and CAD: read back they hold the same numbers, axes and units."""
+
+import base64
+import csv
+import hashlib
+import struct
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from cases_track import small
+from click.testing import CliRunner
+
+import warpwear
+from warpwear import InputError, Result, Study
+from warpwear.cli.main import commands
+from warpwear.history.quantities import FIELDS
+from warpwear.results import export as exporting
+from warpwear.results.export import FORMATS, export
+from warpwear.results.formats.bodies import NO_SURFACE, worn_heights
+
+EVIL = "<script>alert(1)</script> \"'$x$ ]]> &amp; " + "é" * 300
+NEEDS = {name: entry.packages for name, entry in FORMATS.items()}
+
+
+def needs(name: str) -> None:
+    for package in NEEDS[name]:
+        pytest.importorskip(package)
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    """A ball of 0.6 mm, whose rim lies inside the domain, and a domain that is no square of round numbers."""
+    return warpwear.run(
+        Study.load("v3-fine").replace(
+            {
+                "grid.cell": "20 um",
+                "sliding.distance": "30 mm",
+                "sphere.radius": "0.6 mm",
+                "output.snapshots": ["1 mm", "3 mm"],
+                "study.description": EVIL,
+            }
+        )
+    )
+
+
+@pytest.fixture(scope="module")
+def swept() -> Result:
+    return warpwear.run(small("full", output__snapshots=["3 mm"], sliding__plastic="keep"))
+
+
+@pytest.fixture(scope="module")
+def images(tmp_path_factory: pytest.TempPathFactory, result: Result) -> Path:
+    """The result as it is written for ParaView."""
+    folder = tmp_path_factory.mktemp("images")
+    export(result, folder, formats=["vti"])
+    return folder
+
+
+class Vtk:
+    """An independent reader of VTK's XML files with packed base64 data, after the format's description."""
+
+    def __init__(self, path: Path) -> None:
+        root = ElementTree.parse(path).getroot()
+        assert root.attrib["compressor"] == "vtkZLibDataCompressor"
+        assert root.attrib["header_type"] == "UInt64"
+        self.grid = root[0]
+        self.kind = root.attrib["type"]
+        extent = [int(n) for n in self.grid.attrib["WholeExtent"].split()]
+        self.shape = (extent[1] - extent[0] + 1, extent[3] - extent[2] + 1)
+        appended = root.find("AppendedData")
+        assert appended is not None
+        text = (appended.text or "").strip().removeprefix("_")
+        self.arrays = {
+            one.attrib["Name"]: self._unpack(one, text)
+            for one in root.iter("DataArray")
+            if one.attrib["format"] == "appended"
+        }
+        (time,) = [one for one in root.iter("DataArray") if one.attrib["Name"] == "TimeValue"]
+        self.time = float(time.text or "nan")
+        self.texts = {
+            one.attrib["Name"]: bytes(map(int, (one.text or "").split()))[:-1].decode()
+            for one in root.iter("Array")
+        }
+
+    def _unpack(self, one: Any, text: str) -> Any:
+        start = int(one.attrib["offset"])
+        (count,) = struct.unpack("<Q", base64.b64decode(text[start : start + 12])[:8])
+        length = -(-8 * (3 + count) // 3) * 4
+        head = struct.unpack(
+            f"<{3 + count}Q", base64.b64decode(text[start : start + length])[: 8 * (3 + count)]
+        )
+        packed = sum(head[3:])
+        start += length
+        content = base64.b64decode(text[start : start + -(-packed // 3) * 4])
+        blocks, at = b"", 0
+        for size in head[3:]:
+            blocks += zlib.decompress(content[at : at + size])
+            at += size
+        dtype = {"Float64": "<f8", "Float32": "<f4", "UInt8": "u1"}[one.attrib["type"]]
+        components = int(one.attrib.get("NumberOfComponents", 1))
+        values = np.frombuffer(blocks, dtype)
+        assert values.size == components * self.shape[0] * self.shape[1]
+        # x is the fastest in the file
+        return values.reshape(self.shape[1], self.shape[0], components).swapaxes(0, 1).squeeze()
+
+
+def test_images_hold_the_fields(images: Path, result: Result) -> None:
+    for number, snapshot in enumerate(result.snapshots):
+        image = Vtk(images / f"fields_{number:04d}.vti")
+        assert image.kind == "ImageData"
+        assert image.time == snapshot.distance
+        for name, values in snapshot.fields.items():
+            expected = np.where(values > NO_SURFACE, np.nan, values) if name == "gap" else values
+            np.testing.assert_array_equal(image.arrays[f"{name} [{FIELDS[name].units}]"], expected)
+        for body in ("sphere", "disc"):
+            found = image.arrays[f"height_{body} [mm]"]
+            np.testing.assert_array_equal(found, worn_heights(result, snapshot, body))
+        origin, spacing = ([float(v) for v in image.grid.attrib[k].split()] for k in ("Origin", "Spacing"))
+        np.testing.assert_allclose(origin[0] + spacing[0] * np.arange(result.x.size), result.x, atol=1e-15)
+        np.testing.assert_allclose(origin[1] + spacing[1] * np.arange(result.y.size), result.y, atol=1e-15)
+
+
+def test_surfaces_lie_in_space_as_the_bodies_do(tmp_path: Path, result: Result) -> None:
+    export(result, tmp_path, formats=["vti"], snapshot="all", exaggeration=3.0)
+    for number, snapshot in enumerate(result.snapshots):
+        row = int(np.argmin(np.abs(result.history["distance"] - snapshot.distance)))
+        approach = result.history["approach"][row]
+        places = {}
+        for body in ("sphere", "disc"):
+            surface = Vtk(tmp_path / f"{body}_{number:04d}.vts")
+            points = surface.arrays["points [mm]"]
+            np.testing.assert_allclose(points[:, 0, 0], result.x, rtol=1e-7)
+            np.testing.assert_allclose(points[0, :, 1], result.y, rtol=1e-7)
+            assert np.isfinite(points).all()
+            heights = worn_heights(result, snapshot, body)
+            np.testing.assert_array_equal(surface.arrays[f"height_{body} [mm]"], heights)
+            hidden = surface.arrays.get("vtkGhostType", np.zeros(surface.shape))
+            np.testing.assert_array_equal(hidden, np.where(np.isnan(heights), 2, 0))
+            assert f"wear_{'disc' if body == 'sphere' else 'sphere'} [mm]" not in surface.arrays
+            places[body] = np.where(hidden == 0, points[:, :, 2] / 3.0, np.nan)
+        # The gap of the result is that of bodies which have not come down on each other.
+        gap = np.where(snapshot.gap > NO_SURFACE, np.nan, snapshot.gap)
+        np.testing.assert_allclose(places["sphere"] - places["disc"], gap - approach, atol=1e-7)
+    assert np.isnan(places["sphere"]).any()
+
+
+def test_a_film_is_timed_by_the_distance(images: Path, result: Result) -> None:
+    for name, ending in (("fields", "vti"), ("sphere", "vts"), ("disc", "vts")):
+        entries = [one.attrib for one in ElementTree.parse(images / f"{name}.pvd").iter("DataSet")]
+        assert [float(entry["timestep"]) for entry in entries] == result.snapshot_distances.tolist()
+        assert [entry["file"] for entry in entries] == [f"{name}_{n:04d}.{ending}" for n in range(3)]
+        assert all((images / entry["file"]).is_file() for entry in entries)
+
+
+def test_vtk_itself_reads_them(images: Path, result: Result) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    last = result.snapshot(-1)
+    image = pyvista.read(images / "fields_0002.vti")
+    assert image.dimensions == (*last.pressure.shape, 1)
+    np.testing.assert_array_equal(
+        image["pressure [MPa]"].reshape(last.pressure.shape, order="F"), last.pressure
+    )
+    np.testing.assert_allclose(image.bounds[:2], (result.x[0], result.x[-1]))
+    assert image.field_data["study"][0] == result.study.study.name
+    surface = pyvista.read(images / "sphere_0002.vts")
+    heights = surface["height_sphere [mm]"].reshape(last.pressure.shape, order="F")
+    np.testing.assert_array_equal(heights, worn_heights(result, last, "sphere"))
+    film = pyvista.get_reader(str(images / "disc.pvd"))
+    assert film.time_values == result.snapshot_distances.tolist()
+
+
+def test_netcdf_is_labelled(tmp_path: Path, result: Result) -> None:
+    needs("netcdf")
+    import xarray
+
+    (path,) = export(result, tmp_path, formats=["netcdf"])
+    with xarray.open_dataset(path, engine="h5netcdf") as found:
+        assert found["pressure"].dims == ("distance", "x", "y")
+        np.testing.assert_array_equal(found["distance"], result.snapshot_distances)
+        np.testing.assert_array_equal(found["x"], result.x)
+        assert all(found[axis].attrs["units"] == "mm" for axis in ("x", "y", "distance", "step_distance"))
+        assert all(found[name].attrs["long_name"] for name in found.variables)
+        for name, column in result.history.items():
+            column_found = found["step_distance" if name == "distance" else name]
+            np.testing.assert_array_equal(column_found, column)
+            assert column_found.attrs["units"] == result.units[name]
+        for number, snapshot in enumerate(result.snapshots):
+            for name in ("pressure", "wear_sphere", "wear_disc"):
+                np.testing.assert_array_equal(found[name][number], snapshot.fields[name])
+                assert found[name].attrs["units"] == FIELDS[name].units
+            for body in ("sphere", "disc"):
+                heights = worn_heights(result, snapshot, body)
+                np.testing.assert_array_equal(found[f"height_{body}"][number], heights)
+        assert found.attrs["Conventions"].startswith("CF-")
+        assert found.attrs["title"] == "v3-fine"
+        assert found.attrs["comment"] == EVIL
+        assert found.attrs["source"] == f"warpwear {result.attributes['version']}"
+        assert "exported by warpwear" in found.attrs["history"]
+        assert found.attrs["study"] == result.study.to_toml()
+
+
+def test_netcdf_of_a_track_has_all_of_it(tmp_path: Path, swept: Result) -> None:
+    needs("netcdf")
+    import xarray
+
+    (path,) = export(swept, tmp_path, formats=["netcdf"], snapshot=-1)
+    with xarray.open_dataset(path, engine="h5netcdf") as found:
+        last = swept.snapshot(-1)
+        assert found["wear_disc"].dims == ("distance", "track_x", "y")
+        np.testing.assert_array_equal(found["distance"], [last.distance])
+        np.testing.assert_array_equal(found["wear_disc"][0], last.wear_disc)
+        assert last.plastic_disc is not None
+        worn = swept.track_heights() - last.wear_disc - last.plastic_disc
+        np.testing.assert_allclose(found["height_track"][0], worn, atol=1e-18)
+        assert int(found["track_row"][0]) == last.row
+
+
+def test_fields_can_be_chosen(tmp_path: Path, result: Result) -> None:
+    export(result, tmp_path, formats=["vti", "csv"], fields=["pressure"], bodies=["disc"])
+    assert set(Vtk(tmp_path / "fields_0000.vti").arrays) == {"pressure [MPa]"}
+    assert (tmp_path / "fields.csv").read_text().splitlines()[0] == "x [mm],y [mm],pressure [MPa]"
+    assert not (tmp_path / "sphere_0000.vts").exists()
+
+
+def read_x3p(path: Path) -> tuple[Any, dict[str, str], dict[str, bytes]]:
+    """Heights [m] of a .x3p file, shape (nx, ny), the texts of its main.xml by path, and its parts."""
+    with zipfile.ZipFile(path) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    root = ElementTree.fromstring(parts["main.xml"])
+    assert root.tag == "{http://www.opengps.eu/2008/ISO5436_2}ISO5436_2"
+    texts: dict[str, str] = {}
+
+    def walk(element: Any, place: str) -> None:
+        for child in element:
+            texts[f"{place}{child.tag}"] = (child.text or "").strip()
+            walk(child, f"{place}{child.tag}/")
+
+    walk(root, "")
+    shape = [int(texts[f"Record3/MatrixDimension/Size{axis}"]) for axis in "YX"]
+    data = np.frombuffer(parts[texts["Record3/DataLink/PointDataLink"]], "<f8").reshape(shape)
+    return data.T, texts, parts
+
+
+@pytest.mark.parametrize("body", ["sphere", "disc"])
+def test_x3p_is_what_the_standard_says(tmp_path: Path, result: Result, body: str) -> None:
+    export(result, tmp_path, formats=["x3p"], bodies=[body])
+    data, texts, parts = read_x3p(tmp_path / f"{body}_worn.x3p")
+    heights = worn_heights(result, result.snapshot(-1), body)
+    np.testing.assert_allclose(1e3 * data, heights, rtol=1e-15)
+    for axis in "XY":
+        assert texts[f"Record1/Axes/C{axis}/AxisType"] == "I"
+        assert float(texts[f"Record1/Axes/C{axis}/Increment"]) == pytest.approx(20e-6)
+        assert float(texts[f"Record1/Axes/C{axis}/Offset"]) == pytest.approx(1e-3 * result.x[0])
+    assert texts["Record1/Axes/CZ/AxisType"] == "A"
+    assert texts["Record1/Axes/CZ/DataType"] == "D"
+    assert texts["Record1/Revision"] == "ISO5436 - 2000"
+    # The file of sums is that of main.xml, which holds those of the others.
+    assert parts["md5checksum.hex"].decode().split() == [
+        hashlib.md5(parts["main.xml"]).hexdigest(),
+        "*main.xml",
+    ]
+    assert (
+        texts["Record3/DataLink/MD5ChecksumPointData"] == hashlib.md5(parts["bindata/data.bin"]).hexdigest()
+    )
+    if body == "sphere":
+        valid = np.unpackbits(np.frombuffer(parts["bindata/valid.bin"], "u1"), bitorder="little")
+        np.testing.assert_array_equal(
+            valid[: heights.size].reshape(heights.shape[::-1]).T, np.isfinite(heights)
+        )
+    else:
+        assert "bindata/valid.bin" not in parts
+
+
+@pytest.mark.parametrize("ending", ["x3p", "sdf"])
+def test_other_readers_give_the_same_heights(tmp_path: Path, swept: Result, ending: str) -> None:
+    """A track is no square: swapped axes would show."""
+    needs("sdf")
+    io = pytest.importorskip("SurfaceTopography")
+    export(swept, tmp_path, formats=[ending], bodies=["track"])
+    topography = io.read_topography(str(tmp_path / f"track_worn.{ending}")).to_unit("mm")
+    last = swept.snapshot(-1)
+    worn = swept.track_heights() - last.wear_disc - last.plastic_disc
+    np.testing.assert_allclose(topography.heights(), worn, rtol=1e-9, atol=1e-14)
+    cell = swept.study.grid.cell
+    assert topography.physical_sizes == pytest.approx((cell * worn.shape[0], cell * worn.shape[1]))
+    surfalize = pytest.importorskip("surfalize")
+    surface = surfalize.Surface.load(str(tmp_path / f"track_worn.{ending}"))
+    np.testing.assert_allclose(np.ptp(surface.data, axis=1), 1e3 * np.ptp(worn, axis=0), rtol=1e-6)
+    assert (surface.step_x, surface.step_y) == pytest.approx((1e3 * cell, 1e3 * cell))
+
+
+def read_stl(path: Path) -> Any:
+    """Corners of the triangles [mm], shape (triangles, 3, 3); their normals are looked at."""
+    content = path.read_bytes()
+    (count,) = struct.unpack("<I", content[80:84])
+    assert len(content) == 84 + 50 * count
+    assert not content.startswith(b"solid")
+    facets = np.frombuffer(content[84:], [("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")])
+    corners = facets["v"].astype(np.float64)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    np.testing.assert_allclose(facets["n"], normals, atol=2e-3)
+    return corners
+
+
+def is_closed(corners: Any) -> bool:
+    """Whether each edge of a triangle runs once in either direction."""
+    _, names = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    names = names.reshape(-1, 3)
+    edges = np.concatenate([names[:, [0, 1]], names[:, [1, 2]], names[:, [2, 0]]])
+    there, counts = np.unique(edges, axis=0, return_counts=True)
+    back = np.unique(edges[:, ::-1], axis=0)
+    return bool((counts == 1).all()) and np.array_equal(there, back)
+
+
+@pytest.mark.parametrize("body", ["sphere", "disc"])
+@pytest.mark.parametrize("exaggeration", [1.0, 10.0])
+def test_stl_is_a_closed_solid(tmp_path: Path, result: Result, body: str, exaggeration: float) -> None:
+    export(result, tmp_path, formats=["stl"], bodies=[body], exaggeration=exaggeration)
+    corners = read_stl(tmp_path / f"{body}_worn.stl")
+    assert is_closed(corners)
+    heights = worn_heights(result, result.snapshot(-1), body)
+    approach = result.history["approach"][-1]
+    z = exaggeration * (heights if body == "disc" else -heights - approach)
+    thickness = 0.1 * (result.x[-1] - result.x[0])
+    back = np.nanmin(z) - thickness if body == "disc" else np.nanmax(z) + thickness
+    # Under two triangles of a quad a - b - c and a - c - d lies the mean of a, a, b, c, c, d.
+    depth = np.abs(z - back)
+    a, b, c, d = depth[:-1, :-1], depth[1:, :-1], depth[1:, 1:], depth[:-1, 1:]
+    volume = np.nansum((2 * a + b + 2 * c + d) / 6.0) * result.study.grid.cell**2
+    first, second, third = corners.swapaxes(0, 1)
+    assert np.sum(np.cross(first, second) * third) / 6.0 == pytest.approx(volume, rel=1e-6)
+    whole = body == "disc"
+    assert (
+        corners[..., 0].min() == pytest.approx(result.x[0]) if whole else corners[..., 0].min() > result.x[0]
+    )
+    ends = sorted([back, np.nanmax(z) if whole else np.nanmin(z[1:-1, 1:-1])])
+    assert (corners[..., 2].min(), corners[..., 2].max()) == pytest.approx(ends)
+
+
+def test_another_reader_reads_the_stl(tmp_path: Path, result: Result) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    export(result, tmp_path, formats=["stl"])
+    for body in ("sphere", "disc"):
+        mesh = trimesh.load(tmp_path / f"{body}_worn.stl")
+        assert mesh.is_watertight
+        assert mesh.is_winding_consistent
+        assert mesh.volume > 0.0
+
+
+def test_points_are_means_of_blocks(tmp_path: Path, result: Result) -> None:
+    export(result, tmp_path, formats=["npy", "csv"], points=25, bodies=["disc"], fields=["wear_disc"])
+    heights = worn_heights(result, result.snapshot(-1), "disc")
+    means = heights.reshape(25, 3, 25, 3).mean(axis=(1, 3))
+    np.testing.assert_allclose(np.load(tmp_path / "disc_worn.npy"), means, rtol=1e-12)
+    table = np.loadtxt(tmp_path / "fields.csv", delimiter=",", skiprows=1)
+    assert table.shape == (625, 3)
+    np.testing.assert_allclose(table[::25, 0], result.x.reshape(25, 3).mean(axis=1), rtol=1e-11)
+    # so that volumes stay
+    assert table[:, 2].sum() * 9 == pytest.approx(result.snapshot(-1).wear_disc.sum())
+
+
+def test_csv_has_labelled_columns(tmp_path: Path, result: Result) -> None:
+    export(result, tmp_path, formats=["csv"], snapshot="3 mm")
+    snapshot = result.at("3 mm")
+    with (tmp_path / "fields.csv").open(newline="", encoding="utf-8") as file:
+        header, *rows = list(csv.reader(file))
+    assert header[:4] == ["x [mm]", "y [mm]", "pressure [MPa]", "wear_sphere [mm]"]
+    assert header[-2:] == ["height_sphere [mm]", "height_disc [mm]"]
+    table = np.array(rows, dtype=float)
+    shape = snapshot.pressure.shape
+    np.testing.assert_allclose(table[:, 0].reshape(shape)[:, 0], result.x, rtol=1e-11)
+    np.testing.assert_allclose(table[:, 1].reshape(shape)[0], result.y, rtol=1e-11)
+    np.testing.assert_allclose(table[:, 2].reshape(shape), snapshot.pressure, rtol=1e-11)
+    heights = worn_heights(result, snapshot, "sphere")
+    np.testing.assert_allclose(table[:, -2].reshape(shape), heights, rtol=1e-11)
+    middle = shape[0] // 2
+    along = np.loadtxt(tmp_path / "profile_along.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(along[:, 1], snapshot.pressure[:, middle], rtol=1e-11)
+    across = np.loadtxt(tmp_path / "profile_across.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(across[:, 0], result.y, rtol=1e-11)
+    np.testing.assert_allclose(across[:, 3], snapshot.wear_disc[middle], rtol=1e-11)
+
+
+def test_several_snapshots_have_numbers(tmp_path: Path, result: Result) -> None:
+    paths = result.export(tmp_path, formats=["npy"], snapshot=[0, "30 mm"], bodies=["disc"])
+    assert [path.name for path in paths] == ["disc_worn_0000.npy", "disc_worn_0002.npy"]
+    assert np.array_equal(np.load(paths[0]), worn_heights(result, result.snapshot(0), "disc"))
+
+
+def test_a_track_shows_the_sphere_where_it_is(tmp_path: Path, swept: Result) -> None:
+    export(swept, tmp_path, formats=["vti"], bodies=["sphere", "track"])
+    last = swept.snapshot(-1)
+    sphere = Vtk(tmp_path / "sphere_0001.vts").arrays["points [mm]"]
+    middle = sphere[sphere.shape[0] // 2, 0, 0]
+    assert middle == pytest.approx(swept.history["position"][-1], abs=swept.study.grid.cell)
+    track = Vtk(tmp_path / "track_fields_0001.vti")
+    np.testing.assert_array_equal(track.arrays["wear_disc [mm]"], last.wear_disc)
+    fields = Vtk(tmp_path / "fields_0001.vti")
+    np.testing.assert_array_equal(fields.arrays["wear_disc [mm]"], last.wear_beneath)
+
+
+def test_a_track_is_a_table_of_its_own(tmp_path: Path, swept: Result) -> None:
+    export(swept, tmp_path, formats=["csv"], bodies=["track"], fields=["wear_disc", "pressure"])
+    last = swept.snapshot(-1)
+    table = np.loadtxt(tmp_path / "track_fields.csv", delimiter=",", skiprows=1)
+    assert (tmp_path / "track_fields.csv").read_text().startswith("x [mm],y [mm],wear_disc [mm]\n")
+    columns = [values.reshape(last.wear_disc.shape) for values in table.T]
+    np.testing.assert_allclose(columns[0][:, 0], swept.track_x, rtol=1e-11)
+    np.testing.assert_allclose(columns[1][0], swept.y, rtol=1e-11)
+    np.testing.assert_allclose(columns[2], last.wear_disc, rtol=1e-11)
+    under = np.loadtxt(tmp_path / "fields.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(under[:, 2].reshape(last.pressure.shape), last.wear_beneath, rtol=1e-11)
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_every_format_writes_every_kind_of_run(tmp_path: Path, name: str) -> None:
+    needs(name)
+    kinds: dict[str, dict[str, Any]] = {
+        "two-scale": {"grid.cell": "25 um", "sliding.distance": "1 mm", "disc.synthetic.cut_off": "50 um"},
+        "v1": {"sliding.distance": "0 mm"},
+    }
+    for kind, changes in kinds.items():
+        result = warpwear.run(Study.load(kind).replace(changes))
+        paths = export(result, tmp_path / kind, formats=[name])
+        assert paths
+        assert all(path.stat().st_size > 0 for path in paths)
+        assert {path.name for path in paths} == {path.name for path in (tmp_path / kind).iterdir()}
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_names_are_harmless(tmp_path: Path, result: Result, name: str) -> None:
+    """A description, a name beyond what studies allow, and a folder with what HTML, XML and shells mean."""
+    needs(name)
+    about = result.study.study.model_copy(update={"name": EVIL})
+    study = result.study.model_copy(update={"study": about})
+    named = Named(result, study)
+    folder = tmp_path / "<b> $HOME & 'x' \"y\""
+    for path in export(named, folder, formats=[name]):  # type: ignore[arg-type]
+        if path.suffix in (".vti", ".vts", ".pvd"):
+            ElementTree.parse(path)
+        if path.suffix in (".vti", ".vts"):
+            assert Vtk(path).texts["study"] == EVIL
+        if path.suffix == ".x3p":
+            assert EVIL in read_x3p(path)[1]["Record2/Comment"]
+        assert b"<script>" not in path.read_bytes() or path.suffix == ".nc"  # whose texts nobody interprets
+
+
+class Named:
+    """A result whose study bears another name."""
+
+    def __init__(self, result: Result, study: Study) -> None:
+        self._result, self.study = result, study
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._result, name)
+
+
+def test_bad_input(tmp_path: Path, result: Result, swept: Result) -> None:
+    def refused(words: str, **how: Any) -> None:
+        with pytest.raises(InputError, match=words):
+            export(result, tmp_path / "out", **how)
+
+    refused(
+        "format = 'obj' is not known; allowed: sdf, xyz, npy, x3p, stl, csv, vti, netcdf", formats=["obj"]
+    )
+    refused("body = 'track' is not known; allowed: sphere, disc", formats=["stl"], bodies=["track"])
+    refused("field = 'heat' is not known; allowed: pressure", formats=["csv"], fields=["heat"])
+    refused("fields changes nothing in stl; it is for csv, vti, netcdf", formats=["stl"], fields=["gap"])
+    refused("points = 1 make no surface; allowed: 2 or more", formats=["stl"], points=1)
+    refused("exaggeration = 0 is not possible", formats=["stl"], exaggeration=0.0)
+    refused("exaggeration = nan is not possible", formats=["stl"], exaggeration=float("nan"))
+    refused("snapshot = 3 is not in this result; allowed: 0 to 2, -1 is the last, a", snapshot=3)
+    refused("'7 mm': no snapshot is kept there; allowed: 1 mm, 3 mm, 30 mm", snapshot="7 mm")
+    refused(
+        "field = 'bare' is not known; .*gap, height_sphere, height_disc", formats=["csv"], fields=["bare"]
+    )
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_missing_package_is_named(tmp_path: Path, result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exporting, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"'netcdf' needs the package xarray: pip install 'warpwear\[io\]'"):
+        export(result, tmp_path / "out", formats=["netcdf"])
+    assert not (tmp_path / "out").exists()
+
+
+def test_all_or_nothing(tmp_path: Path, result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disk that fills up at the last file leaves what was there, and nothing new."""
+    (tmp_path / "disc.pvd").write_text("mine")
+    with pytest.raises(InputError, match=r"already holds disc\.pvd"):
+        export(result, tmp_path, formats=["npy", "vti"])
+
+    def full(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("warpwear.results.formats.vtk._write_film", full)
+    for folder in (tmp_path, tmp_path / "new"):
+        with pytest.raises(InputError, match="cannot be written: No space left on device"):
+            export(result, folder, formats=["npy", "vti"], overwrite=True)
+    assert [path.name for path in tmp_path.iterdir()] == ["disc.pvd"]
+    assert (tmp_path / "disc.pvd").read_text() == "mine"
+
+
+def test_the_command(tmp_path: Path) -> None:
+    study = Study.load("v3-fine").replace({"grid.cell": "50 um", "sliding.distance": "3 mm"})
+    warpwear.run(study, out=tmp_path / "run", plots=False).close()
+    called = ["export", str(tmp_path / "run"), "--format", "x3p", "--format", "vti", "--snapshot", "-1"]
+    done = CliRunner().invoke(commands, [*called, "--field", "pressure", "--body", "disc"])
+    assert done.exit_code == 0, done.output
+    names = [Path(line).name for line in done.output.splitlines()]
+    count = Result.open(tmp_path / "run").snapshot_distances.size - 1
+    images = [f"fields_{count:04d}.vti", f"disc_{count:04d}.vts", "fields.pvd", "disc.pvd"]
+    assert names == ["disc_worn.x3p", *images]
+    assert sorted(names) == sorted(path.name for path in (tmp_path / "run" / "export").iterdir())
+    again = CliRunner().invoke(commands, called)
+    assert isinstance(again.exception, InputError)
+    shown = CliRunner().invoke(commands, ["export", "--help"]).output
+    assert all(name in shown for name in FORMATS)

@@ -1,0 +1,1 @@
+"""Formats of other software, into which worn bodies and fields are written."""

@@ -1,0 +1,227 @@
+"""Heights of the worn bodies, and what of a snapshot is written for other software."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.history.quantities import FIELDS, OF_THE_TRACK, Quantity
+from warpwear.history.snapshot import Snapshot
+from warpwear.results.file import ResultFile
+from warpwear.study.surface import surface_in
+from warpwear.surfaces.sphere import sag
+
+#: Bodies over the domain of the contact; a swept run has its whole track, too.
+BODIES, TRACK = ("sphere", "disc"), "track"
+#: All rows or columns of a field.
+ALL = slice(None)
+#: A gap beyond this stands for a place beyond the sphere's rim [mm].
+NO_SURFACE = 1.0e20
+#: Heights of worn bodies, as fields beside those of a snapshot.
+HEIGHTS = {
+    "height_sphere": Quantity(
+        "height_sphere", "mm", "height of the worn sphere out of its material, 0 at the unworn apex", "cell"
+    ),
+    "height_disc": Quantity(
+        "height_disc", "mm", "height of the worn disc out of its material, over its mean plane", "cell"
+    ),
+    "height_track": Quantity(
+        "height_track",
+        "mm",
+        "height of the worn track out of its material, over its mean plane",
+        "cell",
+        "track",
+    ),
+}
+#: Every field that can be written, by name.
+WRITABLE = FIELDS | HEIGHTS
+#: Fields on the track of a swept run; its disc beneath the sphere has a height of its own.
+ON_THE_TRACK = (*OF_THE_TRACK, "height_track")
+
+
+def worn_heights(
+    result: ResultFile, snapshot: Snapshot, body: str, part: tuple[slice, slice] = (ALL, ALL)
+) -> FloatArray:
+    """Heights of a worn body [mm], positive out of its material, shape (nx, ny) or that of a part of it.
+
+    The disc's are over its mean plane, the sphere's over the apex it had, so that its cap lies below 0.
+    Beyond the sphere's edge the sphere is NaN and the disc as it was before; NaN too if its file is gone, and
+    of a swept run, whose disc is what lies under the sphere. Where the patches of a two-scale
+    run cover nothing both are NaN.
+    """
+    curvature = result.study.sphere.curvature
+    radius = 1.0 / curvature if curvature else np.inf
+    x, y, gap = result.x[part[0]], result.y[part[1]], snapshot.gap[part]
+    sphere = sag(x, y, radius=radius) + snapshot.wear_sphere[part]
+    with np.errstate(invalid="ignore"):  # beyond the sphere's edge
+        heights = -sphere if body == "sphere" else sphere - gap
+    not_covered = np.isnan(gap)  # by the patches of a two-scale run
+    beyond = (~np.isfinite(sphere) | (gap > NO_SURFACE)) & ~not_covered
+    heights[beyond | not_covered] = np.nan
+    if body == "disc" and beyond.any() and snapshot.row is None:
+        with suppress(InputError):
+            heights[beyond] = surface_in(result.study).heights(x, y)[beyond]
+    return heights
+
+
+@dataclass(frozen=True)
+class Body:
+    """A worn body at one snapshot: heights [mm] out of its material, shape (nx, ny), NaN where it has none.
+
+    Axis 0 of the heights runs along the sliding direction.
+    """
+
+    name: str  # sphere, disc or track
+    title: str  # what it is of, for people
+    x: FloatArray  # middles of the cells [mm], shape (nx,)
+    y: FloatArray  # shape (ny,)
+    heights: FloatArray
+    approach: float = 0.0  # by which the sphere has come down [mm]
+
+    @property
+    def upwards(self) -> bool:
+        """Whether its material lies below it: not that of the sphere, which comes down on the disc."""
+        return self.name != "sphere"
+
+    @property
+    def z(self) -> FloatArray:
+        """Height in space [mm], shape (nx, ny): 0 is the disc's mean plane, the sphere hangs over it."""
+        return self.heights if self.upwards else -self.heights - self.approach
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Fields at one snapshot over one grid, each of shape (nx, ny), by name; units are those of `WRITABLE`.
+
+    NaN stands for what is not there.
+    """
+
+    name: str  # fields or track_fields
+    distance: float  # [mm]
+    x: FloatArray  # middles of the cells [mm], shape (nx,)
+    y: FloatArray  # shape (ny,)
+    fields: dict[str, FloatArray]
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is to be written: which snapshots, bodies and fields of a result.
+
+    points: most along a side, of which each is the mean of a block of cells; None for every cell.
+    exaggeration: of the heights in space.
+    """
+
+    result: ResultFile
+    numbers: tuple[int, ...]
+    bodies: tuple[str, ...] = BODIES
+    fields: tuple[str, ...] = tuple(WRITABLE)
+    points: int | None = None
+    exaggeration: float = 1.0
+    _kept: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    def suffix(self, number: int) -> str:
+        """What tells a snapshot's file from others of its kind: nothing where there is one."""
+        return f"_{number:04d}" if len(self.numbers) > 1 else ""
+
+    @property
+    def sheets(self) -> tuple[str, ...]:
+        """Names of the sheets: the domain of the contact, and the track where it is asked for."""
+        has_track = TRACK in self.bodies and any(name in ON_THE_TRACK for name in self.fields)
+        return ("fields", "track_fields") if has_track else ("fields",)
+
+    def snapshot(self, number: int) -> Snapshot:
+        """The snapshot of a number; it is kept, with heights made of it, until another is asked for."""
+        if self._kept.get("number") != number:
+            self._kept.clear()
+            self._kept.update(number=number, snapshot=self.result.snapshot(number))
+        found: Snapshot = self._kept["snapshot"]
+        return found
+
+    def _heights(self, body: str, number: int) -> FloatArray:
+        """Heights of a worn body at the snapshot of a number [mm], that of the track over all its rows."""
+        snapshot = self.snapshot(number)
+        if body not in self._kept:
+            if body != TRACK:
+                self._kept[body] = worn_heights(self.result, snapshot, body)
+            else:
+                lost = snapshot.wear_disc + (0.0 if snapshot.plastic_disc is None else snapshot.plastic_disc)
+                self._kept[body] = self.result.track_heights() - lost
+        found: FloatArray = self._kept[body]
+        return found
+
+    def body(self, name: str, number: int) -> Body:
+        """A worn body at the snapshot of a number, reduced to `points`."""
+        result, snapshot = self.result, self.snapshot(number)
+        title = f"{result.study.study.name}: worn {name} after {snapshot.distance:g} mm of sliding"
+        x, heights = result.track_x if name == TRACK else result.x, self._heights(name, number)
+        history = result.history
+        row = np.searchsorted(history["distance"], snapshot.distance * (1.0 - 1.0e-12))
+        approach = float(history["approach"][min(int(row), history["approach"].size - 1)])
+        if not abs(approach) < NO_SURFACE:
+            raise InputError(
+                f"the result's approach at {snapshot.distance:g} mm is {approach:g} mm, which is none"
+            )
+        x, y, found = self._reduced(x, {"heights": heights})
+        return Body(name, title, x, y, found["heights"], approach)
+
+    def sheet(self, name: str, number: int, *, whole_disc: bool = False) -> Sheet:
+        """The fields asked for at the snapshot of a number, reduced to `points`.
+
+        whole_disc: of a swept run the fields of its disc stand in the sheet of the track alone, not as what
+        lies beneath the sphere in that of the domain, too.
+        """
+        result, snapshot = self.result, self.snapshot(number)
+        on_track = name == "track_fields"
+        swept = snapshot.row is not None
+        found: dict[str, FloatArray] = {}
+        for key in self.fields:
+            of_track = swept and key in ON_THE_TRACK
+            if on_track != of_track and (on_track or whole_disc or key not in OF_THE_TRACK):
+                continue
+            if key in snapshot.fields:
+                values = snapshot.fields[key]
+                found[key] = snapshot.beneath(values) if of_track and not on_track else values
+            elif key in HEIGHTS and (key != "height_track" or swept):
+                found[key] = self._heights(key.removeprefix("height_"), number)
+        if "gap" in found:
+            found["gap"] = np.where(found["gap"] > NO_SURFACE, np.nan, found["gap"])
+        x = result.track_x if on_track else result.x
+        return Sheet(name, snapshot.distance, *self._reduced(x, found))
+
+    def along(self, number: int) -> float:
+        """Where the sphere's apex is along the track [mm]; 0 where the track is not among the bodies."""
+        row = self.snapshot(number).row
+        return (
+            float(self.result.track_x[row] - self.result.x[0])
+            if row is not None and TRACK in self.bodies
+            else 0.0
+        )
+
+    def _reduced(
+        self, x: FloatArray, fields: dict[str, FloatArray]
+    ) -> tuple[FloatArray, FloatArray, dict[str, FloatArray]]:
+        """Means over blocks of cells, at most `points` a side; a block cut short at an end is left out."""
+        y = self.result.y
+        if self.points is not None:
+            along, across = (-(-side.size // self.points) for side in (x, y))
+            nx, ny = x.size // along, y.size // across
+            x, y = x[: nx * along].reshape(nx, along).mean(1), y[: ny * across].reshape(ny, across).mean(1)
+            for name, values in fields.items():
+                blocks = values[: nx * along, : ny * across].reshape(nx, along, ny, across)
+                fields[name] = blocks.mean(axis=(1, 3))
+        return x, y, fields
+
+
+class Write(Protocol):
+    """Writes one file to a path."""
+
+    def __call__(self, path: Path) -> None: ...
+
+
+#: Name of a file, and what writes it.
+Files = Iterator[tuple[str, Write]]

@@ -1,0 +1,108 @@
+"""Worn bodies as files of surface metrology: .sdf (ISO 25178-71) and .x3p (ISO 5436-2, ISO 25178-72)."""
+
+import hashlib
+import zipfile
+from datetime import UTC, datetime
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.errors import printable
+from warpwear.results.formats.bodies import Body
+from warpwear.version import __version__
+
+sdfio = lazy.module("sdfio")
+
+#: Metres of a millimetre: the unit of both formats.
+METRES = 1.0e-3
+#: Namespace of the root of main.xml, which ISO 5436-2 gives it.
+NAMESPACE = "http://www.opengps.eu/2008/ISO5436_2"
+#: Names in the archive of a .x3p file.
+MAIN, SUMS, POINTS, VALID = "main.xml", "md5checksum.hex", "bindata/data.bin", "bindata/valid.bin"
+
+
+def _spacing(body: Body) -> tuple[float, float]:
+    """Distances of the points along x and y [m]."""
+    x, y = ((side[-1] - side[0]) / max(side.size - 1, 1) * METRES for side in (body.x, body.y))
+    return float(x), float(y)
+
+
+def write_sdf(path: Path, body: Body) -> None:
+    """Write the heights of a body as ASCII .sdf; a profile of the file runs along the sliding direction."""
+    x, y = _spacing(body)
+    metadata = sdfio.Metadata(revision=sdfio.Revision.ISO_1_0, manufacturer_id="warpwear")
+    data = METRES * body.heights.T
+    with path.open("wb") as file:
+        sdfio.write(file, data, x_scale=x, y_scale=y, format=sdfio.FileFormat.ASCII, metadata=metadata)
+
+
+def write_x3p(path: Path, body: Body) -> None:
+    """Write the heights of a body as .x3p: float64 in metres, x along the sliding direction and fastest.
+
+    Points that are not there are NaN, and marked in the archive's list of valid points. Offsets of the axes
+    are the place of the first point from the middle of the contact.
+    """
+    heights = METRES * body.heights.T
+    there = np.isfinite(heights)
+    data = np.where(there, heights, np.nan).astype("<f8").tobytes()
+    parts = {POINTS: data}
+    if not there.all():
+        parts[VALID] = np.packbits(there.ravel(), bitorder="little").tobytes()
+    main = _main_xml(body, {name: _md5(content) for name, content in parts.items()})
+    parts = {MAIN: main, SUMS: f"{_md5(main)} *{MAIN}\n".encode(), **parts}
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in parts.items():
+            archive.writestr(name, content)
+
+
+def _md5(content: bytes) -> str:
+    return hashlib.md5(content, usedforsecurity=False).hexdigest()
+
+
+def _main_xml(body: Body, sums: dict[str, str]) -> bytes:
+    """The description of a .x3p file, in the order of its schema. sums: MD5 by name of the binary parts."""
+    ElementTree.register_namespace("p", NAMESPACE)
+    root = ElementTree.Element(f"{{{NAMESPACE}}}ISO5436_2")
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    x, y = _spacing(body)
+    axes = {
+        "CX": {"AxisType": "I", "DataType": "D", "Increment": x, "Offset": METRES * float(body.x[0])},
+        "CY": {"AxisType": "I", "DataType": "D", "Increment": y, "Offset": METRES * float(body.y[0])},
+        "CZ": {"AxisType": "A", "DataType": "D", "Increment": 1.0, "Offset": 0.0},
+    }
+    link = {"PointDataLink": POINTS, "MD5ChecksumPointData": sums[POINTS]}
+    if VALID in sums:
+        link |= {"ValidPointsLink": VALID, "MD5ChecksumValidPoints": sums[VALID]}
+    instrument = {"Manufacturer": "warpwear", "Model": "warpwear", "Serial": "none", "Version": __version__}
+    _add(
+        root,
+        {
+            "Record1": {"Revision": "ISO5436 - 2000", "FeatureType": "SUR", "Axes": axes},
+            "Record2": {
+                "Date": now,
+                "Instrument": instrument,
+                "CalibrationDate": now,
+                "ProbingSystem": {"Type": "Software", "Identification": "computed, not measured"},
+                "Comment": f"{printable(body.title)}; sliding is along x, heights are out of the material",
+            },
+            "Record3": {
+                "MatrixDimension": {"SizeX": body.x.size, "SizeY": body.y.size, "SizeZ": 1},
+                "DataLink": link,
+            },
+            "Record4": {"ChecksumFile": SUMS},
+        },
+    )
+    ElementTree.indent(root)
+    return bytes(ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True))
+
+
+def _add(parent: ElementTree.Element, content: dict[str, object]) -> None:
+    """Add elements by name, a number with all its digits; their own names have no namespace."""
+    for name, value in content.items():
+        child = ElementTree.SubElement(parent, name)
+        if isinstance(value, dict):
+            _add(child, value)
+        else:
+            child.text = str(value)
