@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 #: Passes in one figure.
 SHOWN = 4
-#: More decades of passes than this have a number at each only.
-DECADES = 2.2
 
 
 @fs.panels(2)
@@ -127,19 +125,6 @@ def track_roughness(axes: Axes, data: "FigureData") -> None:
     table = data.track_roughness
     for name, (label, line) in PARAMETERS.items():
         axes.plot(table["passes"], table[name], label=label, ms=3, **line)
-    _passes_from_none(axes, table["passes"])
+    fs.scale_from_unworn(axes, table["passes"], "passes, –")
     axes.set(ylabel="roughness in the groove, µm", ylim=(0.0, None))
     fs.legend_above(axes, columns=5)
-
-
-def _passes_from_none(axes: Axes, passes: FloatArray) -> None:
-    """Make a logarithmic axis of passes, before which 0, the unworn track, has a place of its own."""
-    first, last = np.log10(passes[1]), np.log10(passes[-1])
-    start = 10.0 ** np.floor(first)
-    axes.set_xscale("symlog", linthresh=start, linscale=0.5)
-    digits = (1.0, 2.0, 5.0) if last - first < DECADES else (1.0,)
-    ticks = [digit * 10.0**power for power in range(round(np.log10(start)), 10) for digit in digits]
-    axes.set_xticks([0.0, *(tick for tick in ticks if tick <= 1.05 * passes[-1])])
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}" if value else "unworn")
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.set(xlabel="passes, –", xlim=(0.0, 1.15 * passes[-1]))

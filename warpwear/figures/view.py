@@ -39,6 +39,14 @@ class FilmState(IntEnum):
 
 
 @dataclass(frozen=True)
+class FittedCof:
+    """A measured coefficient of friction that fixes the shear strength, so that it is an input."""
+
+    value: float
+    at_end: bool  # or at the start
+
+
+@dataclass(frozen=True)
 class About:
     """What figures say of a study."""
 
@@ -50,6 +58,7 @@ class About:
     friction_area: str  # which area shears
     shear: str  # where the shear strength comes from
     lap: float | None  # slid in a pass [mm]; None where the disc lies still
+    fitted_cof: FittedCof | None  # None where the shear strength is given
 
     def name_of(self, body: str) -> str:
         """Return what a figure calls the body "sphere" or "disc"."""
