@@ -160,7 +160,7 @@ def test_ticks_are_plain_numbers(results: dict[str, Result]) -> None:
         assert ticks
         assert not any("$" in tick for tick in ticks), ticks
     assert [short(value) for value in (0.002, 4.0, 2e4, 1e-5, 3e6, -1e-4)] == [
-        "0.002", "4", "20000", "10⁻⁵", "3·10⁶", "-1·10⁻⁴",
+        "0.002", "4", "20\u202f000", "10⁻⁵", "3·10⁶", "-1·10⁻⁴",
     ]  # fmt: skip
 
 

@@ -49,7 +49,7 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def figures_in(folder: Path) -> dict[str, Path]:
-    return {path.stem: path for path in (folder / "figures").iterdir()}
+    return {path.stem: path for path in (folder / "figures").glob("*.png")}
 
 
 @pytest.mark.usefixtures("two_cores")

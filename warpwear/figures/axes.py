@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LightSource, LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from warpwear.figures import style as fs
@@ -69,8 +69,9 @@ def maps_of(
     draw: Callable[[Any, Shown], None],
     *,
     finish: Callable[[Any], None] = lambda figure: None,
+    rows: int = 1,
 ) -> Figure:
-    """Draw each of what is shown in a square panel of its own, which `draw` gets with it, side by side.
+    """Draw each of what is shown in a square panel of its own, which `draw` gets with it, row after row.
 
     finish: gets the figure, for a legend or a colour bar of all panels.
     """
@@ -84,7 +85,7 @@ def maps_of(
         finish(panel.figure)
         _tidy(axes)
 
-    return fs.new_figure(draw_all, columns=len(shown), fixed=True, square=True)
+    return fs.new_figure(draw_all, rows=rows, columns=len(shown) // rows, fixed=True, square=True)
 
 
 def panels_of(axes: Any, shown: Sequence[Shown]) -> Iterator[tuple[Axes, Shown]]:
@@ -112,7 +113,7 @@ def _tell_scale(panel: Axes) -> None:
     size, place = panel.figure.get_size_inches(), panel.get_position()
     (x0, x1), (y0, y1) = panel.get_xlim(), panel.get_ylim()
     ratio = 1e3 * (size[1] * place.height / (y1 - y0)) / (size[0] * place.width / (x1 - x0))
-    panel.set_title(f"heights drawn {ratio:.2g} times as large" if ratio < 95.0 else f"heights drawn {fs.in_thousands(float(f'{ratio:.2g}'))} times as large")
+    panel.set_title(f"heights drawn {fs.short(float(f'{ratio:.2g}'))} times as large")
 
 
 def draw_map(
@@ -252,8 +253,10 @@ def _on_circles(*fields: FloatArray) -> tuple[FloatArray, ...]:
     x, y = (0.5 * (n - 1) + radius * part for part in (np.cos(angle), np.sin(angle)))
     i, j = (np.clip(at.astype(int), 0, n - 2) for at in (x, y))
     u, v = x - i, y - j
-    parts = ((i, j, (1 - u) * (1 - v)), (i + 1, j, u * (1 - v)), (i, j + 1, (1 - u) * v), (i + 1, j + 1, u * v))
-    return tuple(sum(weight * field[a, b] for a, b, weight in parts) for field in fields)
+    left, right = (1.0 - u, i), (u, i + 1)
+    below, above = (1.0 - v, j), (v, j + 1)
+    parts = [(wx * wy, a, b) for wx, a in (left, right) for wy, b in (below, above)]
+    return tuple(np.sum([weight * field[a, b] for weight, a, b in parts], axis=0) for field in fields)
 
 
 def _lit(heights: FloatArray, step: float, colour: str, low: float, high: float) -> FloatArray:

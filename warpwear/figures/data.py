@@ -86,7 +86,8 @@ class FigureData:
         study, friction = self.study, self.study.friction
         fitted = None
         if friction.shear_strength is not None:
-            shear = f"shear strength {friction.shear_strength:g} MPa, as given"
+            film = f", film {friction.film.shear_strength:g} MPa" if friction.film else ""
+            shear = f"shear strength {friction.shear_strength:g} MPa{film}, as given"
         else:
             whole = "the end" if friction.calibrate == "end" else "the start"
             passed = "in the last pass" if friction.calibrate == "end" else "in the first pass"

@@ -4,13 +4,13 @@ Where a sphere slides over a track, steps that are cut short are not drawn, exce
 the means of many passes are drawn over their steps, which vary along the track.
 """
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
+from warpwear.figures.view import PASSES, last_at_hardness
 from warpwear.grid import FloatArray
 
 if TYPE_CHECKING:
@@ -25,14 +25,10 @@ AREAS: dict[str, tuple[str, dict[str, Any]]] = {
 }
 #: The running sum of areas is no area: it is drawn where friction is of it.
 SUMMED = "cumulative"
-#: From this number of whole passes on, their means are drawn over the steps.
-PASSES = 8
 #: How much paler and thinner the steps are then.
 STEPS: dict[str, Any] = {"ls": "-", "lw": 0.4, "alpha": 0.4}
 #: Part of the smallest area in contact down to which areas are shown: cells at the hardness become none.
 LEAST = 0.03
-#: The largest pressure falls where it comes below this part of what it was.
-FALL = 0.9
 #: Bins of distances in which pieces are counted.
 PIECES_BINS = 30
 #: Shortest time shown in the unit [s], unit, seconds of it.
@@ -153,19 +149,6 @@ def pressure(axes: Axes, data: "FigureData") -> None:
     fs.scale_values(axes, *shown)
     axes.set_ylabel("pressure in contact, MPa")
     fs.legend_above(axes, columns=3)
-
-
-def last_at_hardness(course: Mapping[str, FloatArray]) -> int | None:
-    """Return the row after which no cell bears the hardness, where the largest pressure then falls; or None.
-
-    Asperities that stand out bear the hardness until wear has taken off what stands out of them. When the
-    last one, often a single cell, is as low as those around it the largest pressure falls to theirs.
-    """
-    largest, rows = course["pressure_max"], np.flatnonzero(course["area_plastic"] > 0.0)
-    if rows.size == 0 or rows[-1] == largest.size - 1:
-        return None
-    last = int(rows[-1])
-    return last if largest[last + 1 :].max() < FALL * largest[last] else None
 
 
 @fs.panels()

@@ -162,9 +162,12 @@ def _contours(panel: Any, field: FloatArray, window: Window, low: float, high: f
     """Draw lines of equal height [µm] over a map: where they lie far apart the body is flat."""
     coarse, _ = coarsen(np.nan_to_num(field, nan=low), CONTOURED)
     x0, x1, y0, y1 = window.extent
-    x, y = (a + (np.arange(n) + 0.5) * (b - a) / n for a, b, n in zip((x0, y0), (x1, y1), coarse.shape, strict=True))
+    (nx, ny), places = coarse.shape, np.linspace(x0, x1, 2 * coarse.shape[0] + 1)[1::2]
+    assert (nx, x0, x1) == (ny, y0, y1)  # what is shown of a contact is a square
     levels = MaxNLocator(CONTOURS).tick_values(low, high)
-    panel.contour(x, y, coarse.T, levels=levels, colors="black", linewidths=0.4, linestyles="-", alpha=0.7)
+    panel.contour(
+        places, places, coarse.T, levels=levels, colors="black", linewidths=0.4, linestyles="-", alpha=0.7
+    )
 
 
 def _surfaces(data: "FigureData", body: str) -> Figure:
@@ -184,7 +187,8 @@ def _surfaces(data: "FigureData", body: str) -> Figure:
         draw_surface(axes, field, data.window, COLOURS[body], low=low, high=high, scar=scar, cap=is_sphere)
         axes.set_zlim(1e3 * low, 1e3 * high)
         scale = exaggeration(axes, data.window)
-        title = f"{name}{turned}, {state}\nheights drawn {scale:g} times as large"
+        told = " (pale: worn)" if scar is not None else ""
+        title = f"{name}{turned}, {state}{told}\nheights drawn {scale:g} times as large"
         finish_3d(axes, data.window, "height, µm", title)
     return figure
 

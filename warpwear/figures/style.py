@@ -61,6 +61,7 @@ STYLE: Any = {
     "grid.color": "#DDDDDD",
     "axes.formatter.useoffset": False,  # 0.999 and not 9.99 with "+9.9e-1" at the axis's end
     "figure.dpi": 300.0,
+    "text.parse_math": False,  # a $ in the name of a run is a $
     "pdf.fonttype": 42,  # TrueType: publishers refuse Type 3
     "svg.hashsalt": "warpwear",
 }
@@ -204,8 +205,11 @@ def _width(labels: list[str], columns: int) -> float:
 
 
 def _thin_ticks(axis: Axis) -> None:
-    """Keep two ticks between decades of a logarithmic axis, numbered where decades are few: each takes time."""
-    low, high = axis.get_view_interval()
+    """Keep two ticks between decades of a logarithmic axis, numbered where decades are few.
+
+    Each tick takes time.
+    """
+    low, high = sorted(axis.get_view_interval())
     if axis.get_scale() == "log" and low > 0.0 and high > 10.0**LEAST_THINNED * low:
         axis.set_minor_locator(LogLocator(subs=(2.0, 5.0), numticks=50))
         if high < 10.0**LABELLED * low and isinstance(axis.get_minor_formatter(), PlainNumbers):
@@ -353,18 +357,13 @@ class Thousands(ScalarFormatter):
     """Writes 20 000 instead of 20000 along a linear axis."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
-        return in_thousands(x) if abs(x) >= THOUSANDS and x == round(x) else super().__call__(x, pos)
-
-
-def in_thousands(value: float) -> str:
-    """Write a whole number of five digits or more in groups of three, with a narrow space between them."""
-    return f"{value:,.0f}".replace(",", "\u202f")
+        return short(x) if THOUSANDS <= abs(x) < 1e5 else super().__call__(x, pos)
 
 
 def short(value: float) -> str:
     """Write a number as people do: 0.001, 20, 20 000, 10⁻⁵, 2·10⁶."""
     if THOUSANDS <= abs(value) < 1e5 and value == round(value):
-        return in_thousands(value)
+        return f"{value:,.0f}".replace(",", "\u202f")  # a narrow space
     if 1e-3 <= abs(value) < 1e5 or value == 0.0:
         return f"{value:g}"
     digits, _, power = f"{value:e}".partition("e")
