@@ -54,7 +54,7 @@ def height_parameters(heights: FloatArray) -> dict[str, float]:
 def developed_area(heights: FloatArray, *, pixel: tuple[float, float]) -> float:
     """Return by which part the surface's area exceeds its projection: Sdr of ISO 25178-2 [-].
 
-    heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm]. Differences are those of `rms_slope`.
+    heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm]. Differences as in `rms_slope`.
     """
     along, across = (np.diff(heights, axis=axis) / pixel[axis] for axis in (0, 1))
     squares = np.square(along[:, :-1]) + np.square(across[:-1, :])

@@ -110,10 +110,15 @@ def finish_sections(axes: Any, *, heights: bool = False) -> None:
 
 def _tell_scale(panel: Axes) -> None:
     """Say in the title how many times heights in µm are drawn larger than lengths in mm."""
-    size, place = panel.figure.get_size_inches(), panel.get_position()
+    panel.set_title(f"heights drawn {fs.short(float(f'{1e3 * stretch(panel):.2g}'))} times as large")
+
+
+def stretch(panel: Axes) -> float:
+    """Return how many times larger a panel whose place is known draws a unit of y than one of x."""
+    place, figure = panel.get_position(), panel.figure.figure
     (x0, x1), (y0, y1) = panel.get_xlim(), panel.get_ylim()
-    ratio = 1e3 * (size[1] * place.height / (y1 - y0)) / (size[0] * place.width / (x1 - x0))
-    panel.set_title(f"heights drawn {fs.short(float(f'{ratio:.2g}'))} times as large")
+    height, width = figure.get_figheight() * place.height, figure.get_figwidth() * place.width
+    return float((height / (y1 - y0)) / (width / (x1 - x0)))
 
 
 def draw_map(
@@ -223,14 +228,14 @@ def draw_surface(
     nx, ny = heights.shape
     x = x0 + (np.arange(nx) + 0.5) * (x1 - x0) / nx
     y = y0 + (np.arange(ny) + 0.5) * (y1 - y0) / ny
-    facets = *np.meshgrid(x, y, indexing="ij"), heights
+    facets: tuple[FloatArray, ...] = (*np.meshgrid(x, y, indexing="ij"), heights)
     colours = _lit(heights, x[1] - x[0], colour, low, high)
     if scar is not None:
         worn = np.asarray(scar > 0.5)[..., None] * np.array([1.0, 1.0, 1.0, 0.0])
         colours = colours + SCAR * worn * (1.0 - colours)
     if cap:
-        facets, colours = _on_circles(*facets), _on_circles(*colours.transpose(2, 0, 1))
-        colours = np.stack(colours, axis=-1)
+        colours = np.stack(_on_circles(*colours.transpose(2, 0, 1)), axis=-1)
+        facets = _on_circles(*facets)
     axes.plot_surface(
         facets[0],
         facets[1],

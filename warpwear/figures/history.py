@@ -83,7 +83,7 @@ def _finish_cof(axes: Axes, data: "FigureData", places: FloatArray) -> None:
     fitted = data.about.fitted_cof
     if fitted is not None:
         place = places[-1 if fitted.at_end else 0]
-        given = {"color": fs.NEUTRAL, "mfc": "white", "ms": 4, "clip_on": False, "zorder": 3}
+        given: dict[str, Any] = {"color": fs.NEUTRAL, "mfc": "white", "ms": 4, "clip_on": False, "zorder": 3}
         axes.plot(place, fitted.value, "o", **given)
     axes.set(ylabel="coefficient of friction, –", xlim=(0.0, None), ylim=(0.0, None))
     area = AREAS[data.about.friction_area][0]

@@ -71,6 +71,8 @@ CHARACTER, LEGEND_LINE = 0.055, 0.5
 LEAST_THINNED = 0.5
 #: More decades than this of a logarithmic axis have no number between them.
 LABELLED = 2.3
+#: How powers of ten are written.
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: From here on thousands are set apart by a narrow space, as SI writes them.
 THOUSANDS = 1e4
 #: More decades than this from the first state of a scar have a number at each only.
@@ -367,7 +369,7 @@ def short(value: float) -> str:
     if 1e-3 <= abs(value) < 1e5 or value == 0.0:
         return f"{value:g}"
     digits, _, power = f"{value:e}".partition("e")
-    raised = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    raised = str(int(power)).translate(RAISED)
     return f"10{raised}" if float(digits) == 1.0 else f"{float(digits):g}·10{raised}"
 
 

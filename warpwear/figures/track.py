@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from warpwear.figures import style as fs
-from warpwear.figures.axes import ACROSS, ALONG, colour_bar, draw_map
+from warpwear.figures.axes import ACROSS, ALONG, colour_bar, draw_map, stretch
 from warpwear.figures.snapshots import PARAMETERS
 from warpwear.figures.view import positive
 from warpwear.grid import FloatArray
@@ -73,10 +73,7 @@ def track_map(data: "FigureData") -> Figure:
 
 def _tell_shape(panel: Axes, title: str) -> None:
     """Say in the title how many times larger lengths across the track are drawn than along it."""
-    size, place = panel.figure.get_size_inches(), panel.get_position()
-    (x0, x1), (y0, y1) = panel.get_xlim(), panel.get_ylim()
-    ratio = (size[1] * place.height / (y1 - y0)) / (size[0] * place.width / (x1 - x0))
-    panel.set_title(f"{title} (y drawn {ratio:.2g} times as large as x)")
+    panel.set_title(f"{title} (y drawn {stretch(panel):.2g} times as large as x)")
 
 
 @fs.panels()
@@ -87,7 +84,7 @@ def wear_per_pass(axes: Axes, data: "FigureData") -> None:
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():
         whole[:] = True
-    lines = (
+    lines: tuple[tuple[str, str, dict[str, Any]], ...] = (
         ("wear_volume_disc", "worn", {"color": fs.DISC, "ls": "-"}),
         ("plastic_volume_disc", "displaced", {"color": fs.NEUTRAL, "ls": ":"}),
     )

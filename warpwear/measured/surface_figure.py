@@ -57,7 +57,8 @@ def surface_figure(report: SurfaceReport) -> Figure:
     with style():
         figure = Sheet(figsize=(PAGE, SHEET), layout="constrained")
         FigureCanvasAgg(figure)
-        upper, lower = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
+        halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
+        upper, lower = halves
         left, right = upper.subplots(1, 2)
         right.set_axis_off()
         surface = report.surface

@@ -31,7 +31,7 @@ SHOWN = {
 SCALES = {"wear_volume_sphere": 1.0e3, "wear_volume_disc": 1.0e3}
 #: Units as they are typed -> as they are printed; and numbers with a power of ten.
 PRINTED = {"mm^3/N/m": "mm³/(N·m)", "^2": "²", "^3": "³", "um": "µm"}
-NUMBER = re.compile(r"(?<![\w.])\d+(\.\d+)?e[+-]?\d+")
+NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)")
 #: Groups that are drawn one by one; more are only told apart by the table.
 MOST_GROUPS = 28
 
@@ -239,7 +239,7 @@ def _told(text: str) -> str:
     """Write quantities as papers do: 5e-4 mm^3/N/m is 5·10⁻⁴ mm³/(N·m)."""
     for plain, printed in PRINTED.items():
         text = text.replace(plain, printed)
-    return NUMBER.sub(lambda found: fs.short(float(found[0])), text)
+    return NUMBER.sub(lambda found: f"{found[1]}·10{str(int(found[2])).translate(fs.RAISED)}", text)
 
 
 def _mean(values: FloatArray) -> float:
