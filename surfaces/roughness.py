@@ -51,6 +51,18 @@ def height_parameters(heights: FloatArray) -> dict[str, float]:
     }
 
 
+def developed_area(heights: FloatArray, *, pixel: tuple[float, float]) -> float:
+    """Return by which part the surface's area exceeds its projection: Sdr of ISO 25178-2 [-].
+
+    heights [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm]. Differences as in `rms_slope`.
+    """
+    along, across = (np.diff(heights, axis=axis) / pixel[axis] for axis in (0, 1))
+    squares = np.square(along[:, :-1]) + np.square(across[:-1, :])
+    known = squares[np.isfinite(squares)]
+    # √(1 + s) − 1 without the loss of digits of small slopes
+    return float((known / (np.sqrt(1.0 + known) + 1.0)).mean()) if known.size else 0.0
+
+
 def rms_slope(heights: FloatArray, *, pixel: tuple[float, float]) -> float:
     """Return the root mean square gradient [-] by forward differences: Sdq of ISO 25178-2.
 

@@ -19,9 +19,9 @@ from warpwear import InputError, Result, Study
 from warpwear.cli.main import main
 from warpwear.figures.data import FigureData
 from warpwear.figures.film import FFMpegWriter, animate
-from warpwear.figures.style import short
+from warpwear.figures.style import legend_above, new_figure, short, with_scatter
 from warpwear.figures.table import ESSENTIAL
-from warpwear.figures.view import State
+from warpwear.figures.view import State, last_at_hardness
 
 SMALL = {"grid.cell": "20 um", "sliding.distance": "30 mm"}
 RUNS: dict[str, dict[str, Any]] = {
@@ -145,11 +145,86 @@ def test_a_body_that_hardly_wears_is_seen(results: dict[str, Result]) -> None:
 
 def test_friction_that_was_calibrated_is_called_so(results: dict[str, Result]) -> None:
     assert "calibrated" not in results["rough"].plot.cof().axes[0].get_title()
+    assert not any(line.get_marker() == "o" for line in results["rough"].plot.cof().axes[0].lines)
     changes = SMALL | {"friction.shear_strength": None, "friction.coefficient": 0.55, "output.snapshots": []}
     for when, told in (("end", "at the end"), ("initial", "at the start")):
         study = Study.load("v3-fine").replace(changes | {"friction.calibrate": when})
-        title = warpwear.run(study).plot.cof().axes[0].get_title()
-        assert title.endswith(f"\ncalibrated to 0.55 {told}")
+        plot = warpwear.run(study).plot
+        axes = plot.cof().axes[0]
+        assert axes.get_title().endswith(f"\ncalibrated to 0.55 {told}")
+        course, mark = (np.asarray(line.get_xydata()) for line in axes.lines)
+        assert mark[0] == pytest.approx(course[-1 if when == "end" else 0])
+        assert f"calibrated to 0.55 {told}, so that the value" in plot.caption("cof")
+
+
+def test_the_fall_of_the_largest_pressure_is_explained(results: dict[str, Result]) -> None:
+    """Where the last cell leaves the hardness; and it is not where the pressure stays there."""
+    course = {"area_plastic": [3.0, 1.0, 0.0, 0.0], "pressure_max": [590.0, 590.0, 200.0, 90.0]}
+    rows = {name: np.array(values) for name, values in course.items()}
+    assert last_at_hardness(rows) == 1
+    assert last_at_hardness(rows | {"pressure_max": np.full(4, 590.0)}) is None
+    assert last_at_hardness(rows | {"area_plastic": np.zeros(4)}) is None
+    assert last_at_hardness(rows | {"area_plastic": np.ones(4)}) is None
+    history = results["rough"].history
+    last = history["distance"][np.flatnonzero(history["area_plastic"])[-1]]
+    title = f"after {last:.3g} mm no cell is at the hardness"
+    assert results["rough"].plot.pressure().axes[0].get_title() == title
+    assert f"after {last:.3g} mm; from then on the pressure is" in results["rough"].plot.caption("pressure")
+    assert results["published"].plot.pressure().axes[0].get_title() == ""
+
+
+def test_a_sum_of_areas_is_drawn_where_it_shears(results: dict[str, Result]) -> None:
+    for run, there in (("rough", False), ("published", True)):
+        labels = [line.get_label() for line in results[run].plot.areas().axes[0].lines]
+        assert ("running sum" in labels) == there
+
+
+def test_heights_are_told_to_be_larger(results: dict[str, Result]) -> None:
+    figure, _ = drawn(results["rough"], "profiles")
+    axes = figure.axes[0]
+    (x0, y0), (x1, y1) = axes.transData.transform([(0.0, 0.0), (0.1, 1.0)])
+    ratio = (y1 - y0) / 1e-3 / ((x1 - x0) / 0.1)
+    assert axes.get_title() == f"heights drawn {float(f'{ratio:.2g}'):g} times as large"
+
+
+def test_a_legend_stays_on_its_page() -> None:
+    """In fewer columns where names are long."""
+    figure = new_figure(
+        lambda axes: (
+            [axes.plot([0, 1], label=f"after {n} mm, a name") for n in range(6)]
+            and legend_above(axes, columns=6)
+        ),
+        fixed=True,
+    )
+    figure.canvas.draw()
+    box = figure.legends[0].get_window_extent()
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1
+
+
+def test_a_deviation_has_the_digits_of_its_mean() -> None:
+    told = [with_scatter(*pair) for pair in ((537.2, 118.0), (12.83, 0.334), (6.423, 0.0891), (589.0, 1e-9))]
+    assert told == ["540 ± 120", "12.83 ± 0.33", "6.423 ± 0.089", "589"]
+
+
+def test_captions_lie_beside_the_figures(results: dict[str, Result], tmp_path: Path) -> None:
+    """One a figure; those of others are left alone."""
+    plot = results["rough"].plot
+    drawn_there = plot.save_all(tmp_path, plots="essential")
+    text = (tmp_path / "captions.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\*\*(\w+)\*\*: ", text, re.MULTILINE) == [
+        name for name in plot.NAMES if name in {path.stem for path in drawn_there}
+    ]
+    assert "after 0.3, 3, 10 and 30 mm" in text
+    assert "Local law, cell by cell, hardness 590 MPa; load 8 N; cells of 20 µm." in text
+    assert "The area in contact shears; shear strength 3.83 MPa, as given." in plot.caption("cof")
+    for name, run in ((n, r) for r in results.values() for n in r.plot.names()):
+        assert "{" not in run.plot.caption(name)
+    with pytest.raises(InputError, match="'cop' is no figure"):
+        plot.caption("cop")
+    (tmp_path / "captions.md").write_text("mine")
+    plot.save_captions(tmp_path)
+    assert (tmp_path / "captions.md").read_text() == "mine"
 
 
 def test_ticks_are_plain_numbers(results: dict[str, Result]) -> None:
@@ -160,7 +235,7 @@ def test_ticks_are_plain_numbers(results: dict[str, Result]) -> None:
         assert ticks
         assert not any("$" in tick for tick in ticks), ticks
     assert [short(value) for value in (0.002, 4.0, 2e4, 1e-5, 3e6, -1e-4)] == [
-        "0.002", "4", "20000", "10⁻⁵", "3·10⁶", "-1·10⁻⁴",
+        "0.002", "4", "20\u202f000", "10⁻⁵", "3·10⁶", "-1·10⁻⁴",
     ]  # fmt: skip
 
 

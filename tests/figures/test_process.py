@@ -49,7 +49,7 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def figures_in(folder: Path) -> dict[str, Path]:
-    return {path.stem: path for path in (folder / "figures").iterdir()}
+    return {path.stem: path for path in (folder / "figures").glob("*.png")}
 
 
 @pytest.mark.usefixtures("two_cores")
@@ -130,6 +130,22 @@ def test_no_snapshot_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert not result.at_hand  # memory is given back
     result.snapshots[-1]
     assert missed == [result.snapshot_distances.size - 1]
+
+
+def test_captions_need_no_matplotlib(tmp_path: Path) -> None:
+    """A run whose figures another process draws writes them itself."""
+    warpwear.run(study_of("static"), out=tmp_path / "run", plots=False).close()
+    code = (
+        "import sys\nfrom warpwear.results.file import ResultFile\n"
+        "from warpwear.figures.table import Plotter\n"
+        "plot = Plotter(ResultFile.open(sys.argv[1])); print(*map(plot.caption, plot.names()))\n"
+        "assert 'matplotlib' not in sys.modules"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "run")], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Pressure of the cells in contact without sliding" in done.stdout
 
 
 def test_which_figures_are_asked_for(tmp_path: Path) -> None:

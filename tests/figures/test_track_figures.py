@@ -124,6 +124,8 @@ def test_a_groove_that_was_only_pressed() -> None:
         small("representative", sliding__plastic="keep", wear__disc="0 mm^3/N/m", sliding__distance="3 mm")
     )
     assert dented.plot.reason("groove") is None
+    labels = [line.get_label() for line in dented.plot.wear_per_pass().axes[0].lines]
+    assert labels == ["displaced"]
     assert groove(dented, -1).mean_depth > 0.0
     dented.plot.groove().canvas.draw()
 
@@ -212,6 +214,11 @@ def test_a_step_that_the_end_cuts_short_is_not_drawn(tmp_path: Path) -> None:
         for panel in getattr(result.plot, name)().axes:
             ends = [float(np.asarray(line.get_xdata())[-1]) for line in panel.lines]
             assert max((end for end in ends if end != 1.0), default=0.0) <= history["distance"][-2]
+    # Means of its 40 passes lie over the steps.
+    means = np.asarray(axes.lines[1].get_xydata())[-40:]
+    assert means[:, 0] == pytest.approx(0.9 * (np.arange(40) + 0.5))
+    whole = history["cof"][:200].reshape(40, 5)
+    assert means[:, 1] == pytest.approx(whole.mean(axis=1))
     shutil.copytree(tmp_path / "run", tmp_path / "other")
     compared = gather([tmp_path / "run", tmp_path / "other"]).runs[0]
     assert compared.history["distance"][-1] == history["distance"][-2]

@@ -1,5 +1,6 @@
 """`warpwear surface` as a user meets it."""
 
+import itertools
 import json
 import subprocess
 import sys
@@ -11,6 +12,10 @@ from click.testing import CliRunner, Result
 
 from warpwear.cli.main import commands
 from warpwear.errors import InputError
+from warpwear.measured.surface_command import read_surface
+from warpwear.measured.surface_figure import surface_figure
+from warpwear.measured.surface_report import examine
+from warpwear.results.report import record
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.sphere import sag
 
@@ -57,6 +62,29 @@ def test_a_page_and_a_figure(here: Path) -> None:
     assert surface("../files/rough.npy", *GIVEN, "--overwrite").exit_code == 0
     assert surface("../files/rough.npy", *GIVEN, "--figure", "other.pdf").exit_code == 0
     assert (here / "other.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_the_sheet_carries_its_numbers(here: Path) -> None:
+    """Those that the page prints, each inside the sheet and no two over each other."""
+    surface_of = read_surface(here.parent / "files" / "rough.npy", {"pixel": "3 um", "height_unit": "um"})
+    report = examine(surface_of)
+    figure = surface_figure(report)
+    figure.canvas.draw()
+    notes = [text for axes in figure.axes for text in axes.texts if text.get_text()]
+    told, found = " ".join(text.get_text() for text in notes), record(report.rows)
+    for name, value in (
+        ("Sa", "sa_um"),
+        ("Sq", "sq_um"),
+        ("Ssk", "ssk"),
+        ("Sku", "sku"),
+        ("Sdq", "rms_slope"),
+    ):
+        assert f"{name} {found[value]:.3g}".replace("-", "−") in told
+    for words in ("Sdr ", "Sal ", "0.9 × 0.9 mm", "300 × 300", "least-squares plane", "λs 8 µm", "Spk "):
+        assert words in told
+    boxes = [text.get_window_extent() for text in notes]
+    assert all(figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1 for box in boxes)
+    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
 
 
 def test_json(here: Path) -> None:

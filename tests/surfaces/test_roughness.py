@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from warpwear.surfaces.roughness import rms_slope, roughness
+from warpwear.surfaces.roughness import developed_area, rms_slope, roughness
 
 
 def test_of_a_sine():
@@ -20,6 +20,17 @@ def test_of_a_sine():
     assert found["ssk"] == pytest.approx(0.0, abs=1e-6)
     assert found["sku"] == pytest.approx(1.5, rel=1e-6)
     assert found["rms_slope"] == pytest.approx(2 * math.pi * amplitude / math.sqrt(2), rel=1e-3)
+
+
+def test_the_developed_area_of_a_tilt():
+    """√(1 + a² + b²) − 1, for small slopes too, and where a point is missing."""
+    x, y = np.meshgrid(np.arange(30) * 0.5, np.arange(20) * 0.25, indexing="ij")
+    for a, b in ((0.75, 1.0), (3e-5, 4e-5)):
+        tilted = a * x + b * y
+        tilted[4, 5] = np.nan
+        exact = (a**2 + b**2) / (math.sqrt(1.0 + a**2 + b**2) + 1.0)
+        assert developed_area(tilted, pixel=(0.5, 0.25)) == pytest.approx(exact, rel=1e-6)
+    assert developed_area(np.zeros((1, 5)), pixel=(1.0, 1.0)) == 0.0
 
 
 def test_of_exponential_heights_has_the_sign_of_the_skewness():

@@ -26,6 +26,7 @@ def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
         for name in dict.fromkeys(names or plotter.NAMES):
             if name not in left_out:
                 click.echo(plotter.save(name, where, file_format=file_format))
+        plotter.save_captions(where)
         for reason in dict.fromkeys(left_out.values()):
             missing = ", ".join(name for name, why in left_out.items() if why == reason)
             click.echo(f"note: no {missing}: {reason}", err=True)

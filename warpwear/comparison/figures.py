@@ -26,6 +26,8 @@ MARKERS = ("o", "s", "^")
 POINTS = 120
 #: Markers along a measured course, about.
 MARKED = 30
+#: Bodies of which one lost this many times as much as the other have scales of their own.
+UNLIKE = 4.0
 #: Height of a row of the legend [inch].
 LEGEND_ROW = 0.15
 
@@ -103,6 +105,7 @@ def volumes(axes: Any, comparison: Comparison) -> None:
     for panel, body in zip(axes, BODIES, strict=True):
         panel.set_title(body)
         panel.set(ylabel="worn volume, 10⁻³ mm³", xlim=(0.0, None), ylim=(0.0, None))
+    _on_one_scale(axes)
 
 
 def profiles(axes: Any, comparison: Comparison) -> None:
@@ -120,9 +123,19 @@ def profiles(axes: Any, comparison: Comparison) -> None:
         reach = max(reach, *ends)
     for panel, body in zip(axes, BODIES, strict=True):
         panel.set_title(f"{body}, at the end")
-        panel.set(ylabel="height lost by wear, µm", ylim=(None, 0.0))
+        panel.set(ylabel="change of height by wear, µm", ylim=(None, 0.0))
         if reach > 0.0:
             panel.set_xlim(-1.15 * reach, 1.15 * reach)
+    _on_one_scale(axes)
+
+
+def _on_one_scale(axes: Any) -> None:
+    """Give panels of two bodies one scale from zero, unless one would hardly be seen on the other's."""
+    ends = [max(map(abs, panel.get_ylim())) for panel in axes]
+    if max(ends) < UNLIKE * min(ends):
+        for panel in axes:
+            top = panel.get_ylim()[1] > 0.0
+            panel.set_ylim((0.0, max(ends)) if top else (-max(ends), 0.0))
 
 
 def _profile(body: str, run: RunData) -> Course | None:

@@ -1,6 +1,7 @@
 """Panels: maps with real extents, and boxes in 3-D that are true to scale in x and y."""
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -8,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LightSource, LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from warpwear.figures import style as fs
@@ -34,6 +35,10 @@ ELEVATION = 32.0
 AZIMUTH = -58.0
 #: A surface whose heights differ by less is flat [mm]; what is seen then would be round-off.
 FLAT = 1e-9
+#: How much paler a scar is.
+SCAR = 0.55
+#: Circles and spokes of facets of a cap.
+CIRCLES, SPOKES = 36, 97
 LIGHT = LightSource(azdeg=300, altdeg=50)
 
 
@@ -64,8 +69,9 @@ def maps_of(
     draw: Callable[[Any, Shown], None],
     *,
     finish: Callable[[Any], None] = lambda figure: None,
+    rows: int = 1,
 ) -> Figure:
-    """Draw each of what is shown in a square panel of its own, which `draw` gets with it, side by side.
+    """Draw each of what is shown in a square panel of its own, which `draw` gets with it, row after row.
 
     finish: gets the figure, for a legend or a colour bar of all panels.
     """
@@ -79,7 +85,7 @@ def maps_of(
         finish(panel.figure)
         _tidy(axes)
 
-    return fs.new_figure(draw_all, columns=len(shown), fixed=True, square=True)
+    return fs.new_figure(draw_all, rows=rows, columns=len(shown) // rows, fixed=True, square=True)
 
 
 def panels_of(axes: Any, shown: Sequence[Shown]) -> Iterator[tuple[Axes, Shown]]:
@@ -87,13 +93,32 @@ def panels_of(axes: Any, shown: Sequence[Shown]) -> Iterator[tuple[Axes, Shown]]
     return zip(np.atleast_1d(axes), shown, strict=True)
 
 
-def finish_sections(axes: Any) -> None:
-    """Label two panels as sections along and across the sliding direction, with one vertical scale."""
+def finish_sections(axes: Any, *, heights: bool = False) -> None:
+    """Label two panels as sections along and across the sliding direction, with one vertical scale.
+
+    heights: in µm, of which is said how many times larger than lengths they are drawn.
+    """
     for panel, label in zip(axes, (ALONG, ACROSS), strict=True):
         panel.set_xlabel(label)
-        panel.xaxis.set_major_locator(MaxNLocator(6))
+        panel.xaxis.set_major_locator(fs.steps(6))
     axes[1].sharey(axes[0])
     axes[1].tick_params(which="both", labelleft=False)
+    if heights:
+        axes[0].set_title(" ")  # keeps its room
+        axes[0].figure.when_placed.append(partial(_tell_scale, axes[0]))
+
+
+def _tell_scale(panel: Axes) -> None:
+    """Say in the title how many times heights in µm are drawn larger than lengths in mm."""
+    panel.set_title(f"heights drawn {fs.short(float(f'{1e3 * stretch(panel):.2g}'))} times as large")
+
+
+def stretch(panel: Axes) -> float:
+    """Return how many times larger a panel whose place is known draws a unit of y than one of x."""
+    place, figure = panel.get_position(), panel.figure.figure
+    (x0, x1), (y0, y1) = panel.get_xlim(), panel.get_ylim()
+    height, width = figure.get_figheight() * place.height, figure.get_figwidth() * place.width
+    return float((height / (y1 - y0)) / (width / (x1 - x0)))
 
 
 def draw_map(
@@ -126,14 +151,14 @@ def draw_map(
         colour_bar(axes.inset_axes(BAR), image, label)
     axes.set(xlabel=ALONG, ylabel=ACROSS)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(4))
+        axis.set_major_locator(fs.steps(4))
     return image
 
 
 def colour_bar(beside: Axes, image: Any, label: str, **kind: Any) -> None:
     """Draw the colour bar of an image into axes beside it."""
     logarithmic = isinstance(image.norm, LogNorm)
-    ticks = None if logarithmic else MaxNLocator(5)
+    ticks = None if logarithmic else fs.steps(5)
     bar = beside.figure.colorbar(image, cax=beside, label=label, ticks=ticks, **kind)
     if logarithmic:
         bar.ax.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
@@ -174,9 +199,9 @@ def finish_3d(axes: Any, window: Window, label: str, title: str) -> None:
         axes.set_title(title, y=1.0, pad=7)
     for artist in axes.collections:  # the box is larger than the square that axes in 3-D keep to
         artist.set_clip_on(False)
-    axes.zaxis.set_major_locator(MaxNLocator(3))
+    axes.zaxis.set_major_locator(fs.steps(3))
     for axis, low, high in ((axes.xaxis, x0, x1), (axes.yaxis, y0, y1)):
-        ticks, room = MaxNLocator(4).tick_values(low, high), CORNER * (high - low)
+        ticks, room = fs.steps(4).tick_values(low, high), CORNER * (high - low)
         axis.set_ticks([tick for tick in ticks if low + room < tick < high - room])
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
@@ -184,27 +209,59 @@ def finish_3d(axes: Any, window: Window, label: str, title: str) -> None:
 
 
 def draw_surface(
-    axes: Any, heights: FloatArray, window: Window, colour: str, *, low: float, high: float
+    axes: Any,
+    heights: FloatArray,
+    window: Window,
+    colour: str,
+    *,
+    low: float,
+    high: float,
+    scar: FloatArray | None = None,
+    cap: bool = False,
 ) -> None:
     """Draw a surface of heights [mm] of shape (x, y) over a window, in µm and lit.
 
-    low, high: heights [mm] that get the darkest and the palest shade of the colour.
+    low, high: heights [mm] that get the darkest and the palest shade of the colour. scar: where it is above
+    0.5 the surface is pale, same shape. cap: draw the largest circle alone.
     """
     x0, x1, y0, y1 = window.extent
     nx, ny = heights.shape
     x = x0 + (np.arange(nx) + 0.5) * (x1 - x0) / nx
     y = y0 + (np.arange(ny) + 0.5) * (y1 - y0) / ny
+    facets: tuple[FloatArray, ...] = (*np.meshgrid(x, y, indexing="ij"), heights)
+    colours = _lit(heights, x[1] - x[0], colour, low, high)
+    if scar is not None:
+        worn = np.asarray(scar > 0.5)[..., None] * np.array([1.0, 1.0, 1.0, 0.0])
+        colours = colours + SCAR * worn * (1.0 - colours)
+    if cap:
+        colours = np.stack(_on_circles(*colours.transpose(2, 0, 1)), axis=-1)
+        facets = _on_circles(*facets)
     axes.plot_surface(
-        *np.meshgrid(x, y, indexing="ij"),
-        1e3 * heights,
-        facecolors=_lit(heights, x[1] - x[0], colour, low, high),
+        facets[0],
+        facets[1],
+        1e3 * facets[2],
+        facecolors=colours,
         shade=False,
-        rcount=nx,
-        ccount=ny,
+        rcount=facets[0].shape[0],
+        ccount=facets[0].shape[1],
         linewidth=0.0,
         antialiased=False,
         rasterized=True,  # thousands of facets would make a PDF slow to open
     )
+
+
+def _on_circles(*fields: FloatArray) -> tuple[FloatArray, ...]:
+    """Sample square fields of one shape on circles around their middle, by linear interpolation."""
+    n = fields[0].shape[0]
+    radius = np.linspace(0.0, 0.5 * (n - 1), CIRCLES)[:, None]
+    angle = np.linspace(0.0, 2.0 * np.pi, SPOKES)[None, :]
+    x, y = (0.5 * (n - 1) + radius * part for part in (np.cos(angle), np.sin(angle)))
+    i, j = (np.clip(at.astype(int), 0, n - 2) for at in (x, y))
+    u, v = x - i, y - j
+    left, right = (1.0 - u, i), (u, i + 1)
+    below, above = (1.0 - v, j), (v, j + 1)
+    parts = [(wx * wy, a, b) for wx, a in (left, right) for wy, b in (below, above)]
+    return tuple(np.sum([weight * field[a, b] for weight, a, b in parts], axis=0) for field in fields)
 
 
 def _lit(heights: FloatArray, step: float, colour: str, low: float, high: float) -> FloatArray:

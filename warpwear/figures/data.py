@@ -12,7 +12,18 @@ from typing import Any, Self
 
 import numpy as np
 
-from warpwear.figures.view import About, Bodies, FilmState, Loads, Profile, State, View, Window, sag_or_nan
+from warpwear.figures.view import (
+    About,
+    Bodies,
+    FilmState,
+    FittedCof,
+    Loads,
+    Profile,
+    State,
+    View,
+    Window,
+    sag_or_nan,
+)
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.elastic import Hertz
@@ -73,13 +84,16 @@ class FigureData:
     @cached_property
     def about(self) -> About:
         study, friction = self.study, self.study.friction
+        fitted = None
         if friction.shear_strength is not None:
-            shear = f"shear strength {friction.shear_strength:g} MPa, as given"
+            film = f", film {friction.film.shear_strength:g} MPa" if friction.film else ""
+            shear = f"shear strength {friction.shear_strength:g} MPa{film}, as given"
         else:
             whole = "the end" if friction.calibrate == "end" else "the start"
             passed = "in the last pass" if friction.calibrate == "end" else "in the first pass"
             when = f"at {whole}" if study.lap is None else passed
             shear = f"calibrated to {friction.coefficient:g} {when}"
+            fitted = FittedCof(friction.coefficient, friction.calibrate == "end")
         return About(
             slider="sphere" if study.sphere.curvature else "flat",
             curvature=study.sphere.curvature,
@@ -89,6 +103,7 @@ class FigureData:
             friction_area=friction.area,
             shear=shear,
             lap=study.lap,
+            fitted_cof=fitted,
         )
 
     @cached_property

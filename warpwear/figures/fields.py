@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 
 from warpwear.figures import style as fs
 from warpwear.figures.axes import (
@@ -82,13 +81,15 @@ def pressure_3d(data: "FigureData") -> Figure:
     """Load over area on coarse squares at the first and the last snapshot, as bars."""
     shown = sorted({data.shown[0], data.shown[-1]})
     figure, panels = new_3d_figure(len(shown))
-    for axes, index in zip(panels, shown, strict=True):
+    fields = [coarsen(data.window.means(data.snapshot(index).pressure), BARS) for index in shown]
+    # The axes differ, as the pressures do; the colours are of one scale.
+    norm = pressure_scale([field for field, _ in fields], [field[field > 0.0].mean() for field, _ in fields])
+    for axes, index, (pressure, blocks) in zip(panels, shown, fields, strict=True):
         snapshot = data.snapshot(index)
-        pressure, blocks = coarsen(data.window.means(snapshot.pressure), BARS)
         side = blocks * data.window.factor * data.about.cell
         x, y = np.nonzero(pressure)
         values = pressure[x, y]
-        colours = fs.PRESSURES(0.15 + 0.7 * values / values.max())
+        colours = fs.PRESSURES(norm(values).filled(0.0))
         left, bottom = data.window.extent[0], data.window.extent[2]
         axes.bar3d(left + side * x, bottom + side * y, 0.0, side, side, values, color=colours, linewidth=0.0)
         axes.set_zlim(0.0, 1.15 * values.max())
@@ -113,7 +114,7 @@ def pressure_profiles(axes: Any, data: "FigureData") -> None:
         else:
             panel.set_ylim(0.0, 1.15 * max(tops) or None)
     finish_sections(axes)
-    axes[0].set_ylabel(f"mean pressure, middle {1e3 * data.strip:.3g} µm, MPa")
+    axes[0].set_ylabel(f"pressure, mean of middle {1e3 * data.strip:.3g} µm, MPa")
     fs.legend_above(axes[0], columns=4)
 
 
@@ -174,7 +175,7 @@ def hertz(axes: Any, data: "FigureData") -> None:
         panel.step(places[shown], line[shown], **worn)
         half = MARGIN * max(theory.radius, float(np.abs(places[shown]).max()))
         panel.set(xlim=(-half, half), xlabel=ALONG, ylabel="pressure, MPa")
-        panel.xaxis.set_major_locator(MaxNLocator(5))
+        panel.xaxis.set_major_locator(fs.steps(5))
         panel.set_title(fs.after(distance))
     axes[0].set_ylim(bottom=0.0)
     fs.logarithmic(axes[1])

@@ -3,13 +3,13 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.colors import ListedColormap
+from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import MaxNLocator
 
 from warpwear.figures import style as fs
-from warpwear.figures.axes import draw_map
+from warpwear.figures.axes import draw_map, maps_of, shared_bar
+from warpwear.figures.fields import pressure_scale
 from warpwear.figures.view import Window, positive
 from warpwear.grid import FloatArray
 
@@ -25,27 +25,27 @@ NOT_COVERED = ListedColormap(["#E4E4E4"])
 def load_share(data: "FigureData") -> Figure:
     """Load of every patch over its area, above that of a smooth contact with a wear of its own."""
     loads, columns = data.loads, len(data.distances)
-    top = [max(float(of[column].max()) for of in loads.of.values()) for column in range(columns)]
+    fields = [field for of in loads.of.values() for field in of]
+    norm = pressure_scale(fields, [float(field[field > 0.0].mean()) for field in fields])
 
-    def draw(axes: Any) -> None:
-        for place, panel in enumerate(np.atleast_1d(axes)):
-            line, column = divmod(place, columns)
-            name = [*loads.of][line]
-            _draw(panel, loads.of[name][column], loads.window, top[column], "load/area, MPa")
-            if line == 0:
-                title = fs.after(data.distances[column])
-            elif loads.prescribed:
-                title = "as prescribed"
-            else:
-                title = f"{100.0 * loads.apart[column]:.2g} % of the load\non other patches"
-            below = line == len(loads.of) - 1 or columns == 1
-            labels = {"xlabel": "x, mm" if below else "", "ylabel": f"{name}\ny, mm" if column == 0 else ""}
-            panel.set(title=title, **labels)
-            panel.tick_params(labelleft=column == 0, labelbottom=below)
+    def draw(panel: Any, place: int) -> None:
+        line, column = divmod(place, columns)
+        name = [*loads.of][line]
+        draw_map(panel, positive(loads.of[name][column]), loads.window, fs.PRESSURES, None, norm=norm)
+        if line == 0:
+            title = f"{name}\n{fs.after(data.distances[column])}"
+        elif loads.prescribed:
+            title = f"{name}\nprescribes them"
+        else:
+            title = f"{name}: {100.0 * loads.apart[column]:.2g} %\nof the load elsewhere"
+        panel.set_title(title)
 
-    if columns == 1:  # beside each other
-        return fs.new_figure(draw, columns=len(loads.of), height=2.6)
-    return fs.new_figure(draw, rows=len(loads.of), columns=columns, height=0.66 * fs.PAGE / columns + 0.4)
+    def bar(figure: Any) -> None:
+        below = "min" if isinstance(norm, LogNorm) else "neither"
+        shared_bar(figure, figure.axes[0].images[0], "load over area, MPa", extend=below)
+
+    rows = 1 if columns == 1 else len(loads.of)
+    return maps_of([*range(len(fields))], draw, finish=bar, rows=rows)
 
 
 def patch_zoom(data: "FigureData") -> Figure:
@@ -88,7 +88,7 @@ def _draw(axes: Any, values: FloatArray, window: Window, high: float, label: str
     """Draw a map with a colour bar as high as itself."""
     draw_map(axes, positive(values), window, fs.PRESSURES, label, low=0.0, high=high)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(3))
+        axis.set_major_locator(fs.steps(3))
 
 
 def _around(patches: "Patches", patch: int, neighbours: int) -> Window:

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
 
 from warpwear.figures import style as fs
@@ -17,7 +18,7 @@ from warpwear.figures.axes import (
     new_3d_figure,
     shared_bar,
 )
-from warpwear.figures.view import Profile, coarsen, positive, sag_or_nan
+from warpwear.figures.view import Profile, Window, coarsen, positive, sag_or_nan
 from warpwear.grid import FloatArray
 
 if TYPE_CHECKING:
@@ -28,6 +29,8 @@ COLOURS = {"sphere": fs.SPHERE, "disc": fs.DISC}
 UNLIKE = 4.0
 #: Blocks along a side of a body in 3-D.
 RELIEF = 70
+#: Blocks along a side from which lines of equal height are drawn, and about how many lines.
+CONTOURED, CONTOURS = 60, 9
 #: Length of the arrow of sliding over the domain's side.
 ARROW = 0.4
 
@@ -85,13 +88,16 @@ def wear_map(data: "FigureData") -> Figure:
 
     def draw(panel: Any, body: str) -> None:
         high = deepest[body] if unlike else max(deepest.values())
-        draw_map(
-            panel, positive(depths[body]), data.window, fs.DEPTHS, "wear depth, µm", low=0.0, high=high or 1.0
-        )
+        label = "wear depth, µm" if unlike else None
+        draw_map(panel, positive(depths[body]), data.window, fs.DEPTHS, label, low=0.0, high=high or 1.0)
         own = ", a scale of its own" if unlike else ""
         panel.set_title(f"{data.about.name_of(body)} {fs.after(distance)}{own}")
 
-    return maps_of([*COLOURS], draw)
+    def bar(figure: Any) -> None:
+        if not unlike:
+            shared_bar(figure, figure.axes[0].images[0], "wear depth, µm")
+
+    return maps_of([*COLOURS], draw, finish=bar)
 
 
 def sphere_map(data: "FigureData") -> Figure:
@@ -134,7 +140,8 @@ def _maps(data: "FigureData", body: str) -> Figure:
     fields = [1e3 * _unworn(data, body), *(1e3 * getattr(worn, body) for _, worn in bodies)]
     high = max(float(np.nanmax(field)) for field in fields)
     label, extend, scaled = f"height of the {data.about.name_of(body)}, µm", "neither", fields
-    if data.about.name_of(body) == "sphere":  # its flank at the corners would take half of the colours
+    is_sphere = data.about.name_of(body) == "sphere"
+    if is_sphere:  # its flank at the corners would take half of the colours
         scaled, extend = [field[:, field.shape[1] // 2] for field in fields], "min"
     low = min(float(np.nanmin(field)) for field in scaled)
 
@@ -142,6 +149,8 @@ def _maps(data: "FigureData", body: str) -> Figure:
         title, field = shown
         draw_map(panel, field, data.window, fs.HEIGHTS, None, low=low, high=high)
         panel.set_title(title)
+        if is_sphere:
+            _contours(panel, field, data.window, low, high)
 
     def bar(figure: Any) -> None:  # one scale for all: what changes is the disc, not the colours
         shared_bar(figure, figure.axes[0].images[0], label, extend=extend)
@@ -149,21 +158,37 @@ def _maps(data: "FigureData", body: str) -> Figure:
     return maps_of([*zip(titles, fields, strict=True)], draw, finish=bar)
 
 
+def _contours(panel: Any, field: FloatArray, window: Window, low: float, high: float) -> None:
+    """Draw lines of equal height [µm] over a map: where they lie far apart the body is flat."""
+    coarse, _ = coarsen(np.nan_to_num(field, nan=low), CONTOURED)
+    x0, x1, y0, y1 = window.extent
+    (nx, ny), places = coarse.shape, np.linspace(x0, x1, 2 * coarse.shape[0] + 1)[1::2]
+    assert (nx, x0, x1) == (ny, y0, y1)  # what is shown of a contact is a square
+    levels = MaxNLocator(CONTOURS).tick_values(low, high)
+    panel.contour(
+        places, places, coarse.T, levels=levels, colors="black", linewidths=0.4, linestyles="-", alpha=0.7
+    )
+
+
 def _surfaces(data: "FigureData", body: str) -> Figure:
-    worn = getattr(data.bodies[-1], body)
-    states = {"unworn": _unworn(data, body), fs.after(data.distances[-1]): worn}
+    last = data.bodies[-1]
+    states = {"unworn": _unworn(data, body), fs.after(data.distances[-1]): getattr(last, body)}
     states = {state: coarsen(field, RELIEF)[0] for state, field in states.items()}
     name, turned = data.about.name_of(body), ", turned over" if body == "sphere" else ""
-    if name == "sphere":  # a cap, whose corners do not set the scale
-        states = {state: _cap(field) for state, field in states.items()}
-    low = min(float(np.nanmin(field)) for field in states.values())
-    high = max(float(np.nanmax(field)) for field in states.values())
+    is_sphere = name == "sphere"
+    worn = coarsen((getattr(last, f"wear_{body}") > 0.0).astype(float), RELIEF)[0] if is_sphere else None
+    # A cap's corners do not set the scale.
+    shown = [_cap(field) if is_sphere else field for field in states.values()]
+    low = min(float(np.nanmin(field)) for field in shown)
+    high = max(float(np.nanmax(field)) for field in shown)
     figure, panels = new_3d_figure(2)
     for axes, (state, field) in zip(panels, states.items(), strict=True):
-        draw_surface(axes, field, data.window, COLOURS[body], low=low, high=high)
+        scar = worn if state != "unworn" else None
+        draw_surface(axes, field, data.window, COLOURS[body], low=low, high=high, scar=scar, cap=is_sphere)
         axes.set_zlim(1e3 * low, 1e3 * high)
         scale = exaggeration(axes, data.window)
-        title = f"{name}{turned}, {state}\nheights drawn {scale:g} times as large"
+        told = " (pale: worn)" if scar is not None else ""
+        title = f"{name}{turned}, {state}{told}\nheights drawn {scale:g} times as large"
         finish_3d(axes, data.window, "height, µm", title)
     return figure
 
@@ -194,7 +219,7 @@ def _profiles(axes: Any, data: "FigureData", body: str) -> None:
         for view, line in zip(views, fs.in_time(COLOURS[body], len(views)), strict=True):
             profile: Profile = getattr(view, cut)
             panel.plot(profile.place, 1e3 * heights(profile), label=fs.after(view.distance), **line)
-    finish_sections(axes)
+    finish_sections(axes, heights=True)
     axes[0].set_ylabel("height, µm")
     fs.legend_above(axes[0], columns=len(views) + 1)
 
@@ -210,7 +235,7 @@ def profiles(axes: Any, data: "FigureData") -> None:
     seen = [
         _both(panel, cut, approach, slider=slider, worn=worn) for panel, cut in zip(axes, cuts, strict=True)
     ]
-    finish_sections(axes)
+    finish_sections(axes, heights=True)
     low, high = min(low for low, _ in seen), max(high for _, high in seen)
     room = 0.05 * (high - low)
     axes[0].set_ylim(1e3 * (low - room), 1e3 * (high + room))

@@ -41,21 +41,23 @@ def texture(axes: Any, data: "FigureData") -> None:
     table = data.roughness
     heights, slopes = axes
     for body, color, mark in (("sphere", fs.SPHERE, "o"), ("disc", fs.DISC, "s")):
-        line: dict[str, Any] = {"color": color, "marker": mark, "ms": 3}
+        line: dict[str, Any] = {"color": color, "marker": mark, "ms": 3, "clip_on": False}
         slid, sq, fit = data.settling[body]
+        name = data.about.name_of(body)
         dots = line if isinstance(fit, str) else line | {"ls": "none"}
-        fs.over_distance(heights, slid, sq, label=data.about.name_of(body), **dots)
+        heights.plot(slid, sq, label=name, **dots)
         if not isinstance(fit, str):  # the fit is the line
-            places = np.linspace(0.0, float(slid[-1]), 200)
+            places = np.append(0.0, np.geomspace(1e-3 * slid[slid > 0.0][0], slid[-1], 200))
             level, length = (fs.short(float(f"{value:.2g}")) for value in (fit.equilibrium, fit.length))
-            heights.plot(
-                places, fit.at(places), color=color, ls="--", lw=1.0, label=f"to {level} µm over {length} mm"
-            )
-        fs.over_distance(slopes, table["distance"], table[f"sdq_{body}"], **line)
+            told = f"{name}: to {level} µm over {length} mm"
+            heights.plot(places, fit.at(places), color=color, ls="--", lw=1.0, label=told)
+        slopes.plot(table["distance"], table[f"sdq_{body}"], **line)
     heights.set_ylabel("Sq in the inner scar, µm")
-    slopes.set_ylabel("rms gradient Sdq in the inner scar, –")
-    for panel in axes:
-        panel.set(xlim=(0.0, None), ylim=(0.0, None))
+    slopes.set_ylabel("Sdq in the inner scar, –")
+    slopes.sharex(heights)
+    for panel in (slopes, heights):
+        panel.set_ylim(0.0, None)
+        fs.scale_from_unworn(panel, table["distance"], "sliding distance, mm")
     fs.legend_above(heights, columns=4)
 
 
@@ -65,15 +67,21 @@ def spectrum(axes: Any, data: "FigureData") -> None:
     for panel, body, color in zip(axes, ("sphere", "disc"), (fs.SPHERE, fs.DISC), strict=True):
         shown = data.spectra[body]
         for (distance, found), line in zip(shown, fs.in_time(color, len(shown)), strict=True):
-            label = f"{distance:.4g} mm" if body == "sphere" else None
             # from mm⁴ to µm⁴
-            panel.plot(1e3 * found.wavelength, 1e12 * found.density, label=label, **line)
+            panel.plot(1e3 * found.wavelength, 1e12 * found.density, **line)
+            if body == "disc":
+                panel.plot([], [], label=fs.after(distance), **line | {"color": fs.NEUTRAL})
         panel.set(xscale="log", xlabel="wavelength, µm", title=data.about.name_of(body))
-        panel.set_ylabel("power spectral density, µm⁴")
-        panel.invert_xaxis()
         fs.logarithmic(panel)
         fs.plain_numbers(panel.xaxis)
-    fs.legend_above(axes[0], columns=4)
+    densities = [found.density for body in data.spectra.values() for _, found in body]
+    ends = 5e11 * min(d.min() for d in densities), 2e12 * max(d.max() for d in densities)
+    axes[1].tick_params(which="both", labelleft=False)
+    axes[0].set_ylabel("power spectral density, µm⁴")
+    for panel in axes:
+        panel.set_ylim(ends)
+        panel.invert_xaxis()
+    fs.legend_above(axes[1], columns=4)
 
 
 @fs.panels(2)
@@ -83,63 +91,57 @@ def islands(axes: Any, data: "FigureData") -> None:
     table = evolution.table
     number, sizes = axes
     for name, label, line in (
-        ("islands", "all", {"color": fs.CONTACT, "marker": "o"}),
+        ("islands", "islands, all", {"color": fs.CONTACT, "marker": "o"}),
         ("islands_of_one_cell", "of one cell", {"color": fs.HARDNESS, "ls": ":", "marker": "x"}),
     ):
         fs.over_distance(number, table["distance"], table[name], label=label, ms=3, **line)
     fs.scale_distance(number, table["distance"])
     number.set(ylabel="islands of contact, –", ylim=(0.0, None))
-    number.legend()
-    shades = np.linspace(0.1, 0.9, len(evolution.island_areas))
-    for index, (areas, shade) in enumerate(zip(evolution.island_areas, shades, strict=True)):
-        falling = np.sort(areas)[::-1]
-        label = f"{table['distance'][index]:.4g} mm"
-        line = {"color": fs.PRESSURES(shade), "ls": ("-", "--", "-.", ":")[index % 4], "label": label}
+    shown = [index for index in data.shown if evolution.island_areas[index].size]
+    for index, line in zip(shown, fs.in_time(fs.CONTACT, len(shown)), strict=True):
+        falling = np.sort(evolution.island_areas[index])[::-1]
+        label = f"right: {fs.after(table['distance'][index])}"
         # Islands at least as large: between two areas, those of the larger.
-        sizes.step(falling, np.arange(1, falling.size + 1), where="post", **line)
+        sizes.step(falling, np.arange(1, falling.size + 1), where="post", label=label, **line)
     sizes.set(xscale="log", yscale="log")
     fs.plain_numbers(sizes.xaxis)
     fs.plain_numbers(sizes.yaxis)
     sizes.set(xlabel="area of an island, mm²", ylabel="islands at least as large, –")
     # To a whole decade, and only decades labelled: labels between them would run into each other.
-    everything = np.log10(np.concatenate(evolution.island_areas))
+    everything = np.log10(np.concatenate([evolution.island_areas[index] for index in shown]))
     sizes.set_xlim(0.8 * 10.0 ** everything.min(), 10.0 ** np.floor(everything.max() + 1.0))
     sizes.tick_params(axis="x", which="minor", labelbottom=False)
-    fs.legend_above(sizes, columns=5)
+    fs.legend_above(*axes, columns=6)
 
 
-@fs.panels(height=2.9)
+@fs.panels()
 def junctions(axes: Axes, data: "FigureData") -> None:
-    """Share of the contact area in islands up to a diameter, a line a snapshot, beside d* and the mesh.
+    """Share of the contact area in islands larger than a diameter, a line a snapshot.
 
-    An island's diameter is that of the circle of its area. The legend says what share of the contact area
-    is in islands larger than d*; a study without d* has neither that share nor the line. d* is that of the
-    pieces where bodies wear in pieces; one of eq 2.3 that is not it has a line, too.
+    An island's diameter is that of the circle of its area. Dots mark the share above d*, which the legend
+    gives: d* is that of the pieces where bodies wear in pieces, else that of eq 2.3. A study without it has
+    neither.
     """
-    evolution = data.evolution
-    critical, formula = data.study.critical_diameter, data.study.critical_junction
+    evolution, critical = data.evolution, data.study.critical_diameter
     shown = [index for index in data.shown if evolution.island_areas[index].size]
     for index, line in zip(shown, fs.in_time(fs.CONTACT, len(shown)), strict=True):
-        areas = evolution.island_areas[index]
-        distance = evolution.table["distance"][index]
-        label = f"{distance:.4g} mm" if distance else "static"
+        areas = np.sort(evolution.island_areas[index])
+        label = fs.after(evolution.table["distance"][index])
+        diameters = 1e3 * diameters_of(areas)
+        above = 1.0 - np.cumsum(areas) / areas.sum()
         if critical is not None:
-            label += f": {100.0 * share_above(areas, critical):.0f} % > d*"
-        diameters = 1e3 * diameters_of(np.sort(areas))
-        shares = np.cumsum(np.sort(areas)) / areas.sum()
-        # From nothing below the smallest island.
-        places, steps = np.append(diameters[0], diameters), np.append(0.0, shares)
+            share = share_above(areas, critical)
+            label += f": {100.0 * share:.0f} %"
+            axes.plot(1e3 * critical, share, "o", ms=4, color=line["color"], zorder=3)
+        # All of the area below the smallest island, none beyond the largest.
+        places, steps = np.append(diameters[0] / 2.0, diameters), np.append(1.0, above)
         axes.step(places, steps, where="post", label=label, **line)
-    mesh = 1e3 * float(diameters_of(np.array([data.result.study.cells.cell_area]))[0])
-    axes.axvline(mesh, color=fs.NOMINAL, lw=0.6, label="one cell (mesh limit)")
     if critical is not None:
-        axes.axvline(1e3 * critical, color=fs.HARDNESS, lw=1.4, label=f"d* = {1e3 * critical:.3g} µm")
-        if formula is not None and formula != critical:
-            told = f"{1e3 * formula:.3g} µm by eq 2.3"
-            axes.axvline(1e3 * formula, color=fs.HARDNESS, lw=0.8, ls="--", label=told)
+        axes.axvline(1e3 * critical, color=fs.HARDNESS, lw=0.8)
+        axes.set_title(f"share above d* = {1e3 * critical:.3g} µm")
     axes.set_xscale("log")
-    fs.plain_numbers(axes.xaxis, decades=0.3)
-    axes.tick_params(axis="x", which="minor", pad=5.0)  # its labels in line with those of decades
-    axes.set(xlabel="diameter of an island, µm", ylabel="cumulative share of contact area, –")
-    axes.set_ylim(0.0, 1.02)
+    fs.plain_numbers(axes.xaxis)
+    mesh = 1e3 * float(diameters_of(np.array([data.result.study.cells.cell_area]))[0])
+    axes.set(xlabel="diameter of an island, µm", ylabel="share of area in larger islands, –")
+    axes.set(xlim=(0.9 * mesh, None), ylim=(0.0, 1.02))
     fs.legend_above(axes, columns=2)

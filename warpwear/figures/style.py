@@ -14,7 +14,7 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter, LogLocator, MaxNLocator
+from matplotlib.ticker import LogFormatter, LogLocator, MaxNLocator, NullLocator, ScalarFormatter
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
@@ -59,10 +59,24 @@ STYLE: Any = {
     "ytick.major.width": 0.6,
     "lines.linewidth": 1.2,
     "grid.color": "#DDDDDD",
+    "axes.formatter.useoffset": False,  # 0.999 and not 9.99 with "+9.9e-1" at the axis's end
     "figure.dpi": 300.0,
+    "text.parse_math": False,  # a $ in the name of a run is a $
     "pdf.fonttype": 42,  # TrueType: publishers refuse Type 3
     "svg.hashsalt": "warpwear",
 }
+#: Inches that a character of a legend takes, and a line with its room beside the text.
+CHARACTER, LEGEND_LINE = 0.055, 0.5
+#: Fewer decades than this of a logarithmic axis keep all their ticks, of which all have a number.
+LEAST_THINNED = 0.5
+#: More decades than this of a logarithmic axis have no number between them.
+LABELLED = 2.3
+#: How powers of ten are written.
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+#: From here on thousands are set apart by a narrow space, as SI writes them.
+THOUSANDS = 1e4
+#: More decades than this from the first state of a scar have a number at each only.
+DECADES = 2.2
 #: Compression of PNG: more makes files a quarter smaller, and takes a third of a figure's time.
 COMPRESSION = {"compress_level": 1}
 
@@ -119,8 +133,14 @@ class Sheet(Figure):
     bar: Axes | None = None
     _legend_rows = 0
 
+    def __init__(self, *given: Any, **more: Any) -> None:
+        super().__init__(*given, **more)
+        #: What is said of panels whose places are known, by functions that are called then.
+        self.when_placed: list[Callable[[], None]] = []
+
     def legend_above(self, handles: list[Any], labels: list[str], *, columns: int) -> None:
-        """Put a legend over all panels."""
+        """Put a legend over all panels, in fewer columns where they are too wide for the figure."""
+        columns = next(n for n in range(columns, 0, -1) if n == 1 or _width(labels, n) <= self.get_figwidth())
         where: Any = "outside upper center" if self.get_layout_engine() else "upper center"
         self.legend(handles, labels, loc=where, ncols=columns, borderaxespad=0.3)
         self._legend_rows = -(-len(labels) // columns)
@@ -176,13 +196,26 @@ class Sheet(Figure):
             low, tall = belows[-1] + 0.1 * whole, 0.8 * whole
             start = width - ROOM.right - ROOM.edge
             self.bar.set_position((start / width, low / height, BAR_WIDTH / width, tall / height))
+        for tell in self.when_placed:
+            tell()
+
+
+def _width(labels: list[str], columns: int) -> float:
+    """Estimate the width of a legend [inch], whose labels fill one column after another."""
+    longest = (max(map(len, part), default=0) for part in np.array_split(np.array(labels, object), columns))
+    return sum(CHARACTER * characters + LEGEND_LINE for characters in longest)
 
 
 def _thin_ticks(axis: Axis) -> None:
-    """Keep two ticks between decades where a logarithmic axis spans many: each takes time."""
-    low, high = axis.get_view_interval()
-    if axis.get_scale() == "log" and low > 0.0 and high > 1e3 * low:
+    """Keep two ticks between decades of a logarithmic axis, numbered where decades are few.
+
+    Each tick takes time.
+    """
+    low, high = sorted(axis.get_view_interval())
+    if axis.get_scale() == "log" and low > 0.0 and high > 10.0**LEAST_THINNED * low:
         axis.set_minor_locator(LogLocator(subs=(2.0, 5.0), numticks=50))
+        if high < 10.0**LABELLED * low and isinstance(axis.get_minor_formatter(), PlainNumbers):
+            plain_numbers(axis, decades=LABELLED)
 
 
 def new_figure(
@@ -257,7 +290,26 @@ def over_distance(
     """Draw a quantity over the distance slid [mm], or over what xlabel says."""
     axes.plot(distance, values, **line)
     axes.set_xlabel(xlabel)
-    axes.xaxis.set_major_locator(MaxNLocator(6))
+    axes.xaxis.set_major_locator(steps(6))
+    axes.xaxis.set_major_formatter(Thousands())
+
+
+def steps(most: int, **more: Any) -> MaxNLocator:
+    """Make a locator of at most so many steps of 1, 2 or 5, which people count in."""
+    return MaxNLocator(most, steps=[1, 2, 5, 10], **more)
+
+
+def scale_from_unworn(axes: Axes, places: FloatArray, xlabel: str) -> None:
+    """Make a logarithmic axis before which 0, the unworn state, has a place of its own. places: rising"""
+    first, last = np.log10(places[places > 0.0][0]), np.log10(places[-1])
+    start = 10.0 ** np.floor(first)
+    axes.set_xscale("symlog", linthresh=start, linscale=0.5)
+    digits = (1.0, 2.0, 5.0) if last - first < DECADES else (1.0,)
+    ticks = [digit * 10.0**power for power in range(round(np.log10(start)), 10) for digit in digits]
+    axes.set_xticks([0.0, *(tick for tick in ticks if tick <= 1.05 * places[-1])])
+    axes.xaxis.set_major_formatter(lambda value, _: short(value) if value else "unworn")
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set(xlabel=xlabel, xlim=(0.0, 1.15 * places[-1]))
 
 
 def scale_distance(axes: Axes, distance: FloatArray) -> None:
@@ -273,7 +325,7 @@ def scale_values(axes: Axes, *values: FloatArray) -> None:
     if known.size == 0 or known.max() < 5.0 * known.min():
         top = 1.15 * known.max() if known.size else None
         axes.set_ylim(0.0, top)
-        axes.yaxis.set_major_locator(MaxNLocator(6))
+        axes.yaxis.set_major_locator(steps(6))
     else:
         logarithmic(axes)
 
@@ -303,12 +355,21 @@ class PlainNumbers(LogFormatter):
         return short(x) if super().__call__(x, pos) else ""
 
 
+class Thousands(ScalarFormatter):
+    """Writes 20 000 instead of 20000 along a linear axis."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return short(x) if THOUSANDS <= abs(x) < 1e5 else super().__call__(x, pos)
+
+
 def short(value: float) -> str:
-    """Write a number as people do: 0.001, 20, 10⁻⁵, 2·10⁶."""
+    """Write a number as people do: 0.001, 20, 20 000, 10⁻⁵, 2·10⁶."""
+    if THOUSANDS <= abs(value) < 1e5 and value == round(value):
+        return f"{value:,.0f}".replace(",", "\u202f")  # a narrow space
     if 1e-3 <= abs(value) < 1e5 or value == 0.0:
         return f"{value:g}"
     digits, _, power = f"{value:e}".partition("e")
-    raised = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    raised = str(int(power)).translate(RAISED)
     return f"10{raised}" if float(digits) == 1.0 else f"{float(digits):g}·10{raised}"
 
 
@@ -331,6 +392,9 @@ def after(distance: float) -> str:
 
 
 def with_scatter(mean: float, scatter: float) -> str:
-    """Write mean ± standard deviation; the latter left out where it is only round-off."""
-    shown = f"{float(f'{mean:.3g}'):g}"
-    return f"{shown} ± {float(f'{scatter:.2g}'):g}" if scatter > 1e-6 * mean else shown
+    """Write mean ± standard deviation, to the same digit; the latter left out where it is only round-off."""
+    if not scatter > 1e-6 * mean:
+        return f"{float(f'{mean:.3g}'):g}"
+    decimals = 1 - int(np.floor(np.log10(scatter)))
+    known = max(decimals, 0)
+    return f"{round(mean, decimals):.{known}f} ± {float(f'{scatter:.2g}'):.{known}f}"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.figures import when
+from warpwear.figures import words
 from warpwear.figures.data import FigureData
 from warpwear.results.file import ResultFile
 from warpwear.results.manifest import add_figure
@@ -24,10 +24,15 @@ fs = lazy.module("warpwear.figures.style")
 
 
 class Entry(NamedTuple):
-    """A figure of the table: what draws it, as file:function of this folder, and why a run may have none."""
+    """A figure of the table: what draws it, what stands below it, and why a run may have none.
+
+    place: file:function of this folder. caption: a template with fields of `words.FIELDS`; the law of contact
+    is said behind it.
+    """
 
     place: str
-    reasons: tuple[when.Reason, ...] = ()
+    caption: str
+    reasons: tuple[words.Reason, ...] = ()
 
     @property
     def draw(self) -> Callable[..., "Figure"]:
@@ -36,51 +41,189 @@ class Entry(NamedTuple):
         return found
 
 
-_FIELD = (when.NO_SNAPSHOT, when.ONLY_SAMPLES)
-_SPHERE = (*_FIELD, when.UNWORN_SPHERE)
-_DISC = (when.TRACK, *_FIELD, when.UNWORN_DISC)
-_GROOVE = (when.STILL, when.NO_SNAPSHOT, when.NO_GROOVE)
-_PATCHES = (when.ONE_SCALE, when.NO_SNAPSHOT)
-_ROUGHNESS = (when.TRACK, when.SMOOTH_DISC, when.ONE_SNAPSHOT, when.UNWORN_DISC)
+_FIELD = (words.NO_SNAPSHOT, words.ONLY_SAMPLES)
+_SPHERE = (*_FIELD, words.UNWORN_SPHERE)
+_DISC = (words.TRACK, *_FIELD, words.UNWORN_DISC)
+_GROOVE = (words.STILL, words.NO_SNAPSHOT, words.NO_GROOVE)
+_PATCHES = (words.ONE_SCALE, words.NO_SNAPSHOT)
+_ROUGHNESS = (words.TRACK, words.SMOOTH_DISC, words.ONE_SNAPSHOT, words.UNWORN_DISC)
 
 FIGURES: dict[str, Entry] = {
-    "setup": Entry("shape:setup", _FIELD),
-    "cof": Entry("history:cof", (when.NO_COURSE, when.NO_COF)),
-    "cof_time": Entry("history:cof_time", (when.NO_COURSE, when.NO_COF, when.NO_TIME)),
-    "areas": Entry("history:areas", (when.NO_COURSE,)),
-    "pressure": Entry("history:pressure", (when.NO_COURSE,)),
-    "contact_radius": Entry("history:contact_radius", (when.NO_COURSE, when.NO_RADIUS)),
-    "volumes": Entry("history:volumes", (when.NO_COURSE, when.UNWORN)),
-    "pressure_map": Entry("fields:pressure_map", _FIELD),
-    "pressure_3d": Entry("fields:pressure_3d", _FIELD),
-    "pressure_profiles": Entry("fields:pressure_profiles", _FIELD),
-    "contact_map": Entry("fields:contact_map", _FIELD),
-    "bare_map": Entry("fields:bare_map", (when.NO_FILM, *_FIELD)),
-    "bare_fraction": Entry("history:bare_fraction", (when.NO_FILM, when.NO_COURSE)),
-    "wear_map": Entry("shape:wear_map", (when.TRACK, *_FIELD, when.UNWORN)),
-    "sphere_map": Entry("shape:sphere_map", _SPHERE),
-    "sphere_3d": Entry("shape:sphere_3d", _SPHERE),
-    "sphere_profiles": Entry("shape:sphere_profiles", _SPHERE),
-    "disc_map": Entry("shape:disc_map", _DISC),
-    "disc_3d": Entry("shape:disc_3d", _DISC),
-    "disc_profiles": Entry("shape:disc_profiles", _DISC),
-    "profiles": Entry("shape:profiles", _FIELD),
-    "roughness": Entry("snapshots:roughness", _ROUGHNESS),
-    "texture": Entry("snapshots:texture", (when.ONE_SNAPSHOT, when.UNWORN, when.SMOOTH, when.NO_TEXTURE)),
-    "spectrum": Entry("snapshots:spectrum", (when.NO_SNAPSHOT, when.UNWORN, when.SMOOTH, when.NO_SPECTRUM)),
-    "islands": Entry("snapshots:islands", (when.SMOOTH_DISC, when.ONE_SNAPSHOT, when.ONLY_SAMPLES)),
-    "junctions": Entry("snapshots:junctions", (when.SMOOTH_DISC, when.NO_JUNCTIONS, *_FIELD)),
-    "pieces": Entry("history:pieces", (when.NO_PIECES,)),
-    "load_share": Entry("patches:load_share", _PATCHES),
-    "patch_zoom": Entry("patches:patch_zoom", _PATCHES),
-    "hertz": Entry("fields:hertz", (when.ROUGH, when.NO_HERTZ, when.NO_SNAPSHOT)),
-    "distance_factor": Entry("fields:factor", (when.TRACK_FACTOR, when.NO_FACTOR, when.NO_SNAPSHOT)),
-    "groove": Entry("track:groove_figure", _GROOVE),
-    "track_map": Entry("track:track_map", _GROOVE),
-    "wear_per_pass": Entry("track:wear_per_pass", (when.STILL, when.NO_COURSE, when.UNWORN)),
-    "cof_stroke": Entry("track:cof_stroke", (when.STILL, when.NO_COURSE, when.NO_COF)),
-    "track_roughness": Entry("track:track_roughness", (*_GROOVE, when.SMOOTH_DISC)),
+    "setup": Entry(
+        "shape:setup",
+        "The {slider} on the unworn disc at first contact, its near half cut away; heights are "
+        "exaggerated as the figure says.",
+        _FIELD,
+    ),
+    "cof": Entry(
+        "history:cof",
+        "Coefficient of friction over the sliding distance. {friction}{passes}",
+        (words.NO_COURSE, words.NO_COF),
+    ),
+    "cof_time": Entry(
+        "history:cof_time",
+        "Coefficient of friction over the sliding time. {friction}",
+        (words.NO_COURSE, words.NO_COF, words.NO_TIME),
+    ),
+    "areas": Entry(
+        "history:areas",
+        "Real areas of contact and the nominal area of the scar, its ellipse, over the sliding "
+        "distance.{passes}",
+        (words.NO_COURSE,),
+    ),
+    "pressure": Entry(
+        "history:pressure",
+        "Mean and largest pressure of the cells in contact over the sliding distance.{fall}{passes}",
+        (words.NO_COURSE,),
+    ),
+    "contact_radius": Entry(
+        "history:contact_radius",
+        "Radii of circles of the scar's nominal area and of the area in contact over the sliding "
+        "distance: where they meet the contact fills its scar.{passes}",
+        (words.NO_COURSE, words.NO_RADIUS),
+    ),
+    "volumes": Entry(
+        "history:volumes",
+        "Worn volume and depth of the deepest cell of {slider} and disc over the sliding distance.",
+        (words.NO_COURSE, words.UNWORN),
+    ),
+    "pressure_map": Entry(
+        "fields:pressure_map",
+        "Pressure of the cells in contact {shown}, all on one scale; above each its mean and standard "
+        "deviation over these cells.{blocks}",
+        _FIELD,
+    ),
+    "pressure_3d": Entry(
+        "fields:pressure_3d",
+        "Load over area of coarse squares, cells without contact included, at the first and the last "
+        "distance kept; axes differ, colours are of one scale.",
+        _FIELD,
+    ),
+    "pressure_profiles": Entry(
+        "fields:pressure_profiles",
+        "Pressure along and across sliding in a strip through the middle {shown}, means that include "
+        "cells without contact.",
+        _FIELD,
+    ),
+    "contact_map": Entry(
+        "fields:contact_map", "State of the cells {shown}; above each the area in contact.{blocks}", _FIELD
+    ),
+    "bare_map": Entry(
+        "fields:bare_map",
+        "Where the film is gone {shown}; above each the bare part of the area in contact.{blocks}",
+        (words.NO_FILM, *_FIELD),
+    ),
+    "bare_fraction": Entry(
+        "history:bare_fraction",
+        "Part of the area in contact that is bare of film over the sliding distance, and its fitted "
+        "course.{passes}",
+        (words.NO_FILM, words.NO_COURSE),
+    ),
+    "wear_map": Entry(
+        "shape:wear_map", "Wear depth of {slider} and disc {end}.", (words.TRACK, *_FIELD, words.UNWORN)
+    ),
+    "sphere_map": Entry(
+        "shape:sphere_map",
+        "Height of the {slider}, turned over, unworn and at distances slid; lines are of equal height, "
+        "and far apart where it is worn flat.",
+        _SPHERE,
+    ),
+    "sphere_3d": Entry(
+        "shape:sphere_3d", "The {slider}, turned over, unworn and {end}; pale where it is worn.", _SPHERE
+    ),
+    "sphere_profiles": Entry(
+        "shape:sphere_profiles", "Sections of the {slider} through the middle, unworn and {shown}.", _SPHERE
+    ),
+    "disc_map": Entry(
+        "shape:disc_map", "Height of the disc, unworn and at distances slid, on one scale.", _DISC
+    ),
+    "disc_3d": Entry("shape:disc_3d", "The disc, unworn and {end}.", _DISC),
+    "disc_profiles": Entry(
+        "shape:disc_profiles", "Sections of the disc through the middle, unworn and {shown}.", _DISC
+    ),
+    "profiles": Entry(
+        "shape:profiles",
+        "Sections of both bodies through the middle in contact {end}, and without their wear.",
+        _FIELD,
+    ),
+    "roughness": Entry(
+        "snapshots:roughness",
+        "Height parameters (ISO 25178-2) of the disc in the middle of the scar, its bowl taken off, over "
+        "the sliding distance.",
+        _ROUGHNESS,
+    ),
+    "texture": Entry(
+        "snapshots:texture",
+        "Root mean square height Sq and gradient Sdq of both bodies in the inner scar over the sliding "
+        "distance; dashed, the exponential course fitted to Sq.",
+        (words.ONE_SNAPSHOT, words.UNWORN, words.SMOOTH, words.NO_TEXTURE),
+    ),
+    "spectrum": Entry(
+        "snapshots:spectrum",
+        "Power spectral density of both bodies in the inner scar {shown}.",
+        (words.NO_SNAPSHOT, words.UNWORN, words.SMOOTH, words.NO_SPECTRUM),
+    ),
+    "islands": Entry(
+        "snapshots:islands",
+        "Number of islands of contact over the sliding distance, and of those at least as large as an "
+        "area {shown}; islands of one cell are limits of the mesh.",
+        (words.SMOOTH_DISC, words.ONE_SNAPSHOT, words.ONLY_SAMPLES),
+    ),
+    "junctions": Entry(
+        "snapshots:junctions",
+        "Share of the area in contact that lies in islands larger than a diameter {shown}.{critical}",
+        (words.SMOOTH_DISC, words.NO_JUNCTIONS, *_FIELD),
+    ),
+    "pieces": Entry(
+        "history:pieces",
+        "Diameters of the pieces as they were cut, and how many left {slider} and disc per distance slid.",
+        (words.NO_PIECES,),
+    ),
+    "load_share": Entry("patches:load_share", "Load of each patch over its area {shown}{smooth}.", _PATCHES),
+    "patch_zoom": Entry(
+        "patches:patch_zoom",
+        "From the load of the patches to the pressure of the cells of one that carries half of the most.",
+        _PATCHES,
+    ),
+    "hertz": Entry(
+        "fields:hertz",
+        "Pressure along sliding through the middle at the first and the last distance kept, beside "
+        "Hertz's of the unworn bodies.",
+        (words.ROUGH, words.NO_HERTZ, words.NO_SNAPSHOT),
+    ),
+    "distance_factor": Entry(
+        "fields:factor",
+        "Sliding distance of cells of the disc over that of the middle.",
+        (words.TRACK_FACTOR, words.NO_FACTOR, words.NO_SNAPSHOT),
+    ),
+    "groove": Entry(
+        "track:groove_figure",
+        "Mean cross-section of the groove {shown}, and its mean depth along the track {end}.",
+        _GROOVE,
+    ),
+    "track_map": Entry(
+        "track:track_map",
+        "Height of the whole track {end}, and what wear and plastic flow took off it.",
+        _GROOVE,
+    ),
+    "wear_per_pass": Entry(
+        "track:wear_per_pass",
+        "Mean depth that each pass adds to the groove, over the width of the contact.",
+        (words.STILL, words.NO_COURSE, words.NO_GROOVE),
+    ),
+    "cof_stroke": Entry(
+        "track:cof_stroke",
+        "Coefficient of friction over the position in the stroke, of some passes. {friction}",
+        (words.STILL, words.NO_COURSE, words.NO_COF),
+    ),
+    "track_roughness": Entry(
+        "track:track_roughness",
+        "Height parameters (ISO 25178-2) of the disc in the middle of the groove over the passes.",
+        (*_GROOVE, words.SMOOTH_DISC),
+    ),
 }
+#: The file of captions beside figures, and its first line, by which it is known as ours.
+CAPTIONS, HEAD = "captions.md", "# Captions of the figures, by warpwear"
 #: Figures that are drawn by default, what goes into a paper -> the attributes of `FigureData` that they need.
 ESSENTIAL: dict[str, tuple[str, ...]] = {
     "setup": ("relief",),
@@ -145,7 +288,7 @@ class Plotter:
         """Say in a sentence why the run has no such figure; None if it has. Unknown names: InputError."""
         if name not in FIGURES:
             raise InputError(_unknown(name))
-        return when.first_of(FIGURES[name].reasons, self.data)
+        return words.first_of(FIGURES[name].reasons, self.data)
 
     @property
     def left_out(self) -> dict[str, str]:
@@ -168,10 +311,35 @@ class Plotter:
 
         plots: "all", or only "essential" ones. file_format: of FORMATS. drawn: name -> what is to be written.
         """
-        return [
+        paths = [
             self.save(name, folder, file_format=file_format, drawn=drawn.get(name))
             for name in self.names(plots)
         ]
+        self.save_captions(folder)
+        return paths
+
+    def caption(self, name: str) -> str:
+        """Return what stands below a figure: what it shows, at which distance, by which law.
+
+        Raises InputError for an unknown name.
+        """
+        if name not in FIGURES:
+            raise InputError(_unknown(name))
+        with self.data:
+            return (FIGURES[name].caption + " {law}").format_map(words.Fields(self.data))
+
+    def save_captions(self, folder: Path) -> None:
+        """Write captions.md, of the figures that lie in the folder; a file of others is left alone."""
+        path = folder / CAPTIONS
+        drawn = [name for name in FIGURES if any(folder.glob(f"{name}.*")) and not self.reason(name)]
+        try:
+            if not drawn or (path.exists() and not path.read_bytes().startswith(HEAD.encode())):
+                return
+            told = [f"**{name}**: {self.caption(name)}" for name in drawn]
+            path.write_text("\n\n".join([HEAD, *told]) + "\n", encoding="utf-8")
+            add_figure(path)
+        except OSError as error:
+            raise InputError(f"{path} cannot be written: {error.strerror}.") from error
 
     def save(self, name: str, folder: Path, *, file_format: str = "png", drawn: bytes | None = None) -> Path:
         """Write one figure, or the file's content as it was drawn; returns its path.

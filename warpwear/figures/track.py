@@ -1,14 +1,14 @@
 """Figures of a sphere that slides over a track: groove, track, each pass, friction along the stroke."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import AutoLocator, MaxNLocator, NullLocator
 
 from warpwear.figures import style as fs
-from warpwear.figures.axes import ACROSS, ALONG, colour_bar, draw_map
+from warpwear.figures.axes import ACROSS, ALONG, colour_bar, draw_map, stretch
 from warpwear.figures.snapshots import PARAMETERS
 from warpwear.figures.view import positive
 from warpwear.grid import FloatArray
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 #: Passes in one figure.
 SHOWN = 4
-#: More decades of passes than this have a number at each only.
-DECADES = 2.2
 
 
 @fs.panels(2)
@@ -43,14 +41,15 @@ def groove_figure(axes: Any, data: "FigureData") -> None:
     along.set_ylim(bottom=1.15 * along.get_ylim()[0])
     along.set_title(f"mean over the groove's width of {last.width:.3g} mm")
     for panel in axes:
-        panel.xaxis.set_major_locator(MaxNLocator(6))
+        panel.xaxis.set_major_locator(fs.steps(6))
+        panel.yaxis.set_major_locator(fs.steps(6))
     fs.legend_above(across, along, columns=6)
 
 
 def track_map(data: "FigureData") -> Figure:
     """The whole track at the end: its heights, and what is gone of them; x and y not to one scale."""
     track = data.track
-    title = f"track {fs.after(data.distances[-1])} (x and y not to one scale)"
+    title = f"track {fs.after(data.distances[-1])}"
 
     def show(panel: Any, field: FloatArray, colours: Any, label: str, low: float | None = None) -> None:
         known = field[np.isfinite(field)]
@@ -59,50 +58,48 @@ def track_map(data: "FigureData") -> Figure:
         image = draw_map(panel, field, track, colours, None, low=low, high=most)
         colour_bar(panel.inset_axes((1.012, 0.0, 0.012, 1.0)), image, label, extend=beyond)
         panel.set_aspect("auto")
-        panel.xaxis.set_major_locator(AutoLocator())
+        panel.xaxis.set_major_locator(fs.steps(8))
 
     def draw(axes: Any) -> None:
         show(axes[0], 1e3 * track.heights, fs.HEIGHTS, "height, µm")
         show(axes[1], positive(1e3 * track.loss), fs.DEPTHS, "depth, µm", low=0.0)
         axes[0].set(title=title, xlabel="")
+        axes[0].figure.when_placed.append(partial(_tell_shape, axes[0], title))
         axes[1].set_title("what is gone of it, worn or pressed down")
         axes[0].tick_params(labelbottom=False)
 
     return fs.new_figure(draw, rows=2, height=1.9, width=fs.PAGE, fixed=True)
 
 
-@fs.panels(2)
-def wear_per_pass(axes: Any, data: "FigureData") -> None:
-    """Volumes that each pass takes off sphere and disc, and the depth that it adds to the groove."""
+def _tell_shape(panel: Axes, title: str) -> None:
+    """Say in the title how many times larger lengths across the track are drawn than along it."""
+    panel.set_title(f"{title} (y drawn {stretch(panel):.2g} times as large as x)")
+
+
+@fs.panels()
+def wear_per_pass(axes: Axes, data: "FigureData") -> None:
+    """Mean depth that each pass adds to the groove, by wear and by plastic flow."""
     table, stroke = data.passes, data.about.lap
     assert stroke is not None  # or the figure is left out
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():
         whole[:] = True
-    volume, depth = axes
-    lines = (
-        ("wear_volume_sphere", data.about.name_of("sphere"), {"color": fs.SPHERE, "ls": "--"}),
-        ("wear_volume_disc", "disc, worn", {"color": fs.DISC, "ls": "-"}),
-        ("plastic_volume_disc", "disc, displaced", {"color": fs.NEUTRAL, "ls": ":"}),
+    lines: tuple[tuple[str, str, dict[str, Any]], ...] = (
+        ("wear_volume_disc", "worn", {"color": fs.DISC, "ls": "-"}),
+        ("plastic_volume_disc", "displaced", {"color": fs.NEUTRAL, "ls": ":"}),
     )
     number = table["number"][whole]
     marker = "o" if number.size < 12 else None
+    depths = {}
     for name, label, line in lines:
-        values = 1e3 * table[name][whole]
-        if not values.any():
-            continue
-        volume.plot(number, values, label=label, marker=marker, ms=3, **line)
-        if "disc" in name:
-            added = table[name][whole] / (table["distance"][whole] * table["patch_across"][whole])
-            depth.plot(number, 1e3 * added, marker=marker, ms=3, **line)
-    volume.set_ylabel("volume of a pass, 10⁻³ mm³")
-    depth.set_ylabel("mean depth of a pass, µm")
-    for panel in axes:
-        if panel.lines:  # no disc has lost anything in a pass before its first piece
-            fs.scale_values(panel, *(np.asarray(line.get_ydata(), dtype=float) for line in panel.lines))
-        panel.set_xlabel("pass, –")
-        panel.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-    fs.legend_above(volume, columns=3)
+        if table[name].any():
+            depths[name] = 1e3 * (table[name] / (table["distance"] * table["patch_across"]))[whole]
+            axes.plot(number, depths[name], label=label, marker=marker, ms=3, **line)
+    fs.scale_values(axes, *depths.values())
+    axes.set(xlabel="pass, –", ylabel="mean depth of a pass, µm")
+    axes.xaxis.set_major_locator(fs.steps(6, integer=True))
+    if len(depths) > 1:
+        fs.legend_above(axes, columns=2)
 
 
 @fs.panels()
@@ -117,7 +114,7 @@ def cof_stroke(axes: Axes, data: "FigureData") -> None:
         inside = number == at
         axes.plot(history["position"][inside], history["cof"][inside], label=f"pass {at}", **line)
     axes.set(xlabel="position along the track, mm", ylabel="coefficient of friction, –", ylim=(0.0, None))
-    axes.xaxis.set_major_locator(MaxNLocator(6))
+    axes.xaxis.set_major_locator(fs.steps(6))
     fs.legend_above(axes, columns=4)
 
 
@@ -127,19 +124,6 @@ def track_roughness(axes: Axes, data: "FigureData") -> None:
     table = data.track_roughness
     for name, (label, line) in PARAMETERS.items():
         axes.plot(table["passes"], table[name], label=label, ms=3, **line)
-    _passes_from_none(axes, table["passes"])
+    fs.scale_from_unworn(axes, table["passes"], "passes, –")
     axes.set(ylabel="roughness in the groove, µm", ylim=(0.0, None))
     fs.legend_above(axes, columns=5)
-
-
-def _passes_from_none(axes: Axes, passes: FloatArray) -> None:
-    """Make a logarithmic axis of passes, before which 0, the unworn track, has a place of its own."""
-    first, last = np.log10(passes[1]), np.log10(passes[-1])
-    start = 10.0 ** np.floor(first)
-    axes.set_xscale("symlog", linthresh=start, linscale=0.5)
-    digits = (1.0, 2.0, 5.0) if last - first < DECADES else (1.0,)
-    ticks = [digit * 10.0**power for power in range(round(np.log10(start)), 10) for digit in digits]
-    axes.set_xticks([0.0, *(tick for tick in ticks if tick <= 1.05 * passes[-1])])
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}" if value else "unworn")
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.set(xlabel="passes, –", xlim=(0.0, 1.15 * passes[-1]))

@@ -9,6 +9,7 @@ pressure is shown as a height (in 3-D) or along a line it is the mean too, cells
 volume under it is then the load at any block size.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Self
@@ -18,6 +19,11 @@ from numpy.typing import NDArray
 
 from warpwear.grid import FloatArray, Grid
 from warpwear.surfaces.sphere import sag
+
+#: From this number of whole passes on, their means are drawn over the steps.
+PASSES = 8
+#: The largest pressure falls where it comes below this part of what it was.
+FALL = 0.9
 
 
 class State(IntEnum):
@@ -39,6 +45,14 @@ class FilmState(IntEnum):
 
 
 @dataclass(frozen=True)
+class FittedCof:
+    """A measured coefficient of friction that fixes the shear strength, so that it is an input."""
+
+    value: float
+    at_end: bool  # or at the start
+
+
+@dataclass(frozen=True)
 class About:
     """What figures say of a study."""
 
@@ -50,6 +64,7 @@ class About:
     friction_area: str  # which area shears
     shear: str  # where the shear strength comes from
     lap: float | None  # slid in a pass [mm]; None where the disc lies still
+    fitted_cof: FittedCof | None  # None where the shear strength is given
 
     def name_of(self, body: str) -> str:
         """Return what a figure calls the body "sphere" or "disc"."""
@@ -150,3 +165,16 @@ def sag_or_nan(x: FloatArray, y: FloatArray, curvature: float) -> FloatArray:
     """Return heights [mm] of the unworn sphere over its apex at x × y; NaN beyond it. curvature: [1/mm]"""
     heights = sag(x, y, radius=1.0 / curvature if curvature else np.inf)
     return np.where(np.isinf(heights), np.nan, heights)
+
+
+def last_at_hardness(course: Mapping[str, FloatArray]) -> int | None:
+    """Return the row after which no cell bears the hardness, where the largest pressure then falls; or None.
+
+    Asperities that stand out bear the hardness until wear has taken off what stands out of them. When the
+    last one, often a single cell, is as low as those around it the largest pressure falls to theirs.
+    """
+    largest, rows = course["pressure_max"], np.flatnonzero(course["area_plastic"] > 0.0)
+    if rows.size == 0 or rows[-1] == largest.size - 1:
+        return None
+    last = int(rows[-1])
+    return last if largest[last + 1 :].max() < FALL * largest[last] else None

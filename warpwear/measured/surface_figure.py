@@ -1,16 +1,31 @@
 """Figures of measured surfaces, worn tracks and worn balls: panels of one column's width in a stack."""
 
+import textwrap
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from warpwear.figures.style import DEPTHS, DISC, HEIGHTS, NEUTRAL, SPHERE, new_figure, style
+from warpwear.figures.style import (
+    DEPTHS,
+    DISC,
+    HEIGHTS,
+    NEUTRAL,
+    PAGE,
+    SPHERE,
+    Sheet,
+    new_figure,
+    plain_numbers,
+    style,
+)
 from warpwear.grid import FloatArray
 from warpwear.measured.surface_report import SurfaceReport
+from warpwear.results.report import record
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.roughness import material_ratio_curve
 from warpwear.surfaces.sphere import places
@@ -23,8 +38,12 @@ Pair: TypeAlias = tuple[float, float]
 PIXELS = 700
 #: A field that is longer than this many widths is drawn out of proportion.
 LONG = 4.0
-#: Height of a panel [inch].
-ROW = 2.4
+#: Height of a panel of a stack, and of the sheet of a surface [inch].
+ROW, SHEET = 2.4, 5.4
+#: Characters of a line of numbers, its place behind its label and its height [points].
+TOLD, INDENT, LINE = 56, 44.0, 10.0
+#: Filters of a profile's roughness: name, key of the record, unit.
+FILTERS = (("λs", "lambda_s_um", "µm"), ("λc", "lambda_c_mm", "mm"))
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -34,29 +53,82 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def surface_figure(report: SurfaceReport) -> Figure:
-    """Draw a measured surface: map, bearing area curve, power spectrum, rms slope against cut-off."""
-
-    def draw(panels: Any) -> None:
+    """Draw the sheet of a measured surface: map, numbers, bearing curve, spectrum, slope over cut-off."""
+    with style():
+        figure = Sheet(figsize=(PAGE, SHEET), layout="constrained")
+        FigureCanvasAgg(figure)
+        halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
+        upper, lower = halves
+        left, right = upper.subplots(1, 2)
+        right.set_axis_off()
         surface = report.surface
-        _map_of_heights(panels[0], surface.levelled, surface.size, surface.filled)
-        _bearing(panels[1], report)
-        spectrum = report.spectrum
-        if spectrum.density.size:
-            panels[2].loglog(1e3 * spectrum.wavelength, 1e12 * spectrum.density, color=DISC)
-            # a band-limited surface has nothing but rounding below its shortest wave
-            top, bottom = (1e12 * float(v) for v in (spectrum.density.max(), spectrum.density.min()))
-            panels[2].set_ylim(bottom=max(bottom / 2, 1e-12 * top), top=4 * top)
-        else:
-            panels[2].text(0.5, 0.5, "a flat: no waves", transform=panels[2].transAxes, ha="center")
-        if (knee := report.roll_off.wavelength) is not None:
-            panels[2].axvline(1e3 * knee, color=NEUTRAL, ls="--", lw=0.8, label="suggested roll-off")
-            _legend(panels[2])
-        panels[2].set(xlabel="wavelength, µm", ylabel="power spectral density, µm⁴")
-        panels[3].semilogx(1e3 * report.cut_offs, report.slopes, color=DISC)
-        panels[3].set(xlabel="shortest wavelength (S-filter), µm", ylabel="rms slope, 1")
-        panels[3].set_ylim(bottom=0.0)
+        _map_of_heights(left, surface.levelled, surface.size, surface.filled)
+        _write_numbers(upper, report)
+        bearing, density, slope = lower.subplots(1, 3)
+        _bearing(bearing, report)
+        _spectrum(density, report)
+        slope.semilogx(1e3 * report.cut_offs, report.slopes, color=DISC)
+        slope.set(xlabel="S-filter, µm", ylabel="rms gradient Sdq, –")
+        slope.set_ylim(bottom=0.0)
+        plain_numbers(slope.xaxis)
+    return figure
 
-    return new_figure(draw, rows=4, height=ROW)
+
+def _spectrum(axes: Axes, report: SurfaceReport) -> None:
+    spectrum = report.spectrum
+    if spectrum.density.size:
+        axes.loglog(1e3 * spectrum.wavelength, 1e12 * spectrum.density, color=DISC)
+        # a band-limited surface has nothing but rounding below its shortest wave
+        top, bottom = (1e12 * float(v) for v in (spectrum.density.max(), spectrum.density.min()))
+        axes.set_ylim(bottom=max(bottom / 2, 1e-12 * top), top=4 * top)
+        for axis in (axes.xaxis, axes.yaxis):
+            plain_numbers(axis)
+    else:
+        axes.text(0.5, 0.5, "a flat: no waves", transform=axes.transAxes, ha="center")
+    if (knee := report.roll_off.wavelength) is not None:
+        axes.axvline(1e3 * knee, color=NEUTRAL, ls="--", lw=0.8, label="suggested roll-off")
+        _legend(axes)
+    axes.set(xlabel="wavelength, µm", ylabel="power spectral density, µm⁴")
+
+
+def _write_numbers(figure: Any, report: SurfaceReport) -> None:
+    """Write what was read, what was done to it and what came out into the right half of a figure."""
+    font: dict[str, Any] = {"xycoords": "subfigure fraction", "textcoords": "offset points", "fontsize": 7}
+    down = 0.0
+    for label, told in _numbers(record(report.rows)):
+        for number, line in enumerate(textwrap.wrap(told, TOLD)):
+            down -= LINE
+            for place, text, color in ((0.0, "" if number else label, NEUTRAL), (INDENT, line, "black")):
+                note = figure.axes[0].annotate(text, (0.5, 0.98), (place, down), color=color, **font)
+                note.set_in_layout(False)
+                note.set_annotation_clip(False)
+
+
+def _numbers(r: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Give the numbers of a sheet as label and text. r: the record of the report."""
+    (nx, ny), (px, py), (lx, ly) = r["grid"], r["pixel_um"], r["extent_mm"]
+    yield "file", f"{r['file']} ({r['format']})"
+    yield "window", f"{lx:.4g} × {ly:.4g} mm"
+    yield "points", f"{nx} × {ny}, {px:.4g} × {py:.4g} µm apart"
+    yield "missing", f"{r['missing']} points ({r['missing_percent']:.2g} %)"
+    yield "done", "; ".join(r["operations"]) or "nothing"
+    yield "height", f"Sa {r['sa_um']:.3g}, Sq {r['sq_um']:.3g}, Sz {r['sz_um']:.3g} µm"
+    yield "", f"Ssk {r['ssk']:.3g}, Sku {r['sku']:.3g}".replace("-", "−")
+    yield "slope", f"Sdq {r['rms_slope']:.3g}, Sdr {r['sdr_percent']:.3g} %, between points"
+    if (length := r["autocorrelation_length_um"]) is not None:
+        yield "length", f"Sal {length:.3g} µm (autocorrelation falls to 0.2)"
+    bearing = r["bearing"]
+    yield "bearing", f"Spk {bearing['spk_um']:.3g}, Sk {bearing['sk_um']:.3g}, Svk {bearing['svk_um']:.3g} µm"
+    yield "", f"Smr1 {bearing['smr1_percent']:.3g}, Smr2 {bearing['smr2_percent']:.3g} %"
+    for axis, found in r["ra"].items():
+        if found.get("ra_um") is not None:
+            filters = [f"{name} {found[key]:.3g} {unit}" for name, key, unit in FILTERS if found.get(key)]
+            told = f"{found['ra_um']:.3g} ± {found['scatter_um']:.2g} µm"
+            yield f"Ra along {axis}", f"{told} ({', '.join(filters) or 'unfiltered'})"
+    if r["roll_off"]["wavelength_um"] is not None:
+        hurst = r["roll_off"]["hurst"]
+        beside = f", Hurst exponent {hurst:.2g}" if hurst is not None else ""
+        yield "roll-off", f"{r['roll_off']['wavelength_um']:.3g} µm{beside}"
 
 
 def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
@@ -182,6 +254,4 @@ def _bearing(axes: Axes, report: SurfaceReport) -> None:
     room = 0.35 * (core.max() - core.min()) or 1.0
     axes.set_ylim(max(height.min(), core.min() - room), min(height.max() + 0.1 * room, core.max() + room))
     axes.set(xlabel="material ratio, %", ylabel="height, µm")
-    text = f"Spk {1e3 * b.spk:.3g} µm\nSk {1e3 * b.sk:.3g} µm\nSvk {1e3 * b.svk:.3g} µm"
-    axes.text(0.98, 0.97, text, transform=axes.transAxes, ha="right", va="top", fontsize=7)
     _legend(axes)

@@ -13,6 +13,7 @@ from warpwear.surfaces.roughness import (
     Bearing,
     ProfileRoughness,
     bearing_parameters,
+    developed_area,
     profile_roughness,
     slope_along,
 )
@@ -104,6 +105,7 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("Hurst exponent", "hurst", roll_off.hurst, digits=2),
     ]
     rough_rows = [Row(label, key, own[key]) for key, label in ROUGHNESS.items()]
+    rough_rows.append(Row("Sdr", "sdr_percent", 100.0 * developed_area(heights, pixel=pixel), digits=3))
     ra_rows = [row for axis, found in zip("xy", profiles, strict=True) for row in _ra(axis, found, lay)]
     by_cut_off = {"cut_off_um": (1e3 * cut_offs).tolist(), "rms_slope": slopes.tolist()}
     by_wave = {"wavelength_um": 1e3 * spectrum.wavelength, "density_um4": 1e12 * spectrum.density}

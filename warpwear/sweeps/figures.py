@@ -1,5 +1,6 @@
 """Figures of a sweep: courses with bands, end values over what was varied, what decides them."""
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -21,13 +22,16 @@ LINES = ("-", "--", "-.", ":")
 GREYS = ("#444444", "#888888", "#bbbbbb")
 #: Columns of the courses and of the scatter, each with its axis.
 SHOWN = {
-    "cof": "coefficient of friction",
+    "cof": "coefficient of friction, –",
     "area_contact": "area in contact, mm²",
     "wear_volume_sphere": "worn volume of the ball, 10⁻³ mm³",
     "wear_volume_disc": "worn volume of the disc, 10⁻³ mm³",
 }
 #: What values are multiplied by where the axis has another unit than the column.
 SCALES = {"wear_volume_sphere": 1.0e3, "wear_volume_disc": 1.0e3}
+#: Units as they are typed -> as they are printed; and numbers with a power of ten.
+PRINTED = {"mm^3/N/m": "mm³/(N·m)", "^2": "²", "^3": "³", "um": "µm"}
+NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)")
 #: Groups that are drawn one by one; more are only told apart by the table.
 MOST_GROUPS = 28
 
@@ -89,7 +93,7 @@ def courses(result: SweepResult, columns: list[str], experiments: tuple[Experime
             panel.set_visible(False)
         if several:
             names = [str(handle.get_label()) for handle in handles]
-            panels[0].figure.figure.legend_above(handles, names, columns=_beside(handles))
+            panels[0].figure.figure.legend_above(handles, [*map(_told, names)], columns=_beside(handles))
 
     count = len(columns)
     legend = 0.16 * -(-several // _beside(handles)) if several else 0.0
@@ -228,7 +232,14 @@ def _at_the_end(column: str) -> str:
 
 
 def _axis(key: str, unit: str) -> str:
-    return f"{key}, {unit}" if unit else key
+    return f"{key}, {_told(unit)}" if unit else key
+
+
+def _told(text: str) -> str:
+    """Write quantities as papers do: 5e-4 mm^3/N/m is 5·10⁻⁴ mm³/(N·m)."""
+    for plain, printed in PRINTED.items():
+        text = text.replace(plain, printed)
+    return NUMBER.sub(lambda found: f"{found[1]}·10{str(int(found[2])).translate(fs.RAISED)}", text)
 
 
 def _mean(values: FloatArray) -> float:

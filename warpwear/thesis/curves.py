@@ -35,6 +35,7 @@ def radius_and_pressure(axes: Any, runs: Runs, numbers: Numbers) -> None:
         finish(left)
         finish(right)
     axes[1].set_xscale("log")
+    fs.plain_numbers(axes[1].xaxis)
 
 
 def _from_zero(axes: Axes) -> None:
@@ -101,6 +102,8 @@ def relative_cof(axes: Any, runs: Runs, numbers: Numbers) -> None:
         versions(panel, runs, "cof", *VERSIONS, relative=True)
     axes[0].set_ylim(0.0, 1.05)
     axes[1].set(xscale="log", yscale="log", ylim=(1e-3, 1.5))
+    fs.plain_numbers(axes[1].xaxis)
+    fs.plain_numbers(axes[1].yaxis)
 
 
 @figure(columns=2, legend=3, ylabel="area, mm²")
@@ -127,6 +130,7 @@ def areas_of_all(axes: Any, runs: Runs, numbers: Numbers) -> None:
         panel.axhline(numbers["v3.load_over_hardness_mm2"], color=PRINTED, lw=0.8, ls=":", label="F/H")
     _from_zero(axes[0])
     axes[1].set_xscale("log")
+    fs.plain_numbers(axes[1].xaxis)
     fs.logarithmic(axes[1])
 
 

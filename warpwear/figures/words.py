@@ -1,0 +1,225 @@
+"""What is said of figures: when a run has no such figure, and why; and what their captions say of a run.
+
+Each reason is a test of the run and a sentence for people. Captions are templates in the table of figures,
+whose fields are found here.
+"""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from warpwear.figures.data import FigureData
+from warpwear.figures.view import PASSES, last_at_hardness
+
+#: Pressures whose largest is less than this many times the mean are nearly the same.
+EVEN = 1.1
+
+
+class Reason(NamedTuple):
+    """Why a figure is left out of the runs that the test picks."""
+
+    applies: Callable[[FigureData], bool]
+    sentence: str
+
+
+def first_of(reasons: Iterable[Reason], data: FigureData) -> str | None:
+    """Return the sentence of the first reason that applies to a run; None where none does."""
+    return next((reason.sentence for reason in reasons if reason.applies(data)), None)
+
+
+def _is_smooth(data: FigureData) -> bool:
+    disc = data.study.disc.synthetic
+    return data.study.study.model == "macro" or (disc is not None and disc.kind == "flat")
+
+
+def _lost_nothing(*columns: str) -> Callable[[FigureData], bool]:
+    """Test whether none of these columns of the history ends above zero."""
+    return lambda data: not any(data.history[name][-1] > 0.0 for name in columns)
+
+
+NO_COURSE = Reason(lambda d: d.steps < 2, "the run has one step, so nothing changes over the distance")
+NO_COF = Reason(
+    lambda d: not np.isfinite(d.history["cof"]).any(),
+    "the coefficient of friction is calibrated at the end, which the run did not reach",
+)
+NO_FILM = Reason(lambda d: d.study.film is None, "the bodies carry no film: see friction.film")
+NO_TIME = Reason(
+    lambda d: not np.isfinite(d.history["time"]).any(), "sliding.speed is not given, so there is no time"
+)
+NO_RADIUS = Reason(lambda d: d.study.sphere.curvature == 0.0, "a rigid flat has no radius of contact")
+NO_SNAPSHOT = Reason(
+    lambda d: d.result.snapshot_distances.size == 0, "the run was interrupted before its first snapshot"
+)
+ONE_SNAPSHOT = Reason(
+    lambda d: d.result.snapshot_distances.size < 2,
+    "one snapshot shows no course; ask for more with output.snapshots",
+)
+SMOOTH_DISC = Reason(_is_smooth, "a smooth disc has neither roughness nor islands")
+SMOOTH = Reason(
+    lambda d: _is_smooth(d) and not d.study.wear.sheds, "smooth bodies that lose no pieces have no roughness"
+)
+NO_TEXTURE = Reason(
+    lambda d: not any(np.isfinite(d.roughness[f"sq_{body}"]).any() for body in ("sphere", "disc")),
+    "the scar has too few cells to tell its roughness",
+)
+NO_SPECTRUM = Reason(
+    lambda d: not all(d.spectra.values()),
+    "the scar has too few cells for a spectrum, or patches cover a part",
+)
+ONLY_SAMPLES = Reason(
+    lambda d: d.study.samples_area, "the patches cover a part of the area only: see load_share and patch_zoom"
+)
+ONE_SCALE = Reason(
+    lambda d: d.study.study.model != "two-scale", "the run has one scale: no patches share the load"
+)
+ROUGH = Reason(
+    lambda d: d.study.study.model != "macro", "a rough contact has no profile that Hertz's could stand beside"
+)
+NO_HERTZ = Reason(
+    lambda d: d.study.hertz is None,
+    "the elastic constants of sphere and disc are not all known, or there is no sphere",
+)
+NO_FACTOR = Reason(
+    lambda d: d.study.wear.distance_factor == "none", "wear.distance_factor is none: all cells slide as far"
+)
+NO_JUNCTIONS = Reason(
+    lambda d: d.study.critical_junction is None,
+    "the critical size of junctions needs junctions.surface_energy and the softer body's constants",
+)
+NO_PIECES = Reason(
+    lambda d: not d.study.wear.sheds or d.result.pieces["step"].size < 2,
+    "wear leaves at once, or fewer than two pieces have left: see wear.particle",
+)
+STILL = Reason(
+    lambda d: not d.study.is_swept, "the disc lies still: sliding.kinematics = 'swept' makes a track"
+)
+TRACK = Reason(
+    lambda d: d.study.is_swept, "the disc's wear covers a track: see groove, track_map and track_roughness"
+)
+TRACK_FACTOR = Reason(
+    lambda d: d.study.is_swept, "a sphere that slides over its track has no factor of the distance"
+)
+UNWORN = Reason(
+    _lost_nothing("wear_depth_sphere", "wear_depth_disc"), "nothing is worn off the sphere or the disc"
+)
+UNWORN_SPHERE = Reason(_lost_nothing("wear_depth_sphere"), "nothing is worn off the sphere")
+UNWORN_DISC = Reason(_lost_nothing("wear_depth_disc"), "nothing is worn off the disc")
+NO_GROOVE = Reason(
+    _lost_nothing("wear_depth_disc", "plastic_volume_disc"), "nothing is worn or pressed off the disc"
+)
+
+
+class Fields:
+    """The fields of captions, `template.format_map(Fields(data))`: only those asked for are found."""
+
+    def __init__(self, data: FigureData) -> None:
+        self._data = data
+
+    def __getitem__(self, name: str) -> str:
+        return FIELDS[name](self._data)
+
+
+def law_told(data: FigureData) -> str:
+    """Say in a sentence by which law of contact a run found its pressures, with hardness, load and cells."""
+    study, about = data.study, data.about
+    if study.contact.law == "half-space":
+        law = "Elastic half-space"
+    elif study.study.model == "macro":
+        law = f"Elastic foundation of {1e-6 * study.bulk_stiffness():.3g}·10⁶ N/mm³"
+    else:
+        law = "Local law, cell by cell"
+    patches = ", patches that share the load" if study.study.model == "two-scale" else ""
+    cap = f", hardness {study.hardness:.3g} MPa" if np.isfinite(study.hardness) else ""
+    return f"{law}{patches}{cap}; load {about.load:.3g} N; cells of {1e3 * about.cell:.3g} µm."
+
+
+def _shown(data: FigureData) -> str:
+    told = [f"{distance:.4g}" for distance in data.distances]
+    if told == ["0"]:
+        return "without sliding"
+    return f"after {', '.join(told[:-1])}{' and ' if len(told) > 1 else ''}{told[-1]} mm"
+
+
+def _end(data: FigureData) -> str:
+    return f"after {data.distances[-1]:.4g} mm" if data.distances[-1] else "without sliding"
+
+
+def _friction(data: FigureData) -> str:
+    about = data.about
+    area = {"contact": "in contact", "cumulative": "of a running sum of contacts"}
+    sheared = f"The area {area.get(about.friction_area, about.friction_area)} shears"
+    if about.fitted_cof is None:
+        return f"{sheared}; {about.shear}."
+    place = "end" if about.fitted_cof.at_end else "start"
+    return (
+        f"{sheared}; its shear strength is {about.shear}, so that the value at the {place} (circle) is an "
+        "input and only the course is a result."
+    )
+
+
+def _passes(data: FigureData) -> str:
+    """Say what thin and bold lines are, where there are both."""
+    lap, slid = data.about.lap, float(data.course["distance"][-1])
+    if lap is None or int(slid / lap + 1e-9) < PASSES:
+        return ""
+    return " Thin: steps; bold: from the middle of the first pass on the mean of each pass."
+
+
+def _fall(data: FigureData) -> str:
+    """Say why the largest pressure falls, where it does."""
+    course = data.course
+    at = last_at_hardness(course)
+    if at is None:
+        return ""
+    ratio = course["pressure_max"][at + 2 :] / course["pressure_mean"][at + 2 :]
+    then = ""
+    if ratio.size:
+        most = float(ratio.max())
+        then = "nearly the same in all cells" if most < EVEN else f"at most {most:.2g} times the mean"
+        then = f"; from then on the pressure is {then}"
+    return (
+        f" The largest pressure falls where wear has taken down the last asperity at the hardness, after "
+        f"{course['distance'][at]:.3g} mm{then}."
+    )
+
+
+def _blocks(data: FigureData) -> str:
+    n = data.window.factor
+    return f" A point is {n} × {n} cells and shows the largest of them." if n > 1 else ""
+
+
+def _critical(data: FigureData) -> str:
+    """Say what d* is, where the study has one."""
+    study = data.study
+    if study.critical_diameter is None:
+        return ""
+    of = "the pieces' diameter" if study.wear.sheds else "the critical diameter of junctions"
+    return f" Dots: the share above {of}, d* = {1e3 * study.critical_diameter:.3g} µm."
+
+
+def _smooth(data: FigureData) -> str:
+    """Say what stands below the loads of patches, where anything does."""
+    if len(data.loads.of) < 2:
+        return ""
+    if data.loads.prescribed:
+        return "; below, a smooth contact, which prescribes them"
+    return (
+        "; below, those of a smooth contact with a wear of its own, and the part of the load that it puts on "
+        "other patches"
+    )
+
+
+#: Field of a caption -> what it says of a run.
+FIELDS: dict[str, Callable[[FigureData], str]] = {
+    "slider": lambda d: d.about.slider,
+    "shown": _shown,
+    "end": _end,
+    "friction": _friction,
+    "passes": _passes,
+    "fall": _fall,
+    "blocks": _blocks,
+    "critical": _critical,
+    "smooth": _smooth,
+    "law": law_told,
+}
