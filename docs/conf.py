@@ -84,7 +84,7 @@ os.environ["PYTHONPATH"] = os.pathsep.join(
     [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "verification"), os.environ.get("PYTHONPATH", "")]
 )
 os.environ["WARPWEAR_DOCS"] = str(DOCS)
-os.environ["PYTHONWARNINGS"] = "default::UserWarning"
+os.environ["MPLCONFIGDIR"] = str(ROOT / "build" / "site-cache" / "matplotlib")  # nobody's own settings
 
 has_gpu = _gpu()
 nb_execution_excludepatterns = [] if has_gpu else ["tutorials/gpu.md"]

@@ -15,8 +15,8 @@ RNG = np.random.default_rng(20)
 NUMBER, PIXEL = 400, 2.5e-3  # points a side; [mm]
 LAY = np.radians(86.0)  # angle between the grinding marks and the file's x, along which the ball slides
 MARK, LENGTH = 0.011, 0.35  # width and length over which grinding marks stay alike [mm]
-SQ, NOISE, BOW = 0.32e-3, 12e-6, 0.9e-3  # roughness, noise of a point, height of the lapped-in bow [mm]
-RESOLUTION = 2e-6  # of the heights [mm]
+SQ, NOISE, BOW = 1.0e-3, 20e-6, 1.5e-3  # roughness, noise of a point, height of the lapped-in bow [mm]
+RESOLUTION = 5e-6  # of the heights [mm]
 
 
 def ground() -> np.ma.MaskedArray:
@@ -36,8 +36,9 @@ def ground() -> np.ma.MaskedArray:
     heights += RNG.normal(scale=NOISE, size=heights.shape)
     x, y = np.meshgrid(*2 * [PIXEL * (np.arange(NUMBER) - NUMBER / 2)], indexing="ij")
     heights += 2.1e-3 * x - 1.4e-3 * y + BOW * (1.0 - (x**2 + y**2) / 0.5)
-    for _ in range(4):
-        heights[tuple(RNG.integers(10, NUMBER - 10, size=2))] += RNG.uniform(3e-3, 6e-3)
+    spikes = [(206, 193), *RNG.integers(10, NUMBER - 10, size=(3, 2))]  # one of them under the ball
+    for place in spikes:
+        heights[tuple(place)] += RNG.uniform(8e-3, 12e-3)
     return np.ma.MaskedArray(RESOLUTION * np.round(heights / RESOLUTION), lost)
 
 
