@@ -12,6 +12,8 @@ DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 sys.path[:0] = [str(ROOT), str(DOCS / "extensions")]
 
+from nbclient import NotebookClient  # noqa: E402
+
 from warpwear.version import __version__  # noqa: E402
 
 project = "warpwear"
@@ -56,7 +58,7 @@ nb_execution_cache_path = str(ROOT / "build" / "site-cache" / "pages")
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 240
-nb_merge_streams = True
+NotebookClient.coalesce_streams.default_value = True  # what a command prints is one text, not its pieces
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}
 
 gallery_cache = str(ROOT / "build" / "site-cache" / "examples")
@@ -91,5 +93,5 @@ nb_execution_excludepatterns = [] if has_gpu else ["tutorials/gpu.md"]
 myst_substitutions = {
     "gpu_note": "The cells below were run on a GPU when this page was made."
     if has_gpu
-    else "This page was made on a machine without a GPU: the cells below were **not** run, and show no output."
+    else "This page was made on a machine without a GPU: the cells below were **not** run."
 }

@@ -76,7 +76,11 @@ def test_examples_can_be_read(page: Path) -> None:
 
 
 def test_the_map_names_what_is_there() -> None:
-    text = (ROOT / "docs" / "developer" / "index.md").read_text(encoding="utf-8").partition("## What lies where")[2]
+    text = (
+        (ROOT / "docs" / "developer" / "index.md")
+        .read_text(encoding="utf-8")
+        .partition("## What lies where")[2]
+    )
     names = re.findall(r"`([a-z_/]+\.py|[a-z_]+/(?:[a-z_]+/)?)`", text)
     assert len(names) > 10
     for name in names:

@@ -20,7 +20,7 @@ RESOLUTION = 5e-6  # of the heights [mm]
 
 
 def ground() -> np.ma.MaskedArray:
-    """Return heights [mm], shape (x, y), of a ground disc of 1 mm × 1 mm as an optical profiler exports them."""
+    """Return heights [mm], shape (x, y), of a ground disc of 1 mm × 1 mm, as a profiler exports them."""
     frequency = np.fft.fftfreq(2 * NUMBER, PIXEL)
     fx, fy = frequency[:, np.newaxis], frequency[np.newaxis, :]
     along, across = fx * np.cos(LAY) + fy * np.sin(LAY), fy * np.cos(LAY) - fx * np.sin(LAY)
@@ -43,7 +43,7 @@ def ground() -> np.ma.MaskedArray:
 
 
 def record() -> str:
-    """Return the raw record of a reciprocating test: 40 cycles of 8 mm stroke, 4 N, 1 Hz, 100 points a second."""
+    """Return the raw record of a test: 40 cycles of 8 mm stroke, 4 N, 1 Hz, 100 points a second."""
     time = np.arange(0.0, 40.0, 0.01)  # s
     position = 4.0 * np.sin(2.0 * np.pi * time)  # mm
     direction = np.tanh(np.cos(2.0 * np.pi * time) / 0.08)
