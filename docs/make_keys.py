@@ -1,4 +1,4 @@
-"""Write docs/keys.md, the page of every key of a study, from the declarations of the keys."""
+"""Write docs/reference/keys.md, the page of every key of a study, from the declarations of the keys."""
 
 import types
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from warpwear import Study
 from warpwear.study.keys import Rule, declarations, key_of, section_in
 from warpwear.study.units import Quantity
 
-PAGE = Path(__file__).with_name("keys.md")
+PAGE = Path(__file__).parent / "reference" / "keys.md"
 HEAD = """# Keys of a study
 
 This page is written by `python docs/make_keys.py` from the declarations of the keys.

@@ -1,4 +1,4 @@
-"""Print the table of all quantities of a result, which stands in docs/results.md."""
+"""Print the table of all quantities of a result, which stands in docs/reference/results.md."""
 
 from warpwear.history.quantities import QUANTITIES
 

@@ -175,4 +175,7 @@ def test_the_page_for_contributors_is_true() -> None:
 
 
 def test_the_version_is_told_once() -> None:
-    assert PYPROJECT["project"]["version"] == __version__
+    """By warpwear/version.py, which the build reads; the citation repeats it."""
+    assert PYPROJECT["project"]["dynamic"] == ["version"]
+    assert PYPROJECT["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "warpwear.version.__version__"}
+    assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")

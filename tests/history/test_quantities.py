@@ -81,4 +81,6 @@ def test_the_table_of_the_documentation() -> None:
     assert len(table.splitlines()) == 2 + len(QUANTITIES)
     assert "| `cof` | 1 | step |  | coefficient of friction" in table
     assert {line.count("|") for line in table.splitlines()} == {6}
-    assert table in (docs / "results.md").read_text(encoding="utf-8"), "run: python docs/make_quantities.py"
+    assert table in (docs / "reference" / "results.md").read_text(encoding="utf-8"), (
+        "run: python docs/make_quantities.py"
+    )

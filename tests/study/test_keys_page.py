@@ -19,7 +19,7 @@ def test_the_page_of_keys_is_up_to_date() -> None:
         capture_output=True,
         check=True,
     )
-    page = (ROOT / "docs" / "keys.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "keys.md").read_text(encoding="utf-8")
     assert made.stdout.decode("utf-8") == page, "run: python docs/make_keys.py"
 
 

@@ -1,4 +1,4 @@
-"""What the model of a run cannot show: the sentences of docs/limits.md that apply to it."""
+"""What the model of a run cannot show: the sentences of docs/theory/limits.md that apply to it."""
 
 from collections.abc import Callable
 

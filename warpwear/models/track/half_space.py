@@ -53,7 +53,7 @@ class SlidingHalfSpace:
     The outline of a sphere's contact and its mean pressure do not move with the disc either: S of them makes
     the contact shorter. Asperities below the hardness yield by the wear of the step too, which makes them
     wider. So a step is solved in parts over so few cells that the estimate of both is `LARGEST_ERROR` of the
-    area at most; over one cell S is none. The estimate is a fit: docs/limits.md has its cases.
+    area at most; over one cell S is none. The estimate is a fit: docs/theory/limits.md has its cases.
 
     disc, periodic, track_fraction, moves: as of `local.SlidingContact`. Raises ValueError for the same discs.
     """

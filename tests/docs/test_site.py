@@ -1,0 +1,50 @@
+"""The pages of the site hold what the code has. Whether they can be made, continuous integration looks."""
+
+import importlib.util
+import re
+import zipfile
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+
+
+def test_the_picture_of_the_house_is_that_of_the_code() -> None:
+    spec = importlib.util.spec_from_file_location("make_house", DOCS / "make_house.py")
+    assert spec is not None
+    assert spec.loader is not None
+    house = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(house)
+    assert house.PICTURE.read_text(encoding="utf-8") == house.picture(), "run: python docs/make_house.py"
+    level = {wing: number for number, storey in enumerate(house.storeys()) for wing in storey}
+    arrows = house.shortest(house.imports())
+    assert len(arrows) > 20
+    assert all(level[wing] < level[other] for wing, other in arrows)
+
+
+def test_the_gallery_shows_every_example_once() -> None:
+    shown = re.findall(r"^```\{example\} (\w+)$", (DOCS / "gallery.md").read_text(encoding="utf-8"), re.M)
+    assert sorted(shown) == sorted(path.stem for path in (ROOT / "examples").glob("*.py"))
+
+
+def test_no_folder_of_pages_is_full() -> None:
+    folders = [DOCS, *(path for path in DOCS.iterdir() if path.is_dir() and path.name != "__pycache__")]
+    counts = {folder.name: sum(path.is_file() for path in folder.iterdir()) for folder in folders}
+    assert all(count <= 15 for count in counts.values()), counts
+
+
+def test_every_page_is_on_the_way_from_the_first() -> None:
+    """Each lies in the table of contents of another."""
+    listed = {"index"}
+    pages = {path.relative_to(DOCS).with_suffix("").as_posix(): path for path in DOCS.rglob("*.md")}
+    for name, path in pages.items():
+        for tree in re.findall(r"```\{toctree\}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL):
+            entries = [line for line in tree.split() if not line.startswith(":")]
+            listed |= {(Path(name).parent / entry).as_posix() for entry in entries}
+    assert listed == set(pages)
+
+
+def test_the_made_surface_says_that_it_is_made() -> None:
+    with zipfile.ZipFile(DOCS / "files" / "ground-disc.x3p") as file:
+        assert b"not measured" in file.read("main.xml")
+    assert sum(path.stat().st_size for path in (DOCS / "files").iterdir()) < 400_000
