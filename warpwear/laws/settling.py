@@ -52,9 +52,9 @@ def fit_settling(distance: FloatArray, roughness: FloatArray) -> Settling | str:
     lengths = span * np.geomspace(SHORTEST, LONGEST, TRIED)
     for _ in range(ROUNDS):
         best = int(np.argmin(_levels(lengths, distance, roughness)[2]))
-        around = lengths[[max(best - 1, 0), min(best + 1, TRIED - 1)]]
-        lengths = np.geomspace(*around, TRIED)
-    levels, length = _levels(lengths[TRIED // 2 :][:1], distance, roughness), float(lengths[TRIED // 2])
+        lengths = np.geomspace(lengths[max(best - 1, 0)], lengths[min(best + 1, TRIED - 1)], TRIED)
+    length = float(lengths[TRIED // 2])
+    levels = _levels(np.array([length]), distance, roughness)
     equilibrium, initial = float(levels[0][0]), float(levels[1][0])
     gone = np.exp(-distance / length)
     slope = (initial - equilibrium) * gone * distance / length  # by the relative change of ℓ

@@ -30,19 +30,20 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear
-from warpwear.kernels.blocks import wear_gap
 from warpwear.kernels.cells import WearMost, WearSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.wear_loops import Increment, Tables
 from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
-from warpwear.models.on_cpu import Block, booked, in_launches
 from warpwear.models.rest.bodies import RestingBodies
 
 if TYPE_CHECKING:
+    from warpwear.models.on_cpu import Block
     from warpwear.models.on_gpu import DeviceSteps
 
+blocks = lazy.module("warpwear.kernels.blocks")
+on_cpu = lazy.module("warpwear.models.on_cpu")
 on_gpu = lazy.module("warpwear.models.on_gpu")
 
 #: Cells listed at least, over those that carry the load at the hardness.
@@ -92,7 +93,7 @@ class OneScaleModel(Model):
         self._block: Block | None = None
         if executor.in_one_launch and self._foreseen:
             parts = [self.state.unworn, self.tiles.rest, self.state.gap, self._tables]
-            self._block = Block(executor, task, wear_gap, parts, (SUMS, MAXIMA))
+            self._block = on_cpu.Block(executor, task, blocks.wear_gap, parts, (SUMS, MAXIMA))
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -145,7 +146,7 @@ class OneScaleModel(Model):
             yield self._ledger.enter(balance, increment, removed, reference, total, most)
 
     def _in_one_launch(
-        self, block: Block, increments: Sequence[float], then: float | None
+        self, block: "Block", increments: Sequence[float], then: float | None
     ) -> Iterator[tuple[int, Step]]:
         """Steps as `advance` makes them, as many in a launch as it can, and how many are made beyond each."""
         known = [*increments, *([] if then is None else [then])]
@@ -179,14 +180,14 @@ class OneScaleModel(Model):
             found = found._replace(
                 balance=found.balance._replace(load_residual=residual), total=total, most=most
             )
-            return found.made, booked(found, self._ledger, slid[done:], removals[done:], self._enter)
+            return found.made, on_cpu.booked(found, self._ledger, slid[done:], removals[done:], self._enter)
 
         def alone(number: int) -> Step:
             return self.advance(
                 increments[number], then=known[number + 1] if number + 1 < len(known) else None
             )
 
-        return in_launches(len(increments), launch, alone)
+        return on_cpu.in_launches(len(increments), launch, alone)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
