@@ -24,7 +24,7 @@ from warpwear.contact.balance import (
 )
 from warpwear.contact.bearing_area import BearingArea
 from warpwear.contact.foresight import Foresight
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Executor, Field, arguments, set_numbers
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
@@ -198,7 +198,6 @@ class OneScaleModel(Model):
         """
         task, now, row = self.task, self._increment, self._ledger.row
         removal = task.removals(row["distance"], increment)
-        now.wear_per_pressure = sum(removal)
         stiffness = self._stiffness_of(*removal)
         balance = self._balance(stiffness, sum(removal))
         self._foresight.note(balance.approach, sum(removal))
@@ -218,9 +217,17 @@ class OneScaleModel(Model):
             furthest = balance.approach + max(step_next, 0.0)
             self.tiles.reach(furthest, margin=STEPS_AHEAD * abs(step_next))
         first, end = self._ledger.columns
-        now.first_column, now.last_column = (first, end - 1) if end else (self._executor.grid.ny, -1)
-        now.stiffness, now.reference = stiffness, reference
-        now.base_next, now.offset_next, now.stiffness_next = balance.approach, step_next, stiffness_next
+        set_numbers(
+            now,
+            wear_per_pressure=sum(removal),
+            first_column=first if end else self._executor.grid.ny,
+            last_column=end - 1,
+            stiffness=stiffness,
+            reference=reference,
+            base_next=balance.approach,
+            offset_next=step_next,
+            stiffness_next=stiffness_next,
+        )
         self._executor.launch(
             wear.wear_step,
             inputs=[self._law, now, self.state.unworn, self.tiles.rest],
