@@ -31,16 +31,18 @@ def without_polynomial(
     pairs_y = np.einsum("yj,yl->yjl", some_y, some_y).reshape(len(some_y), -1)
     i, j = np.array([(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]).T
     # the second round takes off what rounding left of a large tilt or offset
-    levelled = heights
-    for _ in range(2):
-        square, right = np.zeros((degree + 1,) * 4), np.zeros((degree + 1, degree + 1))
+    levelled, square = heights, np.zeros((degree + 1,) * 4)
+    for first in (True, False):
+        right = np.zeros((degree + 1, degree + 1))
         some, picked = levelled[::every, ::every], None if where is None else where[::every, ::every]
         for rows in blocks_of_rows(len(some_x), values=len(some_y)):
             valid = ~np.isnan(some[rows])
             if picked is not None:
                 valid &= picked[rows]
-            across = np.einsum("xy,yp->xp", valid.astype(np.float64), pairs_y).reshape(-1, *square.shape[2:])
-            square += np.einsum("xi,xk,xjl->ikjl", some_x[rows], some_x[rows], across)
+            if first:  # the same points in both
+                across = np.einsum("xy,yp->xp", valid.astype(np.float64), pairs_y)
+                across = across.reshape(-1, *square.shape[2:])
+                square += np.einsum("xi,xk,xjl->ikjl", some_x[rows], some_x[rows], across)
             moments = np.einsum("xy,yj->xj", np.where(valid, some[rows], 0.0), some_y)
             right += np.einsum("xi,xj->ij", some_x[rows], moments)
         # least squares rather than a solution: few valid points do not fix every term

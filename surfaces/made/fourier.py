@@ -6,11 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from warpwear import lazy
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import spacing
-
-fft = lazy.module("scipy.fft")
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -46,15 +43,25 @@ def sum_waves(amplitudes: ComplexArray, wave: float, points: FloatArray) -> Comp
     """
     waves, count = amplitudes.shape[1], points.size
     chirp = _chirp(wave * spacing(points) / (2.0 * math.pi), max(waves, count))
-    length = fft.next_fast_len(waves + count - 1)
+    length = _fast_length(waves + count - 1)
     kernel = np.zeros(length, dtype=np.complex128)
     kernel[:count] = chirp[:count].conj()
     kernel[length - waves + 1 :] = chirp[waves - 1 : 0 : -1].conj()
     start = np.exp(1j * (wave * float(points[0])) * np.arange(waves)) * chirp[:waves]
-    spectrum = fft.fft(amplitudes * start, length, overwrite_x=True)
-    spectrum *= fft.fft(kernel)
-    sums: ComplexArray = fft.ifft(spectrum, overwrite_x=True)[:, :count] * chirp[:count]
+    # NumPy's transforms are SciPy's to the last bit, and need no quarter of a second to be imported
+    spectrum = np.fft.fft(amplitudes * start, length)
+    spectrum *= np.fft.fft(kernel)
+    sums: ComplexArray = np.fft.ifft(spectrum)[:, :count] * chirp[:count]
     return sums
+
+
+def _fast_length(least: int) -> int:
+    """Return the smallest length of at least so many that has no prime factor above 11, for quick FFTs."""
+    lengths = [1]
+    for factor in (11, 7, 5, 3, 2):
+        lengths = [n * factor**k for n in lengths for k in range(least.bit_length() + 1)]
+        lengths = [n for n in lengths if n < 2 * least]
+    return min(n for n in lengths if n >= least)
 
 
 def _chirp(turns: float, count: int) -> ComplexArray:

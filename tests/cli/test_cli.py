@@ -1,5 +1,6 @@
 """The command line as a user meets it, mostly in processes of its own."""
 
+import json
 import os
 import re
 import signal
@@ -30,10 +31,18 @@ def warpwear(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_a_run_from_the_command_line(tmp_path: Path) -> None:
-    done = warpwear("run", "v3-fine", *QUICK, "--set", "output.snapshots=[]", "--threads", "1", cwd=tmp_path)
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, subprocess.CompletedProcess[str]]:
+    """A folder in which v3-fine was run, and what was said."""
+    place = tmp_path_factory.mktemp("ran")
+    command = ("run", "v3-fine", *QUICK, "--set", "output.snapshots=[]", "--threads", "1")
+    return place, warpwear(*command, cwd=place)
+
+
+def test_a_run_from_the_command_line(ran: tuple[Path, subprocess.CompletedProcess[str]]) -> None:
+    place, done = ran
     assert done.returncode == 0, done.stderr
-    drawn = {p.stem for p in (tmp_path / "v3-fine" / "figures").iterdir()}
+    drawn = {p.stem for p in (place / "v3-fine" / "figures").iterdir()}
     assert {"cof", "areas", "volumes", "pressure_map", "profiles"} <= drawn
     assert "disc_map" not in drawn  # only with --plots all
     assert "area in contact" in done.stdout
@@ -41,10 +50,10 @@ def test_a_run_from_the_command_line(tmp_path: Path) -> None:
     # Plain lines where there is no terminal, and nothing of Warp's own talk.
     assert "\r" not in done.stderr
     assert "CUDA" not in done.stderr + done.stdout
-    again = warpwear("run", "v3-fine", *QUICK, cwd=tmp_path)
+    again = warpwear("run", "v3-fine", *QUICK, cwd=place)
     assert again.returncode == 2
     assert "already holds a run" in again.stderr
-    again = warpwear("plot", "v3-fine", "--only", "cof", cwd=tmp_path)
+    again = warpwear("plot", "v3-fine", "--only", "cof", cwd=place)
     assert again.returncode == 0
     assert again.stdout.splitlines() == ["v3-fine/figures/cof.png"]
 
@@ -109,9 +118,15 @@ def test_a_smooth_run_stands_beside_hertz(tmp_path: Path) -> None:
     assert "Hertz, unworn    radius 55.2 µm, peak 1255 MPa, approach 1.01 µm" in done.stdout
 
 
-def test_listing_and_showing(tmp_path: Path) -> None:
-    listed = warpwear("studies", cwd=tmp_path)
-    assert [line.split()[0] for line in listed.stdout.splitlines()] == [
+def test_listing_and_showing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def told(*arguments: str) -> tuple[str, str]:
+        with pytest.raises(SystemExit) as ended:
+            main([*arguments])
+        assert ended.value.code == 0
+        return capsys.readouterr()
+
+    listed, _ = told("studies")
+    assert [line.split()[0] for line in listed.splitlines()] == [
         "running-in",
         "track",
         "two-scale",
@@ -120,12 +135,11 @@ def test_listing_and_showing(tmp_path: Path) -> None:
         "v3",
         "v3-fine",
     ]
-    shown = warpwear("show", "v3", "--set", "disc.synthetic.kind=flat", cwd=tmp_path)
-    assert shown.returncode == 0
-    assert "ASSUMED" in shown.stdout
-    assert "disc.synthetic.period do not apply to kind = 'flat'" in shown.stderr
+    shown, said = told("show", "v3", "--set", "disc.synthetic.kind=flat")
+    assert "ASSUMED" in shown
+    assert "disc.synthetic.period do not apply to kind = 'flat'" in said
     # What `show` prints is a study.
-    (tmp_path / "mine.toml").write_text(warpwear("show", "v3", cwd=tmp_path).stdout)
+    (tmp_path / "mine.toml").write_text(shown)
     assert warpwear("show", "mine.toml", cwd=tmp_path).returncode == 0
 
 
@@ -142,25 +156,43 @@ def every_command(group: click.Group, path: tuple[str, ...] = ()) -> list[tuple[
 HEAVY = ("warp", "scipy", "matplotlib", "pint", "h5py")
 
 
+@pytest.fixture(scope="module")
+def helps() -> dict[str, str]:
+    """Help of every command by its name, of one process, and under "imported" what that imported."""
+    code = (
+        "import contextlib, io, json, sys\n"
+        "from warpwear.cli.main import main\n"
+        "told = {}\n"
+        "for command in json.loads(sys.argv[1]):\n"
+        "    with contextlib.redirect_stdout(io.StringIO()) as shown, contextlib.suppress(SystemExit):\n"
+        "        main([*command, '--help'])\n"
+        "    told[' '.join(command)] = shown.getvalue()\n"
+        f"told['imported'] = ' '.join(m for m in {HEAVY!r} if m in sys.modules)\n"
+        "print(json.dumps(told))"
+    )
+    asked = json.dumps(every_command(commands))
+    command = [sys.executable, "-c", code, asked]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    found: dict[str, str] = json.loads(done.stdout)
+    return found
+
+
 @pytest.mark.parametrize("command", every_command(commands), ids=" ".join)
-def test_help_is_quick_and_speaks_of_today(command: tuple[str, ...]) -> None:
+def test_help_is_quick_and_speaks_of_today(command: tuple[str, ...], helps: dict[str, str]) -> None:
     """It imports nothing heavy, and knows no key by its old name."""
-    code = f"import sys; from warpwear.cli.main import main\ntry: main({[*command, '--help']!r})\n"
-    code += f"except SystemExit: pass\nprint([m for m in {HEAVY!r} if m in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    told, imported = done.stdout.rpartition("\n[")[0], done.stdout.splitlines()[-1]
-    assert imported == "[]"
+    assert helps["imported"] == ""
+    told = helps[" ".join(command)]
     assert told.startswith("Usage: warpwear")
     for old in ("macro.", "[macro]", "contact.foundation", "foundation_update", "law=foundation"):
         assert old not in told
 
 
-def test_help_names_what_a_run_writes(tmp_path: Path) -> None:
+def test_help_names_what_a_run_writes(
+    ran: tuple[Path, subprocess.CompletedProcess[str]], helps: dict[str, str]
+) -> None:
     """Every file of a run folder, and no other, is listed in `warpwear run --help`."""
-    done = warpwear("run", "v3-fine", *QUICK, "--out", "out", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    told = warpwear("run", "--help", cwd=tmp_path).stdout.partition("Options:")[0]
-    written = {path.name + "/" * path.is_dir() for path in (tmp_path / "out").iterdir()}
+    told = helps["run"].partition("Options:")[0]
+    written = {path.name + "/" * path.is_dir() for path in (ran[0] / "v3-fine").iterdir()}
     listed = {line.split()[0] for line in told.splitlines() if re.match(r"  [a-z]+[./]", line)}
     assert listed == written
 

@@ -1,6 +1,7 @@
 """Terminals, devices and names that the command line may meet: a sentence and status 2, never a traceback."""
 
 import os
+import signal
 import subprocess
 import sys
 import tomllib
@@ -11,6 +12,7 @@ import tomli_w
 
 import warpwear
 from warpwear import Study
+from warpwear.cli.main import main
 
 ROOT = Path(__file__).parents[2]
 FULL = Path("/dev/full")
@@ -50,12 +52,16 @@ def test_output_to_a_full_device(command: list[str]) -> None:
     assert said == "warpwear: standard output cannot be read or written: No space left on device.\n"
 
 
-def test_names_that_no_file_can_have(tmp_path: Path) -> None:
-    name = "é" * 200
-    for command in (["plot", name], ["surface", name], ["run", "v3", "--out", tmp_path / name]):
-        status, _, said = told(*command)
-        assert status == 2
-        assert said.count("\n") == 1
+def test_names_that_no_file_can_have(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    name, before = "é" * 200, signal.getsignal(signal.SIGTERM)
+    for command in (["plot", name], ["surface", name], ["run", "v3", "--out", str(tmp_path / name)]):
+        try:
+            with pytest.raises(SystemExit) as ended:
+                main(command)
+        finally:
+            signal.signal(signal.SIGTERM, before)
+        assert ended.value.code == 2
+        assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_a_backend_of_matplotlib_that_is_not_there(tmp_path: Path) -> None:

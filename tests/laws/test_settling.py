@@ -47,6 +47,7 @@ def test_errors_cover_the_scatter() -> None:
         (PLACES, 1.0 + PLACES, "too short to level off"),
         (PLACES, np.array([1.0, 2.0, 0.5, 2.5, 0.7, 2.2, 1.1]), "too s"),
         (PLACES, np.full(7, np.nan), "0 places"),
+        (PLACES, np.array([3.0, 1.0, 1.02, 1.0, 1.02, 1.01, 1.02]), "before its second place"),
     ],
 )
 def test_a_course_that_tells_nothing_says_why(places: np.ndarray, course: np.ndarray, why: str) -> None:

@@ -230,7 +230,7 @@ def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
 @pytest.mark.parametrize(
     ("count", "options"),
     [
-        (2, ["--every", "0.02", "--case", "micro, elastic, radial"]),
+        (1, ["--every", "0.02", "--case", "micro, elastic, radial"]),
         pytest.param(200, [], marks=pytest.mark.slow),
     ],
 )

@@ -28,6 +28,7 @@ def main(arguments: list[str] | None = None) -> None:
     # Of a command line the time since its process began, which no clock tells so simply as what it has used.
     started = time.perf_counter() - (time.process_time() if arguments is None else 0.0)
     os.environ["MPLBACKEND"] = "agg"  # nothing is shown, and a backend that is not there would stop it
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # that no installed package is asked for one
     codecs.register_error("warpwear", _spelled)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):

@@ -13,11 +13,13 @@ from typing import Any, Protocol, Self
 import numpy as np
 import warp as wp
 
+from warpwear import lazy
 from warpwear.engine.device import check_memory, check_threads, find_device
 from warpwear.engine.kernel_cache import load_kernels
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels import half_space_setup
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
+
+half_space_setup = lazy.module("warpwear.kernels.half_space_setup")  # a GPU's tables need it
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000

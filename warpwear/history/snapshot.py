@@ -1,6 +1,7 @@
 """The fields of one moment of a run."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -70,6 +71,11 @@ class Snapshot:
             return np.asarray(touched)
         return np.asarray(touched | (self.wear_beneath > 0.0))
 
+    @cached_property
+    def scar(self) -> tuple[slice, slice]:
+        """Rows and columns from the first to the last touched cell; none where no cell is."""
+        return extents(self.touched)
+
     @property
     def lost_beneath(self) -> FloatArray:
         """What is gone of the disc under the sphere's domain [mm]: worn, or displaced for good."""
@@ -82,3 +88,10 @@ class Snapshot:
         assert self.row is not None
         rows = np.arange(self.row, self.row + self.pressure.shape[0]) % field.shape[0]
         return np.asarray(field[rows])
+
+
+def extents(where: BoolArray) -> tuple[slice, slice]:
+    """Rows and columns from the first to the last that has a place; none where there is no place."""
+    found = (np.flatnonzero(where.any(axis=axis)) for axis in (1, 0))
+    rows, columns = (slice(at[0], at[-1] + 1) if at.size else slice(0, 0) for at in found)
+    return rows, columns

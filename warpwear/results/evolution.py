@@ -8,16 +8,16 @@ from dataclasses import astuple, dataclass, replace
 from functools import partial
 
 import numpy as np
-from scipy import ndimage  # every run needs it: not late, when memory may be short
 
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION
-from warpwear.history.snapshot import Snapshot
+from warpwear.history.snapshot import Snapshot, extents
 from warpwear.laws.junctions import share_above
 from warpwear.laws.settling import Settling, fit_settling
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import BODIES, worn_heights
 from warpwear.results.track import whole_rows
+from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.spectrum import Spectrum
 from warpwear.surfaces.worn.scar import Texture, ellipse, fine_spectrum, roughness_without_form, texture
 
@@ -57,11 +57,13 @@ def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[di
     islands, critical = island_areas(result, snapshot), result.study.critical_diameter
     # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
     one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area
-    row = {"distance": snapshot.distance} | _roughness_in_scar(result, snapshot)
+    disc = worn_heights(result, snapshot, "disc", snapshot.scar)
+    row = {"distance": snapshot.distance} | _roughness_in_scar(disc)
     for body in BODIES:
-        found = _texture(result, index, snapshot, body)
+        found = _texture(result, inner_scar(result, index, snapshot, body, disc=disc))
         row |= {f"sq_{body}": 1e3 * found.sq, f"sdq_{body}": found.sdq, f"rq_{body}": 1e3 * found.rq}
-    row["sq_disc_unworn"] = 1e3 * _texture(result, index, snapshot, "disc", unworn=True).sq
+    unworn = inner_scar(result, index, snapshot, "disc", disc=disc, unworn=True)
+    row["sq_disc_unworn"] = 1e3 * _texture(result, unworn).sq
     row |= _count_islands(islands, one_cell)
     above = np.nan if critical is None or np.isnan(one_cell) else share_above(islands, critical)
     return row | {"share_above_critical": above}, islands
@@ -70,15 +72,32 @@ def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[di
 def island_areas(result: ResultFile, snapshot: Snapshot) -> FloatArray:
     """Areas [mm²] of the connected regions in contact, shape (islands,)."""
     pressed = snapshot.pressure > 0.0
-    labels, _ = ndimage.label(pressed[_extents(pressed)])
-    return np.asarray(np.bincount(labels.ravel())[1:] * result.study.cells.cell_area, dtype=np.float64)
+    return np.asarray(_sizes(pressed[extents(pressed)]) * result.study.cells.cell_area)
 
 
-def _extents(where: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]") -> tuple[slice, slice]:
-    """Rows and columns from the first to the last that has a place; none where there is no place."""
-    found = (np.flatnonzero(where.any(axis=axis)) for axis in (1, 0))
-    rows, columns = (slice(at[0], at[-1] + 1) if at.size else slice(0, 0) for at in found)
-    return rows, columns
+def _sizes(where: BoolArray) -> FloatArray:
+    """Cells of each region connected by sides, in the order of their first cells, shape (regions,).
+
+    Runs of cells along rows are joined: to be imported, `scipy.ndimage` takes longer than this.
+    """
+    width = where.shape[1] + 1  # a column that ends every run
+    closed = np.zeros((where.shape[0], width), dtype=bool)
+    closed[:, :-1] = where
+    first, end = np.flatnonzero(np.diff(closed.ravel(), prepend=False)).reshape(-1, 2).T
+    # of each run the runs of the next row that it touches
+    begin, stop = np.searchsorted(end, first + width, "right"), np.searchsorted(first, end + width)
+    counts = np.maximum(stop - begin, 0)
+    above = np.repeat(np.arange(first.size), counts)
+    below = np.arange(above.size) + np.repeat(begin - (np.cumsum(counts) - counts), counts)
+    region = np.arange(first.size)
+    while (apart := region[above] != region[below]).any():
+        above, below = above[apart], below[apart]
+        low, high = np.sort([region[above], region[below]], axis=0)
+        np.minimum.at(region, high, low)
+        while (region != region[region]).any():
+            region = region[region]
+    cells = np.bincount(region, weights=end - first, minlength=first.size)
+    return np.asarray(cells[region == np.arange(first.size)])
 
 
 def _count_islands(areas: FloatArray, one_cell: float) -> dict[str, float]:
@@ -92,37 +111,45 @@ def _count_islands(areas: FloatArray, one_cell: float) -> dict[str, float]:
     return dict.fromkeys(found, np.nan) if np.isnan(one_cell) else found
 
 
-def _roughness_in_scar(result: ResultFile, snapshot: Snapshot) -> dict[str, float]:
+def _roughness_in_scar(heights: FloatArray) -> dict[str, float]:
     """Roughness of the worn disc in the middle of the scar, without its ragged rim, which is hardly worn.
 
-    The scar is the ellipse in the extents of the touched cells; its middle has the same shape and half the
-    area. Cells between islands of contact count: without them valleys would be missing.
+    heights: of the disc in the extents of the touched cells [mm]. The scar is the ellipse in them; its middle
+    has the same shape and half the area. Cells between islands of contact count: without them valleys would
+    be missing.
     """
-    extents = _extents(snapshot.touched)
-    heights = worn_heights(result, snapshot, "disc", extents)
     inside = ellipse((heights.shape[0], heights.shape[1]), size=MIDDLE**0.5) & np.isfinite(heights)
-    box = _extents(inside)
+    box = extents(inside)
     return roughness_without_form(heights[box], inside[box])
 
 
 def inner_scar(
-    result: ResultFile, index: int, snapshot: Snapshot, body: str, *, unworn: bool = False
+    result: ResultFile,
+    index: int,
+    snapshot: Snapshot,
+    body: str,
+    *,
+    disc: FloatArray | None = None,
+    unworn: bool = False,
 ) -> list[FloatArray]:
     """Heights [mm] of a body in the middle of the scar, half as long and wide, at snapshot number `index`.
 
     One field; of the disc of a swept run one for each of some places along the track, evenly apart: one
-    place has too few asperities to tell the roughness of a track. unworn: as they were before any wear.
+    place has too few asperities to tell the roughness of a track. disc: its heights in the whole scar, where
+    they are at hand. unworn: as they were before any wear.
     """
-    extents = _extents(snapshot.touched)
-    quarters = [(part.stop - part.start) // 4 for part in extents]
-    rows, columns = (slice(part.start + q, part.stop - q) for part, q in zip(extents, quarters, strict=True))
+    quarters = [(part.stop - part.start) // 4 for part in snapshot.scar]
+    rows, columns = (
+        slice(part.start + q, part.stop - q) for part, q in zip(snapshot.scar, quarters, strict=True)
+    )
     if body == "sphere" or not result.study.is_swept:
-        heights = worn_heights(result, snapshot, body, (rows, columns))
-        if unworn:
-            heights = (
-                heights + (snapshot.wear_sphere if body == "sphere" else snapshot.wear_disc)[rows, columns]
-            )
-        return [heights]
+        if body == "disc" and disc is not None:
+            (nx, ny), (x, y) = disc.shape, quarters
+            heights = disc[x : nx - x, y : ny - y]
+        else:
+            heights = worn_heights(result, snapshot, body, (rows, columns))
+        worn = snapshot.wear_sphere if body == "sphere" else snapshot.wear_disc
+        return [heights + worn[rows, columns] if unworn else heights]
     whole, length = whole_rows(result), rows.stop - rows.start
     length = min(length, whole.stop - whole.start)
     places = min(PLACES, max((whole.stop - whole.start) // max(length, 1), 1))
@@ -135,11 +162,8 @@ def inner_scar(
     return found
 
 
-def _texture(
-    result: ResultFile, index: int, snapshot: Snapshot, body: str, *, unworn: bool = False
-) -> Texture:
+def _texture(result: ResultFile, fields: list[FloatArray]) -> Texture:
     """Roughness of a body in the inner scar, root mean squares over its fields."""
-    fields = inner_scar(result, index, snapshot, body, unworn=unworn)
     each = [astuple(texture(heights, cell=result.study.grid.cell)) for heights in fields]
     return Texture(*(float(value) for value in np.sqrt(np.mean(np.square(each), axis=0))))
 

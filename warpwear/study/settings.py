@@ -19,7 +19,7 @@ AT_RANDOM = when("places_at_random", otherwise="does not apply: no patch is plac
 class About(Section):
     """[study]"""
 
-    name: Annotated[str, Field(pattern=r"^\w[\w .+-]{0,99}$")] = key(
+    name: Annotated[str, Field(pattern=r"^\w[\w .+-]*$", max_length=100)] = key(
         "study", "name of the run and of its folder: letters, digits, spaces and . + - _"
     )
     description: str = key("", "one line for people")

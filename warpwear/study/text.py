@@ -143,7 +143,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         options = sorted({str(e["ctx"]["expected"]) for e in branches})
         more = " or a degree from 0 to 12" if name == "disc.level" else ""
         return f"{name} = {shown} is not allowed; allowed: {', '.join(options)}{more}."
-    if kind == "string_pattern_mismatch":  # of study.name, which names a folder
+    if kind in ("string_pattern_mismatch", "string_too_long"):  # of study.name, a folder's
         message = "allowed are up to 100 letters, digits, spaces and the signs . _ + -"
     return f"{name} = {shown}: {message[:1].lower()}{message[1:]}."
 

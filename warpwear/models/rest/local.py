@@ -24,13 +24,12 @@ from warpwear.contact.balance import (
 )
 from warpwear.contact.bearing_area import BearingArea
 from warpwear.contact.foresight import Foresight
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Executor, Field, arguments, set_numbers
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear
-from warpwear.kernels.blocks import wear_gap
 from warpwear.kernels.cells import WearMost, WearSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.wear_loops import Increment, Tables
@@ -38,12 +37,14 @@ from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import Found, booked
 from warpwear.models.model import Model
-from warpwear.models.on_cpu import Block, in_launches
 from warpwear.models.rest.bodies import RestingBodies
 
 if TYPE_CHECKING:
+    from warpwear.models.on_cpu import Block
     from warpwear.models.on_gpu import DeviceSteps
 
+blocks = lazy.module("warpwear.kernels.blocks")
+on_cpu = lazy.module("warpwear.models.on_cpu")
 on_gpu = lazy.module("warpwear.models.on_gpu")
 
 #: Cells listed at least, over those that carry the load at the hardness.
@@ -95,7 +96,7 @@ class OneScaleModel(Model):
         self._block: Block | None = None
         if executor.in_one_launch and self._foreseen:
             parts = [self.state.unworn, self.tiles.rest, self.state.gap, self._tables]
-            self._block = Block(executor, task, wear_gap, parts, (SUMS, MAXIMA))
+            self._block = on_cpu.Block(executor, task, blocks.wear_gap, parts, (SUMS, MAXIMA))
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -151,7 +152,7 @@ class OneScaleModel(Model):
             done += found.made
 
     def _in_one_launch(
-        self, block: Block, increments: Sequence[float], then: float | None
+        self, block: "Block", increments: Sequence[float], then: float | None
     ) -> Iterator[tuple[int, Step]]:
         """Steps as `advance` makes them, as many in a launch as it can, and how many are made beyond each."""
         known = [*increments, *([] if then is None else [then])]
@@ -189,7 +190,7 @@ class OneScaleModel(Model):
                 increments[number], then=known[number + 1] if number + 1 < len(known) else None
             )
 
-        return in_launches(len(increments), launch, alone)
+        return on_cpu.in_launches(len(increments), launch, alone)
 
     def _of_both(self, found: Found) -> Found:
         """What was worn of both bodies together, as that of sphere and disc."""
@@ -205,7 +206,6 @@ class OneScaleModel(Model):
         """
         task, now, row = self.task, self._increment, self._ledger.row
         removal = task.removals(row["distance"], increment)
-        now.wear_per_pressure = sum(removal)
         stiffness = self._stiffness_of(*removal)
         balance = self._balance(stiffness, sum(removal))
         self._foresight.note(balance.approach, sum(removal))
@@ -225,9 +225,17 @@ class OneScaleModel(Model):
             furthest = balance.approach + max(step_next, 0.0)
             self.tiles.reach(furthest, margin=STEPS_AHEAD * abs(step_next))
         first, end = self._ledger.columns
-        now.first_column, now.last_column = (first, end - 1) if end else (self._executor.grid.ny, -1)
-        now.stiffness, now.reference = stiffness, reference
-        now.base_next, now.offset_next, now.stiffness_next = balance.approach, step_next, stiffness_next
+        set_numbers(
+            now,
+            wear_per_pressure=sum(removal),
+            first_column=first if end else self._executor.grid.ny,
+            last_column=end - 1,
+            stiffness=stiffness,
+            reference=reference,
+            base_next=balance.approach,
+            offset_next=step_next,
+            stiffness_next=stiffness_next,
+        )
         self._executor.launch(
             wear.wear_step,
             inputs=[self._law, now, self.state.unworn, self.tiles.rest],
