@@ -1,5 +1,5 @@
 "use strict";
-// Draws the plots of a run's page. All that it needs lies in the page, compressed; nothing is requested.
+// Draws the plots of a page. All that it needs lies in the page, compressed; nothing is requested.
 (async () => {
   const root = document.documentElement, $ = (id) => document.getElementById(id);
   const all = (query, inside = document) => [...inside.querySelectorAll(query)];
@@ -39,9 +39,12 @@
   const isDark = () => !media.print.matches && (chosen ?? media.dark.matches);
   const ink = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
   const colour = (name) => (name.startsWith("#") ? name : ink(name));
+  // Names are anyone's: no tag of the plotting library's, and not longer than a legend bears.
+  const plain = (text, most = 48) => (text.length > most ? `${text.slice(0, most - 1)}…` : text)
+    .replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");
   const scaleOf = (colours) => colours.map((c, i) => [i / (colours.length - 1), c]);
   const axis = (title, more = {}) => ({
-    title: { text: title }, gridcolor: ink("grid"), linecolor: ink("soft"), zeroline: false, showline: true,
+    title: { text: title, standoff: 8 }, gridcolor: ink("grid"), linecolor: ink("soft"), zeroline: false, showline: true,
     ticks: "outside", tickcolor: ink("soft"), automargin: true, ...more,
   });
   const layout = (more) => ({
@@ -54,23 +57,77 @@
   // ---- charts -------------------------------------------------------------------------------------
   let linear = false;
   const lines = new Map(); // arrays are decoded once
-  const chart = (plot) => {
-    if (!lines.has(plot)) lines.set(plot, plot.lines.map((line) => [arrayOf(line.x), arrayOf(line.y)]));
-    const logX = plot.log_x && !linear, logY = plot.log_y && !linear;
-    const traces = plot.lines.map((line, i) => ({
-      type: "scatter", mode: line.markers ? "lines+markers" : "lines", name: line.name,
-      x: lines.get(plot)[i][0], y: logY ? lines.get(plot)[i][1].map((v) => (v > 0 ? v : NaN)) : lines.get(plot)[i][1],
-      line: { color: colour(line.colour), dash: line.dash, width: line.wide ? 5 : 2 }, hovertemplate: "%{y:.4~g}",
-    }));
-    const least = plot.lines.every((_, i) => lines.get(plot)[i][1].every((v) => !(v < 0)));
-    const logarithmic = { type: "log", exponentformat: "power", dtick: 1, tickformat: "~g" };
+  const pale = (name) => `rgba(${[1, 3, 5].map((i) => parseInt(colour(name).slice(i, i + 2), 16)).join()},0.2)`;
+  const logarithmic = (...arrays) => {
+    const known = arrays.flatMap((array) => [...array].filter((v) => v > 0));
+    const decades = Math.log10(Math.max(...known) / Math.min(...known));
+    return { type: "log", exponentformat: "power", dtick: decades > 2.5 ? 1 : decades > 0.8 ? "D2" : "D1", tickformat: "~g" };
+  };
+  const chart = (plot, node) => {
+    const optional = (packed) => (packed ? arrayOf(packed) : null);
+    if (!lines.has(plot)) lines.set(plot, plot.lines.map((line) => [arrayOf(line.x), arrayOf(line.y), optional(line.low), optional(line.high)]));
+    const arrays = lines.get(plot), logX = plot.log_x && !linear, logY = plot.log_y && !linear;
+    const many = plot.lines.length > 8;
+    const shownOf = (values) => (logY ? values.map((v) => (v > 0 ? v : NaN)) : values);
+    const traces = plot.lines.flatMap((line, i) => {
+      const [x, y, low, high] = arrays[i], common = { type: "scatter", x, legendgroup: String(i) };
+      const trace = {
+        ...common, y: shownOf(y), mode: line.marks, name: plain(line.name), line: { color: colour(line.colour), dash: line.dash, width: line.wide ? 5 : 2 },
+        marker: { color: colour(line.colour), size: line.marks === "markers" ? 7 : 6, opacity: line.marks === "markers" ? 0.7 : 1 },
+        hovertemplate: many || line.marks === "markers" ? `${plain(line.name)}<br>%{x:.4~g}: %{y:.4~g}<extra></extra>` : "%{y:.4~g}",
+      };
+      if (!low) return [trace];
+      const edge = { ...common, mode: "lines", line: { width: 0 }, showlegend: false, hoverinfo: "skip" };
+      return [{ ...edge, y: shownOf(low) }, { ...edge, y: shownOf(high), fill: "tonexty", fillcolor: pale(line.colour) }, trace];
+    });
+    const least = arrays.every(([, y]) => y.every((v) => !(v < 0)));
+    const named = plot.lines.length > 1 || plot.lines.some((line) => line.marks === "markers");
+    const longest = Math.max(...plot.lines.map((line) => Math.min(48, line.name.length)));
+    const beside = Math.max(1, Math.floor((node.parentElement.clientWidth - 80) / (7 * longest + 50)));
+    const rows = named ? Math.ceil(plot.lines.length / beside) : 0;
+    node.style.height = `${21 + 1.25 * Math.max(0, rows - 2)}rem`;
     return [traces, layout({
-      hovermode: "x unified", showlegend: plot.lines.length > 1,
-      legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 } },
+      hovermode: many || plot.lines.some((line) => line.marks === "markers") ? "closest" : "x unified", showlegend: plot.lines.length > 1,
+      legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 }, maxheight: 0.6 },
       margin: { l: 65, r: 15, t: 10, b: 45 },
-      xaxis: axis(plot.x, { ...(logX ? logarithmic : {}), hoverformat: ".5~g" }),
-      yaxis: axis(plot.y, logY ? logarithmic : { rangemode: least ? "tozero" : "normal" }),
+      xaxis: axis(plain(plot.x, 80), { ...(logX ? logarithmic(...arrays.map(([x]) => x)) : {}), hoverformat: ".5~g" }),
+      yaxis: axis(plain(plot.y, 80), logY ? logarithmic(...arrays.map(([, y]) => y)) : { rangemode: least ? "tozero" : "normal" }),
     })];
+  };
+
+  // ---- bars and grids -----------------------------------------------------------------------------
+  const bars = (plot, node) => {
+    const values = arrayOf(plot.values), places = [...values].map((_, i) => -i), names = plot.names.map((name) => plain(name, 40));
+    node.style.height = `${2.4 * names.length + 5}rem`;
+    const traces = [{
+      type: "bar", orientation: "h", x: values, y: places, marker: { color: data.heights[4] }, width: 0.6, showlegend: false,
+      customdata: names, hovertemplate: "%{customdata}: %{x:.3~g}<extra></extra>",
+    }];
+    if (plot.ends) {
+      const { shape: [count] } = plot.values, ends = arrayOf(plot.ends);  // x fastest: low and high of each name
+      const side = (k) => places.map((_, i) => Math.abs(ends[2 * i + k] - values[i]) || 0);
+      if (count) Object.assign(traces[0], { error_x: { type: "data", symmetric: false, arrayminus: side(0), array: side(1), color: ink("ink"), thickness: 1.5 } });
+    }
+    if (plot.dots) traces.push({
+      type: "scatter", mode: "markers", x: arrayOf(plot.dots), y: places, marker: { color: "#E69F00", size: 10, line: { color: ink("ink"), width: 1 } },
+      showlegend: false, hovertemplate: "first order: %{x:.3~g}<extra></extra>",
+    });
+    return [traces, layout({
+      margin: { l: 60, r: 15, t: 10, b: 45 }, xaxis: axis(plot.x, { range: plot.limits, zeroline: true, zerolinecolor: ink("soft") }),
+      yaxis: axis("", { tickvals: places, ticktext: names, showgrid: false }),
+    })];
+  };
+  const grid = (plot, node) => {
+    const rows = rowsOf(arrayOf(plot.values), plot.values.shape), label = (v) => (v === v ? String(+v.toPrecision(3)) : "–");
+    node.style.height = `${Math.min(40, 2.6 * rows.length + 6)}rem`;
+    const few = rows.length <= 12 && rows[0].length <= 12, ticks = (names) => ({ type: "category", tickvals: names.map((_, i) => i), ticktext: names.map((n) => plain(n, 16)), showgrid: false });
+    const trace = {
+      type: "heatmap", z: rows, x: plot.across.map((_, i) => i), y: plot.down.map((_, i) => i), colorscale: scaleOf(data.heights), xgap: 2, ygap: 2,
+      text: rows.map((row) => [...row].map(label)), texttemplate: few ? "%{text}" : "", hovertemplate: "%{text}<extra></extra>", hoverongaps: false,
+      colorbar: { thickness: 12, title: { text: plot.unit, side: "right" } },
+    };
+    const at = (title, names) => axis(plain(title, 60), { ...ticks(names), type: "linear" });
+    return [[trace], layout({ margin: { l: 60, r: 15, t: 10, b: 45 }, xaxis: at(plot.x, plot.across), yaxis: at(plot.y, plot.down) })];
   };
 
   // ---- maps over the snapshots --------------------------------------------------------------------
@@ -140,13 +197,13 @@
   const hasWebGL = Boolean(canvas.getContext("webgl2") || canvas.getContext("webgl"));
 
   // ---- all of them --------------------------------------------------------------------------------
-  const KINDS = { chart, map, bodies };
+  const KINDS = { chart, map, bodies, bars, grid };
   const plotOf = (node) => data.plots[Number(node.dataset.plot)];
   const draw = async (node) => {
     const plot = plotOf(node);
     if (plot.kind === "bodies" && !hasWebGL) return;
     node.classList.add("drawn");
-    const [traces, looks] = KINDS[plot.kind](plot);
+    const [traces, looks] = KINDS[plot.kind](plot, node);
     await Plotly.react(node, traces, looks, CONFIG);
     if (plot.kind === "bodies" && !node.dataset.turned) {
       node.dataset.turned = "0";

@@ -1,0 +1,210 @@
+"""The page of a comparison: what differs between the runs, their courses laid over each other, their "
+"answers."""
+
+import math
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+
+from warpwear.comparison import figures
+from warpwear.comparison.gather import BODIES, Comparison
+from warpwear.comparison.groups import Course, Group, RunData, differing
+from warpwear.comparison.table import BANDS, PASSES, Value, columns, has_bands
+from warpwear.page.html import page_of
+from warpwear.page.limits import limits_of
+from warpwear.page.parts import Chart, Line, Section, banded, look_of, overlaid, thinned
+from warpwear.results import manifest
+from warpwear.results.report import shown
+from warpwear.version import __version__
+
+#: What answers a comparison: name of a quantity, what to call it, its unit, and the factor to that.
+ANSWERS = (
+    ("patch_along", "scar, along", "mm", 1.0),
+    ("patch_across", "scar, across", "mm", 1.0),
+    ("area_contact", "area in contact", "mm²", 1.0),
+    ("pressure_mean", "mean pressure", "MPa", 1.0),
+    ("volume_sphere", "worn, sphere", "10⁻³ mm³", 1.0e3),
+    ("volume_disc", "worn, disc", "10⁻³ mm³", 1.0e3),
+    ("cof", "coefficient of friction", "", 1.0),
+    ("shear_strength", "shear strength", "MPa", 1.0),
+)
+#: More groups than this are rows of what differs, not columns; values of a key listed for a group.
+BESIDE, LISTED = 6, 4
+#: Relative differences below this are round-off.
+ALIKE = 5e-4
+
+
+def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) -> bytes:
+    """Make the page. pictures: name of a figure -> PNG file; folder: where the page will lie, for its "
+    "links."""
+    runs, measured = len(comparison.runs), len(comparison.experiments)
+    several = len(comparison.groups) < runs
+    told = f"{runs} runs in {len(comparison.groups)} groups" if several else f"{runs} runs"
+    beside = f" and {measured} measured course{'s' * (measured != 1)}" if measured else ""
+    content = {
+        "name": "Comparison",
+        "version": __version__,
+        "asked": f"{told}{beside}, laid over each other: what differs between them, and what does it change "
+        "in scar, contact, wear and friction?",
+        "differ": _differ(comparison),
+        "answers": _answers(comparison),
+        "notes": comparison.notes,
+        "readings": [BANDS] * has_bands(comparison)
+        + [PASSES] * any(r.study.is_swept for r in comparison.runs),
+        "limits": list(dict.fromkeys(s for run in comparison.runs for s in limits_of(run.study))),
+        "runs": [_link(run, folder) for run in comparison.runs],
+        "sections": [asdict(section) for section in _sections(comparison) if section.plots],
+    }
+    return page_of("compare.html", content, pictures)
+
+
+def _differ(comparison: Comparison) -> dict[str, Any]:
+    """Return head and rows of a table of the keys in which groups differ: a row a key, or of many groups "
+    "one."""
+    found = differing(comparison.runs)
+    starts = np.cumsum([0, *(len(group.runs) for group in comparison.groups)])
+    names = [group.name for group in comparison.groups]
+    rows = []
+    for key, values in found.items():
+        cells = []
+        for first, last in pairwise(starts):
+            of = list(dict.fromkeys(values[first:last]))
+            more = f" and {len(of) - LISTED} more" if len(of) > LISTED else ""
+            cells.append(", ".join(of[:LISTED]) + more)
+        rows.append([key, *cells])
+    if len(names) <= BESIDE:
+        return {"head": ["key", *names], "rows": rows}
+    return {
+        "head": ["run", *(row[0] for row in rows)],
+        "rows": list(zip(names, *(row[1:] for row in rows), strict=True)),
+    }
+
+
+def _answers(comparison: Comparison) -> dict[str, Any]:
+    """Return head and rows of the table of answers: value, scatter and difference to the first of each."""
+    table, scatter = columns(comparison), columns(comparison, scatter=True)
+    kept = [a for a in ANSWERS if any(isinstance(row[a[0]], int | float) for row in table.values())]
+    inputs = {g.name for g in comparison.groups if any(r.study.friction.fitted == "end" for r in g.runs)}
+    rows: list[dict[str, Any]] = []
+    firsts: dict[str, Value] = {}
+    for name, values in table.items():
+        cells = []
+        for key, _, _, factor in kept:
+            value, error = values[key], scatter[name].get(key)
+            if not isinstance(value, int | float):
+                cells.append({"text": "–", "than": "", "given": False})
+                continue
+            text = shown(factor * float(value))
+            if isinstance(error, float) and error > 1e-9 * abs(value):
+                text += f" ± {factor * error:.2g}"
+            first = firsts.setdefault(key, value)
+            given = key == "cof" and name in inputs
+            cells.append(
+                {"text": text, "than": "" if first is value else _than(value, first), "given": given}
+            )
+        rows.append({"name": name, "kind": values["kind"], "cells": cells})
+    head = [f"{label}, {unit}" if unit else label for _, label, unit, _ in kept]
+    return {"head": head, "rows": rows}
+
+
+def _than(value: float, first: Value) -> str:
+    """Say how a value differs from the first."""
+    if not isinstance(first, int | float) or not first or not math.isfinite(value):
+        return ""
+    part = value / first - 1.0
+    if abs(part) < ALIKE:
+        return "the same"
+    return f"{100.0 * part:+.3g} %".replace("-", "−") if abs(part) < 1.0 else f"× {value / first:.3g}"
+
+
+def _link(run: RunData, folder: Path) -> tuple[str, str, str]:
+    """Return name, path and link of a run: to its own page, where it has one, else to its folder."""
+    target = run.folder / manifest.PAGE
+    path = target if target.is_file() else run.folder
+    return run.name, str(run.folder), quote(os.path.relpath(path.resolve(), folder.resolve()))
+
+
+def _sections(comparison: Comparison) -> list[Section]:
+    column, chart = figures.column_of, partial(_chart, comparison)
+    courses = [
+        chart("cof", "Coefficient of friction", "coefficient of friction, –", figures.cof_of, log=False),
+        chart("area", "Area in contact", "area in contact, mm²", column("area_contact")),
+        chart("pressure", "Mean pressure", "mean pressure in contact, MPa", column("pressure_mean")),
+        *(
+            chart(
+                "volumes",
+                f"Worn volume, {body}",
+                "worn volume, 10⁻³ mm³",
+                column(f"wear_volume_{body}", 1e3),
+                log=False,
+            )
+            for body in BODIES
+        ),
+    ]
+    worn = [
+        chart(
+            "profiles",
+            f"Wear of the {body}",
+            "height lost by wear, µm",
+            partial(figures.profile_of, body),
+            log=False,
+        )
+        for body in BODIES
+    ]
+    worn = [Chart(**vars(c) | {"x": "across sliding, mm"}) for c in worn if c]
+    told = "Mean of the middle eighth of the scar, at the end; of a track the mean section of its groove."
+    return [
+        Section("Courses", [c for c in courses if c], "courses", "Move over a chart to read its values."),
+        Section("What wear has left", worn, "profiles", told),
+        Section("Area against load", _loads(comparison), "loads"),
+    ]
+
+
+def _chart(
+    comparison: Comparison,
+    name: str,
+    title: str,
+    unit: str,
+    of: Callable[[RunData], Course | None],
+    *,
+    log: bool = True,
+) -> Chart | None:
+    """Lay a course of all groups over each other, of friction the measured ones too."""
+    lines = [_measured(e, line) for e, line in figures.looks_of_measured(comparison)] if name == "cof" else []
+    for group, line in figures.looks_of(comparison):
+        if (found := group.courses(of)) is not None:
+            lines.append(banded(group.name, line, *found))
+    return overlaid(name, title, unit, lines, log=log)
+
+
+def _measured(experiment: figures.Experiment, line: dict[str, Any]) -> Line:
+    distance, values, scatter = figures.measured_course(experiment)
+    at = thinned(distance)
+    ends = (None, None) if scatter is None else ((values - scatter)[at], (values + scatter)[at])
+    return Line(experiment.name, line["color"], distance[at], values[at], "solid", "lines", False, *ends)
+
+
+def _loads(comparison: Comparison) -> list[Chart]:
+    """Area in contact after the first step over the load, a point a group; nothing where no loads differ."""
+    if not figures.has_loads(comparison):
+        return []
+
+    def point(group: Group) -> tuple[float, float]:
+        load = np.mean([run.study.contact.load for run in group.runs])
+        return float(load), float(np.mean([run.history["area_contact"][0] for run in group.runs]))
+
+    lines = [
+        Line(group.name, look_of(line)[0], *(np.array([v]) for v in point(group)), marks="markers")
+        for group, line in figures.looks_of(comparison)
+    ]
+    title, unit = "Area in contact after the first step", "area in contact at first, mm²"
+    return [
+        Chart("area_load", title, "normal load, N", unit, lines, static="area_load", log_x=True, log_y=True)
+    ]
