@@ -15,7 +15,7 @@ from warpwear.figures import style as fs
 from warpwear.figures.axes import ACROSS
 from warpwear.grid import FloatArray
 from warpwear.measured.course import Experiment, mean_of_last_tenth
-from warpwear.results.ensemble import band, band_told
+from warpwear.results.ensemble import band, band_told, in_legend
 
 COLOURS = (fs.SPHERE, fs.DISC, fs.CONTACT, fs.MEAN_PRESSURE, fs.SUM, fs.TOUCHED)
 LINES = ("-", "--", "-.", ":", (0, (6, 1)), (0, (3, 1, 1, 1)))
@@ -144,7 +144,7 @@ def _laid_over(
     lines: list[Experiment | Group] = [*(comparison.experiments if measured else ()), *comparison.groups]
     width = fs.PAGE if panels > 1 else fs.COLUMN
     # The width holds this many names beside each other, a character some 0.055 inch and a line 0.45.
-    longest = max(len(line.name) for line in lines)
+    longest = max(len(in_legend(line.name)) for line in lines)
     beside = max(1, min(len(lines), int(width / (0.055 * longest + 0.45))))
 
     told = band_told([len(group.runs) for group in comparison.groups])
@@ -186,7 +186,7 @@ def looks_of(comparison: Comparison) -> Iterator[tuple[Group, dict[str, Any]]]:
     for index, group in enumerate(comparison.groups):
         # Colours repeat after six groups, together with their lines only after thirty-six.
         style = LINES[(index + index // len(COLOURS)) % len(LINES)]
-        line = {"color": COLOURS[index % len(COLOURS)], "ls": style, "label": group.name}
+        line = {"color": COLOURS[index % len(COLOURS)], "ls": style, "label": in_legend(group.name)}
         alone = all(run.history["distance"].size == 1 for run in group.runs)
         yield group, line | ({"marker": "o", "ms": 4} if alone else {})
 
@@ -220,7 +220,7 @@ def looks_of_measured(comparison: Comparison) -> Iterator[tuple[Experiment, dict
     """Give each experiment with its line, which is the same in every figure."""
     for index, experiment in enumerate(comparison.experiments):
         colour, marker = GREYS[index % len(GREYS)], MARKERS[index % len(MARKERS)]
-        line = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.6, "label": experiment.name}
+        line = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.6, "label": in_legend(experiment.name)}
         yield experiment, line
 
 

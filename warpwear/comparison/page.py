@@ -3,8 +3,9 @@
 
 import math
 import os
-from collections.abc import Callable, Mapping
-from dataclasses import asdict
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -14,14 +15,16 @@ from urllib.parse import quote
 import numpy as np
 
 from warpwear.comparison import figures
+from warpwear.comparison.area_load import STYLES, has_loads, loads_of, series_of, theories_of
 from warpwear.comparison.gather import BODIES, Comparison
-from warpwear.comparison.groups import Course, Group, RunData, differing
+from warpwear.comparison.groups import Course, RunData, differing, listed
 from warpwear.comparison.table import BANDS, PASSES, Value, columns, has_bands
 from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
-from warpwear.page.parts import Chart, Line, Section, banded, look_of, overlaid, thinned
+from warpwear.page.parts import Chart, Line, Section, banded, overlaid, thinned
 from warpwear.results import manifest
 from warpwear.results.report import shown
+from warpwear.study.text import readable
 from warpwear.version import __version__
 
 #: What answers a comparison: name of a quantity, what to call it, its unit, and the factor to that.
@@ -36,7 +39,9 @@ ANSWERS = (
     ("shear_strength", "shear strength", "MPa", 1.0),
 )
 #: More groups than this are rows of what differs, not columns; values of a key listed for a group.
-BESIDE, LISTED = 6, 4
+BESIDE, LISTED = 4, 4
+#: Letters of a value that stand in a cell.
+LONGEST = 60
 #: Relative differences below this are round-off.
 ALIKE = 5e-4
 
@@ -58,7 +63,7 @@ def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) ->
         "notes": comparison.notes,
         "readings": [BANDS] * has_bands(comparison)
         + [PASSES] * any(r.study.is_swept for r in comparison.runs),
-        "limits": list(dict.fromkeys(s for run in comparison.runs for s in limits_of(run.study))),
+        "limits": _limits(comparison.runs),
         "runs": [_link(run, folder) for run in comparison.runs],
         "sections": [asdict(section) for section in _sections(comparison) if section.plots],
     }
@@ -75,7 +80,7 @@ def _differ(comparison: Comparison) -> dict[str, Any]:
     for key, values in found.items():
         cells = []
         for first, last in pairwise(starts):
-            of = list(dict.fromkeys(values[first:last]))
+            of = list(dict.fromkeys(map(_readable, values[first:last])))
             more = f" and {len(of) - LISTED} more" if len(of) > LISTED else ""
             cells.append(", ".join(of[:LISTED]) + more)
         rows.append([key, *cells])
@@ -87,15 +92,22 @@ def _differ(comparison: Comparison) -> dict[str, Any]:
     }
 
 
+def _readable(value: str) -> str:
+    """Write a value of a study as people do, a list of them without its brackets, and not too long."""
+    parts = [str(readable(part)).strip() for part in re.sub(r'[\[\]"]', "", value).split(", ")]
+    told = ", ".join(re.sub(r"\.0(?= |$)", "", part) for part in parts)
+    return told if len(told) <= LONGEST else f"{told[: LONGEST - 1]}…"
+
+
 def _answers(comparison: Comparison) -> dict[str, Any]:
     """Return head and rows of the table of answers: value, scatter and difference to the first of each."""
     table, scatter = columns(comparison), columns(comparison, scatter=True)
     kept = [a for a in ANSWERS if any(isinstance(row[a[0]], int | float) for row in table.values())]
     inputs = {g.name for g in comparison.groups if any(r.study.friction.fitted == "end" for r in g.runs)}
-    rows: list[dict[str, Any]] = []
+    rows: list[list[Any]] = []
     firsts: dict[str, Value] = {}
     for name, values in table.items():
-        cells = []
+        cells: list[dict[str, Any]] = []
         for key, _, _, factor in kept:
             value, error = values[key], scatter[name].get(key)
             if not isinstance(value, int | float):
@@ -103,15 +115,17 @@ def _answers(comparison: Comparison) -> dict[str, Any]:
                 continue
             text = shown(factor * float(value))
             if isinstance(error, float) and error > 1e-9 * abs(value):
-                text += f" ± {factor * error:.2g}"
-            first = firsts.setdefault(key, value)
-            given = key == "cof" and name in inputs
-            cells.append(
-                {"text": text, "than": "" if first is value else _than(value, first), "given": given}
-            )
-        rows.append({"name": name, "kind": values["kind"], "cells": cells})
-    head = [f"{label}, {unit}" if unit else label for _, label, unit, _ in kept]
-    return {"head": head, "rows": rows}
+                text = f"{factor * value:.3g} ± {factor * error:.2g}"
+            than = _than(value, firsts[key]) if key in firsts else ""
+            firsts.setdefault(key, value)
+            cells.append({"text": text, "than": than, "given": key == "cof" and name in inputs})
+        rows.append([{"text": f"{name} (measured)" * (values["kind"] == "experiment") or name}, *cells])
+    head = [{"text": f"{label}, {unit}" if unit else label} for _, label, unit, _ in kept]
+    found = [[{"text": "run"}, *head], *rows]
+    if len(rows) > BESIDE:
+        return {"head": found[0], "rows": found[1:]}
+    turned = list(zip(*found, strict=True))
+    return {"head": [{"text": ""}, *turned[0][1:]], "rows": turned[1:]}
 
 
 def _than(value: float, first: Value) -> str:
@@ -122,6 +136,15 @@ def _than(value: float, first: Value) -> str:
     if abs(part) < ALIKE:
         return "the same"
     return f"{100.0 * part:+.3g} %".replace("-", "−") if abs(part) < 1.0 else f"× {value / first:.3g}"
+
+
+def _limits(runs: Sequence[RunData]) -> list[str]:
+    """List what the models cannot show, with the names of the runs that it holds for where not for all."""
+    names: dict[str, list[str]] = {}
+    for run in runs:
+        for sentence in limits_of(run.study):
+            names.setdefault(sentence, []).append(run.name)
+    return [s if len(of) == len(runs) else f"{listed(of, len(runs))}: {s}" for s, of in names.items()]
 
 
 def _link(run: RunData, folder: Path) -> tuple[str, str, str]:
@@ -158,11 +181,18 @@ def _sections(comparison: Comparison) -> list[Section]:
         )
         for body in BODIES
     ]
-    worn = [Chart(**vars(c) | {"x": "across sliding, mm"}) for c in worn if c]
+    worn = [replace(c, x="across sliding, mm", lines=_within(c.lines, _reach(comparison))) for c in worn if c]
+    one = len(comparison.groups) + len(comparison.experiments) > 1
     told = "Mean of the middle eighth of the scar, at the end; of a track the mean section of its groove."
     return [
-        Section("Courses", [c for c in courses if c], "courses", "Move over a chart to read its values."),
-        Section("What wear has left", worn, "profiles", told),
+        Section(
+            "Courses",
+            [c for c in courses if c],
+            "courses",
+            "Move over a chart to read its values.",
+            one_legend=one,
+        ),
+        Section("What wear has left", worn, "profiles", told, one_legend=one),
         Section("Area against load", _loads(comparison), "loads"),
     ]
 
@@ -184,6 +214,25 @@ def _chart(
     return overlaid(name, title, unit, lines, log=log)
 
 
+def _reach(comparison: Comparison) -> float:
+    """How far from the middle any run has worn [mm], and some room."""
+    ends = (
+        np.abs(run.across[of > 0.0]).max(initial=0.0) for run in comparison.runs for of in run.wear.values()
+    )
+    return 1.15 * float(max(ends, default=0.0))
+
+
+def _within(lines: list[Line], reach: float) -> list[Line]:
+    """Cut lines off beyond a distance from the middle."""
+
+    def cut(line: Line) -> Line:
+        near = np.abs(line.x) <= reach
+        low, high = (None if of is None else of[near] for of in (line.low, line.high))
+        return replace(line, x=line.x[near], y=line.y[near], low=low, high=high)
+
+    return [cut(line) for line in lines] if reach else lines
+
+
 def _measured(experiment: figures.Experiment, line: dict[str, Any]) -> Line:
     distance, values, scatter = figures.measured_course(experiment)
     at = thinned(distance)
@@ -192,19 +241,20 @@ def _measured(experiment: figures.Experiment, line: dict[str, Any]) -> Line:
 
 
 def _loads(comparison: Comparison) -> list[Chart]:
-    """Area in contact after the first step over the load, a point a group; nothing where no loads differ."""
-    if not figures.has_loads(comparison):
+    """Area in contact after the first step over the load, beside theories; nothing where no loads differ."""
+    if not has_loads(comparison):
         return []
-
-    def point(group: Group) -> tuple[float, float]:
-        load = np.mean([run.study.contact.load for run in group.runs])
-        return float(load), float(np.mean([run.history["area_contact"][0] for run in group.runs]))
-
-    lines = [
-        Line(group.name, look_of(line)[0], *(np.array([v]) for v in point(group)), marks="markers")
-        for group, line in figures.looks_of(comparison)
-    ]
-    title, unit = "Area in contact after the first step", "area in contact at first, mm²"
+    lines = []
+    for (name, (force, area, low, high)), (colour, _) in zip(
+        series_of(comparison).items(), STYLES * 9, strict=False
+    ):
+        lines.append(Line(name, colour, force, area, "solid", "lines+markers", False, low, high))
+    loads = loads_of(comparison)
+    for (name, theory), dash in zip(
+        theories_of(comparison, loads).items(), ("dash", "dot", "dashdot"), strict=False
+    ):
+        lines.append(Line(name, "NEUTRAL", loads, 1e3 * theory, dash))
+    title, unit = "Area in contact after the first step", "area in contact at first, 10⁻³ mm²"
     return [
         Chart("area_load", title, "normal load, N", unit, lines, static="area_load", log_x=True, log_y=True)
     ]

@@ -28,6 +28,15 @@ DPI = 160
 PLOTLY = "package_data/plotly.min.js"
 #: Colours of a scale that the page's script interpolates.
 SHADES = 12
+#: Kinds of line as SVG draws them.
+STROKES = {
+    "solid": "",
+    "dash": "8 5",
+    "dashdot": "8 3 2 3",
+    "dot": "2 4",
+    "longdash": "14 5",
+    "longdashdot": "14 4 2 4",
+}
 #: Colours that have to stand out from a dark page as well: the script takes the text's instead.
 INKS = {"HARDNESS": "ink", "NEUTRAL": "ink", "NOMINAL": "soft", "clear": "clear"}
 
@@ -83,6 +92,8 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
 
     Data and plotting library lie compressed in the page, where no character of a name can end a script.
     """
+    for section in content["sections"]:
+        section["legend"] = _legend(section) if section["one_legend"] else []
     plots = [plot for section in content["sections"] for plot in section["plots"]]
     shown: set[str] = set()
     for plot in plots:
@@ -108,14 +119,23 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
     return text.encode()
 
 
+def _legend(section: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Take the lines' names off the plots of a section; return each with its colour and strokes once."""
+    found: dict[str, tuple[str, str]] = {}
+    for plot in section["plots"]:
+        plot["bare"] = True
+        found |= {line["name"]: (colour_of(line["colour"]), STROKES[line["dash"]]) for line in plot["lines"]}
+    return [(name, *look) for name, look in found.items()]
+
+
 def _scale(colours: Colormap) -> list[str]:
     return [to_hex(colours(place)) for place in np.linspace(0.0, 1.0, SHADES)]
 
 
 def _number(value: Any) -> str:
-    """Write what stands in a cell of a table: a number in five digits, "–" where there is none."""
+    """Write what stands in a cell of a table: a number in four digits, "–" where there is none."""
     if isinstance(value, float):
-        return f"{value:.5g}" if np.isfinite(value) else "–"
+        return f"{value:.4g}" if np.isfinite(value) else "–"
     return "–" if value is None else str(value)
 
 

@@ -82,7 +82,7 @@ def maps(plot: Plotter, data: FigureData) -> Section:
                 "Where the film is gone",
                 labels,
                 window.extent,
-                [Coded(view.film, 0.0, 1.0) for view in views],
+                [Coded(view.film, 0.0, 1.0) for view in views if view.film is not None],
                 [f"{100.0 * history['bare_fraction'][v.row]:.3g} % of the contact is bare" for v in views],
                 states=FILMS,
                 static="bare_map",

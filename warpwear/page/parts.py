@@ -153,13 +153,15 @@ class Grid:
 
 @dataclass(frozen=True)
 class Section:
-    """Plots under one heading, which share a slider where they have one."""
+    """Plots under one heading, which share a slider where they have one, or a legend of the first one's "
+    "lines."""
 
     title: str
     plots: list[Any]
     id: str = ""
     text: str = ""
     slider: list[str] = field(default_factory=list)
+    one_legend: bool = False
 
 
 def chosen(count: int, most: int) -> list[int]:

@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from warpwear.figures import style as fs
 from warpwear.grid import FloatArray
 from warpwear.measured.course import Experiment
-from warpwear.results.ensemble import band_told, is_label, short_names
+from warpwear.results.ensemble import band_told, in_legend, is_label, short_names
 from warpwear.sweeps.table import SweepResult
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, for groups.
@@ -93,7 +93,8 @@ def courses(result: SweepResult, columns: list[str], experiments: tuple[Experime
     groups = groups_of(result)
     lines, handles = lines_of(result, groups)
     measured: list[dict[str, Any]] = [
-        {"color": GREYS[n % len(GREYS)], "lw": 0.8, "label": e.name} for n, e in enumerate(experiments)
+        {"color": GREYS[n % len(GREYS)], "lw": 0.8, "label": in_legend(e.name)}
+        for n, e in enumerate(experiments)
     ]
     handles += [Line2D([], [], **line) for line in measured]
     several = len(handles) if len(groups) > 1 or experiments else 0
@@ -151,7 +152,9 @@ def lines_of(
     if len(two) != 2 or len(values[two[0]]) > len(COLOURS) or len(values[two[1]]) > len(LINES):
         lines = [_line(index) for index in range(len(groups))]
         labels = [label or "mean of all runs" for label, _ in groups]
-        return lines, [Line2D([], [], label=n, **line) for n, line in zip(labels, lines, strict=True)]
+        return lines, [
+            Line2D([], [], label=in_legend(n), **line) for n, line in zip(labels, lines, strict=True)
+        ]
     colours, kinds = (values[key] for key in two)
     shades = np.linspace(0.0, 0.9, len(kinds))
 
@@ -166,7 +169,9 @@ def lines_of(
     named += [line(fs.NOMINAL, n) | {"label": value} for n, value in enumerate(kinds)]
     keys = [names[two[0]]] * len(colours) + [names[two[1]]] * len(kinds)
     both = zip(keys, named, strict=True)
-    return lines, [Line2D([], [], **look | {"label": f"{key} {look['label']}"}) for key, look in both]
+    return lines, [
+        Line2D([], [], **look | {"label": in_legend(f"{key} {look['label']}")}) for key, look in both
+    ]
 
 
 def scatter(result: SweepResult, column: str, varied: dict[str, tuple[FloatArray, str]]) -> Figure:

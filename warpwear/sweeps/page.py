@@ -14,7 +14,7 @@ from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.page.parts import Bars, Chart, Grid, Line, Section, banded, overlaid, thinned
 from warpwear.results import manifest
-from warpwear.results.ensemble import short_names
+from warpwear.results.ensemble import is_label, short_names
 from warpwear.study.text import assumptions
 from warpwear.sweeps import figures
 from warpwear.sweeps.design import SAMPLED, Factor
@@ -56,7 +56,10 @@ def page(
         "limits": limits_of(plan.study),
         "assumptions": assumed,
         "rows": _rows(result),
-        "columns": [*plan.keys, *(f"{label}, {unit}".removesuffix(", ") for _, label, unit, _ in ANSWERS)],
+        "columns": [
+            *short_names(plan.keys).values(),
+            *(f"{label}, {unit}".removesuffix(", ") for _, label, unit, _ in ANSWERS),
+        ],
         "total": total,
         "study": plan.study.to_toml(),
         "sections": [asdict(section) for section in _sections(result, experiments) if section.plots],
@@ -100,17 +103,15 @@ def _answers(result: SweepResult) -> list[dict[str, str]]:
         given = ""
         if column == "cof":
             fitted = result.plan.study.friction.fitted == "end"
-            given = (
-                "An input: its shear strength is fitted so that it is met" if fitted else "Not predicted: it "
-            )
-            given += "" if fitted else "follows the area by a shear strength that is given or fitted"
+            given = "An input: its shear strength is fitted so that it is met" if fitted else ""
+            given = given or "Not predicted: area × shear strength over load"
         if column.startswith("wear_volume"):
             given = "Not predicted: wear coefficient × load × distance"
         if result.plan.design.kind in SAMPLED:
             low, high = np.percentile(known, (5.0, 95.0))
-            text, error = f"{known.mean():.4g}", f"5 to 95 % of the runs: {low:.4g} to {high:.4g}"
+            text, error = f"{known.mean():.4g}", f"mean; 5 to 95 % of the runs: {low:.3g} to {high:.3g}"
         else:
-            text = f"{known.min():.4g} to {known.max():.4g}" if np.ptp(known) > 0.0 else f"{known[0]:.4g}"
+            text = f"{known.min():.3g} to {known.max():.3g}" if np.ptp(known) > 0.0 else f"{known[0]:.4g}"
             error = f"least and most of {known.size} runs"
         found.append(
             {"label": label, "value": text, "unit": unit, "error": error, "note": "", "given": given}
@@ -125,12 +126,10 @@ def _decides(result: SweepResult) -> str:
     key, value = next(iter(result.influence().items()))
     if not np.isfinite(value) or value == 0.0:
         return ""
-    what = (
-        "total Sobol index"
-        if result.plan.design.kind == "saltelli"
-        else "rank correlation (words and seeds: η²)"
-    )
-    return f"The coefficient of friction at the end hangs most on {key}: {what} {value:.2f}."
+    what = "η²" if result.numbers(key) is None or is_label(key) else "rank correlation"
+    what = "total Sobol index" if result.plan.design.kind == "saltelli" else what
+    told = f"{value:.2f}".replace("-", "−")
+    return f"The coefficient of friction at the end hangs most on {key}: {what} {told}."
 
 
 def _sections(result: SweepResult, experiments: tuple[Experiment, ...]) -> list[Section]:
@@ -143,9 +142,10 @@ def _sections(result: SweepResult, experiments: tuple[Experiment, ...]) -> list[
     keys = figures.pair_of(result, varied)
     maps = [_heat_map(result, shown[0], [(key, *varied[key]) for key in keys])] if keys else []
     bars = [_bars(result, column) for column in shown[:2]] if len(result.plan.keys) > 1 else []
+    one = len(figures.groups_of(result)) + len(experiments) > 1
     text = "Mean of each group, in a band of 5 to 95 % of its runs where it has several."
     return [
-        Section("Courses", courses if result.distance.size > 1 else [], "courses", text),
+        Section("Courses", courses if result.distance.size > 1 else [], "courses", text, one_legend=one),
         Section("What decides them", bars, "indices"),
         Section("At the end, over what was varied", [*reached, *maps], "ends"),
     ]
@@ -204,7 +204,8 @@ def _heat_map(result: SweepResult, column: str, keys: list[tuple[str, FloatArray
     names = short_names(result.plan.keys)
     xs, ys, means = figures.means_of(result, column, x, y)
     across, down = ([f"{v:.4g}" for v in of] for of in (xs, ys))
-    title, unit = f"{names[first]} and {names[second]}", figures.at_the_end(column)
+    unit = figures.at_the_end(column)
+    title = f"{unit[:1].upper()}{unit[1:]}, over {names[first]} and {names[second]}"
     axes = figures.axis_of(names[first], x_unit), figures.axis_of(names[second], y_unit)
     return Grid("heat_map", title, across, down, means.T, *axes, unit, static="heat_map")
 

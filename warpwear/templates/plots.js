@@ -84,10 +84,10 @@
     const named = plot.lines.length > 1 || plot.lines.some((line) => line.marks === "markers");
     const longest = Math.max(...plot.lines.map((line) => Math.min(48, line.name.length)));
     const beside = Math.max(1, Math.floor((node.parentElement.clientWidth - 80) / (7 * longest + 50)));
-    const rows = named ? Math.ceil(plot.lines.length / beside) : 0;
+    const rows = named && !plot.bare ? Math.ceil(plot.lines.length / beside) : 0;
     node.style.height = `${21 + 1.25 * Math.max(0, rows - 2)}rem`;
     return [traces, layout({
-      hovermode: many || plot.lines.some((line) => line.marks === "markers") ? "closest" : "x unified", showlegend: plot.lines.length > 1,
+      hovermode: many || plot.lines.some((line) => line.marks === "markers") ? "closest" : "x unified", showlegend: plot.lines.length > 1 && !plot.bare,
       legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 }, maxheight: 0.6 },
       margin: { l: 65, r: 15, t: 10, b: 45 },
       xaxis: axis(plain(plot.x, 80), { ...(logX ? logarithmic(...arrays.map(([x]) => x)) : {}), hoverformat: ".5~g" }),
@@ -119,12 +119,12 @@
   };
   const grid = (plot, node) => {
     const rows = rowsOf(arrayOf(plot.values), plot.values.shape), label = (v) => (v === v ? String(+v.toPrecision(3)) : "–");
-    node.style.height = `${Math.min(40, 2.6 * rows.length + 6)}rem`;
+    node.style.height = `${Math.min(40, 2.6 * rows.length + 7)}rem`;
     const few = rows.length <= 12 && rows[0].length <= 12, ticks = (names) => ({ type: "category", tickvals: names.map((_, i) => i), ticktext: names.map((n) => plain(n, 16)), showgrid: false });
     const trace = {
       type: "heatmap", z: rows, x: plot.across.map((_, i) => i), y: plot.down.map((_, i) => i), colorscale: scaleOf(data.heights), xgap: 2, ygap: 2,
       text: rows.map((row) => [...row].map(label)), texttemplate: few ? "%{text}" : "", hovertemplate: "%{text}<extra></extra>", hoverongaps: false,
-      colorbar: { thickness: 12, title: { text: plot.unit, side: "right" } },
+      colorbar: { thickness: 12 },
     };
     const at = (title, names) => axis(plain(title, 60), { ...ticks(names), type: "linear" });
     return [[trace], layout({ margin: { l: 60, r: 15, t: 10, b: 45 }, xaxis: at(plot.x, plot.across), yaxis: at(plot.y, plot.down) })];
