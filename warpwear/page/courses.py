@@ -54,7 +54,9 @@ def courses(plot: Plotter, data: FigureData) -> Section:
     names = {area: name for area, name, *_ in AREAS}
     areas = [line(f"area_{key}", name, colour, dash) for key, name, colour, dash in AREAS]
     chart("areas", "Areas", "area, mm²", areas)
-    of_area = f"The area that shears: {names[about.friction_area]}; {about.shear.removesuffix(', as given')}."
+    film, shear = data.study.friction.film, about.shear.removesuffix(", as given")
+    shear = f"{shear} of bare metal, {film.shear_strength:g} MPa under the film" if film else shear
+    of_area = f"The area that shears: {names[about.friction_area]}; {shear}."
     cof = [line("cof", "coefficient of friction", "NEUTRAL")]
     chart("cof", "Coefficient of friction", "coefficient of friction, –", cof, log=False, note=of_area)
     pressures = [

@@ -290,7 +290,7 @@ EFFECTS: dict[str, Effect | Callable[[Study, dict[str, Any]], Effect]] = {
     ),
     "disc.synthetic.roll_off": (
         Weight.CHANGES,
-        f"{FINE} half or twice of it changes the area by 3 % at most, from 3 mm on.",
+        f"{FINE} half or twice of it changes the area by about 3 %, from 3 mm on.",
     ),
     "disc.synthetic.cut_off": (
         Weight.CHANGES,

@@ -1,6 +1,7 @@
 """What a run's page says in words and numbers: what was asked, the answer, and what it rests on."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from warpwear.contact.balance import TOLERANCE
@@ -12,6 +13,7 @@ from warpwear.study.text import readable
 
 #: What checks allow: part of a volume off Archard's, and of the area by the length of steps.
 CONSERVED, STEPS = 1e-10, 0.02
+APPROACH = "from the mean planes; below zero only peaks reach across"
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ def disc_of(study: Study) -> str:
     if study.study.model == "macro" or (disc.synthetic and disc.synthetic.kind == "flat"):
         return "a smooth disc"
     if disc.synthetic is None:
-        return f"the measured disc {disc.surface}"
+        return f"the measured disc {Path(disc.surface or '').name}"
     kind, ra, sq = disc.synthetic.kind, disc.synthetic.ra, disc.synthetic.sq
     height = f"Ra {1e3 * ra:.3g} µm" if ra else f"Sq {1e3 * (sq or 0.0):.3g} µm"
     return f"a made {kind} disc of {height}"
@@ -97,6 +99,7 @@ def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
     depths, volumes = s["depth_um"], [s["volume_mm3"][body] for body in ("sphere", "disc")]
     slider = "sphere" if study.sphere.curvature else "flat"
     if study.sliding.total:
+        less = ", less what no piece has carried off yet" if study.wear.sheds else ", whatever the contact"
         found.append(
             Answer(
                 f"Worn volume, {slider} and disc",
@@ -104,13 +107,11 @@ def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
                 "10⁻³ mm³",
                 "as good as the wear coefficients",
                 f"deepest {shown(depths['sphere'])} and {shown(depths['disc'])} µm",
-                "Not predicted: wear coefficient × load × distance, whatever the contact",
+                f"Not predicted: wear coefficient × load × distance{less}",
             )
         )
     else:
-        found.append(
-            Answer("Approach of the bodies", shown(s["approach_um"]), "µm", "", "from the mean planes")
-        )
+        found.append(Answer("Approach of the bodies", minus(shown(s["approach_um"])), "µm", "", APPROACH))
     cof = s["cof"]["end"]
     if cof is None:
         note = "calibrated at the end, which the run did not reach"
@@ -127,6 +128,11 @@ def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
     note = f"the area that shears: {s['cof_area']}"
     error = "" if s["cof_input"] == "end" else "as good as the shear strength"
     return [*found, Answer("Coefficient of friction at the end", f"{cof:.3g}", "", error, note, given)]
+
+
+def minus(text: str) -> str:
+    """Write a number's sign as a minus."""
+    return text.replace("-", "−")
 
 
 def source_of(s: dict[str, Any]) -> str:

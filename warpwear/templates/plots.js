@@ -36,12 +36,27 @@
   // ---- looks --------------------------------------------------------------------------------------
   const media = { dark: matchMedia("(prefers-color-scheme: dark)"), print: matchMedia("print") };
   let chosen = null; // the reader's own choice of dark or light
-  const isDark = () => !media.print.matches && (chosen ?? media.dark.matches);
+  let printing = false;
+  const isPrint = () => printing || media.print.matches;
+  // A page is laid out for paper after plots are drawn for it: A4 and Letter both hold these widths.
+  const widthOf = (node) => {
+    if (!isPrint()) return node.parentElement.clientWidth;
+    return node.closest(".plots").classList.contains("single") ? 670 : 330;
+  };
+  const isDark = () => !isPrint() && (chosen ?? media.dark.matches);
   const ink = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
-  const colour = (name) => (name.startsWith("#") ? name : ink(name));
+  // On dark paper a dark colour is mixed with white.
+  const lifted = (hex) => {
+    const parts = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+    if (!isDark() || 0.3 * parts[0] + 0.6 * parts[1] + 0.1 * parts[2] > 120) return hex;
+    return `#${parts.map((v) => Math.round(v + 0.4 * (255 - v)).toString(16).padStart(2, "0")).join("")}`;
+  };
+  const colour = (name) => (name.startsWith("#") ? lifted(name) : ink(name));
   // Names are anyone's: no tag of the plotting library's, and not longer than a legend bears.
   const plain = (text, most = 48) => (text.length > most ? `${text.slice(0, most - 1)}…` : text)
     .replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");
+  // Little pressure is near the paper's own lightness.
+  const pressures = () => (isDark() ? [...data.pressures].reverse().slice(2) : data.pressures);
   const scaleOf = (colours) => colours.map((c, i) => [i / (colours.length - 1), c]);
   const axis = (title, more = {}) => ({
     title: { text: title, standoff: 8 }, gridcolor: ink("grid"), linecolor: ink("soft"), zeroline: false, showline: true,
@@ -83,7 +98,7 @@
     const least = arrays.every(([, y]) => y.every((v) => !(v < 0)));
     const named = plot.lines.length > 1 || plot.lines.some((line) => line.marks === "markers");
     const longest = Math.max(...plot.lines.map((line) => Math.min(48, line.name.length)));
-    const beside = Math.max(1, Math.floor((node.parentElement.clientWidth - 80) / (7 * longest + 50)));
+    const beside = Math.max(1, Math.floor((widthOf(node) - 80) / (7 * longest + 50)));
     const rows = named && !plot.bare ? Math.ceil(plot.lines.length / beside) : 0;
     node.style.height = `${21 + 1.25 * Math.max(0, rows - 2)}rem`;
     return [traces, layout({
@@ -158,7 +173,7 @@
         }
       trace = {
         ...common, z: values, customdata: field.log ? values.map((row) => row.map((v) => 10 ** v)) : values,
-        colorscale: scaleOf(data.pressures), zmin: low, zmax: high,
+        colorscale: scaleOf(pressures()), zmin: low, zmax: high,
         hovertemplate: `%{customdata:.3~g} ${plot.unit}<br>%{x:.4~g}, %{y:.4~g} mm<extra></extra>`,
         colorbar: { thickness: 12, len: 1, tickfont: { size: 11 }, title: { text: plot.unit, side: "right", font: { size: 12 } },
           ...(ticks.length ? { tickvals: ticks.map(([at]) => at), ticktext: ticks.map(([, text]) => text) } : {}) },
@@ -172,7 +187,7 @@
   };
 
   // ---- bodies in 3-D ------------------------------------------------------------------------------
-  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: innerWidth < 640 ? 2.4 : 1.7 };
+  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: innerWidth < 640 ? 2.9 : 1.7 };
   const camera = { ...START };
   const eye = () => ({
     x: camera.far * Math.cos(camera.tilt) * Math.cos(camera.turn),
@@ -204,6 +219,7 @@
     if (plot.kind === "bodies" && !hasWebGL) return;
     node.classList.add("drawn");
     const [traces, looks] = KINDS[plot.kind](plot, node);
+    if (isPrint()) Object.assign(looks, { autosize: false, width: widthOf(node), height: node.offsetHeight || 336 });
     await Plotly.react(node, traces, looks, CONFIG);
     if (plot.kind === "bodies" && !node.dataset.turned) {
       node.dataset.turned = "0";
@@ -221,10 +237,8 @@
     root.classList.toggle("dark", isDark());
     $("theme").textContent = isDark() ? "Light" : "Dark";
     $("theme").setAttribute("aria-pressed", String(isDark()));
-    for (const node of nodes) {
-      await draw(node);
-      if (node.classList.contains("drawn") && node.offsetWidth) Plotly.Plots.resize(node); // print is narrower
-    }
+    for (const line of all("[data-colour]")) line.setAttribute("stroke", colour(line.dataset.colour));
+    await Promise.all(nodes.map(draw)); // all begin at once: paper does not wait
   };
 
   for (const slider of all(".slider")) {
@@ -281,7 +295,8 @@
   });
   $("theme").addEventListener("click", () => { chosen = !isDark(); drawAll(); });
   for (const query of Object.values(media)) query.addEventListener("change", drawAll);
-  addEventListener("beforeprint", drawAll);
+  addEventListener("beforeprint", () => { printing = true; drawAll(); });
+  addEventListener("afterprint", () => { printing = false; drawAll(); });
   await drawAll();
   root.dataset.ready = "true"; // for who waits for it
 })();
