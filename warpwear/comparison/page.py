@@ -51,13 +51,13 @@ def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) ->
     "links."""
     runs, measured = len(comparison.runs), len(comparison.experiments)
     several = len(comparison.groups) < runs
-    told = f"{runs} runs in {len(comparison.groups)} groups" if several else f"{runs} runs"
-    beside = f" and {measured} measured course{'s' * (measured != 1)}" if measured else ""
+    told = [f"{runs} run{'s' * (runs != 1)}" + f" in {len(comparison.groups)} groups" * several] * (runs > 0)
+    told += [f"{measured} measured course{'s' * (measured != 1)}"] * (measured > 0)
     content = {
         "name": "Comparison",
         "version": __version__,
-        "asked": f"{told}{beside}, laid over each other: what differs between them, and what does it change "
-        "in scar, contact, wear and friction?",
+        "asked": f"{' and '.join(told)}, laid over each other: what differs between them, and what does it "
+        "change in scar, contact, wear and friction?",
         "differ": _differ(comparison),
         "answers": _answers(comparison),
         "notes": comparison.notes,

@@ -264,8 +264,8 @@ EFFECTS: dict[str, Effect | Callable[[Study, dict[str, Any]], Effect]] = {
     "contact.bulk_stiffness": _bulk,
     "patches.bulk": (
         Weight.CHANGES,
-        "Without the springs, patches of the local law share the load as rigid bodies do: all approach "
-        "alike.",
+        "Without the springs the bulk of both bodies does not yield; by the local law that is the micro "
+        "model.",
     ),
     "patches.macro_cell": (
         Weight.LITTLE,
