@@ -2,23 +2,24 @@
 
 import base64
 from functools import cached_property
-from html import escape
 from pathlib import Path
 from typing import Any
 
+from warpwear import lazy
 from warpwear.lazy import resolve
 from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.frames import to_dataframe, to_xarray
 from warpwear.results.summary import summarise
-from warpwear.results.summary_text import INPUT
+
+content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page.html")
 
 #: Draws the figures; Matplotlib takes as long to import as everything else together.
 PLOTTER = "warpwear.figures.table:Plotter"
 #: Writes files for other software.
 EXPORT = "warpwear.results.export:export"
-#: Figures shown, as far as the run has them; pixels an inch.
-FIGURES, DPI = ("cof", "pressure_map"), 110
+#: Figures that a notebook shows, those of a run without a course; pixels an inch.
+COURSES, FIELDS, DPI = ("cof", "areas", "pressure"), ("pressure_map",), 100
 
 
 class Result(ResultFile):
@@ -65,44 +66,12 @@ class Result(ResultFile):
 
 
 def _to_html(result: Result) -> str:
-    """A fragment of HTML with the images inside, so that it needs no files."""
-    left = "style='text-align:left'"
-    rows = "".join(
-        f"<tr><th {left}>{escape(label)}</th><td {left}>{escape(value)}</td></tr>"
-        for label, value in _rows(result.summary)
-    )
+    """Make a fragment of HTML: the top of the run's page and its courses, as pictures within it."""
     plot = result.plot
-    images = "".join(_image(name, plot.png(name, dpi=DPI)) for name in FIGURES if plot.reason(name) is None)
-    return f"<div><b>{escape(result.study.study.name)}</b><table>{rows}</table>{images}</div>"
-
-
-def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    s = summary
-    state = "" if s["finished"] else ", interrupted"
-    of_pass = ", last pass" if "track" in s else ""
-    rows = [
-        ("sliding distance", f"{s['distance_mm']:g} mm in {s['steps']} steps{state}"),
-        ("scar, along × across", f"{s['scar_mm']['along']:.4g} × {s['scar_mm']['across']:.4g} mm"),
-        (f"area in contact{of_pass}", f"{s['area_mm2']['contact']:.4g} mm²"),
-        (
-            f"pressure, mean and largest{of_pass}",
-            f"{s['pressure_MPa']['mean']:.4g}, {s['pressure_MPa']['max']:.4g} MPa",
-        ),
+    names = [name for name in COURSES if plot.reason(name) is None] or [
+        name for name in FIELDS if plot.reason(name) is None
     ]
-    for what, values, unit in (
-        ("deepest wear", s["depth_um"], "µm"),
-        ("worn volume", s["volume_mm3"], "mm³"),
-    ):
-        rows.append((f"{what}, sphere and disc", f"{values['sphere']:.4g}, {values['disc']:.4g} {unit}"))
-    if s["cof"]["end"] is not None:
-        given = INPUT if s["cof_input"] == "end" else ""
-        friction = f"{s['cof']['end']:.3g}{given} from the area {s['cof_area']}"
-        rows.append(("coefficient of friction at the end", friction))
-    if s["assumptions"]:
-        rows.append(("assumptions", f"{len(s['assumptions'])}, see .summary['assumptions']"))
-    return rows
-
-
-def _image(name: str, png: bytes) -> str:
-    text = base64.b64encode(png).decode("ascii")
-    return f"<img alt='{name}' src='data:image/png;base64,{text}'>"
+    pictures = [(name, base64.b64encode(plot.png(name, dpi=DPI)).decode("ascii")) for name in names]
+    top = content.top_of(result.study, result.summary)
+    fragment: str = html.render("notebook.html", {}, **top, pictures=pictures)
+    return fragment

@@ -70,7 +70,12 @@ def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path) -> 
     done = warpwear_compare(runs / "a", "--experiment", measured, "--out", out)
     assert done.exit_code == 0, done.output
     assert sorted(path.name for path in out.iterdir()) == sorted(
-        [*(f"{name}.png" for name in FIGURES if name != "area_load"), "table.csv", "comparison.json"]
+        [
+            *(f"{name}.png" for name in FIGURES if name != "area_load"),
+            "table.csv",
+            "comparison.json",
+            "compare.html",
+        ]
     )
     with warpwear.Result.open(runs / "a") as result:
         summary, history = result.summary, result.history
@@ -307,7 +312,7 @@ def test_a_comparison_is_replaced_only_when_asked(
     done = warpwear_compare(*arguments, "--overwrite", "--format", "svg")
     assert done.exit_code == 0, done.output
     assert (out / "mine.txt").read_text() == "kept"
-    assert sorted(path.suffix for path in out.iterdir()) == [".csv", ".json", *[".svg"] * 5, ".txt"]
+    assert sorted(path.suffix for path in out.iterdir()) == [".csv", ".html", ".json", *[".svg"] * 5, ".txt"]
     # A failure while writing leaves the old one.
     before = {path.name: path.read_bytes() for path in out.iterdir()}
 
@@ -330,7 +335,12 @@ def test_experiments_alone_have_one_figure(measured: Path, tmp_path: Path) -> No
     out = tmp_path / "out"
     done = warpwear_compare("--experiment", measured, "--experiment", other, "--out", out)
     assert done.exit_code == 0, done.output
-    assert sorted(path.name for path in out.iterdir()) == ["cof.png", "comparison.json", "table.csv"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        "cof.png",
+        "compare.html",
+        "comparison.json",
+        "table.csv",
+    ]
 
 
 def test_rms_difference_of_straight_lines() -> None:

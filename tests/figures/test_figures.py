@@ -350,10 +350,13 @@ def test_reduction_keeps_what_it_promises(results: dict[str, Result]) -> None:
 
 def test_a_notebook_shows_a_result(results: dict[str, Result]) -> None:
     html = results["rough"]._repr_html_()
-    images = re.findall(r"data:image/png;base64,([^']+)'", html)
-    assert len(images) == 2
+    images = re.findall(r'data:image/png;base64,([^"]+)"', html)
+    assert len(images) == 3
     assert all(base64.b64decode(image).startswith(b"\x89PNG") for image in images)
-    assert "30 mm in" in html
+    assert "slides 30 mm" in html
+    assert "Not predicted: its shear strength" in html
+    assert "<script" not in html
+    assert len(html) < 200_000
     assert len(re.findall("data:image", results["static"]._repr_html_())) == 1
 
 

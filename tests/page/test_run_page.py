@@ -2,15 +2,15 @@
 
 import base64
 import json
-import os
 import re
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from cases_pages import EVIL, visit
 from cases_track import small
 from click.testing import CliRunner
 
@@ -18,19 +18,16 @@ import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import commands
 from warpwear.figures import process
-from warpwear.page.content import content_of, write_page
+from warpwear.page.content import content_of, words_of, write_page
+from warpwear.page.effects import EFFECTS, Weight
 from warpwear.page.html import run_page
 from warpwear.page.limits import limits_of
-from warpwear.page.plots import Coded, thinned
-from warpwear.page.words import to_latex, words_of
+from warpwear.page.paper import to_latex
+from warpwear.page.parts import Coded, thinned
 
 MOST = 6e6  # bytes of a page
 PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
 KINDS = ("track", "two-scale", "static", "half-space", "measured", "smooth")
-CHROMIUM = "/usr/bin/chromium"
-FLAGS = ["--no-sandbox", "--no-first-run", "--disable-background-networking", "--enable-unsafe-swiftshader"]
-FLAGS += ["--use-gl=angle", "--use-angle=swiftshader"]
-EVIL = "<script>alert(1)</script> \"'$x$ </scr" + "x" * 300 + " {{ 7 * 7 }} &amp;"
 
 
 def study_of(kind: str) -> Study:
@@ -100,6 +97,7 @@ def test_a_run_leaves_a_page_that_needs_nothing(page_of: Callable[[str], Path], 
         assert f"{area:.4g}" in page
         for assumed in result.summary["assumptions"]:
             assert assumed in page
+        assert page.count('class="weight ') == len(result.summary["assumptions"])
         if result.plot.reason("areas") is None:
             areas = next(p for p in data_of(page)["plots"] if p["id"] == "areas")
             course = array_of(areas["lines"][0]["y"])
@@ -125,6 +123,39 @@ def test_names_do_nothing(page_of: Callable[[str], Path]) -> None:
     assert "{{ 7 * 7 }}" in page
     assert page.count("<script") == page.count("</script>") == 3
     assert "<script>x<" not in page_of("measured").read_text(encoding="utf-8")
+
+
+def test_every_assumption_says_what_it_would_change() -> None:
+    """In sentences that end, with numbers of the run where they hang on it."""
+    for preset in ("v1", "v2", "v3", "v3-fine", "two-scale", "track", "running-in"):
+        assumed = Study.load(preset).assumed
+        assert {*assumed} <= {*EFFECTS}, preset
+    study = Study.load("v3-fine").replace(PLAIN | {"disc.synthetic.fine_ra": "0.3 um"})
+    with warpwear.run(study) as result:
+        rows = words_of(study, result.summary)["assumptions"]
+    assert {row["key"] for row in rows} == {*result.summary["assumptions"]}
+    assert [row["weight"] for row in rows] == sorted(row["weight"] for row in rows)
+    assert rows[0]["key"] == "friction.shear_strength"
+    assert rows[0]["weight"] is Weight.DECIDES
+    assert all(re.search(r"[.]( [^ ]|$)|VALUES$", row["effect"]) for row in rows)
+    hardness = next(row for row in rows if row["key"] == "contact.hardness")
+    assert hardness["weight"] is Weight.LITTLE, "hardly a cell bears it after 10 mm"
+    with warpwear.run(study.replace({"sliding.distance": "0 mm", "output.snapshots": []})) as result:
+        rows = words_of(result.study, result.summary)["assumptions"]
+    hardness = next(row for row in rows if row["key"] == "contact.hardness")
+    assert hardness["weight"] is Weight.DECIDES, "all of a static contact bears it"
+    assert "100 % of the contact" in hardness["effect"]
+
+
+def test_shear_strength_is_in_proportion_to_the_coefficient() -> None:
+    """As the page says of it: half of it, half of the coefficient, and nothing else."""
+    study = Study.load("v3-fine").replace(PLAIN)
+    with (
+        warpwear.run(study) as whole,
+        warpwear.run(study.replace({"friction.shear_strength": "1.915 MPa"})) as half,
+    ):
+        np.testing.assert_allclose(2.0 * half.history["cof"], whole.history["cof"], rtol=1e-12)
+        assert np.array_equal(half.history["area_contact"], whole.history["area_contact"])
 
 
 def test_latex_says_what_stands_there() -> None:
@@ -213,30 +244,7 @@ def test_codes_keep_values() -> None:
 def test_a_name_of_a_run_in_memory(tmp_path: Path) -> None:
     with warpwear.run(study_of("static")) as result:
         page = run_page(content_of(result, result.plot), {})
-    assert b"<img" not in page
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    """Chromium without a window; skips where there is none."""
-    sync_api = pytest.importorskip("playwright.sync_api")
-    if not os.path.exists(CHROMIUM):
-        pytest.skip("no chromium")
-    with sync_api.sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield opened
-        opened.close()
-
-
-def visit(browser: Any, path: Path, **how: Any) -> tuple[Any, list[str], list[str]]:
-    """Open a page; returns it, what it requested beside itself, and its errors."""
-    page, requests, errors = browser.new_page(**how), [], []
-    page.on("request", lambda request: requests.append(request.url))
-    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.goto(path.as_uri())
-    page.wait_for_selector("html[data-ready]", timeout=90_000)
-    return page, [url for url in requests if url != path.as_uri()], errors
+    assert page.count(b"<img") == 1, "the bodies, drawn of the page's own data"
 
 
 def test_slider_by_keyboard_and_bodies_by_mouse(browser: Any, page_of: Callable[[str], Path]) -> None:
@@ -268,18 +276,17 @@ def test_slider_by_keyboard_and_bodies_by_mouse(browser: Any, page_of: Callable[
     page.close()
 
 
+@pytest.mark.parametrize("width", [400, pytest.param(1280, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("kind", ["evil", *(pytest.param(k, marks=pytest.mark.slow) for k in KINDS)])
-def test_pages_fit_and_say_nothing_wrong(browser: Any, page_of: Callable[[str], Path], kind: str) -> None:
-    for width in (400, 1280):
-        how = {
-            "viewport": {"width": width, "height": 900},
-            "color_scheme": "dark" if width == 400 else "light",
-        }
-        page, requests, errors = visit(browser, page_of(kind), **how)
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
-        assert not requests
-        assert not errors
-        page.close()
+def test_pages_fit_and_say_nothing_wrong(
+    browser: Any, page_of: Callable[[str], Path], kind: str, width: int
+) -> None:
+    how = {"viewport": {"width": width, "height": 900}, "color_scheme": "dark" if width == 400 else "light"}
+    page, requests, errors = visit(browser, page_of(kind), **how)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert not requests
+    assert not errors
+    page.close()
 
 
 def test_without_scripts_pictures_stand_there(browser: Any, page_of: Callable[[str], Path]) -> None:

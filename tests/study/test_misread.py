@@ -173,7 +173,7 @@ def test_a_coefficient_that_is_given_is_called_an_input() -> None:
         assert f"at {'the end' if when == 'end' else 'first'} (an input) 0.55" in text
         assert text.count("(an input)") == 1
         assert f"shear strength   {summary['shear_strength_MPa']:.3g} MPa, fitted to 0.55: give it as" in text
-        assert ("0.55 (an input) from" in result._repr_html_()) == (when == "end")
+        assert ("An input: its shear strength" in result._repr_html_()) == (when == "end")
         title = result.plot.cof().axes[0].get_title()
         assert "calibrated to 0.55" in title
         ends[when] = summary["shear_strength_MPa"], text

@@ -56,7 +56,8 @@ def compare(
     column of the table, mean ± standard deviation.
 
     Prints a table, and writes it with overlaid figures: coefficient of friction, area in contact (over
-    the load too, where runs differ in it), mean pressure, worn volumes, worn profiles.
+    the load too, where runs differ in it), mean pressure, worn volumes, worn profiles. compare.html
+    shows all of it on one page.
     """
     gathered.check_number(folders, experiments)
     comparison_folder.check_out(out, file_format=file_format, overwrite=overwrite)

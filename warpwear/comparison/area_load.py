@@ -37,22 +37,17 @@ def area_load(comparison: Comparison) -> Figure:
     Lines of theories are drawn where all runs have the same bodies: load over hardness; Hertz, of smooth
     bodies; Persson, and under a flat Greenwood and Williamson, of a surface whose spectrum is known.
     """
-    series: dict[str, list[Group]] = defaultdict(list)
-    for group in comparison.groups:
-        series[_law(group)].append(group)
-    loads = [run.study.contact.load for run in comparison.runs]
-    line = np.geomspace(min(loads) / MARGIN, max(loads) * MARGIN, LINES)
+    series, line = series_of(comparison), loads_of(comparison)
 
     def draw(axes: Axes) -> None:
-        for (name, groups), (colour, marker) in zip(series.items(), STYLES * len(series), strict=False):
-            points = [_point(group) for group in groups]
-            force, area, low, high = np.transpose(sorted(points))
+        for (name, points), (colour, marker) in zip(series.items(), STYLES * len(series), strict=False):
+            force, area, low, high = points
             axes.plot(force, area, color=colour, marker=marker, ms=4, label=name)
             axes.vlines(force, low, high, color=colour, lw=0.9)
         axes.set(xscale="log", xlim=(line[0], line[-1]))
         fs.logarithmic(axes)
         low, high = axes.get_ylim()
-        theories = _theories(comparison, line)
+        theories = theories_of(comparison, line)
         for (name, theory), style in zip(theories.items(), ("--", ":", "-."), strict=False):
             values = 1.0e3 * theory
             if np.any((values > low) & (values < high)):
@@ -63,6 +58,23 @@ def area_load(comparison: Comparison) -> Figure:
         fs.legend_above(axes, columns=1)
 
     return fs.new_figure(draw, height=3.4)
+
+
+def series_of(comparison: Comparison) -> dict[str, FloatArray]:
+    """Collect the groups by law and hardness: load [N], area at first and ends of its band [10⁻³ mm²].
+
+    Each has shape (4, groups), its loads rising.
+    """
+    found: dict[str, list[Group]] = defaultdict(list)
+    for group in comparison.groups:
+        found[_law(group)].append(group)
+    return {name: np.transpose(sorted(_point(group) for group in groups)) for name, groups in found.items()}
+
+
+def loads_of(comparison: Comparison) -> FloatArray:
+    """Return loads [N] at which lines of theories are drawn: those of the runs, and some room."""
+    loads = [run.study.contact.load for run in comparison.runs]
+    return np.asarray(np.geomspace(min(loads) / MARGIN, max(loads) * MARGIN, LINES))
 
 
 def _point(group: Group) -> tuple[float, float, float, float]:
@@ -80,7 +92,7 @@ def _law(group: Group) -> str:
     return f"computed: {', '.join(laws)}, {cap}"
 
 
-def _theories(comparison: Comparison, load: FloatArray) -> dict[str, FloatArray]:
+def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArray]:
     """Find areas by theories: label -> area [mm²] at the loads [N]; none where the bodies differ."""
     studies = [run.study for run in comparison.runs]
     first = studies[0]

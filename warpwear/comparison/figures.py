@@ -15,7 +15,7 @@ from warpwear.figures import style as fs
 from warpwear.figures.axes import ACROSS
 from warpwear.grid import FloatArray
 from warpwear.measured.course import Experiment, mean_of_last_tenth
-from warpwear.results.ensemble import band, band_told
+from warpwear.results.ensemble import band, band_told, in_legend
 
 COLOURS = (fs.SPHERE, fs.DISC, fs.CONTACT, fs.MEAN_PRESSURE, fs.SUM, fs.TOUCHED)
 LINES = ("-", "--", "-.", ":", (0, (6, 1)), (0, (3, 1, 1, 1)))
@@ -37,12 +37,12 @@ def cof(axes: Any, comparison: Comparison) -> None:
 
     A swept run has the means of its passes, if it made more than one.
     """
-    for experiment, line in _experiments(comparison):
+    for experiment, line in looks_of_measured(comparison):
         for panel, end in zip(axes, (1.0, experiment.final_cof), strict=True):
             if end > 0.0:
                 _measured(panel, experiment, end, line)
-    for group, line in _groups(comparison):
-        found = _drawn(axes[0], group, _cof, line)
+    for group, line in looks_of(comparison):
+        found = _drawn(axes[0], group, cof_of, line)
         if found is None:
             continue
         distance, values = found
@@ -53,7 +53,7 @@ def cof(axes: Any, comparison: Comparison) -> None:
             axes[0].set_title("○: calibrated to this value")
         end = mean_of_last_tenth(distance, values)
         if values.size > 1 and end > 0.0:
-            _drawn(axes[1], group, _cof, line, scale=1.0 / end)
+            _drawn(axes[1], group, cof_of, line, scale=1.0 / end)
     given = sum(run.study.friction.fitted == "end" for run in comparison.runs)
     if given:
         axes[0].set_title(f"the end is an input of {given} of {len(comparison.runs)} runs")
@@ -64,7 +64,7 @@ def cof(axes: Any, comparison: Comparison) -> None:
         panel.set(xlabel="sliding distance, mm", xlim=(0.0, None), ylim=(0.0, None))
 
 
-def _cof(run: RunData) -> Course | None:
+def cof_of(run: RunData) -> Course | None:
     """The course of the coefficient of friction of a run, if it is known."""
     if run.cof is None:
         return None
@@ -72,15 +72,15 @@ def _cof(run: RunData) -> Course | None:
     return (run.history["distance"], run.cof) if values.size < min(run.cof.size, 2) else (distance, values)
 
 
-def _history(name: str, scale: float = 1.0) -> Callable[[RunData], Course]:
+def column_of(name: str, scale: float = 1.0) -> Callable[[RunData], Course]:
     """Make what gives a column of a run's history over the distance slid."""
     return lambda run: (run.history["distance"], scale * run.history[name])
 
 
 def area(axes: Axes, comparison: Comparison) -> None:
     """Draw the area in contact over the distance slid, both logarithmic."""
-    for group, line in _groups(comparison):
-        _drawn(axes, group, _history("area_contact"), line, positive=True)
+    for group, line in looks_of(comparison):
+        _drawn(axes, group, column_of("area_contact"), line, positive=True)
     if _longest(comparison)[-1] > 0.0:  # not static contacts alone
         axes.set_xscale("log")
         fs.plain_numbers(axes.xaxis)
@@ -90,8 +90,8 @@ def area(axes: Axes, comparison: Comparison) -> None:
 
 def pressure(axes: Axes, comparison: Comparison) -> None:
     """Draw the mean pressure of the cells in contact over the distance slid."""
-    for group, line in _groups(comparison):
-        _drawn(axes, group, _history("pressure_mean"), line)
+    for group, line in looks_of(comparison):
+        _drawn(axes, group, column_of("pressure_mean"), line)
     fs.scale_distance(axes, _longest(comparison))
     fs.scale_values(axes, *(run.history["pressure_mean"] for run in comparison.runs))
     axes.set_ylabel("mean pressure in contact, MPa")
@@ -99,9 +99,9 @@ def pressure(axes: Axes, comparison: Comparison) -> None:
 
 def volumes(axes: Any, comparison: Comparison) -> None:
     """Draw the worn volume of sphere and disc over the distance slid."""
-    for group, line in _groups(comparison):
+    for group, line in looks_of(comparison):
         for panel, body in zip(axes, BODIES, strict=True):
-            _drawn(panel, group, _history(f"wear_volume_{body}", 1.0e3), line)
+            _drawn(panel, group, column_of(f"wear_volume_{body}", 1.0e3), line)
     for panel, body in zip(axes, BODIES, strict=True):
         panel.set_title(body)
         panel.set(ylabel="worn volume, 10⁻³ mm³", xlim=(0.0, None), ylim=(0.0, None))
@@ -116,8 +116,8 @@ def profiles(axes: Any, comparison: Comparison) -> None:
     worn = [run for run in comparison.runs if run.wear]
     reach = 0.0
     for panel, body in zip(axes, BODIES, strict=True):
-        for group, line in _groups(comparison):
-            profile = partial(_profile, body)
+        for group, line in looks_of(comparison):
+            profile = partial(profile_of, body)
             _drawn(panel, group, profile, line | {"marker": ""}, xlabel=ACROSS)
         ends = (float(np.abs(run.across[run.wear[body] > 0.0]).max(initial=0.0)) for run in worn)
         reach = max(reach, *ends)
@@ -138,7 +138,7 @@ def _on_one_scale(axes: Any) -> None:
             panel.set_ylim((0.0, max(ends)) if top else (-max(ends), 0.0))
 
 
-def _profile(body: str, run: RunData) -> Course | None:
+def profile_of(body: str, run: RunData) -> Course | None:
     """The worn profile of a body [µm] over the places across sliding [mm]."""
     return (run.across, -1.0e3 * run.wear[body]) if run.wear else None
 
@@ -157,7 +157,7 @@ def _laid_over(
     lines: list[Experiment | Group] = [*(comparison.experiments if measured else ()), *comparison.groups]
     width = fs.PAGE if panels > 1 else fs.COLUMN
     # The width holds this many names beside each other, a character some 0.055 inch and a line 0.45.
-    longest = max(len(line.name) for line in lines)
+    longest = max(len(in_legend(line.name)) for line in lines)
     beside = max(1, min(len(lines), int(width / (0.055 * longest + 0.45))))
 
     told = band_told([len(group.runs) for group in comparison.groups])
@@ -194,12 +194,12 @@ def drawn(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
             yield name, draw(comparison)
 
 
-def _groups(comparison: Comparison) -> Iterator[tuple[Group, dict[str, Any]]]:
+def looks_of(comparison: Comparison) -> Iterator[tuple[Group, dict[str, Any]]]:
     """Give each group with its line, which is the same in every figure."""
     for index, group in enumerate(comparison.groups):
         # Colours repeat after six groups, together with their lines only after thirty-six.
         style = LINES[(index + index // len(COLOURS)) % len(LINES)]
-        line = {"color": COLOURS[index % len(COLOURS)], "ls": style, "label": group.name}
+        line = {"color": COLOURS[index % len(COLOURS)], "ls": style, "label": in_legend(group.name)}
         alone = all(run.history["distance"].size == 1 for run in group.runs)
         yield group, line | ({"marker": "o", "ms": 4} if alone else {})
 
@@ -229,28 +229,35 @@ def _drawn(
     return places, mean
 
 
-def _experiments(comparison: Comparison) -> Iterator[tuple[Experiment, dict[str, Any]]]:
+def looks_of_measured(comparison: Comparison) -> Iterator[tuple[Experiment, dict[str, Any]]]:
     """Give each experiment with its line, which is the same in every figure."""
     for index, experiment in enumerate(comparison.experiments):
         colour, marker = GREYS[index % len(GREYS)], MARKERS[index % len(MARKERS)]
-        line = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.6, "label": experiment.name}
+        line = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.6, "label": in_legend(experiment.name)}
         yield experiment, line
 
 
+def measured_course(experiment: Experiment) -> tuple[FloatArray, FloatArray, FloatArray | None]:
+    """Return distances, coefficients and no scatter; of very many, means of parts of the way with theirs."""
+    distance, values = experiment.distance, experiment.cof
+    if distance.size <= 2 * POINTS:
+        return distance, values, None
+    edges = np.linspace(0.0, distance[-1], POINTS + 1)
+    part = np.clip(np.searchsorted(edges, distance, side="right") - 1, 0, POINTS - 1)
+    number = np.bincount(part, minlength=POINTS)
+    filled = number > 0
+    sums = [np.bincount(part, weights=v, minlength=POINTS)[filled] for v in (distance, values, values**2)]
+    distance, values, squares = (s / number[filled] for s in sums)
+    return distance, values, np.sqrt(np.clip(squares - values**2, 0.0, None))
+
+
 def _measured(panel: Axes, experiment: Experiment, end: float, line: dict[str, Any]) -> None:
-    """Draw measured points; very many as means of parts of the distance in a band of their scatter."""
-    distance, values = experiment.distance, experiment.cof / end
-    if distance.size > 2 * POINTS:
-        edges = np.linspace(0.0, distance[-1], POINTS + 1)
-        part = np.clip(np.searchsorted(edges, distance, side="right") - 1, 0, POINTS - 1)
-        number = np.bincount(part, minlength=POINTS)
-        filled = number > 0
-        sums = [np.bincount(part, weights=v, minlength=POINTS)[filled] for v in (distance, values, values**2)]
-        distance, values, squares = (s / number[filled] for s in sums)
-        scatter = np.sqrt(np.clip(squares - values**2, 0.0, None))
-        low, high = values - scatter, values + scatter
+    """Draw measured points over `end`; very many as means of parts of the way in a band of their scatter."""
+    distance, values, scatter = measured_course(experiment)
+    if scatter is not None:
+        low, high = (values - scatter) / end, (values + scatter) / end
         panel.fill_between(distance, low, high, color=line["color"], alpha=0.15, lw=0)
-    panel.plot(distance, values, markevery=max(1, distance.size // MARKED), **line)
+    panel.plot(distance, values / end, markevery=max(1, distance.size // MARKED), **line)
 
 
 def _longest(comparison: Comparison) -> FloatArray:

@@ -109,7 +109,7 @@ def grouped(runs: Sequence[RunData], band_over: Sequence[str]) -> list[Group]:
     Groups are named by what differs between them; so are runs of sweeps, whose folders have no names for
     people. Raises InputError for a key in which no two runs differ.
     """
-    differ = _differing(runs)
+    differ = differing(runs)
     for key in band_over:
         if key not in differ:
             told = ", ".join(differ) or "nothing"
@@ -131,7 +131,7 @@ def grouped(runs: Sequence[RunData], band_over: Sequence[str]) -> list[Group]:
     return [Group(name, of) for name, (_, of) in zip(unlike([n for n, _ in found]), found, strict=True)]
 
 
-def _differing(runs: Sequence[RunData]) -> dict[str, list[str]]:
+def differing(runs: Sequence[RunData]) -> dict[str, list[str]]:
     """Dotted key -> its value in each run, of the keys in which they differ."""
     flat = [dotted(that_matter(run.study)) for run in runs]
     keys = dict.fromkeys(key for values in flat for key in values)

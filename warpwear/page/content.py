@@ -3,28 +3,87 @@
 Another process may make the page of its content: it needs neither the result nor the study.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from warpwear import lazy
 from warpwear.errors import InputError
+from warpwear.figures.data import FigureData
 from warpwear.figures.table import Plotter
-from warpwear.page.plots import sections_of
-from warpwear.page.words import words_of
+from warpwear.page import courses, maps, paper, shapes, words
+from warpwear.page.limits import limits_of
+from warpwear.page.parts import Section
 from warpwear.results import manifest
 from warpwear.results.file import ResultFile
 from warpwear.results.summary import summarise
+from warpwear.results.summary_text import summary_text
+from warpwear.study.study import Study
 
+#: Commands to be typed inside the run folder, and what they do.
+COMMANDS = (
+    ("warpwear run study.toml --out again", "the same run again; study.toml holds every key"),
+    ("warpwear show study.toml", "the study, with every assumption marked"),
+    ("warpwear report .", "this page"),
+    ("warpwear plot .", "all figures"),
+    ("warpwear export .", "the worn bodies as files for other software"),
+)
 #: What makes the page of its content and of pictures, see `warpwear.page.html`.
 MAKER = "warpwear.page.html:run_page"
 #: What every page of ours holds near its start.
 MARK = b'<meta name="generator" content="warpwear'
 
 
+#: What makes each section of a run's page, in the page's order.
+SECTIONS: tuple[Callable[[Plotter, FigureData], Section], ...] = (
+    maps.maps,
+    courses.courses,
+    courses.pieces,
+    shapes.profiles,
+    shapes.roughness,
+    shapes.groove,
+    maps.loads,
+    shapes.bodies,
+)
+
+
 def content_of(result: ResultFile, plot: Plotter) -> dict[str, Any]:
     """Collect what the page of a run shows. plot: of the same result, whose reduced data are used again."""
-    return words_of(result.study, summarise(result)) | {"sections": sections_of(plot)}
+    with plot.data as data:
+        found = [section for make in SECTIONS if (section := make(plot, data)).plots]
+    return words_of(result.study, summarise(result)) | {"sections": [asdict(section) for section in found]}
+
+
+def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
+    """Collect the texts of the page's top by name: the question, its answers, how far to trust them."""
+    return {
+        "name": study.study.name,
+        "description": study.study.description,
+        "asked": words.asked_of(study, summary),
+        "finished": summary["finished"],
+        "answers": [vars(answer) for answer in words.answers_of(study, summary)],
+        "warnings": summary["warnings"],
+        "trust": words.trust_of(study, summary, words.assumptions_of(study, summary)),
+    }
+
+
+def words_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
+    """Collect all texts of the page by name. summary: as of `summarise`."""
+    answers = words.answers_of(study, summary)
+    return top_of(study, summary) | {
+        "limits": limits_of(study),
+        "assumptions": words.assumptions_of(study, summary),
+        "checks": words.checks_of(study, summary),
+        "summary": summary_text(summary),
+        "methods": paper.methods_of(study, summary),
+        "table": paper.table_of(study, summary, answers),
+        "latex": paper.latex_of(study, summary, answers),
+        "citation": paper.citation_of(summary["version"]),
+        "commands": COMMANDS,
+        "version": summary["version"],
+        "made_with": summary.get("made_with", {}),
+    }
 
 
 def made_here(content: dict[str, Any], pictures: Mapping[str, bytes]) -> bytes:

@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import to_hex
+from matplotlib.colors import Colormap, to_hex
 from matplotlib.figure import Figure
 
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.figures import style as fs
+from warpwear.page.relief import relief
 from warpwear.results.folder import whole_folder
 
 jinja2 = lazy.module("jinja2")
@@ -27,6 +28,15 @@ DPI = 160
 PLOTLY = "package_data/plotly.min.js"
 #: Colours of a scale that the page's script interpolates.
 SHADES = 12
+#: Kinds of line as SVG draws them.
+STROKES = {
+    "solid": "",
+    "dash": "8 5",
+    "dashdot": "8 3 2 3",
+    "dot": "2 4",
+    "longdash": "14 5",
+    "longdashdot": "14 4 2 4",
+}
 #: Colours that have to stand out from a dark page as well: the script takes the text's instead.
 INKS = {"HARDNESS": "ink", "NEUTRAL": "ink", "NOMINAL": "soft", "clear": "clear"}
 
@@ -72,35 +82,69 @@ def write_report(folder: Path, files: Mapping[str, str]) -> None:
 
 
 def run_page(content: Mapping[str, Any], pictures: Mapping[str, bytes]) -> bytes:
-    """Make the page of a run. content: of `warpwear.page.content`. pictures: name of a figure -> PNG file.
+    """Make the page of a run. content: of `warpwear.page.content`; pictures: as of `page_of`."""
+    return page_of("run.html", content, pictures)
+
+
+def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, bytes]) -> bytes:
+    """Make a page with plots. content: name in the template -> value, "sections" of `warpwear.page.parts` as
+    mappings among them. pictures: name of a figure -> PNG file, for a page without scripts.
 
     Data and plotting library lie compressed in the page, where no character of a name can end a script.
     """
-    static = {name: f"data:image/png;base64,{_base64(png)}" for name, png in pictures.items()}
-    scale = [to_hex(fs.PRESSURES(place)) for place in np.linspace(0.0, 1.0, SHADES)]
-    heights = [to_hex(fs.HEIGHTS(place)) for place in np.linspace(0.0, 1.0, SHADES)]
+    for section in content["sections"]:
+        section["legend"] = _legend(section) if section["one_legend"] else []
     plots = [plot for section in content["sections"] for plot in section["plots"]]
+    shown: set[str] = set()
     for plot in plots:
+        png = None if plot["static"] in shown else pictures.get(plot["static"])
+        if plot["kind"] == "bodies":
+            png = relief(plot)
+        shown.add(plot["static"])
+        plot["picture"] = f"data:image/png;base64,{_base64(png)}" if png else ""
         for line in plot.get("lines", ()):
             line["colour"] = colour_of(line["colour"])
         if "states" in plot:
             plot["states"] = [(label, colour_of(colour)) for label, colour in plot["states"]]
-    data = {"plots": plots, "pressures": scale, "heights": heights}
+    drawn = [{k: v for k, v in plot.items() if k not in ("picture", "caption", "static")} for plot in plots]
+    data = {"plots": drawn, "pressures": _scale(fs.PRESSURES), "heights": _scale(fs.HEIGHTS)}
     text = render(
-        "run.html",
-        {},
+        template,
+        {"number": _number},
         **content,
-        static=static,
         data=_packed(json.dumps(data, default=_plain).encode()),
         plotly=_packed(_plotly()),
-        script=_template("run.js"),
+        script=_template("plots.js"),
     )
     return text.encode()
 
 
+def _legend(section: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Take the lines' names off the plots of a section; return each with its colour and strokes once."""
+    found: dict[str, tuple[str, str]] = {}
+    for plot in section["plots"]:
+        plot["bare"] = True
+        found |= {line["name"]: (colour_of(line["colour"]), STROKES[line["dash"]]) for line in plot["lines"]}
+    return [(name, *look) for name, look in found.items()]
+
+
+def _scale(colours: Colormap) -> list[str]:
+    return [to_hex(colours(place)) for place in np.linspace(0.0, 1.0, SHADES)]
+
+
+def _number(value: Any) -> str:
+    """Write what stands in a cell of a table: a number in four digits, "–" where there is none."""
+    if isinstance(value, float):
+        return f"{value:.4g}" if np.isfinite(value) else "–"
+    return "–" if value is None else str(value)
+
+
 def colour_of(name: str) -> str:
-    """Give the colour of figures that a name stands for, or the name of one that depends on the page."""
-    return INKS.get(name) or str(getattr(fs, name))
+    """Give the colour of figures that a name stands for, or the name of one that depends on the page.
+
+    A colour as #rrggbb is returned as it is.
+    """
+    return name if name.startswith("#") else INKS.get(name) or str(getattr(fs, name))
 
 
 def _plotly() -> bytes:

@@ -19,6 +19,8 @@ NO_MATTER: dict[str, tuple[str, ...] | None] = {
 }
 #: Last parts of keys that say nothing alone: what of the sphere?
 BODIES = ("sphere", "disc")
+#: Letters of a label that a figure's legend shows.
+LONGEST = 60
 
 
 def that_matter(study: Study) -> dict[str, Any]:
@@ -48,6 +50,12 @@ def short_names(keys: Sequence[str]) -> dict[str, str]:
 def label_of(values: Mapping[str, Any], names: Mapping[str, str]) -> str:
     """Say what sets a group apart, 'load 4 N, hardness 590 MPa'. values, names: by dotted key."""
     return ", ".join(f"{name} {values[key]}" for key, name in names.items())
+
+
+def in_legend(label: str) -> str:
+    """Write a label, which may be the name of any file, so that a figure shows it as it is: short, no "
+    "formula."""
+    return (label if len(label) <= LONGEST else f"{label[: LONGEST - 1]}…").replace("$", r"\$")
 
 
 def is_label(key: str) -> bool:

@@ -55,6 +55,10 @@ class Study(Content):
 
     __str__ = __repr__
 
+    def _repr_html_(self) -> str:
+        """Return a notebook's view of the study: a table of its keys with the assumptions marked."""
+        return text.to_html(self)
+
     def notices(self) -> list[str]:
         """Return a sentence about each old name, each unused key, and each number that misleads."""
         total = self.sliding.total

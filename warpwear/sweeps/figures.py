@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from warpwear.figures import style as fs
 from warpwear.grid import FloatArray
 from warpwear.measured.course import Experiment
-from warpwear.results.ensemble import band_told, is_label, short_names
+from warpwear.results.ensemble import band_told, in_legend, is_label, short_names
 from warpwear.sweeps.table import SweepResult
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, for groups.
@@ -38,21 +38,55 @@ MOST_GROUPS = 28
 
 def drawn(result: SweepResult, experiments: tuple[Experiment, ...] = ()) -> Iterator[tuple[str, Figure]]:
     """Draw each figure that has something to show, with its name."""
-    columns = [name for name in SHOWN if result.distance.size and np.isfinite(result.courses(name)).any()]
+    columns = columns_of(result)
     if not columns:
         return
     if result.distance.size > 1:
         yield "courses", courses(result, columns, experiments)
-    numbers = {key: number for key in result.plan.keys if (number := result.numbers(key)) is not None}
-    varied = {key: (values, unit) for key, (values, unit) in numbers.items() if np.unique(values).size > 1}
+    varied = varied_of(result)
     if varied:
         yield "scatter", scatter(result, columns[0], varied)
-    if result.plan.design.kind == "grid":
-        keys = [key for key in varied if key not in result.plan.band_over]
-        if len(keys) == 2 and all(np.unique(varied[key][0]).size > 1 for key in keys):
-            yield "heat_map", heat_map(result, columns[0], [(key, *varied[key]) for key in keys])
+    if keys := pair_of(result, varied):
+        yield "heat_map", heat_map(result, columns[0], [(key, *varied[key]) for key in keys])
     if len(result.plan.keys) > 1:
         yield "tornado", tornado(result, columns[:1] + [c for c in columns[1:] if c != columns[0]][:1])
+
+
+def columns_of(result: SweepResult) -> list[str]:
+    """Name the columns of `SHOWN` that any run has."""
+    return [name for name in SHOWN if result.distance.size and np.isfinite(result.courses(name)).any()]
+
+
+def varied_of(result: SweepResult) -> dict[str, tuple[FloatArray, str]]:
+    """Map the keys that are numbers, and of which there are several, to their values and unit."""
+    numbers = {key: number for key in result.plan.keys if (number := result.numbers(key)) is not None}
+    return {key: number for key, number in numbers.items() if np.unique(number[0]).size > 1}
+
+
+def scattered(varied: dict[str, tuple[FloatArray, str]]) -> list[str]:
+    """Choose the keys over which end values are drawn: over a seed there is only scatter."""
+    return [key for key in varied if not is_label(key)][:4] or list(varied)[:4]
+
+
+def pair_of(result: SweepResult, varied: dict[str, tuple[FloatArray, str]]) -> list[str]:
+    """Name the two keys of a grid whose values make a heat map; none where there are not just two."""
+    keys = [key for key in varied if key not in result.plan.band_over]
+    return keys if result.plan.design.kind == "grid" and len(keys) == 2 else []
+
+
+def groups_of(result: SweepResult) -> list[tuple[str, list[int]]]:
+    """List the groups of runs that are drawn one by one: label, and numbers of the runs."""
+    known = result.plan.groups.items()
+    return [(label, runs) for label, runs in known if any(result.rows[r].courses for r in runs)][:MOST_GROUPS]
+
+
+def means_of(
+    result: SweepResult, column: str, x: FloatArray, y: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the values of two keys, (nx,) and (ny,), and the mean end value of each pair, (ny, nx)."""
+    xs, ys = np.unique(x), np.unique(y)
+    values = SCALES.get(column, 1.0) * result.ends(column)
+    return xs, ys, np.array([[_mean(values[(x == a) & (y == b)]) for a in xs] for b in ys])
 
 
 def courses(result: SweepResult, columns: list[str], experiments: tuple[Experiment, ...]) -> Figure:
@@ -60,12 +94,11 @@ def courses(result: SweepResult, columns: list[str], experiments: tuple[Experime
 
     Areas, which grow over decades, have logarithmic axes: what differs at first is seen there.
     """
-    known = result.plan.groups.items()
-    groups = [(label, runs) for label, runs in known if any(result.rows[run].courses for run in runs)]
-    groups = groups[:MOST_GROUPS]
-    lines, handles = _lines(result, groups)
+    groups = groups_of(result)
+    lines, handles = lines_of(result, groups)
     measured: list[dict[str, Any]] = [
-        {"color": GREYS[n % len(GREYS)], "lw": 0.8, "label": e.name} for n, e in enumerate(experiments)
+        {"color": GREYS[n % len(GREYS)], "lw": 0.8, "label": in_legend(e.name)}
+        for n, e in enumerate(experiments)
     ]
     handles += [Line2D([], [], **line) for line in measured]
     several = len(handles) if len(groups) > 1 or experiments else 0
@@ -107,10 +140,10 @@ def _beside(handles: list[Line2D]) -> int:
     return max(1, min(len(handles), int(fs.PAGE / (0.055 * longest + 0.5))))
 
 
-def _lines(
+def lines_of(
     result: SweepResult, groups: list[tuple[str, list[int]]]
 ) -> tuple[list[dict[str, Any]], list[Line2D]]:
-    """A line for each group, and what the legend shows.
+    """Choose a line for each group, and what the legend shows.
 
     Groups of two keys have a colour for each value of the one and a kind of line for each of the other: a
     pale broad line is seen under a dark broken one where a key changes nothing.
@@ -123,7 +156,9 @@ def _lines(
     if len(two) != 2 or len(values[two[0]]) > len(COLOURS) or len(values[two[1]]) > len(LINES):
         lines = [_line(index) for index in range(len(groups))]
         labels = [label or "mean of all runs" for label, _ in groups]
-        return lines, [Line2D([], [], label=n, **line) for n, line in zip(labels, lines, strict=True)]
+        return lines, [
+            Line2D([], [], label=in_legend(n), **line) for n, line in zip(labels, lines, strict=True)
+        ]
     colours, kinds = (values[key] for key in two)
     shades = np.linspace(0.0, 0.9, len(kinds))
 
@@ -138,20 +173,21 @@ def _lines(
     named += [line(fs.NOMINAL, n) | {"label": value} for n, value in enumerate(kinds)]
     keys = [names[two[0]]] * len(colours) + [names[two[1]]] * len(kinds)
     both = zip(keys, named, strict=True)
-    return lines, [Line2D([], [], **look | {"label": f"{key} {look['label']}"}) for key, look in both]
+    return lines, [
+        Line2D([], [], **look | {"label": in_legend(f"{key} {look['label']}")}) for key, look in both
+    ]
 
 
 def scatter(result: SweepResult, column: str, varied: dict[str, tuple[FloatArray, str]]) -> Figure:
     """Draw an end value of every run over each key that is a number."""
-    # Over a seed there is nothing to see but the scatter, which the bands show.
-    keys = [key for key in varied if not is_label(key)][:4] or list(varied)[:4]
+    keys = scattered(varied)
     names, ends = short_names(result.plan.keys), SCALES.get(column, 1.0) * result.ends(column)
 
     def draw(axes: Any) -> None:
         for panel, key in zip(np.atleast_1d(axes), keys, strict=False):
             values, unit = varied[key]
             panel.plot(values, ends, "o", ms=3, color=COLOURS[0], alpha=0.6)
-            panel.set(xlabel=_axis(names[key], unit), ylabel=_at_the_end(column))
+            panel.set(xlabel=axis_of(names[key], unit), ylabel=at_the_end(column))
             panel.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10], integer=is_label(key)))
             panel.set_ylim(0.0 if np.nanmin(ends) > 0.0 else None, None)
             if np.nanmin(values) > 0.0:
@@ -165,16 +201,14 @@ def scatter(result: SweepResult, column: str, varied: dict[str, tuple[FloatArray
 def heat_map(result: SweepResult, column: str, keys: list[tuple[str, FloatArray, str]]) -> Figure:
     """Draw the mean end value for each pair of values of two keys."""
     (first, x, x_unit), (second, y, y_unit) = keys
-    xs, ys = np.unique(x), np.unique(y)
-    values = SCALES.get(column, 1.0) * result.ends(column)
+    xs, ys, means = means_of(result, column, x, y)
     names = short_names(result.plan.keys)
-    means = np.array([[_mean(values[(x == a) & (y == b)]) for a in xs] for b in ys])
 
     def draw(axes: Any) -> None:
         image = axes.imshow(means, origin="lower", aspect="auto", cmap=fs.HEIGHTS)
         axes.set_xticks(range(xs.size), [f"{v:.4g}" for v in xs])
         axes.set_yticks(range(ys.size), [f"{v:.4g}" for v in ys])
-        axes.set(xlabel=_axis(names[first], x_unit), ylabel=_axis(names[second], y_unit))
+        axes.set(xlabel=axis_of(names[first], x_unit), ylabel=axis_of(names[second], y_unit))
         if means.size <= 49:
             middle = 0.5 * (np.nanmin(means) + np.nanmax(means))
             for row, column_of in np.ndindex(means.shape):
@@ -182,7 +216,7 @@ def heat_map(result: SweepResult, column: str, keys: list[tuple[str, FloatArray,
                 colour = "white" if value < middle else "black"
                 told = f"{value:#.3g}" if np.isfinite(value) else "–"
                 axes.text(column_of, row, told, ha="center", va="center", color=colour, fontsize=7)
-        axes.figure.colorbar(image, ax=axes, label=_at_the_end(column))
+        axes.figure.colorbar(image, ax=axes, label=at_the_end(column))
 
     return fs.new_figure(draw, width=1.3 * fs.COLUMN)
 
@@ -225,13 +259,13 @@ def _line(index: int) -> dict[str, Any]:
     }
 
 
-def _at_the_end(column: str) -> str:
+def at_the_end(column: str) -> str:
     """Name an end value with its unit, which stands last."""
     what, comma, unit = SHOWN[column].partition(",")
     return f"{what} at the end{comma}{unit}"
 
 
-def _axis(key: str, unit: str) -> str:
+def axis_of(key: str, unit: str) -> str:
     return f"{key}, {_told(unit)}" if unit else key
 
 

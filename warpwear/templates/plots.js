@@ -1,5 +1,5 @@
 "use strict";
-// Draws the plots of a run's page. All that it needs lies in the page, compressed; nothing is requested.
+// Draws the plots of a page. All that it needs lies in the page, compressed; nothing is requested.
 (async () => {
   const root = document.documentElement, $ = (id) => document.getElementById(id);
   const all = (query, inside = document) => [...inside.querySelectorAll(query)];
@@ -36,12 +36,30 @@
   // ---- looks --------------------------------------------------------------------------------------
   const media = { dark: matchMedia("(prefers-color-scheme: dark)"), print: matchMedia("print") };
   let chosen = null; // the reader's own choice of dark or light
-  const isDark = () => !media.print.matches && (chosen ?? media.dark.matches);
+  let printing = false;
+  const isPrint = () => printing || media.print.matches;
+  // A page is laid out for paper after plots are drawn for it: A4 and Letter both hold these widths.
+  const widthOf = (node) => {
+    if (!isPrint()) return node.parentElement.clientWidth;
+    return node.closest(".plots").classList.contains("single") ? 670 : 330;
+  };
+  const isDark = () => !isPrint() && (chosen ?? media.dark.matches);
   const ink = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
-  const colour = (name) => (name.startsWith("#") ? name : ink(name));
+  // On dark paper a dark colour is mixed with white.
+  const lifted = (hex) => {
+    const parts = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+    if (!isDark() || 0.3 * parts[0] + 0.6 * parts[1] + 0.1 * parts[2] > 120) return hex;
+    return `#${parts.map((v) => Math.round(v + 0.4 * (255 - v)).toString(16).padStart(2, "0")).join("")}`;
+  };
+  const colour = (name) => (name.startsWith("#") ? lifted(name) : ink(name));
+  // Names are anyone's: no tag of the plotting library's, and not longer than a legend bears.
+  const plain = (text, most = 48) => (text.length > most ? `${text.slice(0, most - 1)}…` : text)
+    .replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");
+  // Little pressure is near the paper's own lightness.
+  const pressures = () => (isDark() ? [...data.pressures].reverse().slice(2) : data.pressures);
   const scaleOf = (colours) => colours.map((c, i) => [i / (colours.length - 1), c]);
   const axis = (title, more = {}) => ({
-    title: { text: title }, gridcolor: ink("grid"), linecolor: ink("soft"), zeroline: false, showline: true,
+    title: { text: title, standoff: 8 }, gridcolor: ink("grid"), linecolor: ink("soft"), zeroline: false, showline: true,
     ticks: "outside", tickcolor: ink("soft"), automargin: true, ...more,
   });
   const layout = (more) => ({
@@ -54,23 +72,77 @@
   // ---- charts -------------------------------------------------------------------------------------
   let linear = false;
   const lines = new Map(); // arrays are decoded once
-  const chart = (plot) => {
-    if (!lines.has(plot)) lines.set(plot, plot.lines.map((line) => [arrayOf(line.x), arrayOf(line.y)]));
-    const logX = plot.log_x && !linear, logY = plot.log_y && !linear;
-    const traces = plot.lines.map((line, i) => ({
-      type: "scatter", mode: line.markers ? "lines+markers" : "lines", name: line.name,
-      x: lines.get(plot)[i][0], y: logY ? lines.get(plot)[i][1].map((v) => (v > 0 ? v : NaN)) : lines.get(plot)[i][1],
-      line: { color: colour(line.colour), dash: line.dash, width: line.wide ? 5 : 2 }, hovertemplate: "%{y:.4~g}",
-    }));
-    const least = plot.lines.every((_, i) => lines.get(plot)[i][1].every((v) => !(v < 0)));
-    const logarithmic = { type: "log", exponentformat: "power", dtick: 1, tickformat: "~g" };
+  const pale = (name) => `rgba(${[1, 3, 5].map((i) => parseInt(colour(name).slice(i, i + 2), 16)).join()},0.2)`;
+  const logarithmic = (...arrays) => {
+    const known = arrays.flatMap((array) => [...array].filter((v) => v > 0));
+    const decades = Math.log10(Math.max(...known) / Math.min(...known));
+    return { type: "log", exponentformat: "power", dtick: decades > 2.5 ? 1 : decades > 0.8 ? "D2" : "D1", tickformat: "~g" };
+  };
+  const chart = (plot, node) => {
+    const optional = (packed) => (packed ? arrayOf(packed) : null);
+    if (!lines.has(plot)) lines.set(plot, plot.lines.map((line) => [arrayOf(line.x), arrayOf(line.y), optional(line.low), optional(line.high)]));
+    const arrays = lines.get(plot), logX = plot.log_x && !linear, logY = plot.log_y && !linear;
+    const many = plot.lines.length > 8;
+    const shownOf = (values) => (logY ? values.map((v) => (v > 0 ? v : NaN)) : values);
+    const traces = plot.lines.flatMap((line, i) => {
+      const [x, y, low, high] = arrays[i], common = { type: "scatter", x, legendgroup: String(i) };
+      const trace = {
+        ...common, y: shownOf(y), mode: line.marks, name: plain(line.name), line: { color: colour(line.colour), dash: line.dash, width: line.wide ? 5 : 2 },
+        marker: { color: colour(line.colour), size: line.marks === "markers" ? 7 : 6, opacity: line.marks === "markers" ? 0.7 : 1 },
+        hovertemplate: many || line.marks === "markers" ? `${plain(line.name)}<br>%{x:.4~g}: %{y:.4~g}<extra></extra>` : "%{y:.4~g}",
+      };
+      if (!low) return [trace];
+      const edge = { ...common, mode: "lines", line: { width: 0 }, showlegend: false, hoverinfo: "skip" };
+      return [{ ...edge, y: shownOf(low) }, { ...edge, y: shownOf(high), fill: "tonexty", fillcolor: pale(line.colour) }, trace];
+    });
+    const least = arrays.every(([, y]) => y.every((v) => !(v < 0)));
+    const named = plot.lines.length > 1 || plot.lines.some((line) => line.marks === "markers");
+    const longest = Math.max(...plot.lines.map((line) => Math.min(48, line.name.length)));
+    const beside = Math.max(1, Math.floor((widthOf(node) - 80) / (7 * longest + 50)));
+    const rows = named && !plot.bare ? Math.ceil(plot.lines.length / beside) : 0;
+    node.style.height = `${21 + 1.25 * Math.max(0, rows - 2)}rem`;
     return [traces, layout({
-      hovermode: "x unified", showlegend: plot.lines.length > 1,
-      legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 } },
+      hovermode: many || plot.lines.some((line) => line.marks === "markers") ? "closest" : "x unified", showlegend: plot.lines.length > 1 && !plot.bare,
+      legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 }, maxheight: 0.6 },
       margin: { l: 65, r: 15, t: 10, b: 45 },
-      xaxis: axis(plot.x, { ...(logX ? logarithmic : {}), hoverformat: ".5~g" }),
-      yaxis: axis(plot.y, logY ? logarithmic : { rangemode: least ? "tozero" : "normal" }),
+      xaxis: axis(plain(plot.x, 80), { ...(logX ? logarithmic(...arrays.map(([x]) => x)) : {}), hoverformat: ".5~g" }),
+      yaxis: axis(plain(plot.y, 80), logY ? logarithmic(...arrays.map(([, y]) => y)) : { rangemode: least ? "tozero" : "normal" }),
     })];
+  };
+
+  // ---- bars and grids -----------------------------------------------------------------------------
+  const bars = (plot, node) => {
+    const values = arrayOf(plot.values), places = [...values].map((_, i) => -i), names = plot.names.map((name) => plain(name, 40));
+    node.style.height = `${2.4 * names.length + 5}rem`;
+    const traces = [{
+      type: "bar", orientation: "h", x: values, y: places, marker: { color: data.heights[4] }, width: 0.6, showlegend: false,
+      customdata: names, hovertemplate: "%{customdata}: %{x:.3~g}<extra></extra>",
+    }];
+    if (plot.ends) {
+      const { shape: [count] } = plot.values, ends = arrayOf(plot.ends);  // x fastest: low and high of each name
+      const side = (k) => places.map((_, i) => Math.abs(ends[2 * i + k] - values[i]) || 0);
+      if (count) Object.assign(traces[0], { error_x: { type: "data", symmetric: false, arrayminus: side(0), array: side(1), color: ink("ink"), thickness: 1.5 } });
+    }
+    if (plot.dots) traces.push({
+      type: "scatter", mode: "markers", x: arrayOf(plot.dots), y: places, marker: { color: "#E69F00", size: 10, line: { color: ink("ink"), width: 1 } },
+      showlegend: false, hovertemplate: "first order: %{x:.3~g}<extra></extra>",
+    });
+    return [traces, layout({
+      margin: { l: 60, r: 15, t: 10, b: 45 }, xaxis: axis(plot.x, { range: plot.limits, zeroline: true, zerolinecolor: ink("soft") }),
+      yaxis: axis("", { tickvals: places, ticktext: names, showgrid: false }),
+    })];
+  };
+  const grid = (plot, node) => {
+    const rows = rowsOf(arrayOf(plot.values), plot.values.shape), label = (v) => (v === v ? String(+v.toPrecision(3)) : "–");
+    node.style.height = `${Math.min(40, 2.6 * rows.length + 7)}rem`;
+    const few = rows.length <= 12 && rows[0].length <= 12, ticks = (names) => ({ type: "category", tickvals: names.map((_, i) => i), ticktext: names.map((n) => plain(n, 16)), showgrid: false });
+    const trace = {
+      type: "heatmap", z: rows, x: plot.across.map((_, i) => i), y: plot.down.map((_, i) => i), colorscale: scaleOf(data.heights), xgap: 2, ygap: 2,
+      text: rows.map((row) => [...row].map(label)), texttemplate: few ? "%{text}" : "", hovertemplate: "%{text}<extra></extra>", hoverongaps: false,
+      colorbar: { thickness: 12 },
+    };
+    const at = (title, names) => axis(plain(title, 60), { ...ticks(names), type: "linear" });
+    return [[trace], layout({ margin: { l: 60, r: 15, t: 10, b: 45 }, xaxis: at(plot.x, plot.across), yaxis: at(plot.y, plot.down) })];
   };
 
   // ---- maps over the snapshots --------------------------------------------------------------------
@@ -101,7 +173,7 @@
         }
       trace = {
         ...common, z: values, customdata: field.log ? values.map((row) => row.map((v) => 10 ** v)) : values,
-        colorscale: scaleOf(data.pressures), zmin: low, zmax: high,
+        colorscale: scaleOf(pressures()), zmin: low, zmax: high,
         hovertemplate: `%{customdata:.3~g} ${plot.unit}<br>%{x:.4~g}, %{y:.4~g} mm<extra></extra>`,
         colorbar: { thickness: 12, len: 1, tickfont: { size: 11 }, title: { text: plot.unit, side: "right", font: { size: 12 } },
           ...(ticks.length ? { tickvals: ticks.map(([at]) => at), ticktext: ticks.map(([, text]) => text) } : {}) },
@@ -115,7 +187,7 @@
   };
 
   // ---- bodies in 3-D ------------------------------------------------------------------------------
-  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: innerWidth < 640 ? 2.4 : 1.7 };
+  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: innerWidth < 640 ? 2.9 : 1.7 };
   const camera = { ...START };
   const eye = () => ({
     x: camera.far * Math.cos(camera.tilt) * Math.cos(camera.turn),
@@ -140,13 +212,14 @@
   const hasWebGL = Boolean(canvas.getContext("webgl2") || canvas.getContext("webgl"));
 
   // ---- all of them --------------------------------------------------------------------------------
-  const KINDS = { chart, map, bodies };
+  const KINDS = { chart, map, bodies, bars, grid };
   const plotOf = (node) => data.plots[Number(node.dataset.plot)];
   const draw = async (node) => {
     const plot = plotOf(node);
     if (plot.kind === "bodies" && !hasWebGL) return;
     node.classList.add("drawn");
-    const [traces, looks] = KINDS[plot.kind](plot);
+    const [traces, looks] = KINDS[plot.kind](plot, node);
+    if (isPrint()) Object.assign(looks, { autosize: false, width: widthOf(node), height: node.offsetHeight || 336 });
     await Plotly.react(node, traces, looks, CONFIG);
     if (plot.kind === "bodies" && !node.dataset.turned) {
       node.dataset.turned = "0";
@@ -164,10 +237,8 @@
     root.classList.toggle("dark", isDark());
     $("theme").textContent = isDark() ? "Light" : "Dark";
     $("theme").setAttribute("aria-pressed", String(isDark()));
-    for (const node of nodes) {
-      await draw(node);
-      if (node.classList.contains("drawn") && node.offsetWidth) Plotly.Plots.resize(node); // print is narrower
-    }
+    for (const line of all("[data-colour]")) line.setAttribute("stroke", colour(line.dataset.colour));
+    await Promise.all(nodes.map(draw)); // all begin at once: paper does not wait
   };
 
   for (const slider of all(".slider")) {
@@ -224,7 +295,8 @@
   });
   $("theme").addEventListener("click", () => { chosen = !isDark(); drawAll(); });
   for (const query of Object.values(media)) query.addEventListener("change", drawAll);
-  addEventListener("beforeprint", drawAll);
+  addEventListener("beforeprint", () => { printing = true; drawAll(); });
+  addEventListener("afterprint", () => { printing = false; drawAll(); });
   await drawAll();
   root.dataset.ready = "true"; // for who waits for it
 })();

@@ -1,0 +1,123 @@
+"""What a run's page offers for a paper: a paragraph on methods, a table, both as LaTeX, how to cite."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from warpwear.page.words import Answer, disc_of, motion_of, slider_of, source_of
+from warpwear.results.report import shown
+from warpwear.study.study import Study
+
+#: Signs that LaTeX takes for commands, and others that its fonts may lack -> what to write.
+LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "µ": r"$\mu$"}
+LATEX |= {sign: f"\\{sign}" for sign in "{}$&#%_"} | {"²": "$^2$", "³": "$^3$", "⁻": "$^-$", "×": r"$\times$"}
+LATEX |= {
+    "±": r"$\pm$",
+    "−": "--",
+    "–": "--",
+    "τ": r"$\tau$",
+    "·": r"$\cdot$",
+    "α": r"$\alpha$",
+    "√": r"$\surd$",
+}
+
+
+def _law(study: Study, s: dict[str, Any]) -> str:
+    if study.contact.law == "half-space":
+        modulus = s["half_space"]["effective_modulus_MPa"]
+        return f"as elastic half-spaces (E* = {1e-3 * modulus:.4g} GPa, {study.boundary} boundary)"
+    return "cell by cell by a local law, without elastic coupling between cells"
+
+
+def methods_of(study: Study, s: dict[str, Any]) -> str:
+    """Write the paragraph that a paper's section on methods may begin with."""
+    sphere, disc = (s["wear_coefficient_mm3_per_Nm"][body] for body in ("sphere", "disc"))
+    hardness = (
+        f", with the pressure of a cell limited to {s['hardness_MPa']:.4g} MPa" if s["hardness_MPa"] else ""
+    )
+    sentences = [
+        f"Contact and wear were computed with warpwear {s['version']} ({study.study.model} model).",
+        f"{slider_of(study)} on {disc_of(study)} {motion_of(study, s)} under {s['load_N']:.4g} N.",
+        f"The contact was solved {_law(study, s)}{hardness}, on {study.cells.nx} × {study.cells.ny} square "
+        f"cells of {s['cell_um']:.4g} µm, in {s['steps']} step{'s' * (s['steps'] != 1)}.",
+    ]
+    if study.sliding.total:
+        sentences.append(
+            f"Wear followed Archard's law in every cell, with {sphere:.3g} mm³/(N·m) for the sphere and "
+            f"{disc:.3g} mm³/(N·m) for the disc{_wear_law(study)}."
+        )
+    if film := s.get("film"):
+        sentences.append(
+            "Friction is the sum over the cells in contact of an interfacial shear strength times their "
+            "area, over "
+            f"the load: {film['shear_strength_MPa']['film']:.3g} MPa under a film of "
+            f"{film['thickness_nm']:.3g} nm, "
+            f"{s['shear_strength_MPa']:.3g} MPa where wear has broken it, {source_of(s)}."
+        )
+    elif s["shear_strength_MPa"] is not None:
+        sentences.append(
+            f"Friction is the area ({s['cof_area']}) times an interfacial shear strength of "
+            f"{s['shear_strength_MPa']:.3g} MPa, {source_of(s)}, over the load."
+        )
+    sentences.append(f"The load was balanced to {s['load_residual_N']['largest']:.1g} N in every step.")
+    return " ".join(sentences)
+
+
+def _wear_law(study: Study) -> str:
+    law = "" if study.wear.law == "archard" else f", by the law '{study.wear.law}'"
+    if (asked := study.pieces) is None:
+        return law
+    size = f"{1e3 * asked.diameter:.3g} µm wide and {1e3 * asked.thickness:.3g} µm thick"
+    return f"{law}; worn volume gathered until it left in pieces {size}"
+
+
+def table_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> list[tuple[str, str, str]]:
+    """List quantity, value and unit of what went in and what came out."""
+    rows = [
+        ("Load", shown(s["load_N"]), "N"),
+        ("Radius of the sphere", shown(1.0 / study.sphere.curvature), "mm")
+        if study.sphere.curvature
+        else None,
+        ("Sliding distance", shown(s["distance_mm"], 6), "mm"),
+        ("Cell", shown(s["cell_um"]), "µm"),
+        ("Hardness (cap of the pressure)", shown(s["hardness_MPa"]), "MPa") if s["hardness_MPa"] else None,
+        *(
+            (f"Wear coefficient, {body}", shown(value), "mm³/(N·m)")
+            for body, value in s["wear_coefficient_mm3_per_Nm"].items()
+        ),
+        *((answer.label, answer.value, answer.unit) for answer in answers),
+    ]
+    return [row for row in rows if row is not None]
+
+
+def to_latex(text: str) -> str:
+    """Write a text so that LaTeX sets it as it is."""
+    return "".join(LATEX.get(sign, sign) for sign in text)
+
+
+def latex_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> str:
+    """Write methods and table as LaTeX."""
+    rows = "\n".join(
+        "  " + " & ".join(to_latex(part) for part in row) + r" \\" for row in table_of(study, s, answers)
+    )
+    return "\n".join(
+        [
+            to_latex(methods_of(study, s)),
+            "",
+            r"\begin{table}",
+            rf"  \caption{{{to_latex(study.study.name)}}}",
+            r"  \begin{tabular}{lrl}",
+            "  \\hline\n  Quantity & Value & Unit \\\\\n  \\hline",
+            rows,
+            "  \\hline\n  \\end{tabular}\n\\end{table}",
+        ]
+    )
+
+
+def citation_of(version: str) -> str:
+    fields = {
+        "author": "{The warpwear developers}",
+        "title": "warpwear: fine-mesh contact, wear and friction of rough surfaces",
+        "version": version,
+    }
+    entries = ",\n".join(f"  {name} = {{{value}}}" for name, value in fields.items())
+    return f"@software{{warpwear,\n{entries}\n}}"
