@@ -22,7 +22,7 @@ from warpwear.surfaces.sphere import sag
 
 #: From this number of whole passes on, their means are drawn over the steps.
 PASSES = 8
-#: The largest pressure falls where it comes below this part of what it was.
+#: The largest pressure falls where it ends below this part of what it was.
 FALL = 0.9
 
 
@@ -177,4 +177,4 @@ def last_at_hardness(course: Mapping[str, FloatArray]) -> int | None:
     if rows.size == 0 or rows[-1] == largest.size - 1:
         return None
     last = int(rows[-1])
-    return last if largest[last + 1 :].max() < FALL * largest[last] else None
+    return last if largest[-1] < FALL * largest[last] else None
