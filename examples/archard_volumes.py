@@ -4,8 +4,11 @@ Runs the smooth model and a rough one. Both lose the same volume, whatever their
 nothing about a model. What differs is the area that carries the load, and so the depth.
 """
 
+import matplotlib.pyplot as plt
+
 import warpwear
 
+fig, (left, right) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
 changes = {"grid.cell": "20 um", "sliding.distance": "300 mm"}
 load = 8.0  # N, as in the presets
 for preset in ("v1", "v3-fine"):
@@ -20,4 +23,15 @@ for preset in ("v1", "v3-fine"):
             f"    {body:6s} lost {volume:.6e} mm³, K F L {expected:.6e} mm³, "
             f"{1e3 * history[f'wear_depth_{body}'][-1]:.2f} µm deep"
         )
+    left.plot(
+        history["distance"],
+        1e3 * history["wear_volume_disc"],
+        label=preset,
+        ls="-" if preset == "v1" else "--",
+    )
+    right.loglog(history["distance"], history["area_contact"], label=preset)
     print(f"    area in contact {history['area_contact'][-1]:.4f} mm²")
+left.set(xlabel="sliding distance, mm", ylabel="worn volume of the disc, 10⁻³ mm³")
+right.set(xlabel="sliding distance, mm", ylabel="area in contact, mm²")
+left.legend()
+fig.savefig("volumes.png")

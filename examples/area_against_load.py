@@ -7,6 +7,7 @@ Computed areas are larger than his at small loads, as is known, and more so on c
 
 import math
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import warpwear
@@ -21,7 +22,16 @@ spectrum *= slope / np.fft.irfft2(q * spectrum, s=(n, n)).std()
 heights = np.fft.irfft2(spectrum, s=(n, n))
 
 print("mean pressure/E*   real area   Persson")
-for pressure in (0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2):
+pressures, areas = (0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2), []
+for pressure in pressures:
     contact = warpwear.solve_contact(heights, cell=1.0, mean_pressure=pressure, modulus=modulus)
     fraction = contact.area / contact.nominal_area
+    areas.append(fraction)
     print(f"{pressure:16g} {fraction:11.4f} {math.erf(math.sqrt(2.0) * pressure / (modulus * slope)):9.4f}")
+
+fig, axes = plt.subplots(figsize=(5, 3), layout="constrained")
+axes.loglog(pressures, areas, "o", label="computed")
+axes.loglog(pressures, [math.erf(math.sqrt(2.0) * p / (modulus * slope)) for p in pressures], label="Persson")
+axes.set(xlabel="mean pressure over E*", ylabel="real area over nominal area")
+axes.legend()
+fig.savefig("area.png")

@@ -6,6 +6,7 @@ form (Johnson, Contact Mechanics, 1985, section 4.2). Units here are mm, N and M
 
 import math
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import warpwear
@@ -24,3 +25,11 @@ for cells_per_radius in (10, 20, 40):
     print(f"{cells_per_radius} cells a radius: {contact}")
     for (name, value), number in zip(exact.items(), found, strict=True):
         print(f"    {name:20s} {number:9.5g}, Hertz {value:9.5g} ({100.0 * (number / value - 1.0):+.2f} %)")
+
+x = a / cells_per_radius * (np.arange(n) - 0.5 * (n - 1))
+fig, axes = plt.subplots(figsize=(5, 3), layout="constrained")
+axes.plot(x, contact.pressure[n // 2], ".", label="computed")
+axes.plot(x, exact["peak pressure, MPa"] * np.sqrt(np.maximum(1.0 - (x / a) ** 2, 0.0)), label="Hertz")
+axes.set(xlabel="x, mm", ylabel="pressure, MPa")
+axes.legend()
+fig.savefig("hertz.png")

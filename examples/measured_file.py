@@ -29,3 +29,4 @@ result = warpwear.run(study)
 surface = result.record["surface"]
 print("what was done:", ", ".join(str(key) for key in surface))
 print(f"area in contact at the end: {result.history['area_contact'][-1]:.4f} mm²")
+result.plot.pressure_map().savefig("pressure_map.png")

@@ -26,3 +26,4 @@ for where in (0.01, 0.1, 1.0, 10.0, 60.0):  # mm
         f"after {where:5g} mm: {loaded.size:3d} of {row.size} patches carry {row.sum():.6f} N; "
         f"the four most loaded {loaded[:4].sum() / row.sum():.0%}"
     )
+result.plot.load_share().savefig("load_share.png")

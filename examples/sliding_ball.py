@@ -29,3 +29,4 @@ for distance in ("30 mm", "300 mm"):
         f"after {distance}: the track has lost {1e3 * middle.mean():.2f} µm in its middle, "
         f"where {np.mean(middle > 0.0):.0%} of it is worn; the ball {1e3 * ball.max():.2f} µm at most"
     )
+result.plot.groove().savefig("groove.png")
