@@ -35,13 +35,30 @@ def _with_measured(command: Any) -> Any:
     multiple=True,
     help="Unknown key, with a prior as in a sweep. [default: within a factor of 5 of its value] Repeatable.",
 )
-@click.option("--experiment", "experiments", metavar="FILE", multiple=True, type=PATH, help="Measured course of friction. Repeatable.")
+@click.option(
+    "--experiment",
+    "experiments",
+    metavar="FILE",
+    multiple=True,
+    type=PATH,
+    help="Measured course of friction. Repeatable.",
+)
 @click.option("--columns", metavar="NAMES", help="--experiment: which of its columns to take.")
 @_with_measured
 @click.option("--target", metavar="KEY", help="Unknown that the next test shall tell; ranks tests.")
-@click.option("--next", "candidates", metavar="TEST", multiple=True, help="A test to rank, e.g. 'contact.load=16 N, repeats=3'.")
+@click.option(
+    "--next",
+    "candidates",
+    metavar="TEST",
+    multiple=True,
+    help="A test to rank, e.g. 'contact.load=16 N, repeats=3'.",
+)
 @click.option("--out", type=PATH, help="Folder of report, calibrated study and runs.")
-@click.option("--runs", type=int, help="Runs of the design, where one run does not do. [default: 16 an unknown]")
+@click.option(
+    "--runs",
+    type=int,
+    help="Runs of the design, where one run does not do. [default: 8 an unknown, 16 at least]",
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Of all draws.")
 @DEVICE
 @AS_JSON
@@ -62,4 +79,6 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
     study's own section [infer] too.
     """
     measured = {name: options.pop(name) for name, _ in MEASURED.values()}
-    click.echo(inference_command.calibrate_bayes(study, parsed_changes(changes), measured=measured, **options))
+    click.echo(
+        inference_command.calibrate_bayes(study, parsed_changes(changes), measured=measured, **options)
+    )

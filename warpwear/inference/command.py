@@ -47,7 +47,11 @@ def calibrate_bayes(
     found = infer_from(made, asked, data, **how)
     if as_json:
         return to_json(content_of(found))
-    return str(found) + (f"\nwritten to {how['out']}/: inference.html, calibrated.toml, posterior.csv, figures/" if how["out"] else "")
+    return str(found) + (
+        f"\nwritten to {how['out']}/: inference.html, calibrated.toml, posterior.csv, figures/"
+        if how["out"]
+        else ""
+    )
 
 
 def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
@@ -56,7 +60,9 @@ def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
     for text in texts:
         key, equals, prior = (part.strip() for part in text.partition("="))
         if not key or (equals and not prior):
-            raise InputError(f"--unknown {text!r}: KEY or KEY=PRIOR is expected, such as 'wear.sphere=log-uniform 1e-4 .. 1e-3 mm^3/N/m'")
+            raise InputError(
+                f"--unknown {text!r}: KEY or KEY=PRIOR is expected, such as 'wear.sphere=log-uniform 1e-4 .. 1e-3 mm^3/N/m'"
+            )
         found[key] = prior or None
     return found
 
@@ -71,11 +77,15 @@ def _section(given: Any) -> dict[str, Any]:
             raise InputError(f"infer.{name} is not known; allowed: {', '.join(ENTRIES)}")
         found[name] = value
     if not isinstance(found["unknown"], Mapping) or not isinstance(found["measured"], Mapping):
-        raise InputError("[infer.unknown] and [infer.measured] are sections: \"wear.sphere\" = \"log-uniform …\", diameter = \"0.80 +- 0.02 mm\"")
+        raise InputError(
+            '[infer.unknown] and [infer.measured] are sections: "wear.sphere" = "log-uniform …", diameter = "0.80 +- 0.02 mm"'
+        )
     found["unknown"] = {key: prior or None for key, prior in _flat(found["unknown"]).items()}
     for kind in found["measured"]:
         if kind not in KINDS:
-            raise InputError(f"infer.measured.{kind} is nothing that can be measured here; allowed: {', '.join(KINDS)}")
+            raise InputError(
+                f"infer.measured.{kind} is nothing that can be measured here; allowed: {', '.join(KINDS)}"
+            )
     return found
 
 
@@ -88,5 +98,7 @@ def _flat(nested: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
         elif isinstance(value, str):
             found[prefix + key] = value
         else:
-            raise InputError(f"infer.unknown.{prefix}{key} = {value!r}: a prior such as 'normal 8 +- 1 N' is expected, or '' for one about the value")
+            raise InputError(
+                f"infer.unknown.{prefix}{key} = {value!r}: a prior such as 'normal 8 +- 1 N' is expected, or '' for one about the value"
+            )
     return found

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -74,15 +75,19 @@ class Data:
     values: tuple[Measured, ...] = ()
     notes: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def distance(self) -> FloatArray:
         """Distances [mm] at which a coefficient is asked for: of the courses, then of the points."""
-        return np.concatenate([*(course.distance for course in self.courses), [point.at or 0.0 for point in self.points]])
+        return np.concatenate(
+            [*(course.distance for course in self.courses), [point.at or 0.0 for point in self.points]]
+        )
 
-    @property
+    @cached_property
     def cof(self) -> FloatArray:
         """The coefficients measured there."""
-        return np.concatenate([*(course.cof for course in self.courses), [point.value for point in self.points]])
+        return np.concatenate(
+            [*(course.cof for course in self.courses), [point.value for point in self.points]]
+        )
 
     @property
     def kinds(self) -> set[str]:
@@ -141,10 +146,14 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
     example = f"'{'0.80' if unit else '0.60'} +- 0.02{' ' + unit if unit else ''}'"
     found = _WRITTEN.fullmatch(text)
     if found is None:
-        raise InputError(f"{kind} = '{text}': a value with its standard uncertainty is expected, such as {example}")
+        raise InputError(
+            f"{kind} = '{text}': a value with its standard uncertainty is expected, such as {example}"
+        )
     value, error, written, where = found.groups()
     if bool(written) != bool(unit) or (where is not None and kind != "cof"):
-        raise InputError(f"{kind} = '{text}': {'a unit' if unit else 'no unit'} is expected, such as {example}")
+        raise InputError(
+            f"{kind} = '{text}': {'a unit' if unit else 'no unit'} is expected, such as {example}"
+        )
     try:
         factor = parse(f"1 {written}", unit) if unit else 1.0
         at = parse(where, "mm") if where else study.sliding.total if kind == "cof" else None
@@ -152,20 +161,26 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
         raise InputError(f"{kind} = '{text}': it {problem}") from None
     made = Measured(kind, factor * float(value), factor * float(error), at)
     if not made.error > 0.0:
-        raise InputError(f"{kind} = '{text}': the uncertainty must be greater than 0, for nothing is known exactly")
+        raise InputError(
+            f"{kind} = '{text}': the uncertainty must be greater than 0, for nothing is known exactly"
+        )
     if made.value <= 0.0:
         raise InputError(f"{kind} = '{text}': the {what} must be greater than 0")
     if kind == "cof":
         _check_cof(text, np.array([made.value]))
     if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
-        raise InputError(f"{kind} = '{text}': the study slides {study.sliding.total:g} mm, and not to {at:g} mm")
+        raise InputError(
+            f"{kind} = '{text}': the study slides {study.sliding.total:g} mm, and not to {at:g} mm"
+        )
     if kind == "diameter" and made.value > min(study.grid.extent, 2.0 * (study.sphere.radius or np.inf)):
         raise InputError(
             f"diameter = '{text}': the scar is larger than the field of the study, {study.grid.extent:g} mm "
             "(grid.extent), which has to hold it"
         )
     if kind == "section" and study.sliding.stroke is None:
-        raise InputError("section needs sliding.stroke in the study: section × stroke is the volume of the disc")
+        raise InputError(
+            "section needs sliding.stroke in the study: section × stroke is the volume of the disc"
+        )
     return made
 
 
@@ -189,7 +204,9 @@ def _course(study: Study, given: Experiment | str | Path, columns: str | None) -
         )
     notes = list(experiment.notes) + list(experiment.warnings)
     if not inside.all():
-        notes.append(f"Points beyond the {study.sliding.total:g} mm of the study, left out: {(~inside).sum()}.")
+        notes.append(
+            f"Points beyond the {study.sliding.total:g} mm of the study, left out: {(~inside).sum()}."
+        )
     distance, cof = distance[inside], cof[inside]
     if distance.size > POINTS:
         notes.append(f"Means of neighbours, {POINTS} for {distance.size} points.")
@@ -204,7 +221,9 @@ def _check_cof(name: str, cof: FloatArray) -> None:
     typical = float(np.median(np.abs(cof)))
     if typical > LARGEST_COF:
         percent = ", as if in percent: 20 instead of 0.20" if typical < 100.0 * LARGEST_COF else ""
-        raise InputError(f"{name}: the coefficient of friction is {typical:.3g} in the middle{percent}; a plain ratio is expected")
+        raise InputError(
+            f"{name}: the coefficient of friction is {typical:.3g} in the middle{percent}; a plain ratio is expected"
+        )
 
 
 def _check_load(path: Path, load: float) -> None:

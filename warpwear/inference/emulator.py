@@ -111,7 +111,9 @@ class Emulator:
         self._processes: list[GaussianProcess] = []
         self.error, self._wider = 0.0, np.zeros(0)
         varying = scaled - self.mean
-        if len(scaled) == 1 or not np.ptp(varying, axis=0).max() > 1e-12 * max(1.0, float(np.abs(scaled).max())):
+        if len(scaled) == 1 or not np.ptp(varying, axis=0).max() > 1e-12 * max(
+            1.0, float(np.abs(scaled).max())
+        ):
             return
         _, sizes, shapes = np.linalg.svd(varying, full_matrices=False)
         part = np.cumsum(sizes**2) / np.sum(sizes**2)

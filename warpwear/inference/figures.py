@@ -29,7 +29,11 @@ def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Fig
     shown = [values[unknown.key] / factor for unknown, factor in zip(unknowns, factors, strict=True)]
 
     def draw(axes: Any) -> None:
-        grid = np.array(axes, dtype=object).reshape(count, count) if count > 1 else np.array([[axes]], dtype=object)
+        grid = (
+            np.array(axes, dtype=object).reshape(count, count)
+            if count > 1
+            else np.array([[axes]], dtype=object)
+        )
         for row in range(count):
             for column in range(count):
                 panel = grid[row, column]
@@ -39,12 +43,11 @@ def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Fig
                     _alone(panel, unknowns[row], shown[row], factors[row])
                 else:
                     _pair(panel, shown[column], shown[row])
-                panel.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
-                panel.yaxis.set_major_locator(MaxNLocator(3, prune="both"))
+                panel.set_xlim(*_ends(shown[column]))
                 if column < row:
                     panel.set_ylim(*_ends(shown[row]))
-                panel.set_xlim(*_ends(shown[column]))
-                for axis in (panel.xaxis, panel.yaxis):
+                for axis in (panel.xaxis, panel.yaxis) if column < row else (panel.xaxis,):
+                    axis.set_major_locator(MaxNLocator(3, prune="both"))
                     axis.set_major_formatter(ScalarFormatter(useOffset=False))
                 if row == count - 1:
                     panel.set_xlabel(_label(unknowns[column], values[unknowns[column].key]))
@@ -56,25 +59,37 @@ def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Fig
                     panel.tick_params(labelleft=False)
 
     size = count * SIDE + ROOM
-    return fs.new_figure(draw, rows=count, columns=count, height=max(size, fs.ROW) / count, width=max(size, fs.COLUMN))
+    return fs.new_figure(
+        draw, rows=count, columns=count, height=max(size, fs.ROW) / count, width=max(size, fs.COLUMN)
+    )
 
 
-def course(
-    predicted: tuple[FloatArray, FloatArray, FloatArray], data: Data
-) -> Figure:
+def course(predicted: tuple[FloatArray, FloatArray, FloatArray], data: Data) -> Figure:
     """Draw the predicted coefficient of friction with what was measured on it."""
     distance, (mean, low, high), (least, most) = predicted
 
     def draw(axes: Any) -> None:
         if np.any(most - least > (high - low) * (1.0 + 1e-9)):
-            axes.fill_between(distance, least, most, color=fs.CONTACT, alpha=0.15, lw=0.0, label="90 % of points of another test")
-        axes.fill_between(distance, low, high, color=fs.CONTACT, alpha=0.4, lw=0.0, label="90 % of what is computed")
+            axes.fill_between(
+                distance,
+                least,
+                most,
+                color=fs.CONTACT,
+                alpha=0.15,
+                lw=0.0,
+                label="90 % of points of another test",
+            )
+        axes.fill_between(
+            distance, low, high, color=fs.CONTACT, alpha=0.4, lw=0.0, label="90 % of what is computed"
+        )
         axes.plot(distance, mean, color=fs.CONTACT, label="mean of what is computed")
         for place, measured in enumerate(data.courses):
             sign, grey = SIGNS[place % len(SIGNS)], GREYS[place % len(GREYS)]
             axes.plot(measured.distance, measured.cof, sign, ms=2.2, mew=0.0, color=grey, label=measured.name)
         if data.points:
-            at, cof, error = np.array([[point.at or 0.0, point.value, point.error] for point in data.points]).T
+            at, cof, error = np.array(
+                [[point.at or 0.0, point.value, point.error] for point in data.points]
+            ).T
             axes.errorbar(at, cof, error, fmt="o", ms=4.0, color=GREYS[0], capsize=2.0, label="measured ± u")
         axes.set_xlabel("sliding distance, mm")
         axes.set_ylabel("coefficient of friction")
@@ -97,7 +112,8 @@ def _label(unknown: Unknown, column: FloatArray) -> str:
     raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
     what = " ".join(part for part in (f"10{raised}" if power else "", unit) if part)
     section, _, name = unknown.key.rpartition(".")
-    return f"{section}.\n{name}" + (f",\n{what}" if what else "")
+    key = unknown.key if len(unknown.key) < 14 else f"{section}.\n{name}"
+    return key + (f",\n{what}" if what else "")
 
 
 def _ends(column: FloatArray) -> tuple[float, float]:
@@ -139,4 +155,6 @@ def _smooth(counts: FloatArray) -> FloatArray:
     """Smooth along the first axis by a Gaussian."""
     reach = np.arange(-6, 7)
     weights = np.exp(-0.5 * (reach / SMOOTH) ** 2)
-    return np.apply_along_axis(lambda line: np.convolve(line, weights / weights.sum(), mode="same"), 0, counts)
+    return np.apply_along_axis(
+        lambda line: np.convolve(line, weights / weights.sum(), mode="same"), 0, counts
+    )

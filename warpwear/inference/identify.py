@@ -59,7 +59,9 @@ class Identified:
         for first, second, r in self.correlations:
             if not any({first, second} <= group for group in grouped):
                 with_ = "with" if r > 0.0 else "against"
-                found.append(f"{first} goes {with_} {second} (correlation {r:.2f}): knowing one better makes the other better known.")
+                found.append(
+                    f"{first} goes {with_} {second} (correlation {r:.2f}): knowing one better makes the other better known."
+                )
         return found or ["The data tell all unknowns apart."]
 
 
@@ -82,12 +84,12 @@ def information(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArr
                 columns.append(model.cof(moved, data.distance))
             ends.append(np.concatenate(columns, axis=1))
         slopes.append((ends[1] - ends[0]) / (2.0 * STEP))
-    by_unknown = np.stack(slopes, axis=2)  # (samples, measured, unknowns)
+    by_unknown = np.stack(slopes, axis=1)  # (samples, unknowns, measured)
     count = len(data.values)
-    scaled = by_unknown[:, :count] / errors[:, :, None]
-    found = np.einsum("snp,snq->spq", scaled, scaled)
+    scaled = by_unknown[..., :count] / errors[:, None, :]
+    found = scaled @ scaled.transpose(0, 2, 1)
     if data.distance.size:
-        found += _of_courses(posterior, values, by_unknown[:, count:])
+        found = found + _of_courses(posterior, values, by_unknown[..., count:])
     assert found.shape == (samples, len(model.unknowns), len(model.unknowns))
     return np.asarray(found)
 
@@ -95,21 +97,22 @@ def information(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArr
 def _errors(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArray:
     """Return standard deviations of the measured values about computed ones, (samples, values)."""
     found = [
-        np.sqrt(posterior.model.value(values, measured.kind)[1] + measured.error**2) for measured in posterior.data.values
+        np.sqrt(posterior.model.value(values, measured.kind)[1] + measured.error**2)
+        for measured in posterior.data.values
     ]
     samples = len(next(iter(values.values())))
     return np.stack(found, axis=1) if found else np.zeros((samples, 0))
 
 
 def _of_courses(posterior: Posterior, values: dict[str, FloatArray], slopes: FloatArray) -> FloatArray:
-    """Return the information of courses and coefficients. slopes: (samples, points, unknowns)."""
-    white, columns = posterior.whiten(values, slopes)
-    plain = np.einsum("snp,snq->spq", white, white)
-    if not columns.shape[2]:
+    """Return the information of courses and coefficients. slopes: (samples, unknowns, points)."""
+    white, shared = posterior.whiten(values, slopes)
+    plain = white @ white.transpose(0, 2, 1)
+    if not shared.shape[1]:
         return np.asarray(plain)
-    inner = np.eye(columns.shape[2]) + np.einsum("snp,snq->spq", columns, columns)
-    across = np.einsum("snp,snq->spq", columns, white)
-    return np.asarray(plain - np.einsum("snp,snq->spq", across, np.linalg.solve(inner, across)))
+    inner = np.eye(shared.shape[1]) + shared @ shared.transpose(0, 2, 1)
+    across = shared @ white.transpose(0, 2, 1)
+    return np.asarray(plain - across.transpose(0, 2, 1) @ np.linalg.solve(inner, across))
 
 
 def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray) -> Identified:
@@ -139,7 +142,10 @@ def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray)
     count = len(keys)
     together = np.corrcoef(z[:, :count].T) if count > 1 else np.eye(1)
     strong = tuple(
-        (keys[i], keys[j], float(together[i, j])) for i in range(count) for j in range(i) if abs(together[i, j]) > STRONG
+        (keys[i], keys[j], float(together[i, j]))
+        for i in range(count)
+        for j in range(i)
+        if abs(together[i, j]) > STRONG
     )
     return Identified(tuple(indistinct), untouched, strong)
 
@@ -154,7 +160,9 @@ def _known(posterior: Posterior, group: tuple[str, ...], values: dict[str, Float
         return "a combination of them"
     powers = _powers(columns)
     total = sum(power * np.log(column) for power, column in zip(powers, columns, strict=True))
-    written = " · ".join(key if abs(p - 1.0) < 0.005 else f"{key}^{p:.2g}" for key, p in zip(group, powers, strict=True))
+    written = " · ".join(
+        key if abs(p - 1.0) < 0.005 else f"{key}^{p:.2g}" for key, p in zip(group, powers, strict=True)
+    )
     return f"the product {written}, to ± {100.0 * float(np.std(total)):.2g} %"
 
 
@@ -184,4 +192,3 @@ def _why(posterior: Posterior, group: tuple[str, ...]) -> str:
             "volume tells how large the area is."
         )
     return ""
-

@@ -128,7 +128,9 @@ def check_priors(posterior: Posterior, *, seed: int) -> None:
     values = {unknown.key: unknown.values(row) for unknown, row in zip(posterior.unknowns, z, strict=True)}
     allowed = posterior.model.allowed(values)
     if not allowed.any():
-        raise InputError("the priors of the wear leave scars that the field does not hold: a larger grid.extent is needed")
+        raise InputError(
+            "the priors of the wear leave scars that the field does not hold: a larger grid.extent is needed"
+        )
     values = {key: column[allowed] for key, column in values.items()}
     for measured in posterior.data.values:
         mean, variance = posterior.model.value(values, measured.kind)
@@ -140,7 +142,13 @@ def check_priors(posterior: Posterior, *, seed: int) -> None:
         for course in posterior.data.courses:
             rows = slice(start, start + course.distance.size)
             level = float(course.cof.mean())
-            _within(f"{course.name}: mean coefficient of friction {level:.3g}", level, cof[:, rows].mean(axis=1), COF_FAR, "cof")
+            _within(
+                f"{course.name}: mean coefficient of friction {level:.3g}",
+                level,
+                cof[:, rows].mean(axis=1),
+                COF_FAR,
+                "cof",
+            )
             start = rows.stop
         for place, point in enumerate(posterior.data.points, start):
             _within(point.text, point.value, cof[:, place], FAR * point.error, "cof")
@@ -152,7 +160,8 @@ def _within(what: str, value: float, computed: FloatArray, room: float, kind: st
         unit = {"diameter": "mm", "section": "mm^2"}.get(kind, "mm^3" if kind.startswith("volume") else "")
         raise InputError(
             f"the priors exclude the data: over all of them the study computes {low:.3g} to {high:.3g} "
-            f"{SHOWN.get(unit, unit)}".rstrip() + f", and measured is {what}; wider or other priors are needed"
+            f"{SHOWN.get(unit, unit)}".rstrip()
+            + f", and measured is {what}; wider or other priors are needed"
         )
 
 
@@ -168,20 +177,26 @@ def _check_friction(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
     pair = {"friction.initial_ratio": friction.initial_ratio, "friction.running_in": friction.running_in}
     given = {key for key, value in pair.items() if value is not None or key in keys}
     if len(given) == 1:
-        raise InputError(f"{' and '.join(pair)} need each other: the other one has to be given, or unknown too")
+        raise InputError(
+            f"{' and '.join(pair)} need each other: the other one has to be given, or unknown too"
+        )
     if friction.film is None and "friction.film.shear_strength" in keys:
         raise InputError("friction.film.shear_strength is unknown, and the study has no [friction.film]")
     for key in ("wear.decay", "wear.running_in", "wear.initial_sphere", "wear.initial_disc"):
         law = "exponential" if key == "wear.decay" else "running-in"
         if key in keys and study.wear.law != law:
-            raise InputError(f"{key} is unknown, and the study has wear.law = '{study.wear.law}': it belongs to '{law}'")
+            raise InputError(
+                f"{key} is unknown, and the study has wear.law = '{study.wear.law}': it belongs to '{law}'"
+            )
 
 
 @contextmanager
 def _folder(out: str | Path | None) -> Iterator[Path]:
     if out is not None:
         folder = Path(out)
-        if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not (folder / "runs").is_dir())):
+        if folder.exists() and (
+            not folder.is_dir() or (any(folder.iterdir()) and not (folder / "runs").is_dir())
+        ):
             raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected")
         (folder / "runs").mkdir(parents=True, exist_ok=True)
         yield folder

@@ -40,7 +40,10 @@ class Posterior:
         return tuple(
             u
             for u in self.model.unknowns
-            if u.key in LINEAR and u.is_normal and (exact or u.key == LINEAR[0]) and u not in self.model.runs.inputs
+            if u.key in LINEAR
+            and u.is_normal
+            and (exact or u.key == LINEAR[0])
+            and u not in self.model.runs.inputs
         )
 
     @cached_property
@@ -76,13 +79,15 @@ class Posterior:
         if self.data.distance.size:
             residual, columns, logarithm = self._whitened(known)
             found = found - logarithm - 0.5 * np.einsum("sn,sn->s", residual, residual)
-            if columns.shape[2]:
+            if columns.shape[1]:
                 inner, right = _products(columns, residual)
                 solved = np.linalg.solve(inner, right)
                 found += 0.5 * (np.sum(right * solved, axis=(1, 2)) - np.linalg.slogdet(inner)[1])
         return np.asarray(found)
 
-    def complete(self, z: FloatArray, random: np.random.Generator) -> tuple[dict[str, FloatArray], FloatArray]:
+    def complete(
+        self, z: FloatArray, random: np.random.Generator
+    ) -> tuple[dict[str, FloatArray], FloatArray]:
         """Draw what is linear beside sampled numbers; return all values, and z of all unknowns (samples, unknowns)."""
         values = self.values(z)
         drawn = np.zeros((len(z), 0))
@@ -107,41 +112,42 @@ class Posterior:
         return values | {u.key: np.full(count, u.prior.first) for u in self.linear}
 
     def _whitened(self, values: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return residuals (samples, points) and columns of unit normal unknowns, both with unit noise.
+        """Return residuals (samples, points) and lines of unit normal unknowns (samples, lines, points).
 
-        The third is the logarithm of the noise's determinant's root, (samples,). Linear unknowns come first.
+        Both are divided by the noise, so that it is one; the third is the logarithm of what divided them, (samples,).
+        Linear unknowns come first.
         """
         friction = self.model.friction(values, self.data.distance)
         mean = sum(self.model.number(values, key)[:, None] * term for key, term in friction.terms.items())
         residual = self.data.cof - np.asarray(mean)
-        linear = [(friction.terms[u.key] * u.prior.second)[..., None] for u in self.linear]
-        stacked = np.concatenate([residual[..., None], *linear, self._shared(values, friction.errors)], axis=2)
+        linear = [(friction.terms[u.key] * u.prior.second)[:, None] for u in self.linear]
+        stacked = np.concatenate([residual[:, None], *linear, self._shared(values, friction.errors)], axis=1)
         logarithm = self._divide(values, stacked)
-        return stacked[..., 0], stacked[..., 1:], logarithm
+        return stacked[:, 0], stacked[:, 1:], logarithm
 
     def whiten(self, values: dict[str, FloatArray], slopes: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return slopes of the coefficients (samples, points, unknowns), and what they share, with unit noise."""
+        """Return slopes of the coefficients (samples, unknowns, points), and what they share, with unit noise."""
         errors = self.model.friction(values, self.data.distance).errors
-        stacked = np.concatenate([slopes, self._shared(values, errors)], axis=2)
+        stacked = np.concatenate([slopes, self._shared(values, errors)], axis=1)
         self._divide(values, stacked)
-        return stacked[..., : slopes.shape[2]], stacked[..., slopes.shape[2] :]
+        return stacked[:, : slopes.shape[1]], stacked[:, slopes.shape[1] :]
 
     def _shared(self, values: dict[str, FloatArray], errors: FloatArray) -> FloatArray:
-        """Return columns of what is unknown beside: errors of an emulator, and the level of every repeat."""
+        """Return lines of what is unknown beside: errors of an emulator, and the level of every repeat."""
         if "noise.repeat" not in values:
             return errors
-        levels = np.zeros((*errors.shape[:2], len(self.data.courses)))
+        levels = np.zeros((len(errors), len(self.data.courses), errors.shape[2]))
         for place, rows in enumerate(self._rows):
-            levels[:, rows, place] = values["noise.repeat"][:, None]
-        return np.concatenate([errors, levels], axis=2)
+            levels[:, place, rows] = values["noise.repeat"][:, None]
+        return np.concatenate([errors, levels], axis=1)
 
     def _divide(self, values: dict[str, FloatArray], stacked: FloatArray) -> FloatArray:
-        """Give rows (samples, points, columns) unit noise, in place; return the logarithm of what divided them."""
+        """Give lines (samples, lines, points) unit noise, in place; return the logarithm of what divided them."""
         logarithm = np.zeros(len(stacked))
         for course, rows in zip(self.data.courses, self._rows, strict=True):
-            logarithm += _whiten(stacked[:, rows], course.distance, values)
+            logarithm += _whiten(stacked[..., rows], course.distance, values)
         for row, point in enumerate(self.data.points, self.data.distance.size - len(self.data.points)):
-            stacked[:, row] /= point.error
+            stacked[..., row] /= point.error
         return logarithm
 
     @property
@@ -151,24 +157,23 @@ class Posterior:
         return [slice(int(start), int(end)) for start, end in zip(ends[:-1], ends[1:], strict=True)]
 
 
-def _products(columns: FloatArray, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return 1 + CᵀC and Cᵀr of columns (samples, points, unknowns) and residuals (samples, points)."""
-    turned = columns.transpose(0, 2, 1)
-    return np.eye(columns.shape[2]) + turned @ columns, turned @ residual[..., None]
+def _products(lines: FloatArray, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return 1 + CCᵀ and Cr of lines (samples, lines, points) and residuals (samples, points)."""
+    return np.eye(lines.shape[1]) + lines @ lines.transpose(0, 2, 1), lines @ residual[..., None]
 
 
 def _whiten(rows: FloatArray, distance: FloatArray, values: dict[str, FloatArray]) -> FloatArray:
-    """Make residuals of a course (samples, points, columns) independent with unit variance, in place.
+    """Make lines over the points of a course (samples, lines, points) independent with unit variance, in place.
 
     Returns the logarithm of what they were divided by, (samples,).
     """
     deviation, length = values["noise.deviation"][:, None], values["noise.length"][:, None]
-    kept = np.exp(-np.diff(distance)[None, :] / length)
-    left = np.sqrt(np.maximum(1.0 - kept**2, 1e-15))
-    rows[:, 1:] -= kept[..., None] * rows[:, :-1]
-    rows[:, 0] /= deviation
-    rows[:, 1:] /= (deviation * left)[..., None]
-    return np.asarray(distance.size * np.log(deviation[:, 0]) + np.sum(np.log(left), axis=1))
+    kept = np.exp(-np.diff(distance) / length)
+    left = deviation * np.sqrt(np.maximum(1.0 - kept**2, 1e-15))
+    rows[..., 1:] -= kept[:, None] * rows[..., :-1]
+    rows[..., 0] /= deviation
+    rows[..., 1:] /= left[:, None]
+    return np.asarray(np.log(deviation[:, 0]) + np.sum(np.log(left), axis=1))
 
 
 def simulate(
@@ -186,7 +191,9 @@ def simulate(
                 before = kept[:, place - 1]
                 noise[:, place] = before * noise[:, place - 1] + np.sqrt(1.0 - before**2) * noise[:, place]
             level = values.get("noise.repeat", np.zeros(samples)) * random.standard_normal(samples)
-            cof[:, start : start + course.distance.size] += values["noise.deviation"][:, None] * noise + level[:, None]
+            cof[:, start : start + course.distance.size] += (
+                values["noise.deviation"][:, None] * noise + level[:, None]
+            )
             start += course.distance.size
     if like.points:
         errors = np.array([point.error for point in like.points])

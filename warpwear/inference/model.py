@@ -34,7 +34,7 @@ Values = Mapping[str, FloatArray]
 class Friction:
     """A coefficient of friction is a sum of terms: key of the strength -> its factor (samples, points).
 
-    errors: the standard deviations of what the emulator adds, (samples, points, sources), for the given strengths.
+    errors: the standard deviations of what the emulator adds, (samples, sources, points), for the given strengths.
     """
 
     terms: dict[str, FloatArray]
@@ -65,12 +65,16 @@ class Model:
         else:
             bare = self.runs.course("bare_fraction")[1]
             self._courses["friction.shear_strength"] = self._emulated(distance, size * bare, "bare area")
-            self._courses["friction.film.shear_strength"] = self._emulated(distance, size * (1.0 - bare), "area under a film")
+            self._courses["friction.film.shear_strength"] = self._emulated(
+                distance, size * (1.0 - bare), "area under a film"
+            )
         if "diameter" in self.kinds:
             distance, along = self.runs.course("patch_along")
             patch = 0.5 * (along + self.runs.course("patch_across")[1])
             if self.runs.scaled:
-                self._courses["diameter"] = self._emulated(distance, np.array([_without_stairs(line) for line in patch]), "scar")
+                self._courses["diameter"] = self._emulated(
+                    distance, np.array([_without_stairs(line) for line in patch]), "scar"
+                )
             else:
                 self._ends["diameter"] = self._end(patch[:, -1], "scar")
         for kind in self.kinds & {"sq_sphere", "sq_disc"}:
@@ -79,12 +83,16 @@ class Model:
         if not self.runs.scaled:
             for body in ("sphere", "disc"):
                 column = f"wear_volume_{body} [mm^3]"
-                self._ends[f"volume_{body}"] = self._end(np.array([row.ends[column] for row in self.runs.rows]), "volume")
+                self._ends[f"volume_{body}"] = self._end(
+                    np.array([row.ends[column] for row in self.runs.rows]), "volume"
+                )
 
     @property
     def error(self) -> float:
         """Largest error of the emulators between runs, as a part of what they give; 0 without one."""
-        found = [emulator.error for _, emulator in self._courses.values()] + [e.error for e in self._ends.values()]
+        found = [emulator.error for _, emulator in self._courses.values()] + [
+            e.error for e in self._ends.values()
+        ]
         return max(found)
 
     def friction(self, values: Values, distance: FloatArray) -> Friction:
@@ -92,16 +100,20 @@ class Model:
         count = _count(values)
         worn = self._worn(values, np.broadcast_to(distance, (count, distance.size)))
         terms = {"friction.ploughing": np.ones((count, distance.size))}
-        errors = [np.zeros((count, distance.size, 0))]
+        errors = [np.zeros((count, 0, distance.size))]
         for key, (places, emulator) in self._courses.items():
             if not key.startswith("friction."):
                 continue
             area, apart = self._looked_up(places, emulator, values, worn)
-            factor = np.ones_like(worn) if key == "friction.film.shear_strength" else self._running_in(values, distance)
+            factor = (
+                np.ones((1, 1))
+                if key == "friction.film.shear_strength"
+                else self._running_in(values, distance)
+            )
             terms[key] = area * factor / self.study.contact.load
             strength = self.number(values, key)[:, None, None]
-            errors.append(apart * (strength * (factor / self.study.contact.load)[:, :, None]))
-        return Friction(terms, np.concatenate(errors, axis=2))
+            errors.append(apart * (strength * (factor / self.study.contact.load)[:, None]))
+        return Friction(terms, np.concatenate(errors, axis=1))
 
     def cof(self, values: Values, distance: FloatArray) -> FloatArray:
         """Return the coefficient of friction itself, (samples, points)."""
@@ -125,7 +137,7 @@ class Model:
         else:
             places, emulator = self._courses[kind]
             found, apart = self._looked_up(places, emulator, values, self._worn(values, end))
-        return found[:, 0], np.sum(apart[:, 0] ** 2, axis=1) + rounding
+        return found[:, 0], np.sum(apart[..., 0] ** 2, axis=1) + rounding
 
     def allowed(self, values: Values) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
         """Tell where the run goes as far as these values wear, (samples,)."""
@@ -178,7 +190,7 @@ class Model:
     def _looked_up(
         self, places: FloatArray, emulator: Emulator, values: Values, at: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return a course at places (samples, points), and standard deviations (samples, points, shapes)."""
+        """Return a course at places (samples, points), and standard deviations (samples, shapes, points)."""
         inputs = [unknown.place_of(values[unknown.key]) for unknown in self.runs.inputs]
         where = np.column_stack(inputs) if inputs else np.zeros((len(at), 0))
         weights, variances = emulator.weights(where)
@@ -186,18 +198,22 @@ class Model:
         asked = np.log(np.maximum(at, SMALLEST)) if self.runs.scaled and places.size > 1 else at
 
         def between(line: FloatArray) -> FloatArray:
-            return np.interp(asked.ravel(), scale, line).reshape(asked.shape) if places.size > 1 else np.full(at.shape, line[0])
+            return (
+                np.interp(asked.ravel(), scale, line).reshape(asked.shape)
+                if places.size > 1
+                else np.full(at.shape, line[0])
+            )
 
         shapes = [between(shape) for shape in emulator.shapes]
         found = between(emulator.mean)
         for shape, weight in zip(shapes, weights.T, strict=True):
             found = found + weight[:, None] * shape
-        apart = np.zeros((*at.shape, len(shapes)))
+        apart = np.zeros((len(at), len(shapes), at.shape[1]))
         for place, shape in enumerate(shapes):
-            apart[..., place] = np.sqrt(variances[:, place])[:, None] * shape
+            apart[:, place] = np.sqrt(variances[:, place])[:, None] * shape
         if emulator.logarithmic:
             found = np.exp(found)
-            apart = apart * found[..., None]
+            apart = apart * found[:, None]
         return found, apart
 
     def _worn(self, values: Values, distance: FloatArray) -> FloatArray:

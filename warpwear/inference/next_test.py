@@ -60,7 +60,10 @@ def candidates_of(study: Study, given: Sequence[str], *, cheap: bool) -> list[Ca
     found = [Candidate({}), Candidate({}, 3)]
     if cheap:
         load, distance = study.contact.load, study.sliding.total
-        found += [Candidate({"contact.load": f"{0.5 * load:g} N"}), Candidate({"contact.load": f"{2.0 * load:g} N"})]
+        found += [
+            Candidate({"contact.load": f"{0.5 * load:g} N"}),
+            Candidate({"contact.load": f"{2.0 * load:g} N"}),
+        ]
         found += [Candidate({"sliding.distance": f"{0.25 * distance:g} mm"})]
     return found
 
@@ -128,7 +131,9 @@ def repeats_needed(posterior: Posterior, values: Mapping[str, FloatArray], targe
 def _place(posterior: Posterior, target: str) -> int:
     keys = [unknown.key for unknown in posterior.model.unknowns]
     if target not in keys:
-        raise InputError(f"'{target}' is no unknown, so that no test is sought for it; there are {', '.join(keys)}")
+        raise InputError(
+            f"'{target}' is no unknown, so that no test is sought for it; there are {', '.join(keys)}"
+        )
     return keys.index(target)
 
 

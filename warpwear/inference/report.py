@@ -31,7 +31,9 @@ def write_report(found: Inference, folder: Path) -> list[Path]:
         writer = csv.writer(file)
         units = {unknown.key: unknown.unit for unknown in found.posterior.unknowns}
         writer.writerow([f"{key} [{units[key]}]" if units[key] else key for key in keys])
-        writer.writerows([[repr(float(v)) for v in row] for row in np.array([found.values[key] for key in keys]).T])
+        writer.writerows(
+            [[repr(float(v)) for v in row] for row in np.array([found.values[key] for key in keys]).T]
+        )
     (folder / "posterior.json").write_text(to_json(content_of(found)) + "\n", encoding="utf-8")
     (folder / "calibrated.toml").write_text(calibrated(found), encoding="utf-8")
     names = ["course", "corner"] if found.posterior.data.distance.size else ["corner"]
@@ -50,7 +52,8 @@ def write_report(found: Inference, folder: Path) -> list[Path]:
         tests=found.tests,
         target=found.target,
         how=found.how,
-        notes=[(course.name, course.notes) for course in found.posterior.data.courses] + [("data", found.posterior.data.notes)] * bool(found.posterior.data.notes),
+        notes=[(course.name, course.notes) for course in found.posterior.data.courses]
+        + [("data", found.posterior.data.notes)] * bool(found.posterior.data.notes),
         keys=[row["key"] for row in found.table],
         correlations=[[float(value) for value in row] for row in found.correlations],
         pictures=[(embedded(figure), CAPTIONS[name]) for name, figure in drawn.items()],
@@ -72,9 +75,15 @@ def content_of(found: Inference) -> dict[str, Any]:
         "indistinct": [list(group.keys) for group in found.identified.indistinct],
         "untouched": list(found.identified.untouched),
         "target": found.target,
-        "next_tests": [{"test": t.label, "relative_now": t.now, "relative_expected": t.expected} for t in found.tests],
+        "next_tests": [
+            {"test": t.label, "relative_now": t.now, "relative_expected": t.expected} for t in found.tests
+        ],
         "more_tests_to_10_percent": dict(found.repeats),
-        "samples": {"effective": found.samples.effective, "r_hat": found.samples.r_hat, "steps": found.samples.steps},
+        "samples": {
+            "effective": found.samples.effective,
+            "r_hat": found.samples.r_hat,
+            "steps": found.samples.steps,
+        },
         "runs": len(found.posterior.model.runs.rows),
         "emulator_error": found.posterior.model.error,
     }
@@ -118,5 +127,9 @@ def _distribution(unknown: Unknown, found: Inference) -> str:
         kind, cut = "log-normal", ""
     else:
         kind = "normal"
-        cut = "" if mean > 5.0 * deviation else f" within {max(unknown.least, float(column.min())):.6g} .. {float(column.max()):.6g}"
+        cut = (
+            ""
+            if mean > 5.0 * deviation
+            else f" within {max(unknown.least, float(column.min())):.6g} .. {float(column.max()):.6g}"
+        )
     return f"{kind} {mean:.6g} +- {deviation:.3g}{cut} {unknown.unit}".rstrip()

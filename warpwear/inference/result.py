@@ -24,6 +24,8 @@ from warpwear.study.study import Study
 CONTRADICTION = 3.0
 #: Part of the test over which residuals go together from where on the computed course has another shape.
 OTHER_SHAPE = 0.5
+#: Place near the end of a uniform prior, 2 % of it, and the part of the samples beyond that is told.
+EDGE, PRESSED = 2.05, 0.2
 #: Draws of the posterior predictive.
 DRAWS = 400
 #: Points of a predicted course.
@@ -72,7 +74,9 @@ class Inference:
                 {
                     "key": unknown.key,
                     "unit": SHOWN.get(unknown.unit, unknown.unit),
-                    "prior": unknown.written.replace(unknown.unit, SHOWN.get(unknown.unit, unknown.unit)) if unknown.unit else unknown.written,
+                    "prior": unknown.written.replace(unknown.unit, SHOWN.get(unknown.unit, unknown.unit))
+                    if unknown.unit
+                    else unknown.written,
                     "assumed": not unknown.told,
                     "mean": float(column.mean()),
                     "sd": float(column.std(ddof=1)),
@@ -95,20 +99,44 @@ class Inference:
         runs = self.posterior.model.runs
         found = [*self.conflicts, *self.identified.sentences]
         found += [runs.cut] if runs.cut else []
+        found += self._at_the_edge
         if len(self.posterior.data.courses) == 1:
-            found.append("One course of friction: scatter between tests is not in these uncertainties; repeated tests would show it.")
+            found.append(
+                "One course of friction: scatter between tests is not in these uncertainties; repeated tests would show it."
+            )
         for key, repeats in self.repeats.items():
             now = 100.0 * self.values[key].std() / self.values[key].mean()
             if repeats == 0:
                 found.append(f"{key} is known to ± {now:.2g} %, within ± {100 * REACHED:.0f} %.")
             elif repeats is None:
-                found.append(f"{key} is known to ± {now:.2g} %; no number of tests like this one brings it to ± {100 * REACHED:.0f} %.")
+                found.append(
+                    f"{key} is known to ± {now:.2g} %; no number of tests like this one brings it to ± {100 * REACHED:.0f} %."
+                )
             else:
                 more = "more test like this brings" if repeats == 1 else "more tests like this bring"
-                found.append(f"{key} is known to ± {now:.2g} %; {repeats} {more} it to ± {100 * REACHED:.0f} %.")
+                found.append(
+                    f"{key} is known to ± {now:.2g} %; {repeats} {more} it to ± {100 * REACHED:.0f} %."
+                )
         if self.tests:
             best = self.tests[0]
-            found.append(f"For {self.target} the best next test of those listed is {best.label}: ± {100 * best.now:.2g} % would become ± {100 * best.expected:.2g} %.")
+            found.append(
+                f"For {self.target} the best next test of those listed is {best.label}: ± {100 * best.now:.2g} % would become ± {100 * best.expected:.2g} %."
+            )
+        return found
+
+    @property
+    def _at_the_edge(self) -> list[str]:
+        """Say which unknowns press against the end of their prior."""
+        found = []
+        for place, unknown in enumerate(self.posterior.unknowns):
+            for end, side in (("lower", -1.0), ("upper", 1.0)):
+                if (
+                    unknown.prior.kind.endswith("uniform")
+                    and np.mean(side * self.z[:, place] > EDGE) > PRESSED
+                ):
+                    found.append(
+                        f"{unknown.key} presses against the {end} end of its prior: a wider one is needed."
+                    )
         return found
 
     @property
@@ -122,7 +150,11 @@ class Inference:
             made = f"{count} run{'s' if count > 1 else ''} of the study."
         if runs.inputs:
             made += f" Between them an emulator, off by {100.0 * self.posterior.model.error:.1f} % where it is worst (each run predicted from the others); that is in the uncertainties."
-        quality = f" {samples.effective:.0f} independent samples, split-R̂ {samples.r_hat:.4f}." if samples.steps else " Closed form."
+        quality = (
+            f" {samples.effective:.0f} independent samples, split-R̂ {samples.r_hat:.4f}."
+            if samples.steps
+            else " Closed form."
+        )
         return made + quality
 
     def predictive(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -137,7 +169,7 @@ class Inference:
         if "noise.deviation" in some:
             random = np.random.default_rng(self.seed + 2)
             deviation = np.hypot(some["noise.deviation"], some.get("noise.repeat", np.zeros(len(cof))))
-            with_scatter = cof + deviation[:, None] * random.standard_normal(cof.shape)
+            with_scatter = cof + (deviation * random.standard_normal(len(cof)))[:, None]
         return distance, np.array(band(cof)), np.array(band(with_scatter))[1:]
 
     def computed(self) -> list[dict[str, Any]]:
@@ -150,7 +182,9 @@ class Inference:
             else:
                 mean, variance = self.posterior.model.value(self._some, measured.kind)
             spread = float(np.sqrt(mean.var() + variance.mean()))
-            off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
+            off = abs(float(mean.mean()) - measured.value) / float(
+                np.sqrt(measured.error**2 + variance.mean())
+            )
             told = {"what": measured.text, "mean": float(mean.mean()), "sd": spread, "off": off}
             found.append(told | {"unit": SHOWN.get(KINDS[measured.kind][0], KINDS[measured.kind][0])})
         return found
@@ -170,24 +204,62 @@ class Inference:
         for row in self.table:
             mean = f"{row['mean']:.4g} ± {row['sd']:.2g}"
             prior = row["prior"] + (" (assumed)" if row["assumed"] else "")
-            rows.append([row["key"], mean, f"{row['low']:.4g}", f"{row['high']:.4g}", row["unit"], prior, f"{100 * row['learnt']:.0f} %"])
-        lines = [f"{self.study.study.name}: unknowns after the test", *("  " + line for line in aligned(rows))]
+            rows.append(
+                [
+                    row["key"],
+                    mean,
+                    f"{row['low']:.4g}",
+                    f"{row['high']:.4g}",
+                    row["unit"],
+                    prior,
+                    f"{100 * row['learnt']:.0f} %",
+                ]
+            )
+        lines = [
+            f"{self.study.study.name}: unknowns after the test",
+            *("  " + line for line in aligned(rows)),
+        ]
         checks = self.computed()
         if checks:
             lines += ["measured and computed"]
-            cells = [[row["what"], f"{row['mean']:.4g} ± {row['sd']:.2g} {row['unit']}".rstrip(), f"{row['off']:.1f} u apart"] for row in checks]
+            cells = [
+                [
+                    row["what"],
+                    f"{row['mean']:.4g} ± {row['sd']:.2g} {row['unit']}".rstrip(),
+                    f"{row['off']:.1f} u apart",
+                ]
+                for row in checks
+            ]
             lines += ["  " + line for line in aligned(cells)]
         lines += [f"  {sentence}" for sentence in self.sentences]
         if self.tests:
             cells = [[test.label, f"± {100 * test.expected:.2g} %"] for test in self.tests]
-            lines += [f"next tests for {self.target}, now ± {100 * self.tests[0].now:.2g} %", *("  " + line for line in aligned(cells))]
+            lines += [
+                f"next tests for {self.target}, now ± {100 * self.tests[0].now:.2g} %",
+                *("  " + line for line in aligned(cells)),
+            ]
         return "\n".join([*lines, f"  {self.how}"])
 
     def _repr_html_(self) -> str:
         """Write table and sentences for a notebook."""
-        head = "".join(f"<th>{name}</th>" for name in ("unknown", "mean", "±", "5 %", "95 %", "unit", "prior"))
+        head = "".join(
+            f"<th>{name}</th>" for name in ("unknown", "mean", "±", "5 %", "95 %", "unit", "prior")
+        )
         rows = "".join(
-            "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in (row["key"], f"{row['mean']:.4g}", f"{row['sd']:.2g}", f"{row['low']:.4g}", f"{row['high']:.4g}", row["unit"], row["prior"])) + "</tr>"
+            "<tr>"
+            + "".join(
+                f"<td>{escape(str(cell))}</td>"
+                for cell in (
+                    row["key"],
+                    f"{row['mean']:.4g}",
+                    f"{row['sd']:.2g}",
+                    f"{row['low']:.4g}",
+                    f"{row['high']:.4g}",
+                    row["unit"],
+                    row["prior"],
+                )
+            )
+            + "</tr>"
             for row in self.table
         )
         told = "".join(f"<li>{escape(sentence)}</li>" for sentence in self.sentences)
@@ -203,7 +275,11 @@ class Inference:
         runs = self.posterior.model.runs
         first = max(float(row.courses["distance"][0]) for row in runs.rows)
         total = self.study.sliding.total
-        return np.linspace(min(first, 0.002 * total), total, POINTS) if runs.scaled else np.linspace(first, total, POINTS)
+        return (
+            np.linspace(min(first, 0.002 * total), total, POINTS)
+            if runs.scaled
+            else np.linspace(first, total, POINTS)
+        )
 
 
 def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[str]:
@@ -214,15 +290,23 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
         mean, variance = posterior.model.value(some, measured.kind)
         off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
         if off > CONTRADICTION:
-            found.append(f"The study cannot bring all data together: {measured.text} was measured and {float(mean.mean()):.4g} is computed, {off:.0f} standard uncertainties apart.")
+            found.append(
+                f"The study cannot bring all data together: {measured.text} was measured and {float(mean.mean()):.4g} is computed, {off:.0f} standard uncertainties apart."
+            )
     for point in posterior.data.points:
         mean = posterior.model.cof(some, np.array([point.at]))[:, 0]
         off = abs(float(mean.mean()) - point.value) / point.error
         if off > CONTRADICTION:
-            found.append(f"The study cannot bring all data together: {point.text} was measured and {float(mean.mean()):.3g} is computed, {off:.0f} standard uncertainties apart.")
+            found.append(
+                f"The study cannot bring all data together: {point.text} was measured and {float(mean.mean()):.3g} is computed, {off:.0f} standard uncertainties apart."
+            )
     if posterior.data.courses:
-        length, longest = float(np.median(some["noise.length"])), max(float(c.distance[-1]) for c in posterior.data.courses)
+        length, longest = (
+            float(np.median(some["noise.length"])),
+            max(float(c.distance[-1]) for c in posterior.data.courses),
+        )
         if length > OTHER_SHAPE * longest:
-            found.append(f"Residuals of friction go together over {length:.3g} mm of {longest:.4g}: the measured course has another shape than the computed one.")
+            found.append(
+                f"Residuals of friction go together over {length:.3g} mm of {longest:.4g}: the measured course has another shape than the computed one."
+            )
     return found
-

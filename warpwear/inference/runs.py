@@ -18,7 +18,14 @@ from warpwear.sweeps.points import name_of
 from warpwear.sweeps.sweep import RUNS, sweep
 
 #: Unknowns of the wear laws: of a contact at rest they change only how fast the run goes.
-WEAR = ("wear.sphere", "wear.disc", "wear.decay", "wear.running_in", "wear.initial_sphere", "wear.initial_disc")
+WEAR = (
+    "wear.sphere",
+    "wear.disc",
+    "wear.decay",
+    "wear.running_in",
+    "wear.initial_sphere",
+    "wear.initial_disc",
+)
 #: Unknowns of friction that need no run.
 FRICTION = ("friction.ploughing", "friction.shear_strength", "friction.initial_ratio", "friction.running_in")
 #: Places of a normal prior between which the runs reach.
@@ -98,7 +105,7 @@ def make_runs(
     device: str,
     roughness: bool = False,
 ) -> Runs:
-    """Make the runs. samples: of a design, by default 16 an unknown that needs runs. out: folder that keeps them.
+    """Make the runs. samples: of a design, by default 8 an unknown that needs runs, and 16 at least, as a power of two. out: folder that keeps them.
 
     Raises InputError where a run fails: outside of what the runs cover nothing can be said.
     """
@@ -112,9 +119,11 @@ def make_runs(
             raise InputError(f"the run that the inference stands on {row.status}")
         places, rows = np.zeros((1, 0)), (row,)
     else:
-        count = samples if samples is not None else 2 ** int(np.ceil(np.log2(16 * len(inputs))))
+        count = samples if samples is not None else 2 ** max(4, int(np.ceil(np.log2(8 * len(inputs)))))
         if count < 3 * len(inputs) + 5:
-            raise InputError(f"runs = {count}: at least {3 * len(inputs) + 5} are needed for {len(inputs)} unknowns")
+            raise InputError(
+                f"runs = {count}: at least {3 * len(inputs) + 5} are needed for {len(inputs)} unknowns"
+            )
         asked: dict[str, Any] = {unknown.key: unknown.prior for unknown in inputs}
         found = sweep(study, vary=asked, design="sobol", samples=count, seed=seed, out=out, device=device)
         failed = [row.status for row in found.rows if row.status != "done"]
@@ -148,14 +157,18 @@ def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str)
         return study, ""
     part = 1.0
     for _ in range(MOST_CUTS):
-        texts = {f"wear.{body}": f"{1e3 * part * k!r} mm^3/N/m" for body, k in zip(BODIES, fastest, strict=True)}
+        texts = {
+            f"wear.{body}": f"{1e3 * part * k!r} mm^3/N/m" for body, k in zip(BODIES, fastest, strict=True)
+        }
         try:
             found = study.replace({"wear.law": "archard", **texts})
         except InputError as error:
             if "grid.extent" not in str(error):
                 raise
         else:
-            row = run_one(Task(found.to_toml(), str((out / RUNS / name_of(found, device=device)).resolve()), device))
+            row = run_one(
+                Task(found.to_toml(), str((out / RUNS / name_of(found, device=device)).resolve()), device)
+            )
             if "grid.extent" not in row.status:
                 break
         part *= SMALLER
@@ -168,7 +181,12 @@ def _roughness(folder: Path) -> tuple[float, float]:
     """Return Sq of ball and disc in the inner scar at the end of a run [µm]."""
     with Result.open(folder) as result:
         table = surface_evolution(result).table
-    found = [float(table[name][-1]) if table.get(name) is not None and table[name].size else np.nan for name in ("sq_sphere", "sq_disc")]
+    found = [
+        float(table[name][-1]) if table.get(name) is not None and table[name].size else np.nan
+        for name in ("sq_sphere", "sq_disc")
+    ]
     if not np.isfinite(found).all():
-        raise InputError("Sq in the scar needs snapshots: name output.snapshots in the study, the last at the end")
+        raise InputError(
+            "Sq in the scar needs snapshots: name output.snapshots in the study, the last at the end"
+        )
     return found[0], found[1]

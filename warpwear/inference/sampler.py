@@ -91,14 +91,22 @@ def split_r(chains: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(1.0 + between / np.maximum(within, 1e-300)))
 
 
-def _ensemble(log_density: Callable[[FloatArray], FloatArray], walkers: int, unknowns: int, random: Any) -> tuple[Any, Any]:
+def _ensemble(
+    log_density: Callable[[FloatArray], FloatArray], walkers: int, unknowns: int, random: Any
+) -> tuple[Any, Any]:
     """Return an ensemble and the state in which it starts: the most likely of draws from the prior."""
     drawn = random.standard_normal((DRAWS, unknowns))
     density = np.concatenate([log_density(part) for part in np.array_split(drawn, 20)])
     best = np.argsort(-density)[:walkers]
     if not np.isfinite(density[best]).all():
-        raise InputError("the priors hardly allow what the study can compute: narrower or other priors are needed")
-    moves = [(emcee.moves.DEMove(), 0.7), (emcee.moves.DESnookerMove(), 0.1), (emcee.moves.StretchMove(), 0.2)]
+        raise InputError(
+            "the priors hardly allow what the study can compute: narrower or other priors are needed"
+        )
+    moves = [
+        (emcee.moves.DEMove(), 0.7),
+        (emcee.moves.DESnookerMove(), 0.1),
+        (emcee.moves.StretchMove(), 0.2),
+    ]
     made = emcee.EnsembleSampler(walkers, unknowns, log_density, vectorize=True, moves=moves)
     legacy = np.random.MT19937(int(random.integers(2**31))).state
     return made, emcee.State(drawn[best], log_prob=density[best], random_state=legacy)

@@ -138,7 +138,9 @@ def noise_of(given: Mapping[str, str | None], *, lengths: tuple[float, float], r
     }
     if repeats < 2:
         if "noise.repeat" in given:
-            raise InputError("noise.repeat needs two or more courses: one test does not show the scatter between tests")
+            raise InputError(
+                "noise.repeat needs two or more courses: one test does not show the scatter between tests"
+            )
         del assumed["noise.repeat"]
     found = []
     for key, text in assumed.items():
@@ -155,7 +157,10 @@ def _unknown(study: Study, key: str, text: str | None) -> Unknown:
         raise InputError(no_such_key(Study, key))
     kinds = [part for part in [*field.metadata, *_inside(field.annotation)]]
     kind = next((part for part in kinds if isinstance(part, Quantity | Number)), None)
-    wear = any(part is ArchardCoefficient or getattr(part, "__origin__", None) is ArchardCoefficient for part in kinds)
+    wear = any(
+        part is ArchardCoefficient or getattr(part, "__origin__", None) is ArchardCoefficient
+        for part in kinds
+    )
     if kind is None and not wear:
         raise InputError(f"'{key}' cannot be an unknown: it is no number")
     unit = ArchardCoefficient.unit if wear else getattr(kind, "unit", "")
@@ -209,7 +214,9 @@ def _in_unit(prior: Distribution, unit: str, key: str) -> Distribution:
     """Return a prior in the unit of its key. Raises InputError for another kind of unit."""
     if not unit:
         if prior.unit:
-            raise InputError(f"the prior of '{key}' has the unit {prior.unit}: allowed is a number without one")
+            raise InputError(
+                f"the prior of '{key}' has the unit {prior.unit}: allowed is a number without one"
+            )
         return prior
     try:
         factor = parse(f"1 {prior.unit}", unit) if prior.unit else math.nan
@@ -236,6 +243,12 @@ def _within_allowed(unknown: Unknown) -> Unknown:
             return replace(unknown, prior=replace(prior, within=(least, min(most, far))))
         ends = (-math.inf, math.inf)
     if ends is not None and (ends[0] < least or ends[1] > most):
-        limit = f"from {least:g}" + (f" to {most:g}" if math.isfinite(most) else " up") + f" {unknown.unit}".rstrip()
-        raise InputError(f"the prior of '{unknown.key}', {unknown.written}, goes beyond what is allowed: {limit}")
+        limit = (
+            f"from {least:g}"
+            + (f" to {most:g}" if math.isfinite(most) else " up")
+            + f" {unknown.unit}".rstrip()
+        )
+        raise InputError(
+            f"the prior of '{unknown.key}', {unknown.written}, goes beyond what is allowed: {limit}"
+        )
     return unknown
