@@ -42,7 +42,7 @@ def posterior_of(
     study: Study, unknown: dict[str, str | None], data: Data, *, closed_form: bool = True
 ) -> Posterior:
     """The posterior of the smooth study in closed form, without a run."""
-    unknowns = [u for u in unknowns_of(study, unknown)]
+    unknowns = list(unknowns_of(study, unknown))
     model = Model(study, tuple(unknowns), worn_paraboloid(study), frozenset(data.kinds | {"diameter"}))
     return Posterior(model, tuple(noise_for(data, unknown)), data, closed_form=closed_form)
 

@@ -86,7 +86,7 @@ def test_a_linear_problem_has_its_closed_form(linear: Data, closed_form: bool) -
 
 
 def test_what_is_integrated_out_changes_no_likelihood() -> None:
-    """The closed form is the integral over the strengths: of quadrature over them, with correlated residuals."""
+    """The closed form is the integral over the strengths: by quadrature, with correlated residuals."""
     study = smooth_study()
     like = Data((course_like(study, points=12), course_like(study, points=9)))
     truth = {

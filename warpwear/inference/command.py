@@ -1,4 +1,6 @@
-"""What `warpwear calibrate bayes` does: from its options, or a study's section [infer], to the text it prints."""
+"""What `warpwear calibrate bayes` does: from its options, or a study's section [infer], to the text it
+prints.
+"""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -61,7 +63,8 @@ def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
         key, equals, prior = (part.strip() for part in text.partition("="))
         if not key or (equals and not prior):
             raise InputError(
-                f"--unknown {text!r}: KEY or KEY=PRIOR is expected, such as 'wear.sphere=log-uniform 1e-4 .. 1e-3 mm^3/N/m'"
+                f"--unknown {text!r}: KEY or KEY=PRIOR is expected, such as 'wear.sphere=log-uniform 1e-4 "
+                ".. 1e-3 mm^3/N/m'"
             )
         found[key] = prior or None
     return found
@@ -78,7 +81,8 @@ def _section(given: Any) -> dict[str, Any]:
         found[name] = value
     if not isinstance(found["unknown"], Mapping) or not isinstance(found["measured"], Mapping):
         raise InputError(
-            '[infer.unknown] and [infer.measured] are sections: "wear.sphere" = "log-uniform …", diameter = "0.80 +- 0.02 mm"'
+            '[infer.unknown] and [infer.measured] are sections: "wear.sphere" = "log-uniform …", diameter '
+            '= "0.80 +- 0.02 mm"'
         )
     found["unknown"] = {key: prior or None for key, prior in _flat(found["unknown"]).items()}
     for kind in found["measured"]:
@@ -99,6 +103,7 @@ def _flat(nested: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
             found[prefix + key] = value
         else:
             raise InputError(
-                f"infer.unknown.{prefix}{key} = {value!r}: a prior such as 'normal 8 +- 1 N' is expected, or '' for one about the value"
+                f"infer.unknown.{prefix}{key} = {value!r}: a prior such as 'normal 8 +- 1 N' is expected, "
+                "or '' for one about the value"
             )
     return found

@@ -1,4 +1,4 @@
-"""What was measured: courses of friction, single values of it, volumes, the scar; each with its uncertainty."""
+"""What was measured: courses of friction, single values of it, volumes, the scar, with uncertainties."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -68,7 +68,9 @@ class MeasuredCourse:
 
 @dataclass(frozen=True, eq=False)
 class Data:
-    """All that was measured: courses, coefficients at single distances, and other values; notes say what was done."""
+    """All that was measured: courses, coefficients at single distances, and other values; notes say what was
+    done.
+    """
 
     courses: tuple[MeasuredCourse, ...] = ()
     points: tuple[Measured, ...] = ()
@@ -104,9 +106,9 @@ def data_of(
 ) -> Data:
     """Read what was measured in a test that the study describes.
 
-    experiments: files, or courses that are read. measured: name of `KINDS` -> text such as "0.80 +- 0.02 mm", or a
-    list of them, one a repeat; a coefficient may say where it was found: "0.2 +- 0.02 at 30 mm". Raises InputError
-    for what does not go with the study.
+    experiments: files, or courses that are read. measured: name of `KINDS` -> text such as "0.80 +- 0.02 mm",
+    or a list of them, one a repeat; a coefficient may say where it was found: "0.2 +- 0.02 at 30 mm". Raises
+    InputError for what does not go with the study.
     """
     courses = [_course(study, given, columns) for given in experiments]
     found = [
@@ -133,7 +135,8 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
         if ratio > 1.0:
             values = [replace(v, error=ratio * v.error) if v.kind == kind else v for v in values]
             notes.append(
-                f"{KINDS[kind][1]}: {len(same)} tests scatter {ratio:.2g} times as much as their uncertainties say, which "
+                f"{KINDS[kind][1]}: {len(same)} tests scatter {ratio:.2g} times as much as their "
+                "uncertainties say, which "
                 "were widened by that."
             )
     return values, notes
@@ -199,7 +202,8 @@ def _course(study: Study, given: Experiment | str | Path, columns: str | None) -
     inside = (distance > 0.0) & (distance <= study.sliding.total * (1.0 + 1e-9))
     if inside.sum() < FEWEST:
         raise InputError(
-            f"{name} has {inside.sum()} points from 0 to {study.sliding.total:g} mm, which the study slides: at least "
+            f"{name} has {inside.sum()} points from 0 to {study.sliding.total:g} mm, which the study "
+            "slides: at least "
             f"{FEWEST} are needed"
         )
     notes = list(experiment.notes) + list(experiment.warnings)
@@ -222,12 +226,13 @@ def _check_cof(name: str, cof: FloatArray) -> None:
     if typical > LARGEST_COF:
         percent = ", as if in percent: 20 instead of 0.20" if typical < 100.0 * LARGEST_COF else ""
         raise InputError(
-            f"{name}: the coefficient of friction is {typical:.3g} in the middle{percent}; a plain ratio is expected"
+            f"{name}: the coefficient of friction is {typical:.3g} in the middle{percent}; a plain ratio "
+            "is expected"
         )
 
 
 def _check_load(path: Path, load: float) -> None:
-    """Raise InputError for a course in percent, and for a record whose normal force is not that of the study."""
+    """Raise InputError for a course in percent, and for a normal force that is not that of the study."""
     record = read_record(path)
     for place, title in enumerate(record.names):
         name, unit = split_unit(title)
@@ -244,6 +249,7 @@ def _check_load(path: Path, load: float) -> None:
         typical: Any = np.median(force) if force.size else load
         if abs(typical - load) > LOAD_OFF * load:
             raise InputError(
-                f"{path}: the normal force is {typical:.3g} N in the middle, the study has contact.load = {load:g} N: "
+                f"{path}: the normal force is {typical:.3g} N in the middle, the study has contact.load = "
+                f"{load:g} N: "
                 "they have to agree"
             )

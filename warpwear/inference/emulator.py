@@ -1,4 +1,5 @@
-"""A Gaussian process between the runs of a design: courses by their principal components, with their variance.
+"""A Gaussian process between the runs of a design: courses by their principal components, with their
+variance.
 
 The mean is linear in the inputs, the covariance Matérn's with ν = 5/2 and a length for each input; both after
 Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sections 2.7, 4.2 and 5.4.
@@ -69,7 +70,7 @@ class GaussianProcess:
         return np.asarray((1.0 + r + r**2 / 3.0) * np.exp(-r))
 
     def _solve(self, logs: FloatArray) -> float:
-        """Solve with length scales and nugget; return the logarithm of the likelihood, trend and scale found."""
+        """Solve with length scales and nugget; return the logarithm of the likelihood."""
         self._logs = logs
         count = self.values.size
         among = self._correlation(self.places, self.places) + math.exp(logs[-1]) * np.eye(count)

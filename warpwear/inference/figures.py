@@ -23,7 +23,7 @@ SIGNS, GREYS = ("o", "s", "^", "v", "D"), ("#222222", "#666666", "#999999")
 
 
 def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Figure:
-    """Draw samples of the unknowns by pairs, 50 and 90 % of them enclosed, and each alone beside its prior."""
+    """Draw samples of the unknowns by pairs, 50 and 90 % of them enclosed, each alone beside its prior."""
     count = len(unknowns)
     factors = [10.0 ** _power(values[unknown.key]) for unknown in unknowns]
     shown = [values[unknown.key] / factor for unknown, factor in zip(unknowns, factors, strict=True)]
@@ -143,7 +143,7 @@ def _pair(panel: Any, across: FloatArray, up: FloatArray) -> None:
     smooth = _smooth(_smooth(counts).T).T
     order = np.sort(smooth.ravel())[::-1]
     part = np.cumsum(order) / order.sum()
-    levels = sorted({float(order[min(np.searchsorted(part, p), order.size - 1)]) for p in ENCLOSED})
+    levels = sorted({float(order[min(int(np.searchsorted(part, p)), order.size - 1)]) for p in ENCLOSED})
     middles = [0.5 * (e[1:] + e[:-1]) for e in (xs, ys)]
     top = float(smooth.max()) * 1.01
     colours = ["#cfe6f5", fs.TOUCHED][-len(levels) :]

@@ -1,9 +1,9 @@
 """Which unknowns the data tell, and which they cannot tell apart, in words.
 
-The Fisher information of the data at places of the posterior, in the standard normal numbers of the unknowns, says it:
-a direction with an eigenvalue below one is known from the prior alone. Where such a direction moves several unknowns
-each of which the data would tell if the others were known, these cannot be told apart; what is known is the direction
-across.
+The Fisher information of the data at places of the posterior, in the standard normal numbers of the unknowns,
+says it: a direction with an eigenvalue below one is known from the prior alone. Where such a direction moves
+several unknowns each of which the data would tell if the others were known, these cannot be told apart; what
+is known is the direction across.
 """
 
 from collections import Counter
@@ -18,7 +18,8 @@ from warpwear.inference.likelihood import Posterior
 PLACES = 24
 #: Step of derivatives, in standard deviations of the prior.
 STEP = 1e-3
-#: Information, in that of the prior, below which data teach nothing, and above which they would tell an unknown.
+#: Information, in that of the prior, below which data teach nothing, and above which they would tell an
+#: unknown.
 NOTHING, MUCH = 1.0, 4.0
 #: Least part in a direction that counts.
 PART = 0.25
@@ -30,7 +31,9 @@ STRONG = 0.8
 
 @dataclass(frozen=True)
 class Indistinct:
-    """Unknowns that the data cannot tell apart; known: what they tell instead, with its uncertainty, in words."""
+    """Unknowns that the data cannot tell apart; known: what they tell instead, with its uncertainty, in
+    words.
+    """
 
     keys: tuple[str, ...]
     known: str
@@ -39,12 +42,13 @@ class Indistinct:
     def __str__(self) -> str:
         """Say so in a sentence."""
         names = f"{', '.join(self.keys[:-1])} and {self.keys[-1]}"
-        return f"{names} cannot be told apart by these data: they tell only {self.known}.{' ' + self.why if self.why else ''}"
+        told = f"{names} cannot be told apart by these data: they tell only {self.known}."
+        return f"{told} {self.why}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """What the data tell. indistinct: groups of unknowns; untouched: unknowns of which the data say nothing."""
+    """What the data tell. indistinct: groups of unknowns; untouched: those that it says nothing of."""
 
     indistinct: tuple[Indistinct, ...]
     untouched: tuple[str, ...]
@@ -60,13 +64,15 @@ class Identified:
             if not any({first, second} <= group for group in grouped):
                 with_ = "with" if r > 0.0 else "against"
                 found.append(
-                    f"{first} goes {with_} {second} (correlation {r:.2f}): knowing one better makes the other better known."
+                    f"{first} goes {with_} {second} (correlation {r:.2f}): knowing one better makes the "
+                    "other better known."
                 )
         return found or ["The data tell all unknowns apart."]
 
 
 def information(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArray:
-    """Return the Fisher information of the model's unknowns at values (samples,), (samples, unknowns, unknowns).
+    """Return the Fisher information of the model's unknowns at values (samples,), (samples, unknowns,
+    unknowns).
 
     It is in the standard normal numbers of the unknowns, so that the prior's is the identity.
     """
@@ -140,7 +146,7 @@ def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray)
     typical = np.median(np.diagonal(found, axis1=1, axis2=2), axis=0)
     untouched = tuple(key for key, told in zip(keys, typical, strict=True) if told < UNTOUCHED)
     count = len(keys)
-    together = np.corrcoef(z[:, :count].T) if count > 1 else np.eye(1)
+    together = np.atleast_2d(np.corrcoef(z[:, :count].T))
     strong = tuple(
         (keys[i], keys[j], float(together[i, j]))
         for i in range(count)
@@ -180,15 +186,20 @@ def _why(posterior: Posterior, group: tuple[str, ...]) -> str:
     wear = {"wear.sphere", "wear.disc"}
     if set(group) == wear and posterior.model.runs.scaled:
         return (
-            "At rest, area and scar follow from the sum of both wears alone; a worn volume of one body, or the section of the "
+            "At rest, area and scar follow from the sum of both wears alone; a worn volume of one body, or "
+            "the section of the "
             "groove, tells them apart."
         )
     strength = any(key.endswith("shear_strength") for key in group)
     if strength and "friction.ploughing" in group:
-        return "Friction is μ_p + τ0 A/F, and the area hardly changes over these data: friction from the first pass on tells them apart."
+        return (
+            "Friction is μ_p + τ0 A/F, and the area hardly changes over these data: friction from the first "
+            "pass on tells them apart."
+        )
     if strength and len(group) > 1:
         return (
-            "Friction is the shear strength times the area: the higher the one, the lower the other. A scar or a worn "
+            "Friction is the shear strength times the area: the higher the one, the lower the other. A "
+            "scar or a worn "
             "volume tells how large the area is."
         )
     return ""

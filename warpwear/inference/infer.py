@@ -46,11 +46,12 @@ def infer(
 ) -> Inference:
     """Find unknowns of a study from measurements of a test, by Bayes' rule.
 
-    unknown: keys, each with a prior as in a sweep or None for one about the study's value. experiments: courses of
-    friction, one a repeated test. measured: "volume_sphere", "volume_disc", "section", "diameter", "sq_sphere",
-    "sq_disc" or "cof" -> a text such as "0.80 +- 0.02 mm" or a list, one a repeat; "cof" may end in "at 30 mm".
-    target: an unknown that the next test shall tell; candidates: such as "contact.load=16 N, repeats=3". out: folder
-    of the report, which keeps the runs. runs: of a design where results do not merely scale. seed: of all draws.
+    unknown: keys, each with a prior as in a sweep or None for one about the study's value. experiments:
+    courses of friction, one a repeated test. measured: "volume_sphere", "volume_disc", "section", "diameter",
+    "sq_sphere", "sq_disc" or "cof" -> a text such as "0.80 +- 0.02 mm" or a list, one a repeat; "cof" may end
+    in "at 30 mm". target: an unknown that the next test shall tell; candidates: such as "contact.load=16 N,
+    repeats=3". out: folder of the report, which keeps the runs. runs: of a design where results do not merely
+    scale. seed: of all draws.
 
     Raises InputError for what does not go together, ConvergenceError where samples do not converge.
     """
@@ -171,7 +172,8 @@ def _check_friction(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
     friction = study.friction
     if data.distance.size and friction.shear_strength is None and "friction.shear_strength" not in keys:
         raise InputError(
-            "friction.shear_strength is neither given nor unknown: the study calibrates it to friction.coefficient; give "
+            "friction.shear_strength is neither given nor unknown: the study calibrates it to "
+            "friction.coefficient; give "
             "it as an unknown with a prior, such as 'friction.shear_strength=log-uniform 1 .. 100 MPa'"
         )
     pair = {"friction.initial_ratio": friction.initial_ratio, "friction.running_in": friction.running_in}

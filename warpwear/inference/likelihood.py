@@ -1,10 +1,13 @@
-"""How likely measurements are, for many values of the unknowns at once, what is linear integrated in closed form.
+"""How likely measurements are, for many values of the unknowns at once, what is linear integrated in closed
+form.
 
-Residuals of a course of friction go together: r_{i+1} = r_i e^(−ΔL/ℓ) + noise, the first order autoregression of any
-spacing (Ornstein and Uhlenbeck). Repeated tests differ in their level too. What an emulator does not know, levels of
-repeats, and strengths with a normal prior are linear: they are integrated out (Woodbury's identity).
+Residuals of a course of friction go together: r_{i+1} = r_i e^(−ΔL/ℓ) + noise, the first order autoregression
+of any spacing (Ornstein and Uhlenbeck). Repeated tests differ in their level too. What an emulator does not
+know, levels of repeats, and strengths with a normal prior are linear: they are integrated out (Woodbury's
+identity).
 """
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -61,7 +64,9 @@ class Posterior:
         return {u.key: u.values(z[:, place]) for place, u in enumerate(self.sampled)}
 
     def log_density(self, z: FloatArray) -> FloatArray:
-        """Logarithm of the density of standard normal numbers (samples, sampled), but for a constant; −inf beyond."""
+        """Logarithm of the density of standard normal numbers (samples, sampled), but for a constant; −inf
+        beyond.
+        """
         found = -0.5 * np.sum(z**2, axis=1)
         with np.errstate(all="ignore"):
             found = found + self.log_likelihood(z)
@@ -88,7 +93,9 @@ class Posterior:
     def complete(
         self, z: FloatArray, random: np.random.Generator
     ) -> tuple[dict[str, FloatArray], FloatArray]:
-        """Draw what is linear beside sampled numbers; return all values, and z of all unknowns (samples, unknowns)."""
+        """Draw what is linear beside sampled numbers; return all values, and z of all unknowns (samples,
+        unknowns).
+        """
         values = self.values(z)
         drawn = np.zeros((len(z), 0))
         if self.linear:
@@ -114,8 +121,8 @@ class Posterior:
     def _whitened(self, values: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return residuals (samples, points) and lines of unit normal unknowns (samples, lines, points).
 
-        Both are divided by the noise, so that it is one; the third is the logarithm of what divided them, (samples,).
-        Linear unknowns come first.
+        Both are divided by the noise, so that it is one; the third is the logarithm of what divided them,
+        (samples,). Linear unknowns come first.
         """
         friction = self.model.friction(values, self.data.distance)
         mean = sum(self.model.number(values, key)[:, None] * term for key, term in friction.terms.items())
@@ -126,7 +133,9 @@ class Posterior:
         return stacked[:, 0], stacked[:, 1:], logarithm
 
     def whiten(self, values: dict[str, FloatArray], slopes: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return slopes of the coefficients (samples, unknowns, points), and what they share, with unit noise."""
+        """Return slopes of the coefficients (samples, unknowns, points), and what they share, with unit
+        noise.
+        """
         errors = self.model.friction(values, self.data.distance).errors
         stacked = np.concatenate([slopes, self._shared(values, errors)], axis=1)
         self._divide(values, stacked)
@@ -142,7 +151,9 @@ class Posterior:
         return np.concatenate([errors, levels], axis=1)
 
     def _divide(self, values: dict[str, FloatArray], stacked: FloatArray) -> FloatArray:
-        """Give lines (samples, lines, points) unit noise, in place; return the logarithm of what divided them."""
+        """Give lines (samples, lines, points) unit noise, in place; return the logarithm of what divided
+        them.
+        """
         logarithm = np.zeros(len(stacked))
         for course, rows in zip(self.data.courses, self._rows, strict=True):
             logarithm += _whiten(stacked[..., rows], course.distance, values)
@@ -154,7 +165,7 @@ class Posterior:
     def _rows(self) -> list[slice]:
         """Rows of each course."""
         ends = np.cumsum([0, *(course.distance.size for course in self.data.courses)])
-        return [slice(int(start), int(end)) for start, end in zip(ends[:-1], ends[1:], strict=True)]
+        return [slice(int(start), int(end)) for start, end in itertools.pairwise(ends)]
 
 
 def _products(lines: FloatArray, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -163,7 +174,8 @@ def _products(lines: FloatArray, residual: FloatArray) -> tuple[FloatArray, Floa
 
 
 def _whiten(rows: FloatArray, distance: FloatArray, values: dict[str, FloatArray]) -> FloatArray:
-    """Make lines over the points of a course (samples, lines, points) independent with unit variance, in place.
+    """Make lines over the points of a course (samples, lines, points) independent with unit variance, in
+    place.
 
     Returns the logarithm of what they were divided by, (samples,).
     """
@@ -179,7 +191,9 @@ def _whiten(rows: FloatArray, distance: FloatArray, values: dict[str, FloatArray
 def simulate(
     model: Model, values: dict[str, FloatArray], like: Data, random: np.random.Generator
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """Draw what a test would measure: coefficients (samples, points) and one array (samples,) a value of `like`."""
+    """Draw what a test would measure: coefficients (samples, points) and one array (samples,) a value of
+    `like`.
+    """
     samples = len(next(iter(values.values())))
     cof = model.cof(values, like.distance) if like.distance.size else np.zeros((samples, 0))
     if "noise.deviation" in values:

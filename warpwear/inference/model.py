@@ -1,7 +1,8 @@
 """What a test would measure, for many values of the unknowns at once.
 
-Friction is linear in its strengths: μ = μ_p + τ0 A/F (thesis eqs 4.18 to 4.20), with a film μ_p + Σ τ_i A_i/F. Where
-results only scale, area and scar are those of one run at the distance that wears as much: (K_s + K_d) L.
+Friction is linear in its strengths: μ = μ_p + τ0 A/F (thesis eqs 4.18 to 4.20), with a film μ_p + Σ τ_i
+A_i/F. Where results only scale, area and scar are those of one run at the distance that wears as much: (K_s +
+K_d) L.
 """
 
 import math
@@ -34,7 +35,8 @@ Values = Mapping[str, FloatArray]
 class Friction:
     """A coefficient of friction is a sum of terms: key of the strength -> its factor (samples, points).
 
-    errors: the standard deviations of what the emulator adds, (samples, sources, points), for the given strengths.
+    errors: the standard deviations of what the emulator adds, (samples, sources, points), for the given
+    strengths.
     """
 
     terms: dict[str, FloatArray]
@@ -45,8 +47,8 @@ class Friction:
 class Model:
     """What a study's test would measure, over its unknowns.
 
-    study: of the test. unknowns: of the model, without those of the scatter. Raises InputError for an emulator that
-    is too far off between its runs.
+    study: of the test. unknowns: of the model, without those of the scatter. Raises InputError for an
+    emulator that is too far off between its runs.
     """
 
     study: Study
@@ -96,7 +98,9 @@ class Model:
         return max(found)
 
     def friction(self, values: Values, distance: FloatArray) -> Friction:
-        """Return the terms of the coefficient of friction. values: key -> (samples,); distance [mm], (points,)."""
+        """Return the terms of the coefficient of friction. values: key -> (samples,); distance [mm],
+        (points,).
+        """
         count = _count(values)
         worn = self._worn(values, np.broadcast_to(distance, (count, distance.size)))
         terms = {"friction.ploughing": np.ones((count, distance.size))}
@@ -148,7 +152,9 @@ class Model:
         return np.asarray(self._worn(values, end)[:, 0] <= last * (1.0 + 1e-9))
 
     def number(self, values: Values, key: str) -> FloatArray:
-        """Return the values of a key that may be unknown, else of the study, (samples,); NaN where it has none."""
+        """Return the values of a key that may be unknown, else of the study, (samples,); NaN where it has
+        none.
+        """
         return values[key] if key in values else np.full(_count(values), self._known[key])
 
     @cached_property
@@ -181,8 +187,10 @@ class Model:
     def _checked(self, emulator: Emulator, what: str) -> Emulator:
         if not emulator.error <= WORST:
             raise InputError(
-                f"between its {len(self.runs.rows)} runs the emulator of the {what} is off by {100 * emulator.error:.0f} % "
-                f"(each run predicted from the others): allowed are {100 * WORST:.0f} %; more runs (--runs) or narrower "
+                f"between its {len(self.runs.rows)} runs the emulator of the {what} is off by "
+                f"{100 * emulator.error:.0f} % "
+                f"(each run predicted from the others): allowed are {100 * WORST:.0f} %; more runs "
+                "(--runs) or narrower "
                 "priors are needed"
             )
         return emulator
@@ -223,7 +231,7 @@ class Model:
         return self._removal(values, "sphere", distance) + self._removal(values, "disc", distance)
 
     def _removal(self, values: Values, body: str, distance: FloatArray) -> FloatArray:
-        """Return ∫ K dL of a body from 0 to distances (samples, points) [mm³/N]; see `laws.archard.WearLaw`."""
+        """Return ∫ K dL of a body over distances (samples, points) [mm³/N]; see `laws.archard.WearLaw`."""
         law = self._laws[body == "disc"]
 
         def k(key: str, known: float) -> FloatArray:
@@ -255,7 +263,7 @@ def _count(values: Values) -> int:
 
 
 def _without_stairs(values: FloatArray) -> FloatArray:
-    """Return a course that rises by whole cells without its stairs: straight through the middle of each rise."""
+    """Return a course that rises by whole cells without stairs: straight through the middle of each rise."""
     rises = np.flatnonzero(np.diff(values) > 0.0) + 1
     if rises.size < 2:
         return values

@@ -1,7 +1,7 @@
 """The next test: of several, the one from which an unknown is expected to become best known.
 
-Every candidate is a study with other keys, or the same one again. What it would measure, with the uncertainties of
-this test, adds information; the variance that is left is averaged over the posterior.
+Every candidate is a study with other keys, or the same one again. What it would measure, with the
+uncertainties of this test, adds information; the variance that is left is averaged over the posterior.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -28,7 +28,9 @@ ALLOWED = ("contact.load", "sliding.distance", "sphere.radius")
 
 @dataclass(frozen=True)
 class NextTest:
-    """A test that could be made: what differs, and the relative standard uncertainty that it is expected to leave."""
+    """A test that could be made: what differs, and the relative standard uncertainty that it is expected to
+    leave.
+    """
 
     label: str
     repeats: int
@@ -51,7 +53,8 @@ class Candidate:
 
 
 def candidates_of(study: Study, given: Sequence[str], *, cheap: bool) -> list[Candidate]:
-    """Read candidates such as "contact.load=16 N, repeats=3"; by default the same test again, and a few others.
+    """Read candidates such as "contact.load=16 N, repeats=3"; by default the same test again, and a few
+    others.
 
     cheap: whether another load or radius costs one run, and not a design. Raises InputError.
     """
@@ -79,7 +82,8 @@ def _candidate(text: str) -> Candidate:
             changes[key] = value
         else:
             raise InputError(
-                f"the next test '{text}': {', '.join(ALLOWED)} and repeats with a value each are allowed, such as "
+                f"the next test '{text}': {', '.join(ALLOWED)} and repeats with a value each are allowed, "
+                "such as "
                 "'contact.load=16 N, repeats=3'"
             )
     return Candidate(changes, repeats)
@@ -109,7 +113,7 @@ def best_tests(
 
 
 def repeats_needed(posterior: Posterior, values: Mapping[str, FloatArray], target: str) -> int | None:
-    """Return how many more tests like this one bring an unknown to ± 10 %; 0 where it is, None where none do."""
+    """Return how many more tests like this one bring an unknown to ± 10 %, None where none do."""
     place = _place(posterior, target)
     now = float(np.std(values[target]) / abs(np.mean(values[target])))
     known = information(posterior, _some(values))
@@ -146,7 +150,8 @@ def _some(values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
 def _left(known: FloatArray, added: FloatArray, place: int) -> float:
     """Return the part of a standard uncertainty that added information leaves, by the mean variance.
 
-    known: information of the data so far, added: of more, both (samples, unknowns, unknowns); the prior's is one.
+    known: information of the data so far, added: of more, both (samples, unknowns, unknowns); the prior's is
+    one.
     """
     prior = np.eye(known.shape[1])
     before, after = np.linalg.inv(prior + known), np.linalg.inv(prior + known + added)

@@ -1,4 +1,6 @@
-"""What an inference leaves in its folder: samples, table, figures, a calibrated study, and a page with all of it."""
+"""What an inference leaves in its folder: samples, table, figures, a calibrated study, and a page with all of
+it.
+"""
 
 import csv
 from pathlib import Path
@@ -19,13 +21,17 @@ JOINT = 0.5
 #: Runs of the sweep in the calibrated study.
 SAMPLES = 64
 CAPTIONS = {
-    "course": "The computed coefficient of friction after the test, with its band of 90 %, and what was measured.",
-    "corner": "The unknowns by pairs: lines enclose 50 and 90 % of the samples. On the diagonal each alone; dashed its prior.",
+    "course": "The computed coefficient of friction after the test, with its band of 90 %, and what was "
+    "measured.",
+    "corner": "The unknowns by pairs: lines enclose 50 and 90 % of the samples. On the diagonal each "
+    "alone; dashed its prior.",
 }
 
 
 def write_report(found: Inference, folder: Path) -> list[Path]:
-    """Write posterior.csv, posterior.json, calibrated.toml, figures/ and inference.html; return what was written."""
+    """Write posterior.csv, posterior.json, calibrated.toml, figures/ and inference.html; return what was
+    written.
+    """
     keys = list(found.values)
     with (folder / "posterior.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -90,7 +96,8 @@ def content_of(found: Inference) -> dict[str, Any]:
 
 
 def calibrated(found: Inference) -> str:
-    """Return the study with the medians of its unknowns, and a section [sweep] over their uncertainty, as TOML.
+    """Return the study with the medians of its unknowns, and a section [sweep] over their uncertainty, as
+    TOML.
 
     Unknowns that go together are drawn together: a list of joint draws instead of distributions.
     """

@@ -38,10 +38,10 @@ BAND = (5.0, 95.0)
 class Inference:
     """The unknowns of a study after a test.
 
-    values: key -> samples (samples,), those of the scatter too; z: the same as numbers that the priors have standard
-    normal, (samples, unknowns). conflicts: sentences on what the study cannot bring together. target, tests: the
-    unknown that the next test is sought for, and tests ranked. repeats: wear coefficient -> how many more tests like
-    this bring it to ± 10 %, None where none do. seed: of the draws.
+    values: key -> samples (samples,), those of the scatter too; z: the same as numbers that the priors have
+    standard normal, (samples, unknowns). conflicts: sentences on what the study cannot bring together.
+    target, tests: the unknown that the next test is sought for, and tests ranked. repeats: wear coefficient
+    -> how many more tests like this bring it to ± 10 %, None where none do. seed: of the draws.
     """
 
     posterior: Posterior
@@ -62,7 +62,8 @@ class Inference:
 
     @property
     def table(self) -> list[dict[str, Any]]:
-        """A row an unknown: key, unit, prior, mean, standard deviation, median, 5th and 95th percentile, learnt.
+        """A row an unknown: key, unit, prior, mean, standard deviation, median, 5th and 95th percentile,
+        learnt.
 
         learnt: the part of the prior's variance that is gone.
         """
@@ -102,7 +103,8 @@ class Inference:
         found += self._at_the_edge
         if len(self.posterior.data.courses) == 1:
             found.append(
-                "One course of friction: scatter between tests is not in these uncertainties; repeated tests would show it."
+                "One course of friction: scatter between tests is not in these uncertainties; repeated "
+                "tests would show it."
             )
         for key, repeats in self.repeats.items():
             now = 100.0 * self.values[key].std() / self.values[key].mean()
@@ -110,7 +112,8 @@ class Inference:
                 found.append(f"{key} is known to ± {now:.2g} %, within ± {100 * REACHED:.0f} %.")
             elif repeats is None:
                 found.append(
-                    f"{key} is known to ± {now:.2g} %; no number of tests like this one brings it to ± {100 * REACHED:.0f} %."
+                    f"{key} is known to ± {now:.2g} %; no number of tests like this one brings it to ± "
+                    f"{100 * REACHED:.0f} %."
                 )
             else:
                 more = "more test like this brings" if repeats == 1 else "more tests like this bring"
@@ -120,7 +123,8 @@ class Inference:
         if self.tests:
             best = self.tests[0]
             found.append(
-                f"For {self.target} the best next test of those listed is {best.label}: ± {100 * best.now:.2g} % would become ± {100 * best.expected:.2g} %."
+                f"For {self.target} the best next test of those listed is {best.label}: ± "
+                f"{100 * best.now:.2g} % would become ± {100 * best.expected:.2g} %."
             )
         return found
 
@@ -129,14 +133,18 @@ class Inference:
         """Say which unknowns press against the end of their prior."""
         found = []
         for place, unknown in enumerate(self.posterior.unknowns):
-            for end, side in (("lower", -1.0), ("upper", 1.0)):
+            for end, side, at in (("lower", -1.0, unknown.prior.first), ("upper", 1.0, unknown.prior.second)):
                 if (
-                    unknown.prior.kind.endswith("uniform")
-                    and np.mean(side * self.z[:, place] > EDGE) > PRESSED
+                    not unknown.prior.kind.endswith("uniform")
+                    or np.mean(side * self.z[:, place] > EDGE) < PRESSED
                 ):
-                    found.append(
-                        f"{unknown.key} presses against the {end} end of its prior: a wider one is needed."
-                    )
+                    continue
+                wider = (
+                    "a wider one is needed"
+                    if at not in (unknown.least, unknown.most)
+                    else "less is not allowed"
+                )
+                found.append(f"{unknown.key} presses against the {end} end of its prior, {at:.4g}: {wider}.")
         return found
 
     @property
@@ -149,7 +157,10 @@ class Inference:
         else:
             made = f"{count} run{'s' if count > 1 else ''} of the study."
         if runs.inputs:
-            made += f" Between them an emulator, off by {100.0 * self.posterior.model.error:.1f} % where it is worst (each run predicted from the others); that is in the uncertainties."
+            made += (
+                f" Between them an emulator, off by {100.0 * self.posterior.model.error:.1f} % where it is "
+                "worst (each run predicted from the others); that is in the uncertainties."
+            )
         quality = (
             f" {samples.effective:.0f} independent samples, split-R̂ {samples.r_hat:.4f}."
             if samples.steps
@@ -158,9 +169,9 @@ class Inference:
         return made + quality
 
     def predictive(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Distances [mm], (points,), and mean, 5th and 95th percentile of the coefficient of friction, (3, points).
+        """Distances [mm], (points,), and the coefficient of friction: mean, 5th, 95th percentile, (3, points).
 
-        The third is the band that another test's points would lie in, with the scatter of this one, (2, points).
+        The third is the band of another test's points, with the scatter of this one, (2, points).
         """
         distance = self._places
         some = self._some
@@ -173,7 +184,7 @@ class Inference:
         return distance, np.array(band(cof)), np.array(band(with_scatter))[1:]
 
     def computed(self) -> list[dict[str, Any]]:
-        """A row a measured value: what it is, what was measured, what the study computes, and how far apart."""
+        """A row a measured value: what it is, what the study computes, and how far apart they are."""
         found = []
         for measured in (*self.posterior.data.values, *self.posterior.data.points):
             if measured.kind == "cof":
@@ -291,14 +302,16 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
         off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
         if off > CONTRADICTION:
             found.append(
-                f"The study cannot bring all data together: {measured.text} was measured and {float(mean.mean()):.4g} is computed, {off:.0f} standard uncertainties apart."
+                f"The study cannot bring all data together: {measured.text} was measured and "
+                f"{float(mean.mean()):.4g} is computed, {off:.0f} standard uncertainties apart."
             )
     for point in posterior.data.points:
         mean = posterior.model.cof(some, np.array([point.at]))[:, 0]
         off = abs(float(mean.mean()) - point.value) / point.error
         if off > CONTRADICTION:
             found.append(
-                f"The study cannot bring all data together: {point.text} was measured and {float(mean.mean()):.3g} is computed, {off:.0f} standard uncertainties apart."
+                f"The study cannot bring all data together: {point.text} was measured and "
+                f"{float(mean.mean()):.3g} is computed, {off:.0f} standard uncertainties apart."
             )
     if posterior.data.courses:
         length, longest = (
@@ -307,6 +320,7 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
         )
         if length > OTHER_SHAPE * longest:
             found.append(
-                f"Residuals of friction go together over {length:.3g} mm of {longest:.4g}: the measured course has another shape than the computed one."
+                f"Residuals of friction go together over {length:.3g} mm of {longest:.4g}: the measured "
+                "course has another shape than the computed one."
             )
     return found

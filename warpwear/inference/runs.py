@@ -13,8 +13,8 @@ from warpwear.inference.unknowns import Unknown
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.study.study import Study
-from warpwear.sweeps.run_one import Row, Task, run_one
 from warpwear.sweeps.points import name_of
+from warpwear.sweeps.run_one import Row, Task, run_one
 from warpwear.sweeps.sweep import RUNS, sweep
 
 #: Unknowns of the wear laws: of a contact at rest they change only how fast the run goes.
@@ -42,10 +42,10 @@ POINTS = 240
 class Runs:
     """Runs of a study over the unknowns that need them.
 
-    study: of the runs. inputs: those unknowns. places: (runs, inputs), see `Unknown.place_of`. rows: one a run.
-    scaled: whether the rest of the wear only scales the distance. cut: a sentence where the field holds less wear
-    than the priors allow, else empty. roughness: (runs, 2), Sq of ball and disc in the scar at the end [µm], where
-    asked for.
+    study: of the runs. inputs: those unknowns. places: (runs, inputs), see `Unknown.place_of`. rows: one a
+    run. scaled: whether the rest of the wear only scales the distance. cut: a sentence where the field holds
+    less wear than the priors allow, else empty. roughness: (runs, 2), Sq of ball and disc in the scar at the
+    end [µm], where asked for.
     """
 
     study: Study
@@ -105,7 +105,8 @@ def make_runs(
     device: str,
     roughness: bool = False,
 ) -> Runs:
-    """Make the runs. samples: of a design, by default 8 an unknown that needs runs, and 16 at least, as a power of two. out: folder that keeps them.
+    """Make the runs. samples: of a design, by default 8 an unknown that needs runs, and 16 at least, as a
+    power of two. out: folder that keeps them.
 
     Raises InputError where a run fails: outside of what the runs cover nothing can be said.
     """
@@ -117,7 +118,7 @@ def make_runs(
         row = run_one(Task(study.to_toml(), str(folders[0].resolve()), device))
         if row.status != "done":
             raise InputError(f"the run that the inference stands on {row.status}")
-        places, rows = np.zeros((1, 0)), (row,)
+        places, rows = np.zeros((1, 0)), [row]
     else:
         count = samples if samples is not None else 2 ** max(4, int(np.ceil(np.log2(8 * len(inputs)))))
         if count < 3 * len(inputs) + 5:
@@ -129,7 +130,8 @@ def make_runs(
         failed = [row.status for row in found.rows if row.status != "done"]
         if failed:
             raise InputError(
-                f"{len(failed)} of {count} runs over the priors of {', '.join(u.key for u in inputs)} {failed[0]} "
+                f"{len(failed)} of {count} runs over the priors of {', '.join(u.key for u in inputs)} "
+                f"{failed[0]} "
                 "Narrower priors, or a study that can be run over all of them, are needed"
             )
         columns = []
@@ -137,14 +139,15 @@ def make_runs(
             number = found.numbers(unknown.key)
             assert number is not None
             columns.append(unknown.place_of(number[0]))
-        places, rows = np.column_stack(columns), tuple(found.rows)
+        places, rows = np.column_stack(columns), found.rows
         folders = [out / RUNS / point.run for point in found.plan.points]
     rough = np.array([_roughness(folder) for folder in folders]) if roughness else None
-    return Runs(study, inputs, places, rows, scaled, cut, rough)
+    return Runs(study, inputs, places, tuple(rows), scaled, cut, rough)
 
 
 def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str) -> tuple[Study, str]:
-    """Return a study that wears as much as the priors allow, or as the field holds, and a sentence on the latter.
+    """Return a study that wears as much as the priors allow, or as the field holds, and a sentence on the
+    latter.
 
     It wears by Archard's constant law: the others only change how soon it gets as far.
     """

@@ -22,7 +22,8 @@ DRAWS = 4000
 BLOCK, MOST_STEPS = 500, 24_000
 #: Part of the steps that is left out: until then walkers may still come from where they started.
 BURN_IN = 0.3
-#: Steps that are needed, in autocorrelation times, which are means over all walkers; and the largest split-R̂.
+#: Steps that are needed, in autocorrelation times, which are means over all walkers; and the largest
+#: split-R̂.
 TIMES, LARGEST_R = 30.0, 1.01
 #: Samples that are kept.
 KEPT = 4000
@@ -30,10 +31,11 @@ KEPT = 4000
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples of standard normal numbers that follow a posterior, z (samples, unknowns), and how good they are.
+    """Samples of standard normal numbers that follow a posterior, z (samples, unknowns), and how good they
+    are.
 
-    steps: of an ensemble; time: the longest autocorrelation time, in steps; r_hat: the largest split-R̂; effective:
-    number of independent samples.
+    steps: of an ensemble; time: the longest autocorrelation time, in steps; r_hat: the largest split-R̂;
+    effective: number of independent samples.
     """
 
     z: FloatArray
@@ -69,8 +71,10 @@ def sample(log_density: Callable[[FloatArray], FloatArray], unknowns: int, *, se
             break
     else:
         raise ConvergenceError(
-            f"the samples did not converge within {MOST_STEPS} steps: the longest autocorrelation time is {time:.0f} "
-            f"steps, split-R̂ is {r_hat:.3f} (at most {LARGEST_R:g} is allowed); fewer unknowns, narrower priors or "
+            f"the samples did not converge within {MOST_STEPS} steps: the longest autocorrelation time is "
+            f"{time:.0f} "
+            f"steps, split-R̂ is {r_hat:.3f} (at most {LARGEST_R:g} is allowed); fewer unknowns, narrower "
+            "priors or "
             "more data are needed."
         )
     flat = chains.reshape(-1, unknowns)

@@ -1,7 +1,7 @@
 """Unknowns: keys of a study, and of the scatter of measurements, each with a prior distribution.
 
-Every unknown is sampled as a number z that is standard normal before the data. All priors are then alike, and the
-variance of z after the data says what they taught.
+Every unknown is sampled as a number z that is standard normal before the data. All priors are then alike, and
+the variance of z after the data says what they taught.
 """
 
 import math
@@ -57,7 +57,9 @@ class Unknown:
 
     @property
     def is_normal(self) -> bool:
-        """True for a normal prior that is not cut off: unknowns that are linear are then found in closed form."""
+        """True for a normal prior that is not cut off: unknowns that are linear are then found in closed
+        form.
+        """
         return self.prior.kind == "normal" and self.prior.within is None
 
     def values(self, z: FloatArray) -> FloatArray:
@@ -116,7 +118,8 @@ class Unknown:
 
 
 def unknowns_of(study: Study, given: Mapping[str, str | None]) -> list[Unknown]:
-    """Read the unknowns of a study. given: key -> prior as in a sweep, or None for one about the study's value.
+    """Read the unknowns of a study. given: key -> prior as in a sweep, or None for one about the study's
+    value.
 
     Raises InputError for a key that is none, or is no number, and for a prior beyond its allowed values.
     """
@@ -128,8 +131,9 @@ def unknowns_of(study: Study, given: Mapping[str, str | None]) -> list[Unknown]:
 def noise_of(given: Mapping[str, str | None], *, lengths: tuple[float, float], repeats: int) -> list[Unknown]:
     """Return the unknowns of the scatter of courses. lengths: spacing of points and length of the test [mm].
 
-    Without a prior the deviation is anything from 0.001 to 0.3, the length anything from a fifth of the spacing
-    to the whole test, and the deviation between repeats, of which there are two or more, as the first.
+    Without a prior the deviation is anything from 0.001 to 0.3, the length anything from a fifth of the
+    spacing to the whole test, and the deviation between repeats, of which there are two or more, as the
+    first.
     """
     assumed = {
         "noise.deviation": "log-uniform 0.001 .. 0.3",
@@ -155,7 +159,7 @@ def _unknown(study: Study, key: str, text: str | None) -> Unknown:
     field = key_of(Study, key)
     if field is None:
         raise InputError(no_such_key(Study, key))
-    kinds = [part for part in [*field.metadata, *_inside(field.annotation)]]
+    kinds = [*field.metadata, *_inside(field.annotation)]
     kind = next((part for part in kinds if isinstance(part, Quantity | Number)), None)
     wear = any(
         part is ArchardCoefficient or getattr(part, "__origin__", None) is ArchardCoefficient
@@ -165,10 +169,7 @@ def _unknown(study: Study, key: str, text: str | None) -> Unknown:
         raise InputError(f"'{key}' cannot be an unknown: it is no number")
     unit = ArchardCoefficient.unit if wear else getattr(kind, "unit", "")
     allowed = Range(or_equal=True) if kind is None else kind.range
-    if text is None:
-        prior = _about(key, _value(study, key), unit)
-    else:
-        prior = _in_unit(_read(text, key), unit, key)
+    prior = _about(key, _value(study, key), unit) if text is None else _in_unit(_read(text, key), unit, key)
     most = allowed.most
     return _within_allowed(Unknown(key, prior, unit, allowed.least, most, told=text is not None))
 
