@@ -45,9 +45,7 @@ FIRST_SEED = 1000
 
 
 def one(number: int) -> tuple[list[str], FloatArray, FloatArray]:
-    """Make a test and infer from it: names of the unknowns, ranks of the truth, whether 90 % intervals hold
-    it.
-    """
+    """Make a test and infer from it: names, ranks of the truth, whether 90 % intervals hold it."""
     random = np.random.default_rng(FIRST_SEED + number)
     study = smooth_study()
     courses = (course_like(study), course_like(study))

@@ -21,7 +21,7 @@ from warpwear.study.study import Study
 #: Places of the posterior over which the variance is averaged.
 PLACES = 48
 #: Most repeats that are looked at, and the part of an unknown that they should reach.
-MOST_REPEATS, REACHED = 1000, 0.10
+MOST_REPEATS, REACHED = 100, 0.10
 #: Keys that tests may differ in, beside the number of repeats.
 ALLOWED = ("contact.load", "sliding.distance", "sphere.radius")
 

@@ -32,7 +32,7 @@ def write_report(found: Inference, folder: Path) -> list[Path]:
     """Write posterior.csv, posterior.json, calibrated.toml, figures/ and inference.html; return what was
     written.
     """
-    keys = list(found.values)
+    keys, data = list(found.values), found.posterior.data
     with (folder / "posterior.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         units = {unknown.key: unknown.unit for unknown in found.posterior.unknowns}
@@ -42,7 +42,7 @@ def write_report(found: Inference, folder: Path) -> list[Path]:
         )
     (folder / "posterior.json").write_text(to_json(content_of(found)) + "\n", encoding="utf-8")
     (folder / "calibrated.toml").write_text(calibrated(found), encoding="utf-8")
-    names = ["course", "corner"] if found.posterior.data.distance.size else ["corner"]
+    names = ["course", "corner"] if data.distance.size else ["corner"]
     drawn = {name: found.plot(name) for name in names}
     (folder / "figures").mkdir(exist_ok=True)
     pictures = {name: folder / "figures" / f"{name}.png" for name in drawn}
@@ -58,8 +58,8 @@ def write_report(found: Inference, folder: Path) -> list[Path]:
         tests=found.tests,
         target=found.target,
         how=found.how,
-        notes=[(course.name, course.notes) for course in found.posterior.data.courses]
-        + [("data", found.posterior.data.notes)] * bool(found.posterior.data.notes),
+        notes=[(course.name, course.notes) for course in data.courses]
+        + [("data", data.notes)] * bool(data.notes),
         keys=[row["key"] for row in found.table],
         correlations=[[float(value) for value in row] for row in found.correlations],
         pictures=[(embedded(figure), CAPTIONS[name]) for name, figure in drawn.items()],
@@ -117,7 +117,7 @@ def calibrated(found: Inference) -> str:
         vary = {u.key: [_written(u, float(v)) for v in found.values[u.key][:SAMPLES]] for u in unknowns}
         section = {"design": "zip", "band_over": [u.key for u in unknowns]}
         told = f"# The unknowns go together: {SAMPLES} joint draws of the posterior.\n"
-    head = "# Calibrated by `warpwear calibrate bayes`: medians, and below what their uncertainty is for a sweep.\n"
+    head = "# Calibrated by `warpwear calibrate bayes`: medians, and below their uncertainty for a sweep.\n"
     return head + study.to_toml() + "\n" + told + tomli_w.dumps({"sweep": section | {"vary": vary}})
 
 

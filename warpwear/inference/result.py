@@ -14,7 +14,7 @@ from warpwear.inference import figures
 from warpwear.inference.data import KINDS, SHOWN
 from warpwear.inference.identify import Identified
 from warpwear.inference.likelihood import Posterior
-from warpwear.inference.next_test import REACHED, NextTest
+from warpwear.inference.next_test import MOST_REPEATS, REACHED, NextTest
 from warpwear.inference.sampler import Samples
 from warpwear.results.ensemble import band
 from warpwear.results.report import aligned
@@ -112,7 +112,7 @@ class Inference:
                 found.append(f"{key} is known to ± {now:.2g} %, within ± {100 * REACHED:.0f} %.")
             elif repeats is None:
                 found.append(
-                    f"{key} is known to ± {now:.2g} %; no number of tests like this one brings it to ± "
+                    f"{key} is known to ± {now:.2g} %; {MOST_REPEATS} more tests like this do not bring it to ± "
                     f"{100 * REACHED:.0f} %."
                 )
             else:
@@ -133,7 +133,8 @@ class Inference:
         """Say which unknowns press against the end of their prior."""
         found = []
         for place, unknown in enumerate(self.posterior.unknowns):
-            for end, side, at in (("lower", -1.0, unknown.prior.first), ("upper", 1.0, unknown.prior.second)):
+            prior = unknown.prior
+            for end, side, at in (("lower", -1.0, prior.first), ("upper", 1.0, prior.second)):
                 if (
                     not unknown.prior.kind.endswith("uniform")
                     or np.mean(side * self.z[:, place] > EDGE) < PRESSED
@@ -169,7 +170,7 @@ class Inference:
         return made + quality
 
     def predictive(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Distances [mm], (points,), and the coefficient of friction: mean, 5th, 95th percentile, (3, points).
+        """Distances [mm], (points,), and mean, 5th and 95th percentile of friction there, (3, points).
 
         The third is the band of another test's points, with the scatter of this one, (2, points).
         """
@@ -313,6 +314,8 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
                 f"The study cannot bring all data together: {point.text} was measured and "
                 f"{float(mean.mean()):.3g} is computed, {off:.0f} standard uncertainties apart."
             )
+    if found:
+        found.append("Uncertainties and bands are then too small: the study is not the test.")
     if posterior.data.courses:
         length, longest = (
             float(np.median(some["noise.length"])),
