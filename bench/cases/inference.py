@@ -18,7 +18,7 @@ import numpy as np
 from scipy import stats
 
 TOP = Path(__file__).parents[2]
-sys.path[:0] = [str(TOP), str(TOP / "tests")]
+sys.path[:0] = [str(TOP), str(TOP / "tests" / "inference")]
 
 from cases_inference import course_like, posterior_of, smooth_study  # noqa: E402
 

@@ -30,10 +30,18 @@ emcee = pytest.importorskip("emcee")
 NORMAL = {"friction.ploughing": "normal 0.2 +- 0.02", "friction.shear_strength": "normal 3 +- 0.3 MPa"}
 
 
-def found_for(posterior: Posterior, seed: int = 0) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Samples of a posterior."""
-    samples = sample(posterior.log_density, len(posterior.sampled), seed=seed)
-    return posterior.complete(samples.z, np.random.default_rng(seed))
+def found_for(posterior: Posterior) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Samples of a posterior by weighing many draws of the prior, apart from any sampler."""
+    return posterior.complete(weighed(posterior).z, np.random.default_rng(0))
+
+
+def weighed(posterior: Posterior) -> Samples:
+    """Draws of the prior by their likelihood."""
+    random = np.random.default_rng(0)
+    z = random.standard_normal((200_000 if posterior.sampled else 4000, len(posterior.sampled)))
+    logs = posterior.log_likelihood(z)
+    weights = np.exp(logs - logs.max())
+    return Samples(z[random.choice(len(z), 4000, p=weights / weights.sum())], 0, 1.0, 1.0, 4000.0)
 
 
 def drawn(study: Study, truth: dict[str, float], data: Data, seed: int) -> Data:
@@ -77,7 +85,8 @@ def test_a_linear_problem_has_its_closed_form(linear: Data, closed_form: bool) -
     """By Woodbury's identity alone, and by the sampler with everything sampled."""
     posterior = posterior_of(smooth_study(), NORMAL, linear, closed_form=closed_form)
     assert len(posterior.sampled) == (0 if closed_form else 2)
-    values, _ = found_for(posterior)
+    samples = sample(posterior.log_density, len(posterior.sampled), seed=0)
+    values, _ = posterior.complete(samples.z, np.random.default_rng(0))
     mean, spread = exact(linear)
     found = np.array([values[key] for key in NORMAL])
     deviations = np.sqrt(np.diag(spread))
@@ -159,7 +168,7 @@ def test_one_run_serves_all_wear_coefficients(tmp_path: Path) -> None:
             history["wear_volume_sphere"][-1], rel=1e-9
         )
     page = (tmp_path / "found" / "inference.html").read_text(encoding="utf-8")
-    assert "cannot be told apart" in page
+    assert "unknowns after the test" in page
     assert "https://" not in page
 
 
@@ -303,10 +312,10 @@ def test_a_seed_gives_the_same_samples() -> None:
     np.testing.assert_array_equal(first, second)
 
 
-def result_of(posterior: Posterior, seed: int = 0) -> Inference:
+def result_of(posterior: Posterior) -> Inference:
     """An inference without its runs."""
-    samples = sample(posterior.log_density, len(posterior.sampled), seed=seed)
-    values, z = posterior.complete(samples.z, np.random.default_rng(seed))
+    samples = weighed(posterior)
+    values, z = posterior.complete(samples.z, np.random.default_rng(0))
     conflicts = tuple(conflicts_of(posterior, values))
     return Inference(
         posterior=posterior,
@@ -318,7 +327,7 @@ def result_of(posterior: Posterior, seed: int = 0) -> Inference:
         target=None,
         tests=(),
         repeats={},
-        seed=seed,
+        seed=0,
     )
 
 

@@ -112,7 +112,7 @@ class Inference:
                 found.append(f"{key} is known to ± {now:.2g} %, within ± {100 * REACHED:.0f} %.")
             elif repeats is None:
                 found.append(
-                    f"{key} is known to ± {now:.2g} %; {MOST_REPEATS} more tests like this do not bring it to ± "
+                    f"{key} is known to ± {now:.2g} %; {MOST_REPEATS} more like it do not bring it to ± "
                     f"{100 * REACHED:.0f} %."
                 )
             else:
@@ -165,7 +165,7 @@ class Inference:
         quality = (
             f" {samples.effective:.0f} independent samples, split-R̂ {samples.r_hat:.4f}."
             if samples.steps
-            else " Closed form."
+            else " All in closed form."
         )
         return made + quality
 

@@ -190,7 +190,7 @@ def _roughness(folder: Path) -> tuple[float, float]:
     ]
     if not np.isfinite(found).all():
         raise InputError(
-            "Sq in the scar is not known of every run: it needs a snapshot at the end (output.snapshots), and "
-            "a scar of more cells than the least wear of the priors makes here"
+            "Sq in the scar is not known of every run: it needs a snapshot at the end (output.snapshots), "
+            "and a scar of more cells than the least wear of the priors makes here"
         )
     return found[0], found[1]
