@@ -15,6 +15,7 @@ from warpwear.version import __version__
 if TYPE_CHECKING:
     from warpwear.contact.solve import solve_contact
     from warpwear.errors import ConvergenceError, InputError, StudyWarning
+    from warpwear.inference.infer import infer
     from warpwear.result import Result
     from warpwear.runs.run import run, steps
     from warpwear.study.study import Study
@@ -26,6 +27,7 @@ _PUBLIC = {
     "Result": "warpwear.result:Result",
     "Study": "warpwear.study.study:Study",
     "StudyWarning": "warpwear.errors:StudyWarning",
+    "infer": "warpwear.inference.infer:infer",
     "run": "warpwear.runs.run:run",
     "solve_contact": "warpwear.contact.solve:solve_contact",
     "steps": "warpwear.runs.run:steps",
@@ -39,6 +41,7 @@ __all__ = [
     "Study",
     "StudyWarning",
     "__version__",
+    "infer",
     "run",
     "solve_contact",
     "steps",

@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from warpwear.cli.calibrate_bayes import bayes
 from warpwear.cli.options import AS_JSON, PATH
 from warpwear.cli.places import coefficients, energy_of_test, friction_command, printed, wear_command
 from warpwear.cli.surface import prepared, with_preparation
@@ -130,3 +131,6 @@ def energy(**options: Any) -> None:
 def thesis(**options: Any) -> None:
     """Wear coefficients that the thesis prints, and the worn patch that does not go with them."""
     click.echo(coefficients.calibrate_thesis(**options))
+
+
+calibrate.add_command(bayes)

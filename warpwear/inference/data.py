@@ -1,0 +1,255 @@
+"""What was measured: courses of friction, single values of it, volumes, the scar, with uncertainties."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.measured.columns import NAMES, split_unit
+from warpwear.measured.course import LARGEST_COF, Experiment, read_experiment
+from warpwear.measured.record import read_record
+from warpwear.study.study import Study
+from warpwear.study.units import parse
+
+#: Measured value -> its unit and what it is.
+KINDS = {
+    "volume_sphere": ("mm^3", "worn volume of the ball"),
+    "volume_disc": ("mm^3", "worn volume of the disc"),
+    "section": ("mm^2", "mean cross-section of the groove"),
+    "diameter": ("mm", "diameter of the scar"),
+    "sq_sphere": ("um", "Sq in the scar of the ball"),
+    "sq_disc": ("um", "Sq in the scar of the disc"),
+    "cof": ("", "coefficient of friction"),
+}
+#: Units as people read them.
+SHOWN = {"mm^3": "mm³", "mm^2": "mm²", "um": "µm", "mm^3/N/m": "mm³/(N·m)"}
+#: Points that a course is thinned to, by means of neighbours.
+POINTS = 100
+#: Fewest points of a course.
+FEWEST = 5
+#: A load that differs by more than this part from the study's is another test.
+LOAD_OFF = 0.05
+_NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+_WRITTEN = re.compile(rf"\s*{_NUMBER}\s*(?:\+-|±)\s*{_NUMBER}\s*(.*?)\s*(?:\bat\s+(\S.*?))?\s*")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A value with its standard uncertainty; at: sliding distance [mm] of a coefficient, else None."""
+
+    kind: str
+    value: float
+    error: float
+    at: float | None = None
+
+    @property
+    def text(self) -> str:
+        """The value for people."""
+        unit = SHOWN.get(KINDS[self.kind][0], KINDS[self.kind][0])
+        where = "" if self.at is None else f" at {self.at:.4g} mm"
+        return f"{KINDS[self.kind][1]}{where}: {self.value:.4g} ± {self.error:.2g} {unit}".rstrip()
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredCourse:
+    """A measured coefficient of friction over the distance slid [mm], both (points,), thinned."""
+
+    name: str
+    distance: FloatArray
+    cof: FloatArray
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """All that was measured: courses, coefficients at single distances, and other values; notes say what was
+    done.
+    """
+
+    courses: tuple[MeasuredCourse, ...] = ()
+    points: tuple[Measured, ...] = ()
+    values: tuple[Measured, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def distance(self) -> FloatArray:
+        """Distances [mm] at which a coefficient is asked for: of the courses, then of the points."""
+        return np.concatenate(
+            [*(course.distance for course in self.courses), [point.at or 0.0 for point in self.points]]
+        )
+
+    @cached_property
+    def cof(self) -> FloatArray:
+        """The coefficients measured there."""
+        return np.concatenate(
+            [*(course.cof for course in self.courses), [point.value for point in self.points]]
+        )
+
+    @property
+    def kinds(self) -> set[str]:
+        """Names of the values beside friction."""
+        return {value.kind for value in self.values}
+
+
+def data_of(
+    study: Study,
+    experiments: Iterable[Experiment | str | Path],
+    measured: Mapping[str, str | Sequence[str]],
+    *,
+    columns: str | None = None,
+) -> Data:
+    """Read what was measured in a test that the study describes.
+
+    experiments: files, or courses that are read. measured: name of `KINDS` -> text such as "0.80 +- 0.02 mm",
+    or a list of them, one a repeat; a coefficient may say where it was found: "0.2 +- 0.02 at 30 mm". Raises
+    InputError for what does not go with the study.
+    """
+    courses = [_course(study, given, columns) for given in experiments]
+    found = [
+        _measured(study, kind, text)
+        for kind, texts in measured.items()
+        for text in ([texts] if isinstance(texts, str) else texts)
+    ]
+    if not courses and not found:
+        raise InputError("nothing was measured: give a course of friction, a volume or a diameter")
+    points = tuple(value for value in found if value.kind == "cof")
+    values, notes = _repeated([value for value in found if value.kind != "cof"])
+    return Data(tuple(courses), points, tuple(values), tuple(notes))
+
+
+def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
+    """Widen the uncertainties of repeats that scatter more than they say (Birge's ratio), and say so."""
+    notes = []
+    for kind in dict.fromkeys(value.kind for value in values):
+        same = [value for value in values if value.kind == kind]
+        weights = np.array([value.error**-2.0 for value in same])
+        given = np.array([value.value for value in same])
+        square = float(weights @ (given - weights @ given / weights.sum()) ** 2)
+        ratio = np.sqrt(square / (len(same) - 1)) if len(same) > 1 else 0.0
+        if ratio > 1.0:
+            values = [replace(v, error=ratio * v.error) if v.kind == kind else v for v in values]
+            notes.append(
+                f"{KINDS[kind][1]}: {len(same)} tests scatter {ratio:.2g} times as much as their "
+                "uncertainties say, which "
+                "were widened by that."
+            )
+    return values, notes
+
+
+def _measured(study: Study, kind: str, text: str) -> Measured:
+    if kind not in KINDS:
+        raise InputError(f"'{kind}' is nothing that can be measured here; allowed: {', '.join(KINDS)}")
+    unit, what = KINDS[kind]
+    example = f"'{'0.80' if unit else '0.60'} +- 0.02{' ' + unit if unit else ''}'"
+    found = _WRITTEN.fullmatch(text)
+    if found is None:
+        raise InputError(
+            f"{kind} = '{text}': a value with its standard uncertainty is expected, such as {example}"
+        )
+    value, error, written, where = found.groups()
+    if bool(written) != bool(unit) or (where is not None and kind != "cof"):
+        raise InputError(
+            f"{kind} = '{text}': {'a unit' if unit else 'no unit'} is expected, such as {example}"
+        )
+    try:
+        factor = parse(f"1 {written}", unit) if unit else 1.0
+        at = parse(where, "mm") if where else study.sliding.total if kind == "cof" else None
+    except ValueError as problem:
+        raise InputError(f"{kind} = '{text}': it {problem}") from None
+    made = Measured(kind, factor * float(value), factor * float(error), at)
+    if not made.error > 0.0:
+        raise InputError(
+            f"{kind} = '{text}': the uncertainty must be greater than 0, for nothing is known exactly"
+        )
+    if made.value <= 0.0:
+        raise InputError(f"{kind} = '{text}': the {what} must be greater than 0")
+    if kind == "cof":
+        _check_cof(text, np.array([made.value]))
+    if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
+        raise InputError(
+            f"{kind} = '{text}': the study slides {study.sliding.total:g} mm, and not to {at:g} mm"
+        )
+    if kind == "diameter" and made.value > min(study.grid.extent, 2.0 * (study.sphere.radius or np.inf)):
+        raise InputError(
+            f"diameter = '{text}': the scar is larger than the field of the study, {study.grid.extent:g} mm "
+            "(grid.extent), which has to hold it"
+        )
+    if kind == "section" and study.sliding.stroke is None:
+        raise InputError(
+            "section needs sliding.stroke in the study: section × stroke is the volume of the disc"
+        )
+    return made
+
+
+def _course(study: Study, given: Experiment | str | Path, columns: str | None) -> MeasuredCourse:
+    """Read a course, check it against the study and thin it. Raises InputError."""
+    if isinstance(given, Experiment):
+        experiment = given
+    else:
+        _check_load(Path(given), study.contact.load)
+        sliding = study.sliding
+        experiment = read_experiment(
+            given, stroke=sliding.stroke, load=study.contact.load, speed=sliding.speed, columns=columns
+        )
+    name, distance, cof = experiment.name, np.asarray(experiment.distance), np.asarray(experiment.cof)
+    _check_cof(name, cof)
+    inside = (distance > 0.0) & (distance <= study.sliding.total * (1.0 + 1e-9))
+    if inside.sum() < FEWEST:
+        raise InputError(
+            f"{name} has {inside.sum()} points from 0 to {study.sliding.total:g} mm, which the study "
+            "slides: at least "
+            f"{FEWEST} are needed"
+        )
+    notes = list(experiment.notes) + list(experiment.warnings)
+    if not inside.all():
+        notes.append(
+            f"Points beyond the {study.sliding.total:g} mm of the study, left out: {(~inside).sum()}."
+        )
+    distance, cof = distance[inside], cof[inside]
+    if distance.size > POINTS:
+        notes.append(f"Means of neighbours, {POINTS} for {distance.size} points.")
+        blocks = np.array_split(np.arange(distance.size), POINTS)
+        distance = np.array([distance[block].mean() for block in blocks])
+        cof = np.array([cof[block].mean() for block in blocks])
+    return MeasuredCourse(name, distance, cof, tuple(notes))
+
+
+def _check_cof(name: str, cof: FloatArray) -> None:
+    """Raise InputError for coefficients that look like percent."""
+    typical = float(np.median(np.abs(cof)))
+    if typical > LARGEST_COF:
+        percent = ", as if in percent: 20 instead of 0.20" if typical < 100.0 * LARGEST_COF else ""
+        raise InputError(
+            f"{name}: the coefficient of friction is {typical:.3g} in the middle{percent}; a plain ratio "
+            "is expected"
+        )
+
+
+def _check_load(path: Path, load: float) -> None:
+    """Raise InputError for a course in percent, and for a normal force that is not that of the study."""
+    record = read_record(path)
+    for place, title in enumerate(record.names):
+        name, unit = split_unit(title)
+        unit = unit or (record.units[place].strip("[]() ") if record.units else "")
+        if re.fullmatch(NAMES["cof"], name):
+            cof = record.columns([place])[:, 0]
+            cof = cof[np.isfinite(cof)]
+            if cof.size:
+                _check_cof(str(path), cof)
+        if not re.fullmatch(NAMES["normal force"], name) or unit.lower() not in ("n", "mn", "kn"):
+            continue
+        force = np.abs(record.columns([place])[:, 0]) * {"n": 1.0, "mn": 1e-3, "kn": 1e3}[unit.lower()]
+        force = force[np.isfinite(force)]
+        typical: Any = np.median(force) if force.size else load
+        if abs(typical - load) > LOAD_OFF * load:
+            raise InputError(
+                f"{path}: the normal force is {typical:.3g} N in the middle, the study has contact.load = "
+                f"{load:g} N: "
+                "they have to agree"
+            )

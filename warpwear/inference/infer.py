@@ -1,0 +1,210 @@
+"""From what was measured to the unknowns of a study, with their uncertainty: `warpwear.infer`."""
+
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.inference.data import SHOWN, Data, data_of
+from warpwear.inference.identify import identify
+from warpwear.inference.likelihood import Posterior
+from warpwear.inference.model import Model
+from warpwear.inference.next_test import best_tests, candidates_of, repeats_needed
+from warpwear.inference.report import write_report
+from warpwear.inference.result import Inference, conflicts_of
+from warpwear.inference.runs import make_runs
+from warpwear.inference.sampler import sample
+from warpwear.inference.unknowns import Unknown, noise_of, unknowns_of
+from warpwear.measured.course import Experiment
+from warpwear.study.study import Study
+
+#: Draws of the priors that are compared with the data.
+DRAWS = 2000
+#: Standard uncertainties by which all priors have to miss a value to exclude it.
+FAR = 4.0
+#: A course that all priors miss by this is excluded by them.
+COF_FAR = 0.3
+
+
+def infer(
+    study: Study | str | Path,
+    *,
+    unknown: Mapping[str, str | None] | Sequence[str],
+    experiments: Sequence[Experiment | str | Path] = (),
+    measured: Mapping[str, str | Sequence[str]] | None = None,
+    target: str | None = None,
+    candidates: Sequence[str] = (),
+    out: str | Path | None = None,
+    runs: int | None = None,
+    seed: int = 0,
+    device: str = "cpu",
+) -> Inference:
+    """Find unknowns of a study from measurements of a test, by Bayes' rule.
+
+    unknown: keys, each with a prior as in a sweep or None for one about the study's value. experiments:
+    courses of friction, one a repeated test. measured: "volume_sphere", "volume_disc", "section", "diameter",
+    "sq_sphere", "sq_disc" or "cof" -> a text such as "0.80 +- 0.02 mm" or a list, one a repeat; "cof" may end
+    in "at 30 mm". target: an unknown that the next test shall tell; candidates: such as "contact.load=16 N,
+    repeats=3". out: folder of the report, which keeps the runs. runs: of a design where results do not merely
+    scale. seed: of all draws.
+
+    Raises InputError for what does not go together, ConvergenceError where samples do not converge.
+    """
+    study = study if isinstance(study, Study) else Study.load(study)
+    data = data_of(study, experiments, measured or {})
+    asked = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
+    return infer_from(
+        study, asked, data, target=target, candidates=candidates, out=out, runs=runs, seed=seed, device=device
+    )
+
+
+def infer_from(
+    study: Study,
+    unknown: Mapping[str, str | None],
+    data: Data,
+    *,
+    target: str | None = None,
+    candidates: Sequence[str] = (),
+    out: str | Path | None = None,
+    runs: int | None = None,
+    seed: int = 0,
+    device: str = "cpu",
+) -> Inference:
+    """Find unknowns of a study from data that are read; see `infer`."""
+    unknowns = unknowns_of(study, unknown)
+    noise = noise_for(data, unknown)
+    _check_friction(study, unknowns, data)
+    with _folder(out) as folder:
+
+        def model_of(other: Study) -> Model:
+            rough = bool(data.kinds & {"sq_sphere", "sq_disc"})
+            made = make_runs(
+                other, unknowns, samples=runs, seed=seed, out=folder, device=device, roughness=rough
+            )
+            return Model(other, tuple(unknowns), made, frozenset(data.kinds))
+
+        posterior = Posterior(model_of(study), tuple(noise), data)
+        check_priors(posterior, seed=seed)
+        samples = sample(posterior.log_density, len(posterior.sampled), seed=seed)
+        values, z = posterior.complete(samples.z, np.random.default_rng(seed + 1))
+        tests = []
+        if target is not None:
+            tried = candidates_of(study, candidates, cheap=not posterior.model.runs.inputs)
+            tests = best_tests(posterior, values, target, tried, model_of)
+        wear = [u.key for u in unknowns if u.key in ("wear.sphere", "wear.disc")]
+        found = Inference(
+            posterior=posterior,
+            samples=samples,
+            values=values,
+            z=z,
+            identified=identify(posterior, values, z),
+            conflicts=tuple(conflicts_of(posterior, values)),
+            target=target,
+            tests=tuple(tests),
+            repeats={key: repeats_needed(posterior, values, key) for key in wear},
+            seed=seed,
+        )
+        if out is not None:
+            write_report(found, folder)
+    return found
+
+
+def noise_for(data: Data, unknown: Mapping[str, str | None]) -> list[Unknown]:
+    """Return the unknowns of the scatter of the courses in the data; none without a course."""
+    if not data.courses:
+        return []
+    spacing = min(float(np.median(np.diff(course.distance))) for course in data.courses)
+    longest = max(float(course.distance[-1]) for course in data.courses)
+    return noise_of(unknown, lengths=(spacing, longest), repeats=len(data.courses))
+
+
+def check_priors(posterior: Posterior, *, seed: int) -> None:
+    """Raise InputError where a measured value is far from all that the priors allow."""
+    z = np.random.default_rng(seed).standard_normal((len(posterior.unknowns), DRAWS))
+    values = {unknown.key: unknown.values(row) for unknown, row in zip(posterior.unknowns, z, strict=True)}
+    allowed = posterior.model.allowed(values)
+    if not allowed.any():
+        raise InputError(
+            "the priors of the wear leave scars that the field does not hold: a larger grid.extent is needed"
+        )
+    values = {key: column[allowed] for key, column in values.items()}
+    for measured in posterior.data.values:
+        mean, variance = posterior.model.value(values, measured.kind)
+        room = FAR * np.sqrt(measured.error**2 + float(variance.max()))
+        _within(measured.text, measured.value, mean, float(room), measured.kind)
+    if posterior.data.distance.size:
+        cof = posterior.model.cof(values, posterior.data.distance)
+        start = 0
+        for course in posterior.data.courses:
+            rows = slice(start, start + course.distance.size)
+            level = float(course.cof.mean())
+            _within(
+                f"{course.name}: mean coefficient of friction {level:.3g}",
+                level,
+                cof[:, rows].mean(axis=1),
+                COF_FAR,
+                "cof",
+            )
+            start = rows.stop
+        for place, point in enumerate(posterior.data.points, start):
+            _within(point.text, point.value, cof[:, place], FAR * point.error, "cof")
+
+
+def _within(what: str, value: float, computed: FloatArray, room: float, kind: str) -> None:
+    low, high = float(computed.min()), float(computed.max())
+    if not low - room <= value <= high + room:
+        unit = {"diameter": "mm", "section": "mm^2"}.get(kind, "mm^3" if kind.startswith("volume") else "")
+        raise InputError(
+            f"the priors exclude the data: over all of them the study computes {low:.3g} to {high:.3g} "
+            f"{SHOWN.get(unit, unit)}".rstrip()
+            + f", and measured is {what}; wider or other priors are needed"
+        )
+
+
+def _check_friction(study: Study, unknowns: Sequence[Unknown], data: Data) -> None:
+    """Raise InputError where friction was measured and its shear strength is neither known nor sought."""
+    keys = {unknown.key for unknown in unknowns}
+    friction = study.friction
+    if data.distance.size and friction.shear_strength is None and "friction.shear_strength" not in keys:
+        raise InputError(
+            "friction.shear_strength is neither given nor unknown: the study calibrates it to "
+            "friction.coefficient; give "
+            "it as an unknown with a prior, such as 'friction.shear_strength=log-uniform 1 .. 100 MPa'"
+        )
+    pair = {"friction.initial_ratio": friction.initial_ratio, "friction.running_in": friction.running_in}
+    given = {key for key, value in pair.items() if value is not None or key in keys}
+    if len(given) == 1:
+        raise InputError(
+            f"{' and '.join(pair)} need each other: the other one has to be given, or unknown too"
+        )
+    if friction.film is None and "friction.film.shear_strength" in keys:
+        raise InputError("friction.film.shear_strength is unknown, and the study has no [friction.film]")
+    for key in ("wear.decay", "wear.running_in", "wear.initial_sphere", "wear.initial_disc"):
+        law = "exponential" if key == "wear.decay" else "running-in"
+        if key in keys and study.wear.law != law:
+            raise InputError(
+                f"{key} is unknown, and the study has wear.law = '{study.wear.law}': it belongs to '{law}'"
+            )
+
+
+@contextmanager
+def _folder(out: str | Path | None) -> Iterator[Path]:
+    if out is not None:
+        folder = Path(out)
+        if folder.exists() and (
+            not folder.is_dir() or (any(folder.iterdir()) and not (folder / "runs").is_dir())
+        ):
+            raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected")
+        (folder / "runs").mkdir(parents=True, exist_ok=True)
+        yield folder
+        return
+    place = Path(tempfile.mkdtemp(prefix="warpwear-inference-"))
+    try:
+        yield place
+    finally:
+        shutil.rmtree(place, ignore_errors=True)

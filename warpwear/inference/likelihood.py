@@ -1,0 +1,219 @@
+"""How likely measurements are, for many values of the unknowns at once, what is linear integrated in closed
+form.
+
+Residuals of a course of friction go together: r_{i+1} = r_i e^(−ΔL/ℓ) + noise, the first order autoregression
+of any spacing (Ornstein and Uhlenbeck). Repeated tests differ in their level too. What an emulator does not
+know, levels of repeats, and strengths with a normal prior are linear: they are integrated out (Woodbury's
+identity).
+"""
+
+import itertools
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+from warpwear.inference.data import Data
+from warpwear.inference.model import Model
+from warpwear.inference.unknowns import Unknown
+
+#: Strengths that friction is linear in.
+LINEAR = ("friction.ploughing", "friction.shear_strength", "friction.film.shear_strength")
+
+
+@dataclass(eq=False)
+class Posterior:
+    """The unknowns of a model and of the scatter, given data.
+
+    closed_form: whether linear unknowns with a normal prior are integrated out; else all are sampled.
+    """
+
+    model: Model
+    noise: tuple[Unknown, ...]
+    data: Data
+    closed_form: bool = True
+
+    @cached_property
+    def linear(self) -> tuple[Unknown, ...]:
+        """Unknowns that are found in closed form."""
+        if not self.closed_form:
+            return ()
+        exact = self.model.error == 0.0  # else the strength decides how uncertain an emulated area is
+        return tuple(
+            u
+            for u in self.model.unknowns
+            if u.key in LINEAR
+            and u.is_normal
+            and (exact or u.key == LINEAR[0])
+            and u not in self.model.runs.inputs
+        )
+
+    @cached_property
+    def sampled(self) -> tuple[Unknown, ...]:
+        """Unknowns that are sampled, those of the scatter last."""
+        return (*(u for u in self.model.unknowns if u not in self.linear), *self.noise)
+
+    @property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """All of them, in the order of `values`."""
+        return (*self.model.unknowns, *self.noise)
+
+    def values(self, z: FloatArray) -> dict[str, FloatArray]:
+        """Turn standard normal numbers (samples, sampled) into key -> values (samples,)."""
+        return {u.key: u.values(z[:, place]) for place, u in enumerate(self.sampled)}
+
+    def log_density(self, z: FloatArray) -> FloatArray:
+        """Logarithm of the density of standard normal numbers (samples, sampled), but for a constant; −inf
+        beyond.
+        """
+        found = -0.5 * np.sum(z**2, axis=1)
+        with np.errstate(all="ignore"):
+            found = found + self.log_likelihood(z)
+        return np.where(np.isfinite(found), found, -np.inf)
+
+    def log_likelihood(self, z: FloatArray) -> FloatArray:
+        """Logarithm of the likelihood, (samples,)."""
+        values = self.values(z)
+        known = self._with_linear(values, len(z))
+        found = np.where(self.model.allowed(known), 0.0, -np.inf)
+        for measured in self.data.values:
+            mean, variance = self.model.value(known, measured.kind)
+            variance = variance + measured.error**2
+            found = found - 0.5 * ((measured.value - mean) ** 2 / variance + np.log(variance))
+        if self.data.distance.size:
+            residual, columns, logarithm = self._whitened(known)
+            found = found - logarithm - 0.5 * np.einsum("sn,sn->s", residual, residual)
+            if columns.shape[1]:
+                inner, right = _products(columns, residual)
+                solved = np.linalg.solve(inner, right)
+                found += 0.5 * (np.sum(right * solved, axis=(1, 2)) - np.linalg.slogdet(inner)[1])
+        return np.asarray(found)
+
+    def complete(
+        self, z: FloatArray, random: np.random.Generator
+    ) -> tuple[dict[str, FloatArray], FloatArray]:
+        """Draw what is linear beside sampled numbers; return all values, and z of all unknowns (samples,
+        unknowns).
+        """
+        values = self.values(z)
+        drawn = np.zeros((len(z), 0))
+        if self.linear:
+            drawn = random.standard_normal((len(z), len(self.linear)))
+            if self.data.distance.size:
+                residual, columns, _ = self._whitened(self._with_linear(values, len(z)))
+                inner, right = _products(columns, residual)
+                spread = np.linalg.inv(inner)
+                mean = (spread @ right)[..., 0]
+                count = len(self.linear)
+                root = np.linalg.cholesky(spread[:, :count, :count])
+                drawn = mean[:, :count] + np.einsum("spq,sq->sp", root, drawn)
+            values |= {u.key: u.values(drawn[:, place]) for place, u in enumerate(self.linear)}
+        by_key = {u.key: z[:, place] for place, u in enumerate(self.sampled)}
+        by_key |= {u.key: drawn[:, place] for place, u in enumerate(self.linear)}
+        ordered = [u.key for u in self.unknowns]
+        return {key: values[key] for key in ordered}, np.column_stack([by_key[key] for key in ordered])
+
+    def _with_linear(self, values: dict[str, FloatArray], count: int) -> dict[str, FloatArray]:
+        """Return values with the prior means of what is linear, all (count,)."""
+        return values | {u.key: np.full(count, u.prior.first) for u in self.linear}
+
+    def _whitened(self, values: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return residuals (samples, points) and lines of unit normal unknowns (samples, lines, points).
+
+        Both are divided by the noise, so that it is one; the third is the logarithm of what divided them,
+        (samples,). Linear unknowns come first.
+        """
+        friction = self.model.friction(values, self.data.distance)
+        mean = sum(self.model.number(values, key)[:, None] * term for key, term in friction.terms.items())
+        residual = self.data.cof - np.asarray(mean)
+        linear = [(friction.terms[u.key] * u.prior.second)[:, None] for u in self.linear]
+        stacked = np.concatenate([residual[:, None], *linear, self._shared(values, friction.errors)], axis=1)
+        logarithm = self._divide(values, stacked)
+        return stacked[:, 0], stacked[:, 1:], logarithm
+
+    def whiten(self, values: dict[str, FloatArray], slopes: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return slopes of the coefficients (samples, unknowns, points), and what they share, with unit
+        noise.
+        """
+        errors = self.model.friction(values, self.data.distance).errors
+        stacked = np.concatenate([slopes, self._shared(values, errors)], axis=1)
+        self._divide(values, stacked)
+        return stacked[:, : slopes.shape[1]], stacked[:, slopes.shape[1] :]
+
+    def _shared(self, values: dict[str, FloatArray], errors: FloatArray) -> FloatArray:
+        """Return lines of what is unknown beside: errors of an emulator, and the level of every repeat."""
+        if "noise.repeat" not in values:
+            return errors
+        levels = np.zeros((len(errors), len(self.data.courses), errors.shape[2]))
+        for place, rows in enumerate(self._rows):
+            levels[:, place, rows] = values["noise.repeat"][:, None]
+        return np.concatenate([errors, levels], axis=1)
+
+    def _divide(self, values: dict[str, FloatArray], stacked: FloatArray) -> FloatArray:
+        """Give lines (samples, lines, points) unit noise, in place; return the logarithm of what divided
+        them.
+        """
+        logarithm = np.zeros(len(stacked))
+        for course, rows in zip(self.data.courses, self._rows, strict=True):
+            logarithm += _whiten(stacked[..., rows], course.distance, values)
+        for row, point in enumerate(self.data.points, self.data.distance.size - len(self.data.points)):
+            stacked[..., row] /= point.error
+        return logarithm
+
+    @property
+    def _rows(self) -> list[slice]:
+        """Rows of each course."""
+        ends = np.cumsum([0, *(course.distance.size for course in self.data.courses)])
+        return [slice(int(start), int(end)) for start, end in itertools.pairwise(ends)]
+
+
+def _products(lines: FloatArray, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return 1 + CCᵀ and Cr of lines (samples, lines, points) and residuals (samples, points)."""
+    return np.eye(lines.shape[1]) + lines @ lines.transpose(0, 2, 1), lines @ residual[..., None]
+
+
+def _whiten(rows: FloatArray, distance: FloatArray, values: dict[str, FloatArray]) -> FloatArray:
+    """Make lines over the points of a course (samples, lines, points) independent with unit variance, in
+    place.
+
+    Returns the logarithm of what they were divided by, (samples,).
+    """
+    deviation, length = values["noise.deviation"][:, None], values["noise.length"][:, None]
+    kept = np.exp(-np.diff(distance) / length)
+    left = deviation * np.sqrt(np.maximum(1.0 - kept**2, 1e-15))
+    rows[..., 1:] -= kept[:, None] * rows[..., :-1]
+    rows[..., 0] /= deviation
+    rows[..., 1:] /= left[:, None]
+    return np.asarray(np.log(deviation[:, 0]) + np.sum(np.log(left), axis=1))
+
+
+def simulate(
+    model: Model, values: dict[str, FloatArray], like: Data, random: np.random.Generator
+) -> tuple[FloatArray, list[FloatArray]]:
+    """Draw what a test would measure: coefficients (samples, points) and one array (samples,) a value of
+    `like`.
+    """
+    samples = len(next(iter(values.values())))
+    cof = model.cof(values, like.distance) if like.distance.size else np.zeros((samples, 0))
+    if "noise.deviation" in values:
+        start = 0
+        for course in like.courses:
+            noise = random.standard_normal((samples, course.distance.size))
+            kept = np.exp(-np.diff(course.distance) / values["noise.length"][:, None])
+            for place in range(1, course.distance.size):
+                before = kept[:, place - 1]
+                noise[:, place] = before * noise[:, place - 1] + np.sqrt(1.0 - before**2) * noise[:, place]
+            level = values.get("noise.repeat", np.zeros(samples)) * random.standard_normal(samples)
+            cof[:, start : start + course.distance.size] += (
+                values["noise.deviation"][:, None] * noise + level[:, None]
+            )
+            start += course.distance.size
+    if like.points:
+        errors = np.array([point.error for point in like.points])
+        cof[:, -len(like.points) :] += errors * random.standard_normal((samples, len(like.points)))
+    found = []
+    for measured in like.values:
+        mean, variance = model.value(values, measured.kind)
+        found.append(mean + np.sqrt(variance + measured.error**2) * random.standard_normal(samples))
+    return cof, found

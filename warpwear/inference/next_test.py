@@ -1,0 +1,170 @@
+"""The next test: of several, the one from which an unknown is expected to become best known.
+
+Every candidate is a study with other keys, or the same one again. What it would measure, with the
+uncertainties of this test, adds information; the variance that is left is averaged over the posterior.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.inference.data import Data
+from warpwear.inference.identify import information
+from warpwear.inference.likelihood import Posterior
+from warpwear.inference.model import Model
+from warpwear.study.study import Study
+
+#: Places of the posterior over which the variance is averaged.
+PLACES = 48
+#: Most repeats that are looked at, and the part of an unknown that they should reach.
+MOST_REPEATS, REACHED = 100, 0.10
+#: Keys that tests may differ in, beside the number of repeats.
+ALLOWED = ("contact.load", "sliding.distance", "sphere.radius")
+
+
+@dataclass(frozen=True)
+class NextTest:
+    """A test that could be made: what differs, and the relative standard uncertainty that it is expected to
+    leave.
+    """
+
+    label: str
+    repeats: int
+    now: float
+    expected: float
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """Changes of the study, and how often the test is made."""
+
+    changes: Mapping[str, Any]
+    repeats: int = 1
+
+    @property
+    def label(self) -> str:
+        """The test in words."""
+        told = ", ".join(f"{key} {value}" for key, value in self.changes.items()) or "the same test again"
+        return told if self.repeats == 1 else f"{told}, {self.repeats} times"
+
+
+def candidates_of(study: Study, given: Sequence[str], *, cheap: bool) -> list[Candidate]:
+    """Read candidates such as "contact.load=16 N, repeats=3"; by default the same test again, and a few
+    others.
+
+    cheap: whether another load or radius costs one run, and not a design. Raises InputError.
+    """
+    if given:
+        return [_candidate(text) for text in given]
+    found = [Candidate({}), Candidate({}, 3)]
+    if cheap:
+        load, distance = study.contact.load, study.sliding.total
+        found += [
+            Candidate({"contact.load": f"{0.5 * load:g} N"}),
+            Candidate({"contact.load": f"{2.0 * load:g} N"}),
+        ]
+        found += [Candidate({"sliding.distance": f"{0.25 * distance:g} mm"})]
+    return found
+
+
+def _candidate(text: str) -> Candidate:
+    changes: dict[str, Any] = {}
+    repeats = 1
+    for part in text.split(","):
+        key, equals, value = (piece.strip() for piece in part.partition("="))
+        if key == "repeats" and value.isdecimal() and 0 < int(value) <= MOST_REPEATS:
+            repeats = int(value)
+        elif equals and value and key in ALLOWED:
+            changes[key] = value
+        else:
+            raise InputError(
+                f"the next test '{text}': {', '.join(ALLOWED)} and repeats with a value each are allowed, "
+                "such as "
+                "'contact.load=16 N, repeats=3'"
+            )
+    return Candidate(changes, repeats)
+
+
+def best_tests(
+    posterior: Posterior,
+    values: Mapping[str, FloatArray],
+    target: str,
+    candidates: Sequence[Candidate],
+    model_of: Callable[[Study], Model],
+) -> list[NextTest]:
+    """Rank tests by the uncertainty of an unknown that they leave, the best first.
+
+    values: samples of the posterior. model_of: makes the model of another study. Raises InputError.
+    """
+    place = _place(posterior, target)
+    now = float(np.std(values[target]) / abs(np.mean(values[target])))
+    some = _some(values)
+    known = information(posterior, some)
+    found = []
+    for candidate in candidates:
+        added = candidate.repeats * information(_after(posterior, candidate, model_of), some)
+        part = _left(known, added, place)
+        found.append(NextTest(candidate.label, candidate.repeats, now, now * part))
+    return sorted(found, key=lambda test: test.expected)
+
+
+def repeats_needed(posterior: Posterior, values: Mapping[str, FloatArray], target: str) -> int | None:
+    """Return how many more tests like this one bring an unknown to ± 10 %, None where none do."""
+    place = _place(posterior, target)
+    now = float(np.std(values[target]) / abs(np.mean(values[target])))
+    known = information(posterior, _some(values))
+
+    def reached(repeats: int) -> bool:
+        return now * _left(known, repeats * known, place) <= REACHED
+
+    if reached(0):
+        return 0
+    if not reached(MOST_REPEATS):
+        return None
+    low, high = 0, MOST_REPEATS
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if reached(middle) else (middle, high)
+    return high
+
+
+def _place(posterior: Posterior, target: str) -> int:
+    keys = [unknown.key for unknown in posterior.model.unknowns]
+    if target not in keys:
+        raise InputError(
+            f"'{target}' is no unknown, so that no test is sought for it; there are {', '.join(keys)}"
+        )
+    return keys.index(target)
+
+
+def _some(values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Return a few of many samples."""
+    chosen = np.linspace(0, len(next(iter(values.values()))) - 1, PLACES).astype(np.intp)
+    return {key: column[chosen] for key, column in values.items()}
+
+
+def _left(known: FloatArray, added: FloatArray, place: int) -> float:
+    """Return the part of a standard uncertainty that added information leaves, by the mean variance.
+
+    known: information of the data so far, added: of more, both (samples, unknowns, unknowns); the prior's is
+    one.
+    """
+    prior = np.eye(known.shape[1])
+    before, after = np.linalg.inv(prior + known), np.linalg.inv(prior + known + added)
+    return float(np.sqrt(after[:, place, place].mean() / before[:, place, place].mean()))
+
+
+def _after(posterior: Posterior, candidate: Candidate, model_of: Callable[[Study], Model]) -> Posterior:
+    """Return what a candidate would measure: as this test, over its own distance."""
+    if not candidate.changes:
+        return posterior
+    study = posterior.model.study.replace(candidate.changes)
+    scale = study.sliding.total / posterior.model.study.sliding.total
+    data = posterior.data
+    courses = tuple(replace(course, distance=scale * course.distance) for course in data.courses)
+    points = tuple(replace(point, at=scale * (point.at or 0.0)) for point in data.points)
+    return Posterior(model_of(study), posterior.noise, Data(courses, points, data.values))

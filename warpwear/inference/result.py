@@ -1,0 +1,329 @@
+"""What an inference found: samples of the unknowns, what they mean, and what they predict."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.inference import figures
+from warpwear.inference.data import KINDS, SHOWN
+from warpwear.inference.identify import Identified
+from warpwear.inference.likelihood import Posterior
+from warpwear.inference.next_test import MOST_REPEATS, REACHED, NextTest
+from warpwear.inference.sampler import Samples
+from warpwear.results.ensemble import band
+from warpwear.results.report import aligned
+from warpwear.study.study import Study
+
+#: Standard uncertainties from which a computed value and a measured one contradict each other.
+CONTRADICTION = 3.0
+#: Part of the test over which residuals go together from where on the computed course has another shape.
+OTHER_SHAPE = 0.5
+#: Place near the end of a uniform prior, 2 % of it, and the part of the samples beyond that is told.
+EDGE, PRESSED = 2.05, 0.2
+#: Draws of the posterior predictive.
+DRAWS = 400
+#: Points of a predicted course.
+POINTS = 150
+#: Parts of the posterior that a table and a band show [%].
+BAND = (5.0, 95.0)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Inference:
+    """The unknowns of a study after a test.
+
+    values: key -> samples (samples,), those of the scatter too; z: the same as numbers that the priors have
+    standard normal, (samples, unknowns). conflicts: sentences on what the study cannot bring together.
+    target, tests: the unknown that the next test is sought for, and tests ranked. repeats: wear coefficient
+    -> how many more tests like this bring it to ± 10 %, None where none do. seed: of the draws.
+    """
+
+    posterior: Posterior
+    samples: Samples
+    values: Mapping[str, FloatArray]
+    z: FloatArray
+    identified: Identified
+    conflicts: tuple[str, ...]
+    target: str | None
+    tests: tuple[NextTest, ...]
+    repeats: Mapping[str, int | None]
+    seed: int
+
+    @property
+    def study(self) -> Study:
+        """The study of the test, as it was given."""
+        return self.posterior.model.study
+
+    @property
+    def table(self) -> list[dict[str, Any]]:
+        """A row an unknown: key, unit, prior, mean, standard deviation, median, 5th and 95th percentile,
+        learnt.
+
+        learnt: the part of the prior's variance that is gone.
+        """
+        found = []
+        for place, unknown in enumerate(self.posterior.unknowns):
+            column = self.values[unknown.key]
+            low, median, high = np.percentile(column, (BAND[0], 50.0, BAND[1]))
+            found.append(
+                {
+                    "key": unknown.key,
+                    "unit": SHOWN.get(unknown.unit, unknown.unit),
+                    "prior": unknown.written.replace(unknown.unit, SHOWN.get(unknown.unit, unknown.unit))
+                    if unknown.unit
+                    else unknown.written,
+                    "assumed": not unknown.told,
+                    "mean": float(column.mean()),
+                    "sd": float(column.std(ddof=1)),
+                    "median": float(median),
+                    "low": float(low),
+                    "high": float(high),
+                    "learnt": float(np.clip(1.0 - self.z[:, place].var(), 0.0, 1.0)),
+                }
+            )
+        return found
+
+    @property
+    def correlations(self) -> FloatArray:
+        """Correlations of the unknowns in the order of `table`, (unknowns, unknowns)."""
+        return np.atleast_2d(np.corrcoef(np.array([self.values[row["key"]] for row in self.table])))
+
+    @property
+    def sentences(self) -> list[str]:
+        """What a reader has to know beside the table."""
+        runs = self.posterior.model.runs
+        found = [*self.conflicts, *self.identified.sentences]
+        found += [runs.cut] if runs.cut else []
+        found += self._at_the_edge
+        if len(self.posterior.data.courses) == 1:
+            found.append(
+                "One course of friction: scatter between tests is not in these uncertainties; repeated "
+                "tests would show it."
+            )
+        for key, repeats in self.repeats.items():
+            now = 100.0 * self.values[key].std() / self.values[key].mean()
+            if repeats == 0:
+                found.append(f"{key} is known to ± {now:.2g} %, within ± {100 * REACHED:.0f} %.")
+            elif repeats is None:
+                found.append(
+                    f"{key} is known to ± {now:.2g} %; {MOST_REPEATS} more like it do not bring it to ± "
+                    f"{100 * REACHED:.0f} %."
+                )
+            else:
+                more = "more test like this brings" if repeats == 1 else "more tests like this bring"
+                found.append(
+                    f"{key} is known to ± {now:.2g} %; {repeats} {more} it to ± {100 * REACHED:.0f} %."
+                )
+        if self.tests:
+            best = self.tests[0]
+            found.append(
+                f"For {self.target} the best next test of those listed is {best.label}: ± "
+                f"{100 * best.now:.2g} % would become ± {100 * best.expected:.2g} %."
+            )
+        return found
+
+    @property
+    def _at_the_edge(self) -> list[str]:
+        """Say which unknowns press against the end of their prior."""
+        found = []
+        for place, unknown in enumerate(self.posterior.unknowns):
+            prior = unknown.prior
+            for end, side, at in (("lower", -1.0, prior.first), ("upper", 1.0, prior.second)):
+                if (
+                    not unknown.prior.kind.endswith("uniform")
+                    or np.mean(side * self.z[:, place] > EDGE) < PRESSED
+                ):
+                    continue
+                wider = (
+                    "a wider one is needed"
+                    if at not in (unknown.least, unknown.most)
+                    else "less is not allowed"
+                )
+                found.append(f"{unknown.key} presses against the {end} end of its prior, {at:.4g}: {wider}.")
+        return found
+
+    @property
+    def how(self) -> str:
+        """Where the numbers come from, in two sentences."""
+        runs, samples = self.posterior.model.runs, self.samples
+        count = len(runs.rows)
+        if runs.scaled:
+            made = f"{count} run{'s' if count > 1 else ''}, scaled: area and scar follow from (K_s + K_d) L."
+        else:
+            made = f"{count} run{'s' if count > 1 else ''} of the study."
+        if runs.inputs:
+            made += (
+                f" Between them an emulator, off by {100.0 * self.posterior.model.error:.1f} % where it is "
+                "worst (each run predicted from the others); that is in the uncertainties."
+            )
+        quality = (
+            f" {samples.effective:.0f} independent samples, split-R̂ {samples.r_hat:.4f}."
+            if samples.steps
+            else " All in closed form."
+        )
+        return made + quality
+
+    def predictive(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Distances [mm], (points,), and mean, 5th and 95th percentile of friction there, (3, points).
+
+        The third is the band of another test's points, with the scatter of this one, (2, points).
+        """
+        distance = self._places
+        some = self._some
+        cof = self.posterior.model.cof(some, distance)
+        with_scatter = cof
+        if "noise.deviation" in some:
+            random = np.random.default_rng(self.seed + 2)
+            deviation = np.hypot(some["noise.deviation"], some.get("noise.repeat", np.zeros(len(cof))))
+            with_scatter = cof + (deviation * random.standard_normal(len(cof)))[:, None]
+        return distance, np.array(band(cof)), np.array(band(with_scatter))[1:]
+
+    def computed(self) -> list[dict[str, Any]]:
+        """A row a measured value: what it is, what the study computes, and how far apart they are."""
+        found = []
+        for measured in (*self.posterior.data.values, *self.posterior.data.points):
+            if measured.kind == "cof":
+                mean = self.posterior.model.cof(self._some, np.array([measured.at]))[:, 0]
+                variance = np.zeros(len(mean))
+            else:
+                mean, variance = self.posterior.model.value(self._some, measured.kind)
+            spread = float(np.sqrt(mean.var() + variance.mean()))
+            off = abs(float(mean.mean()) - measured.value) / float(
+                np.sqrt(measured.error**2 + variance.mean())
+            )
+            told = {"what": measured.text, "mean": float(mean.mean()), "sd": spread, "off": off}
+            found.append(told | {"unit": SHOWN.get(KINDS[measured.kind][0], KINDS[measured.kind][0])})
+        return found
+
+    def plot(self, name: str) -> Figure:
+        """Draw "corner" or "course". Raises InputError for another name."""
+        if name == "corner":
+            return figures.corner(self.posterior.unknowns, self.values)
+        if name == "course":
+            return figures.course(self.predictive(), self.posterior.data)
+        raise InputError(f"'{name}' is no figure of an inference; there are corner and course")
+
+    def __str__(self) -> str:
+        """Write table and sentences for the screen."""
+        head = ["unknown", "mean ± sd", "5 %", "95 %", "unit", "prior", "learnt"]
+        rows = [head]
+        for row in self.table:
+            mean = f"{row['mean']:.4g} ± {row['sd']:.2g}"
+            prior = row["prior"] + (" (assumed)" if row["assumed"] else "")
+            rows.append(
+                [
+                    row["key"],
+                    mean,
+                    f"{row['low']:.4g}",
+                    f"{row['high']:.4g}",
+                    row["unit"],
+                    prior,
+                    f"{100 * row['learnt']:.0f} %",
+                ]
+            )
+        lines = [
+            f"{self.study.study.name}: unknowns after the test",
+            *("  " + line for line in aligned(rows)),
+        ]
+        checks = self.computed()
+        if checks:
+            lines += ["measured and computed"]
+            cells = [
+                [
+                    row["what"],
+                    f"{row['mean']:.4g} ± {row['sd']:.2g} {row['unit']}".rstrip(),
+                    f"{row['off']:.1f} u apart",
+                ]
+                for row in checks
+            ]
+            lines += ["  " + line for line in aligned(cells)]
+        lines += [f"  {sentence}" for sentence in self.sentences]
+        if self.tests:
+            cells = [[test.label, f"± {100 * test.expected:.2g} %"] for test in self.tests]
+            lines += [
+                f"next tests for {self.target}, now ± {100 * self.tests[0].now:.2g} %",
+                *("  " + line for line in aligned(cells)),
+            ]
+        return "\n".join([*lines, f"  {self.how}"])
+
+    def _repr_html_(self) -> str:
+        """Write table and sentences for a notebook."""
+        head = "".join(
+            f"<th>{name}</th>" for name in ("unknown", "mean", "±", "5 %", "95 %", "unit", "prior")
+        )
+        rows = "".join(
+            "<tr>"
+            + "".join(
+                f"<td>{escape(str(cell))}</td>"
+                for cell in (
+                    row["key"],
+                    f"{row['mean']:.4g}",
+                    f"{row['sd']:.2g}",
+                    f"{row['low']:.4g}",
+                    f"{row['high']:.4g}",
+                    row["unit"],
+                    row["prior"],
+                )
+            )
+            + "</tr>"
+            for row in self.table
+        )
+        told = "".join(f"<li>{escape(sentence)}</li>" for sentence in self.sentences)
+        return f"<table><tr>{head}</tr>{rows}</table><ul>{told}</ul><p>{escape(self.how)}</p>"
+
+    @property
+    def _some(self) -> dict[str, FloatArray]:
+        return {key: column[:DRAWS] for key, column in self.values.items()}
+
+    @property
+    def _places(self) -> FloatArray:
+        """Distances of predictions: from the first that is known to the end."""
+        runs = self.posterior.model.runs
+        first = max(float(row.courses["distance"][0]) for row in runs.rows)
+        total = self.study.sliding.total
+        return (
+            np.linspace(min(first, 0.002 * total), total, POINTS)
+            if runs.scaled
+            else np.linspace(first, total, POINTS)
+        )
+
+
+def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[str]:
+    """Say what the study cannot bring together, in sentences."""
+    some = {key: column[:DRAWS] for key, column in values.items()}
+    found = []
+    for measured in posterior.data.values:
+        mean, variance = posterior.model.value(some, measured.kind)
+        off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
+        if off > CONTRADICTION:
+            found.append(
+                f"The study cannot bring all data together: {measured.text} was measured and "
+                f"{float(mean.mean()):.4g} is computed, {off:.0f} standard uncertainties apart."
+            )
+    for point in posterior.data.points:
+        mean = posterior.model.cof(some, np.array([point.at]))[:, 0]
+        off = abs(float(mean.mean()) - point.value) / point.error
+        if off > CONTRADICTION:
+            found.append(
+                f"The study cannot bring all data together: {point.text} was measured and "
+                f"{float(mean.mean()):.3g} is computed, {off:.0f} standard uncertainties apart."
+            )
+    if found:
+        found.append("Uncertainties and bands are then too small: the study is not the test.")
+    if posterior.data.courses:
+        length, longest = (
+            float(np.median(some["noise.length"])),
+            max(float(c.distance[-1]) for c in posterior.data.courses),
+        )
+        if length > OTHER_SHAPE * longest:
+            found.append(
+                f"Residuals of friction go together over {length:.3g} mm of {longest:.4g}: the measured "
+                "course has another shape than the computed one."
+            )
+    return found

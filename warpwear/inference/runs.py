@@ -1,0 +1,196 @@
+"""Runs that an inference stands on: one where results only scale, else a Sobol design made by a sweep."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.inference.unknowns import Unknown
+from warpwear.result import Result
+from warpwear.results.evolution import surface_evolution
+from warpwear.study.study import Study
+from warpwear.sweeps.points import name_of
+from warpwear.sweeps.run_one import Row, Task, run_one
+from warpwear.sweeps.sweep import RUNS, sweep
+
+#: Unknowns of the wear laws: of a contact at rest they change only how fast the run goes.
+WEAR = (
+    "wear.sphere",
+    "wear.disc",
+    "wear.decay",
+    "wear.running_in",
+    "wear.initial_sphere",
+    "wear.initial_disc",
+)
+#: Unknowns of friction that need no run.
+FRICTION = ("friction.ploughing", "friction.shear_strength", "friction.initial_ratio", "friction.running_in")
+#: Places of a normal prior between which the runs reach.
+REACH = 3.3
+#: A scar that the field does not hold is made smaller by this factor of the wear until it does.
+SMALLER = 0.85
+MOST_CUTS = 40
+BODIES = ("sphere", "disc")
+#: Points of a course between runs.
+POINTS = 240
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """Runs of a study over the unknowns that need them.
+
+    study: of the runs. inputs: those unknowns. places: (runs, inputs), see `Unknown.place_of`. rows: one a
+    run. scaled: whether the rest of the wear only scales the distance. cut: a sentence where the field holds
+    less wear than the priors allow, else empty. roughness: (runs, 2), Sq of ball and disc in the scar at the
+    end [µm], where asked for.
+    """
+
+    study: Study
+    inputs: tuple[Unknown, ...]
+    places: FloatArray
+    rows: tuple[Row, ...]
+    scaled: bool
+    cut: str = ""
+    roughness: FloatArray | None = None
+
+    def course(self, name: str) -> tuple[FloatArray, FloatArray]:
+        """Distances [mm], (points,), and a column of the history over them, (runs, points)."""
+        first = max(float(row.courses["distance"][0]) for row in self.rows)
+        last = min(float(row.courses["distance"][-1]) for row in self.rows)
+        places = self.rows[0].courses["distance"]
+        if len(self.rows) > 1 or places.size > POINTS:
+            places = np.unique(np.append(np.geomspace(first, last, POINTS), last))
+        values = [np.interp(places, row.courses["distance"], row.courses[name]) for row in self.rows]
+        return places, np.array(values)
+
+
+def scales(study: Study) -> bool:
+    """Tell whether a study's area and scar follow from the sum of both wears alone, over the distance.
+
+    That is so of a contact at rest by Archard's law, implicit steps, and nothing that remembers the distance.
+    """
+    return (
+        not study.is_swept
+        and study.wear.law != "bearing-curve"
+        and study.wear.distance_factor == "none"
+        and not study.wear.sheds
+        and study.friction.film is None
+        and study.friction.junction_growth == 0.0
+        and study.friction.area != "cumulative"
+        and study.stepping.scheme == "implicit"
+        and study.study.model != "two-scale"
+        and min(study.wear_coefficients) >= 0.0
+    )
+
+
+def needs_runs(study: Study, key: str, *, scaled: bool) -> bool:
+    """Tell whether an unknown changes the contact, so that other values need other runs."""
+    if key in WEAR:
+        return not scaled
+    if key in FRICTION or key == "friction.film.shear_strength":
+        return study.friction.junction_growth > 0.0 and key.endswith("shear_strength")
+    return True
+
+
+def make_runs(
+    study: Study,
+    unknowns: Sequence[Unknown],
+    *,
+    samples: int | None,
+    seed: int,
+    out: Path,
+    device: str,
+    roughness: bool = False,
+) -> Runs:
+    """Make the runs. samples: of a design, by default 8 an unknown that needs runs, and 16 at least, as a
+    power of two. out: folder that keeps them.
+
+    Raises InputError where a run fails: outside of what the runs cover nothing can be said.
+    """
+    scaled = scales(study) and not roughness
+    inputs = tuple(unknown for unknown in unknowns if needs_runs(study, unknown.key, scaled=scaled))
+    study, cut = _reaching(study, unknowns, out, device) if scaled else (study, "")
+    if not inputs:
+        folders = [out / RUNS / name_of(study, device=device)]
+        row = run_one(Task(study.to_toml(), str(folders[0].resolve()), device))
+        if row.status != "done":
+            raise InputError(f"the run that the inference stands on {row.status}")
+        places, rows = np.zeros((1, 0)), [row]
+    else:
+        count = samples if samples is not None else 2 ** max(4, int(np.ceil(np.log2(8 * len(inputs)))))
+        if count < 3 * len(inputs) + 5:
+            raise InputError(
+                f"runs = {count}: at least {3 * len(inputs) + 5} are needed for {len(inputs)} unknowns"
+            )
+        asked: dict[str, Any] = {unknown.key: unknown.prior for unknown in inputs}
+        found = sweep(study, vary=asked, design="sobol", samples=count, seed=seed, out=out, device=device)
+        failed = [row.status for row in found.rows if row.status != "done"]
+        if failed:
+            raise InputError(
+                f"{len(failed)} of {count} runs over the priors of {', '.join(u.key for u in inputs)} "
+                f"{failed[0]} "
+                "Narrower priors, or a study that can be run over all of them, are needed"
+            )
+        columns = []
+        for unknown in inputs:
+            number = found.numbers(unknown.key)
+            assert number is not None
+            columns.append(unknown.place_of(number[0]))
+        places, rows = np.column_stack(columns), found.rows
+        folders = [out / RUNS / point.run for point in found.plan.points]
+    rough = np.array([_roughness(folder) for folder in folders]) if roughness else None
+    return Runs(study, inputs, places, tuple(rows), scaled, cut, rough)
+
+
+def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str) -> tuple[Study, str]:
+    """Return a study that wears as much as the priors allow, or as the field holds, and a sentence on the
+    latter.
+
+    It wears by Archard's constant law: the others only change how soon it gets as far.
+    """
+    fastest = [law.fastest for law in study.wear_laws]
+    for unknown in unknowns:
+        if unknown.key in ("wear.sphere", "wear.initial_sphere", "wear.disc", "wear.initial_disc"):
+            body = unknown.key.endswith("disc")
+            fastest[body] = max(fastest[body], 1e-3 * float(unknown.values(np.array(REACH))))
+    if not any(unknown.key in WEAR for unknown in unknowns) and study.wear.law == "archard":
+        return study, ""
+    part = 1.0
+    for _ in range(MOST_CUTS):
+        texts = {
+            f"wear.{body}": f"{1e3 * part * k!r} mm^3/N/m" for body, k in zip(BODIES, fastest, strict=True)
+        }
+        try:
+            found = study.replace({"wear.law": "archard", **texts})
+        except InputError as error:
+            if "grid.extent" not in str(error):
+                raise
+        else:
+            row = run_one(
+                Task(found.to_toml(), str((out / RUNS / name_of(found, device=device)).resolve()), device)
+            )
+            if "grid.extent" not in row.status:
+                break
+        part *= SMALLER
+    edge = f"{study.grid.extent:g} mm (grid.extent)"
+    told = f"Priors of the wear are cut off where the scar reaches the edge of the field, {edge}."
+    return found, told if part < 1.0 else ""
+
+
+def _roughness(folder: Path) -> tuple[float, float]:
+    """Return Sq of ball and disc in the inner scar at the end of a run [µm]."""
+    with Result.open(folder) as result:
+        table = surface_evolution(result).table
+    found = [
+        float(table[name][-1]) if table.get(name) is not None and table[name].size else np.nan
+        for name in ("sq_sphere", "sq_disc")
+    ]
+    if not np.isfinite(found).all():
+        raise InputError(
+            "Sq in the scar is not known of every run: it needs a snapshot at the end (output.snapshots), "
+            "and a scar of more cells than the least wear of the priors makes here"
+        )
+    return found[0], found[1]

@@ -1,0 +1,121 @@
+"""Samples of a posterior by emcee's ensembles, and whether they have converged: else they are no result."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.errors import ConvergenceError, InputError
+from warpwear.grid import FloatArray
+
+emcee = lazy.module("emcee")
+
+#: Ensembles that start apart, to be compared.
+ENSEMBLES = 2
+#: Fewest walkers of an ensemble, and walkers an unknown.
+WALKERS, WALKERS_EACH = 32, 4
+#: Draws from the prior among which walkers start.
+DRAWS = 4000
+#: Steps between two looks, and most steps of an ensemble.
+BLOCK, MOST_STEPS = 500, 24_000
+#: Part of the steps that is left out: until then walkers may still come from where they started.
+BURN_IN = 0.3
+#: Steps that are needed, in autocorrelation times, which are means over all walkers; and the largest
+#: split-R̂.
+TIMES, LARGEST_R = 30.0, 1.01
+#: Samples that are kept.
+KEPT = 4000
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Samples of standard normal numbers that follow a posterior, z (samples, unknowns), and how good they
+    are.
+
+    steps: of an ensemble; time: the longest autocorrelation time, in steps; r_hat: the largest split-R̂;
+    effective: number of independent samples.
+    """
+
+    z: FloatArray
+    steps: int
+    time: float
+    r_hat: float
+    effective: float
+
+
+def sample(log_density: Callable[[FloatArray], FloatArray], unknowns: int, *, seed: int) -> Samples:
+    """Sample a density of standard normal numbers, given by its logarithm for (samples, unknowns).
+
+    Raises InputError where it vanishes everywhere, ConvergenceError where samples do not converge.
+    """
+    random = np.random.default_rng(seed)
+    if unknowns == 0:
+        return Samples(np.zeros((KEPT, 0)), 0, 1.0, 1.0, float(KEPT))
+    walkers = max(WALKERS, WALKERS_EACH * unknowns)
+    try:
+        ensembles = [_ensemble(log_density, walkers, unknowns, random) for _ in range(ENSEMBLES)]
+    except ImportError as error:
+        raise InputError("an inference needs emcee: pip install 'warpwear[io]'") from error
+    steps, time, r_hat = 0, np.inf, np.inf
+    while steps < MOST_STEPS:
+        for ensemble, state in ensembles:
+            ensemble.run_mcmc(state if steps == 0 else None, BLOCK)
+        steps += BLOCK
+        left_out = int(BURN_IN * steps)
+        chains = np.array([ensemble.get_chain(discard=left_out) for ensemble, _ in ensembles])
+        time = max(float(np.max(_time(chain))) for chain in chains)
+        r_hat = float(np.max(split_r(chains)))
+        if (steps - left_out) > TIMES * time and r_hat < LARGEST_R:
+            break
+    else:
+        raise ConvergenceError(
+            f"the samples did not converge within {MOST_STEPS} steps: the longest autocorrelation time is "
+            f"{time:.0f} "
+            f"steps, split-R̂ is {r_hat:.3f} (at most {LARGEST_R:g} is allowed); fewer unknowns, narrower "
+            "priors or "
+            "more data are needed."
+        )
+    flat = chains.reshape(-1, unknowns)
+    kept = random.choice(len(flat), min(KEPT, len(flat)), replace=False)
+    return Samples(flat[kept], steps, time, r_hat, len(flat) / max(time, 1.0))
+
+
+def split_r(chains: FloatArray) -> FloatArray:
+    """Return split-R̂ (Gelman and others, Bayesian Data Analysis, 2013, section 11.4) of each unknown.
+
+    chains: (ensembles, steps, walkers, unknowns); each half of an ensemble counts as one chain.
+    """
+    half = chains.shape[1] // 2
+    parts = np.concatenate([chains[:, :half], chains[:, half : 2 * half]])
+    parts = parts.reshape(len(parts), -1, chains.shape[-1])
+    within = parts.var(axis=1, ddof=1).mean(axis=0)
+    between = parts.mean(axis=1).var(axis=0, ddof=1)
+    return np.asarray(np.sqrt(1.0 + between / np.maximum(within, 1e-300)))
+
+
+def _ensemble(
+    log_density: Callable[[FloatArray], FloatArray], walkers: int, unknowns: int, random: Any
+) -> tuple[Any, Any]:
+    """Return an ensemble and the state in which it starts: the most likely of draws from the prior."""
+    drawn = random.standard_normal((DRAWS, unknowns))
+    density = np.concatenate([log_density(part) for part in np.array_split(drawn, 20)])
+    best = np.argsort(-density)[:walkers]
+    if not np.isfinite(density[best]).all():
+        raise InputError(
+            "the priors hardly allow what the study can compute: narrower or other priors are needed"
+        )
+    moves = [
+        (emcee.moves.DEMove(), 0.7),
+        (emcee.moves.DESnookerMove(), 0.1),
+        (emcee.moves.StretchMove(), 0.2),
+    ]
+    made = emcee.EnsembleSampler(walkers, unknowns, log_density, vectorize=True, moves=moves)
+    legacy = np.random.MT19937(int(random.integers(2**31))).state
+    return made, emcee.State(drawn[best], log_prob=density[best], random_state=legacy)
+
+
+def _time(chain: FloatArray) -> FloatArray:
+    """Return integrated autocorrelation times [steps] of a chain (steps, walkers, unknowns)."""
+    return np.asarray(emcee.autocorr.integrated_time(chain, tol=0, quiet=True))

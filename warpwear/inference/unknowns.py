@@ -1,0 +1,255 @@
+"""Unknowns: keys of a study, and of the scatter of measurements, each with a prior distribution.
+
+Every unknown is sampled as a number z that is standard normal before the data. All priors are then alike, and
+the variance of z after the data says what they taught.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.study.contact import ArchardCoefficient
+from warpwear.study.keys import key_of, no_such_key, value_of
+from warpwear.study.study import Study
+from warpwear.study.units import Number, Quantity, Range, parse
+from warpwear.sweeps.distributions import Distribution, distribution
+
+special = lazy.module("scipy.special")
+
+#: Without a prior an unknown lies within this factor of the study's value, both ways.
+FACTOR = 5.0
+#: Largest ploughing part without a prior.
+PLOUGHING = 0.5
+#: Part of a normal prior beyond the allowed values from which it is cut off there.
+NEGLIGIBLE = 1e-6
+#: Unknowns of the scatter about a course of friction -> what they are.
+NOISE = {
+    "noise.deviation": "standard deviation of the residuals",
+    "noise.length": "distance over which the residuals go together, mm",
+    "noise.repeat": "standard deviation between the levels of repeated tests",
+}
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """An unknown number: its key, its prior in the unit of the key, and the values that it may have.
+
+    told: whether the prior was given, not assumed. unit: empty for a number without one.
+    """
+
+    key: str
+    prior: Distribution
+    unit: str = ""
+    least: float = 0.0
+    most: float = math.inf
+    told: bool = True
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """True where the prior is one of the logarithm."""
+        return self.prior.kind.startswith("log-")
+
+    @property
+    def is_normal(self) -> bool:
+        """True for a normal prior that is not cut off: unknowns that are linear are then found in closed
+        form.
+        """
+        return self.prior.kind == "normal" and self.prior.within is None
+
+    def values(self, z: FloatArray) -> FloatArray:
+        """Turn standard normal numbers of any shape into values of the unknown."""
+        a, b = self._numbers
+        if self.prior.kind in ("normal", "log-normal"):
+            if self.prior.within is not None:
+                low, high = (special.ndtr((self._scale(end) - a) / b) for end in self.prior.within)
+                z = special.ndtri(low + special.ndtr(z) * (high - low))
+            found = a + b * z
+        else:
+            found = a + (b - a) * special.ndtr(z)
+        return np.asarray(np.exp(found) if self.is_logarithmic else found)
+
+    def place(self, z: FloatArray) -> FloatArray:
+        """Turn standard normal numbers into places for an emulator: even where the prior is, variance one."""
+        if self.prior.kind.endswith("uniform"):
+            return np.asarray(math.sqrt(12.0) * (special.ndtr(z) - 0.5))
+        return z
+
+    def place_of(self, value: FloatArray) -> FloatArray:
+        """Turn values of the unknown into such places."""
+        return self.place(self.normal(value))
+
+    def normal(self, value: FloatArray) -> FloatArray:
+        """Turn values of the unknown back into standard normal numbers."""
+        a, b = self._numbers
+        scaled = np.log(value) if self.is_logarithmic else np.asarray(value)
+        if self.prior.kind.endswith("uniform"):
+            return np.asarray(special.ndtri(np.clip((scaled - a) / (b - a), 1e-15, 1.0 - 1e-15)))
+        if self.prior.within is None:
+            return np.asarray((scaled - a) / b)
+        low, high = (special.ndtr((self._scale(end) - a) / b) for end in self.prior.within)
+        part = (special.ndtr((scaled - a) / b) - low) / (high - low)
+        return np.asarray(special.ndtri(np.clip(part, 1e-15, 1.0 - 1e-15)))
+
+    @property
+    def _numbers(self) -> tuple[float, float]:
+        """Mean and deviation, or the ends, of the number or its logarithm."""
+        a, b = self.prior.first, self.prior.second
+        if self.prior.kind == "log-normal":
+            spread = math.sqrt(math.log1p((b / a) ** 2))
+            return math.log(a) - 0.5 * spread**2, spread
+        return (math.log(a), math.log(b)) if self.is_logarithmic else (a, b)
+
+    def _scale(self, value: float) -> float:
+        return math.log(value) if self.is_logarithmic else value
+
+    @property
+    def written(self) -> str:
+        """The prior as people write it."""
+        first, second = f"{self.prior.first:.4g}", f"{self.prior.second:.4g}"
+        between = ".." if self.prior.kind.endswith("uniform") else "±"
+        cut = "" if self.prior.within is None else " within {:.4g} .. {:.4g}".format(*self.prior.within)
+        return f"{self.prior.kind} {first} {between} {second}{cut} {self.unit}".rstrip()
+
+
+def unknowns_of(study: Study, given: Mapping[str, str | None]) -> list[Unknown]:
+    """Read the unknowns of a study. given: key -> prior as in a sweep, or None for one about the study's
+    value.
+
+    Raises InputError for a key that is none, or is no number, and for a prior beyond its allowed values.
+    """
+    if not any(key not in NOISE for key in given):
+        raise InputError("no unknown is named: give a key of the study, such as wear.sphere")
+    return [_unknown(study, key, prior) for key, prior in given.items() if key not in NOISE]
+
+
+def noise_of(given: Mapping[str, str | None], *, lengths: tuple[float, float], repeats: int) -> list[Unknown]:
+    """Return the unknowns of the scatter of courses. lengths: spacing of points and length of the test [mm].
+
+    Without a prior the deviation is anything from 0.001 to 0.3, the length anything from a fifth of the
+    spacing to the whole test, and the deviation between repeats, of which there are two or more, as the
+    first.
+    """
+    assumed = {
+        "noise.deviation": "log-uniform 0.001 .. 0.3",
+        "noise.length": f"log-uniform {0.2 * lengths[0]!r} .. {lengths[1]!r} mm",
+        "noise.repeat": "log-uniform 0.001 .. 0.3",
+    }
+    if repeats < 2:
+        if "noise.repeat" in given:
+            raise InputError(
+                "noise.repeat needs two or more courses: one test does not show the scatter between tests"
+            )
+        del assumed["noise.repeat"]
+    found = []
+    for key, text in assumed.items():
+        unit = "mm" if key == "noise.length" else ""
+        prior = _in_unit(_read(given.get(key) or text, key), unit, key)
+        made = Unknown(key, prior, unit, told=given.get(key) is not None)
+        found.append(_within_allowed(made))
+    return found
+
+
+def _unknown(study: Study, key: str, text: str | None) -> Unknown:
+    field = key_of(Study, key)
+    if field is None:
+        raise InputError(no_such_key(Study, key))
+    kinds = [*field.metadata, *_inside(field.annotation)]
+    kind = next((part for part in kinds if isinstance(part, Quantity | Number)), None)
+    wear = any(
+        part is ArchardCoefficient or getattr(part, "__origin__", None) is ArchardCoefficient
+        for part in kinds
+    )
+    if kind is None and not wear:
+        raise InputError(f"'{key}' cannot be an unknown: it is no number")
+    unit = ArchardCoefficient.unit if wear else getattr(kind, "unit", "")
+    allowed = Range(or_equal=True) if kind is None else kind.range
+    prior = _about(key, _value(study, key), unit) if text is None else _in_unit(_read(text, key), unit, key)
+    most = allowed.most
+    return _within_allowed(Unknown(key, prior, unit, allowed.least, most, told=text is not None))
+
+
+def _inside(annotation: Any) -> list[Any]:
+    """List an annotation and all that it is made of."""
+    parts = [part for arg in getattr(annotation, "__args__", ()) for part in _inside(arg)]
+    return [annotation, *getattr(annotation, "__metadata__", ()), *parts]
+
+
+def _value(study: Study, key: str) -> float | None:
+    """Return the study's number of a key in its unit, None where it has none."""
+    written = value_of(study.model_dump(), key)
+    if isinstance(written, str):
+        written = written.split(" ", 1)[0]
+    try:
+        value = float(written)
+    except (TypeError, ValueError):
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _about(key: str, value: float | None, unit: str) -> Distribution:
+    """Return the prior of an unknown for which none is given."""
+    if key == "friction.ploughing":
+        return Distribution("uniform", 0.0, PLOUGHING)
+    if value is None or value <= 0.0:
+        raise InputError(
+            f"{key} needs a prior: the study has no value of it that is a positive number; such as "
+            f"'{key}=log-uniform 1 .. 10{' ' + unit if unit else ''}'"
+        )
+    return Distribution("log-uniform", value / FACTOR, value * FACTOR, unit=unit)
+
+
+def _read(text: str, key: str) -> Distribution:
+    try:
+        return distribution(text, key)
+    except InputError as error:
+        raise InputError(str(error).replace("sweep.vary", "the prior of")) from None
+
+
+def _in_unit(prior: Distribution, unit: str, key: str) -> Distribution:
+    """Return a prior in the unit of its key. Raises InputError for another kind of unit."""
+    if not unit:
+        if prior.unit:
+            raise InputError(
+                f"the prior of '{key}' has the unit {prior.unit}: allowed is a number without one"
+            )
+        return prior
+    try:
+        factor = parse(f"1 {prior.unit}", unit) if prior.unit else math.nan
+    except ValueError as error:
+        raise InputError(f"the prior of '{key}' has the unit {prior.unit}: it {error}") from None
+    if math.isnan(factor):
+        raise InputError(f"the prior of '{key}' needs its unit, such as {unit}")
+    cut = None if prior.within is None else (factor * prior.within[0], factor * prior.within[1])
+    return replace(prior, first=factor * prior.first, second=factor * prior.second, within=cut, unit=unit)
+
+
+def _within_allowed(unknown: Unknown) -> Unknown:
+    """Cut a prior off where its key ends. Raises InputError for one that lies beyond."""
+    prior, least, most = unknown.prior, unknown.least, unknown.most
+    ends = prior.within if prior.kind.endswith("normal") else (prior.first, prior.second)
+    if ends is None and prior.kind == "normal":
+        beyond = 0.5 * math.erfc((prior.first - least) / (math.sqrt(2.0) * prior.second))
+        if math.isfinite(most):
+            beyond += 0.5 * math.erfc((most - prior.first) / (math.sqrt(2.0) * prior.second))
+        if beyond < NEGLIGIBLE:
+            return unknown
+        if beyond < 0.5:
+            far = prior.first + 10.0 * prior.second
+            return replace(unknown, prior=replace(prior, within=(least, min(most, far))))
+        ends = (-math.inf, math.inf)
+    if ends is not None and (ends[0] < least or ends[1] > most):
+        limit = (
+            f"from {least:g}"
+            + (f" to {most:g}" if math.isfinite(most) else " up")
+            + f" {unknown.unit}".rstrip()
+        )
+        raise InputError(
+            f"the prior of '{unknown.key}', {unknown.written}, goes beyond what is allowed: {limit}"
+        )
+    return unknown
