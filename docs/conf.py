@@ -12,8 +12,6 @@ DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 sys.path[:0] = [str(ROOT), str(DOCS / "extensions")]
 
-from nbclient import NotebookClient  # noqa: E402
-
 from warpwear.version import __version__  # noqa: E402
 
 project = "warpwear"
@@ -28,6 +26,7 @@ extensions = [
     "sphinx_copybutton",
     "mathml",
     "gallery",
+    "streams",
 ]
 default_role = "code"
 source_suffix = {".md": "myst-nb"}
@@ -42,6 +41,7 @@ html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sphinx = False
+html_show_search_summary = False  # browsers do not let pages from the file system read each other
 html_math_renderer = "mathml"
 copybutton_prompt_text = "$ "
 autodoc_typehints = "signature"
@@ -58,7 +58,7 @@ nb_execution_cache_path = str(ROOT / "build" / "site-cache" / "pages")
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 240
-NotebookClient.coalesce_streams.default_value = True  # what a command prints is one text, not its pieces
+nb_merge_streams = True
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}
 
 gallery_cache = str(ROOT / "build" / "site-cache" / "examples")

@@ -1,8 +1,8 @@
 """How fine must the cells be for my surface?
 
-Samples one and the same surface on finer and finer cells. Areas agree once the cells resolve its shortest
-wave, here 40 µm; what coarser cells miss is the slope of the asperities, and with it the way the contact
-spreads.
+Samples one and the same surface, whose shortest wave is 40 µm, on finer and finer cells. The area in
+contact hardly depends on them. Islands of a single cell do: where there are any, the cells do not resolve
+the asperities.
 """
 
 import matplotlib.pyplot as plt

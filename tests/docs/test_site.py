@@ -39,7 +39,8 @@ def test_every_page_is_on_the_way_from_the_first() -> None:
     pages = {path.relative_to(DOCS).with_suffix("").as_posix(): path for path in DOCS.rglob("*.md")}
     for name, path in pages.items():
         for tree in re.findall(r"```\{toctree\}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL):
-            entries = [line for line in tree.split() if not line.startswith(":")]
+            lines = [line for line in tree.splitlines() if line and not line.startswith(":")]
+            entries = [re.sub(r".*<(.*)>", r"\1", line) for line in lines]
             listed |= {(Path(name).parent / entry).as_posix() for entry in entries}
     assert listed == set(pages)
 
