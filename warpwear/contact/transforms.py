@@ -186,8 +186,8 @@ class Filter:
     """Transforms of a plan in fields of their own, so that a graph can hold them; `filter_of` makes them.
 
     given, made: before and after, zero where nobody writes, shape `shape`. waves: between, by modes, shape
-    (n, m//2 + 1). scale: that takes off what forward and back together multiply by. within: a filter of double
-    precision and no smaller a shape, whose memory serves one of single precision.
+    (n, m//2 + 1). scale: that takes off what forward and back together multiply by. within: a filter of
+    double precision and no smaller a shape, whose memory serves one of single precision.
     """
 
     def __init__(
