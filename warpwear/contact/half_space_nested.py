@@ -14,6 +14,8 @@ from warpwear.kernels.cells import PADDING
 LEAST_SIDE = 256
 #: On a GPU, where a solve on wide cells takes a graph of its own, once.
 LEAST_SIDE_ON_GPU = 4096
+#: Fields of the fine grid that a solver on wide cells, and those that it starts from, take of a GPU.
+FIELDS_ON_GPU = 6.0
 #: Tolerance of the contact on wide cells, as of `half_space.BoundedPressure`.
 TOLERANCE = 1.0e-3
 MAX_ITERATIONS = 100
@@ -22,9 +24,11 @@ NO_SURFACE = 1.0e-3 * PADDING
 
 
 def pays(executor: Executor) -> bool:
-    """Whether wide cells make a solve shorter."""
-    least = LEAST_SIDE if executor.device.is_cpu else LEAST_SIDE_ON_GPU
-    return min(executor.grid.shape) >= least
+    """Whether wide cells make a solve shorter, and there is room for them."""
+    device, grid = executor.device, executor.grid
+    if device.is_cpu:
+        return min(grid.shape) >= LEAST_SIDE
+    return min(grid.shape) >= LEAST_SIDE_ON_GPU and device.free_memory > FIELDS_ON_GPU * 8 * grid.cells
 
 
 def wider(grid: Grid) -> Grid:

@@ -95,7 +95,7 @@ class Influence(Operator):
         self.shortest_response = shortest_response(grid.cell, modulus)
         make = ScipyTransforms if executor.device.is_cpu else CupyTransforms
         self._near = make(executor, grid.shape)
-        elastic = periodic_spectrum(grid, modulus)
+        elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
         #: Shape of what is transformed for the response.
         self.far_shape = grid.shape
         if boundary == "periodic":
@@ -147,13 +147,16 @@ class Influence(Operator):
         return np.asarray(np.fft.fft(inside / window).real ** 2)
 
 
-def periodic_spectrum(grid: Grid, modulus: float) -> FloatArray:
-    """2/(E*|q|) of the modes of a real transform [mm/MPa], shape (nx, ny//2 + 1), 0 for the mean."""
-    q_x = 2.0 * math.pi * np.fft.fftfreq(grid.nx, grid.cell)
-    q_y = 2.0 * math.pi * np.fft.rfftfreq(grid.ny, grid.cell)
-    q = np.hypot(q_x[:, np.newaxis], q_y)
-    spectrum: FloatArray = np.divide(2.0 / modulus, q, out=np.zeros_like(q), where=q > 0.0)
-    return spectrum
+def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np) -> Any:
+    """2/(E*|q|) of the modes of a real transform [mm/MPa], shape (nx, ny//2 + 1), 0 for the mean.
+
+    xp: NumPy, or CuPy: a billion modes take NumPy longer than their contact takes a GPU.
+    """
+    q_x = 2.0 * math.pi * xp.fft.fftfreq(grid.nx, grid.cell)
+    q_y = 2.0 * math.pi * xp.fft.rfftfreq(grid.ny, grid.cell)
+    spectrum = xp.hypot(q_x[:, None], q_y)
+    spectrum[0, 0] = math.inf
+    return xp.divide(2.0 / modulus, spectrum, out=spectrum)
 
 
 def shortest_response(cell: float, modulus: float) -> float:

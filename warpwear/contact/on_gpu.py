@@ -14,7 +14,7 @@ from warpwear.contact import half_space_search as search
 from warpwear.contact.balance import HOPELESS, MAX_EVALUATIONS, TOLERANCE
 from warpwear.contact.half_space_passes import NO_CAP, ROUGH_BALANCE, Iterate
 from warpwear.contact.influence import Influence
-from warpwear.contact.transforms import Filter, filter_of
+from warpwear.contact.transforms import Filter, arrays_of, filter_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.kernels.cells import LANES
@@ -47,11 +47,12 @@ class DeviceSearch:
     ) -> None:
         self._executor, self._device, self._influence = executor, executor.device, influence
         executor.load(passes.moments)
-        grid, self._gap = executor.grid, executor.zeros()
+        grid, self._gap, self._pressure = executor.grid, executor.zeros(), iterate.pressure
         columns = executor.vectors * LANES
         blocks = BLOCKS_ON_CPU if self._device.is_cpu else min(BLOCKS, -(-grid.nx * columns // BLOCK))
         self._far = filter_of(executor, influence.far_shape, np.float64)
-        self._near = filter_of(executor, grid.shape, np.float32)
+        # The inverse runs before the response, which then writes all that it reads: one memory for both.
+        self._near = filter_of(executor, grid.shape, np.float32, within=self._far)
         self._rules = arguments(
             Rules,
             elastic_fraction=search.ELASTIC_FRACTION,
@@ -140,13 +141,12 @@ class DeviceSearch:
         return found
 
     def displacement(self) -> Any:
-        """Displacement under the pressure as it stands, by the compliances of the last solve, (nx, ny) [mm].
-
-        A pressure beyond what a cell's part of the hardness bears is brought down to it.
-        """
-        self._pass(passes.present)
+        """Displacement under the present pressure, by the last solve's compliances, shape (nx, ny) [mm]."""
+        nx, ny = self._executor.grid.shape
+        with arrays_of(self._executor) as (xp, view):
+            xp.asarray(self._far.given)[:nx, :ny] = view(self._pressure)
         self._respond()
-        return self._far.made[: self._executor.grid.nx, : self._executor.grid.ny]
+        return self._far.made[:nx, :ny]
 
     def _take_parts(self, parts: Field | None) -> None:
         """Bound cells by these parts of the hardness; graphs hold whether there are any."""

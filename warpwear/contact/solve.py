@@ -33,6 +33,8 @@ from warpwear.surfaces.sphere import sag
 
 #: Fields alive at the peak of a solve: measured were 11 (springs) to 18 (free boundary), without a GPU's.
 FIELDS_NEEDED = 24.0
+#: Beside a GPU, and on it, by the boundary of the half-space.
+FIELDS_BESIDE_GPU, FIELDS_ON_GPU = 10.0, {None: 12.0, "periodic": 15.0, "free": 48.0}
 #: Relative rounding of a load: it may exceed as much what the hardness carries.
 ROUNDING = 1.0e-12
 #: Largest difference between the load carried and the load asked for, relatively.
@@ -182,7 +184,7 @@ def solve_contact(
         )
     response = cell / modulus if modulus else 1.0 / stiffness if stiffness else 0.0
     task = _Task.scaled(gap, mean, approach, hardness, response=response, edge=edge)
-    _check_memory(surface.shape, device)
+    _check_memory(surface.shape, device, edge)
     with Executor(Grid(nx, ny, 1.0), device=device, threads=threads) as executor:
         try:
             found = _solve_half_space(task, executor, tolerance) if edge else _solve_cells(task, executor)
@@ -275,6 +277,7 @@ def _solve_half_space(task: _Task, executor: Executor, tolerance: float) -> _Fou
         )
         pressure[:], approach = found.pressure, found.approach
         transforms, allowed = found.transforms, found.allowed.item()
+        del found  # its fields, before there are those of all cells
     assert approach is not None
     reached = task.gap < approach
     if task.mean is None and reached.any():
@@ -442,9 +445,11 @@ def _boundary_of(boundary: str | None, modulus: float | None, sphere_radius: flo
     return "free"
 
 
-def _check_memory(shape: tuple[int, ...], device: str) -> None:
-    needed = FIELDS_NEEDED * 8.0 * math.prod(shape)
-    for place, there in free_memory(device).items():
+def _check_memory(shape: tuple[int, ...], device: str, edge: str | None) -> None:
+    host, *gpu = free_memory(device).items()
+    fields = [FIELDS_BESIDE_GPU if gpu else FIELDS_NEEDED, *(FIELDS_ON_GPU[edge] for _ in gpu)]
+    for (place, there), count in zip([host, *gpu], fields, strict=True):
+        needed = count * 8.0 * math.prod(shape)
         if needed > there:
             raise InputError(
                 f"heights of shape {shape} need {needed / 2**30:.1f} GiB of memory; {place} has "

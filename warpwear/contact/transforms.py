@@ -1,5 +1,6 @@
 """Fourier transforms of fields by SciPy on a CPU and CuPy on a GPU, which work on Warp's own arrays."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -24,6 +25,8 @@ ROW_BLOCKS = 16
 MODES_PER_BLOCK = 4_000
 #: Width of the blocks of columns that they take.
 COLUMNS = 64
+#: Bytes at whose multiples arrays begin.
+ALIGNED = 256
 #: Below any response [mm/MPa].
 SMALLEST = 1.0e-300
 
@@ -42,6 +45,10 @@ class Transforms(ABC):
     def table(self, values: FloatArray) -> Any:
         """A table for `filter` where the transforms are done, from one of shape (n, m//2 + 1)."""
         return values
+
+    def on_device(self, make: Callable[[Any], Any]) -> Any:
+        """What is made with NumPy, or with CuPy where the transforms are done on a GPU."""
+        return make(np)
 
     def added(self, table: Any, own: float, line: FloatArray) -> Any:
         """A table and what adds to it: own everywhere, and line by row, shape (n,)."""
@@ -142,6 +149,10 @@ class CupyTransforms(Transforms):
         with self._device, self._stream:
             return self._cupy.asarray(values)
 
+    def on_device(self, make: Callable[[Any], Any]) -> Any:
+        with self._device, self._stream:
+            return make(self._cupy)
+
     def added(self, table: Any, own: float, line: FloatArray) -> Any:
         with self._device, self._stream:
             return super().added(table, own, line)
@@ -175,16 +186,31 @@ class Filter:
     """Transforms of a plan in fields of their own, so that a graph can hold them; `filter_of` makes them.
 
     given, made: before and after, zero where nobody writes, shape `shape`. waves: between, by modes, shape
-    (n, m//2 + 1). scale: that takes off what forward and back together multiply by.
+    (n, m//2 + 1). scale: that takes off what forward and back together multiply by. within: a filter of
+    double precision and no smaller a shape, whose memory serves one of single precision.
     """
 
-    def __init__(self, executor: Executor, shape: tuple[int, int], kind: type[np.floating[Any]]) -> None:
+    def __init__(
+        self,
+        executor: Executor,
+        shape: tuple[int, int],
+        kind: type[np.floating[Any]],
+        within: "Filter | None" = None,
+    ) -> None:
         device = executor.device
         real, complex_ = (wp.float64, wp.vec2d) if kind is np.float64 else (wp.float32, wp.vec2f)
         self.shape, self.scale = shape, 1.0
         modes = shape[0], shape[1] // 2 + 1
-        self.given, self.made = (wp.zeros(shape, dtype=real, device=device) for _ in range(2))
-        self.waves = wp.zeros(modes, dtype=complex_, device=device)
+        if within is None:
+            self.given, self.made = (wp.zeros(shape, dtype=real, device=device) for _ in range(2))
+            self.waves = wp.zeros(modes, dtype=complex_, device=device)
+            return
+        assert kind is np.float32
+        half = within.waves.capacity // 2 // ALIGNED * ALIGNED
+        self._of = within  # whose memory must last
+        self.given = _lying(within.made, 0, shape, real)
+        self.waves = _lying(within.waves, 0, modes, complex_)
+        self.made = _lying(within.waves, half, shape, real)
 
     def forward(self) -> None:
         """Transform what is given."""
@@ -208,8 +234,14 @@ class Filter:
 class CupyFilter(Filter):
     """On a GPU, by plans of CuPy in the stream of Warp's device."""
 
-    def __init__(self, executor: Executor, shape: tuple[int, int], kind: type[np.floating[Any]]) -> None:
-        super().__init__(executor, shape, kind)
+    def __init__(
+        self,
+        executor: Executor,
+        shape: tuple[int, int],
+        kind: type[np.floating[Any]],
+        within: Filter | None = None,
+    ) -> None:
+        super().__init__(executor, shape, kind, within)
         cupy = load_cupy(executor.device)
         cufft = cupy.cuda.cufft
         self.scale = 1.0 / (shape[0] * shape[1])
@@ -235,9 +267,23 @@ class CupyFilter(Filter):
             self._plans[1].fft(self._views[1], self._views[2], 1)
 
 
-def filter_of(executor: Executor, shape: tuple[int, int], kind: type[np.floating[Any]]) -> Filter:
-    """Transforms where the executor's fields are. kind: of number."""
-    return (Filter if executor.device.is_cpu else CupyFilter)(executor, shape, kind)
+def filter_of(
+    executor: Executor,
+    shape: tuple[int, int],
+    kind: type[np.floating[Any]],
+    *,
+    within: Filter | None = None,
+) -> Filter:
+    """Transforms where the executor's fields are. kind: of number. within: where its memory lies."""
+    return (Filter if executor.device.is_cpu else CupyFilter)(executor, shape, kind, within)
+
+
+def _lying(place: Field, start: int, shape: tuple[int, int], dtype: Any) -> Field:
+    """An array in the memory of another, from a byte on; of its own where it does not fit."""
+    size = math.prod(shape) * wp.types.type_size_in_bytes(dtype)
+    if start + size > place.capacity:
+        return wp.zeros(shape, dtype=dtype, device=place.device)
+    return wp.array(ptr=place.ptr + start, dtype=dtype, shape=shape, device=place.device, copy=False)
 
 
 @contextmanager
