@@ -227,6 +227,8 @@ def test_a_film_that_never_breaks_is_its_shear_strength(law: str, device: str) -
     assert (other.pop("bare_fraction") == 0.0).all()
     for name in one.keys() - {"evaluations"}:
         if law in AT_REST or device != "cpu":
+            if name.startswith(("violation", "energy_gap")):  # what each solve leaves
+                continue
             assert_allclose(other[name], one[name], rtol=AT_REST.get(law, 1e-6), atol=1e-9, err_msg=name)
         else:
             assert_array_equal(other[name], one[name], err_msg=name)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
+import warp as wp
 
 from warpwear.contact.balance import RIGID, Balancer, Foundation
 from warpwear.contact.bearing_area import TIE, BearingArea
@@ -33,8 +34,9 @@ from warpwear.surfaces.sphere import sag
 
 #: Fields alive at the peak of a solve: measured were 11 (springs) to 18 (free boundary), without a GPU's.
 FIELDS_NEEDED = 24.0
-#: Beside a GPU, and on it, by the boundary of the half-space.
-FIELDS_BESIDE_GPU, FIELDS_ON_GPU = 10.0, {None: 12.0, "periodic": 15.0, "free": 48.0}
+#: Beside a GPU, and on it, by the boundary of the half-space; measured likewise.
+FIELDS_BESIDE_GPU: dict[str | None, float] = {None: 12.0, "periodic": 10.0, "free": 17.0}
+FIELDS_ON_GPU: dict[str | None, float] = {None: 12.0, "periodic": 15.5, "free": 62.0}
 #: Relative rounding of a load: it may exceed as much what the hardness carries.
 ROUNDING = 1.0e-12
 #: Largest difference between the load carried and the load asked for, relatively.
@@ -272,12 +274,15 @@ def _solve_half_space(task: _Task, executor: Executor, tolerance: float) -> _Fou
     options: dict[str, Any] = {"modulus": 1.0, "boundary": task.edge, "hardness": task.cap}
     options["tolerance"] = tolerance
     if task.mean is not None:
-        found = WindowedHalfSpace(executor, **options).solve(
-            _field(task.gap, executor), load=task.mean * task.gap.size
-        )
+        field = _field(task.gap, executor)
+        if task.edge == "periodic":
+            found = HalfSpace(executor, **options).solve(field, mean_pressure=task.mean)
+        else:
+            found = WindowedHalfSpace(executor, **options).solve(field, load=task.mean * task.gap.size)
         pressure[:], approach = found.pressure, found.approach
         transforms, allowed = found.transforms, found.allowed.item()
-        del found  # its fields, before there are those of all cells
+        del found, field  # before there are more
+        wp.synchronize_device(executor.device)  # which gives their memory back
     assert approach is not None
     reached = task.gap < approach
     if task.mean is None and reached.any():
@@ -447,7 +452,7 @@ def _boundary_of(boundary: str | None, modulus: float | None, sphere_radius: flo
 
 def _check_memory(shape: tuple[int, ...], device: str, edge: str | None) -> None:
     host, *gpu = free_memory(device).items()
-    fields = [FIELDS_BESIDE_GPU if gpu else FIELDS_NEEDED, *(FIELDS_ON_GPU[edge] for _ in gpu)]
+    fields = [FIELDS_BESIDE_GPU[edge] if gpu else FIELDS_NEEDED, *(FIELDS_ON_GPU[edge] for _ in gpu)]
     for (place, there), count in zip([host, *gpu], fields, strict=True):
         needed = count * 8.0 * math.prod(shape)
         if needed > there:
