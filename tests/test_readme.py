@@ -82,6 +82,7 @@ def test_the_map_names_what_is_there() -> None:
         .partition("## What lies where")[2]
     )
     names = re.findall(r"`([a-z_/]+\.py|[a-z_]+/(?:[a-z_]+/)?)`", text)
+    names = [name for name in names if not name.startswith("build/")]  # there once it is made
     assert len(names) > 10
     for name in names:
         places = (ROOT / name, ROOT / "warpwear" / name, ROOT / "bench" / name, ROOT / "tests" / name)

@@ -327,7 +327,9 @@ def test_a_whole_run(tmp_path: Path, device: str) -> None:
                 result.history["wear_volume_disc"][row], rel=1e-10
             )
         figure, _ = drawn(result, "load_share")
-        for axes in (axes for axes in figure.axes if axes.images):
+        maps = [axes for axes in figure.axes if axes.images]
+        assert len(maps) == 4
+        for axes in maps:
             shown = np.ma.filled(axes.images[0].get_array(), np.nan)
             assert np.nansum(shown) * result.study.patches.macro_cell**2 == pytest.approx(8.0, rel=1e-9)
         assert drawn(result, "patch_zoom")[0].axes
