@@ -152,7 +152,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         ("pressure", "MPa", "contact pressure, solved in the step that ends at the snapshot"),
         ("wear_sphere", "mm", "depth worn off the sphere"),
         ("wear_disc", "mm", "depth worn off the disc; of a swept run, over the whole track"),
-        ("gap", "mm", "gap between the bodies after the step's wear"),
+        ("gap", "mm", "gap between the bodies after the step's wear, without elastic deformation"),
     ),
     *_per("cell", ("plastic_disc", "mm", "depth displaced of the track for good, not worn"), only="dents"),
     *_per("cell", ("bare", "1", "1 where a cell was bare of film as the step began, else 0"), only="film"),
