@@ -54,7 +54,7 @@ def figures_in(folder: Path) -> dict[str, Path]:
 
 @pytest.mark.usefixtures("two_cores")
 @pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=[] if kind == "rough" else pytest.mark.slow) for kind in OF_KINDS]
+    "kind", [pytest.param(kind, marks=[] if kind == "smooth" else pytest.mark.slow) for kind in OF_KINDS]
 )
 def test_pictures_are_those_that_the_run_itself_would_draw(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str

@@ -92,28 +92,24 @@ def drawn(result: Result, critical: float | None) -> Any:
 def test_the_figure_shows_all_of_the_area_and_what_is_above(result: Result) -> None:
     figure = drawn(result, 0.06)
     axes, entries = figure.axes[0], [text.get_text() for text in figure.legends[0].get_texts()]
-    for line, areas, distance in zip(
-        axes.lines, result.surface_evolution.island_areas, (1, 10), strict=False
-    ):
-        diameters, shares = line.get_data()
-        assert shares[0] == 0.0
-        assert shares[-1] == pytest.approx(1.0)
-        # What the curve leaves above d* is what the legend says.
-        below = shares[diameters <= 60.0].max(initial=0.0)
-        assert line.get_label() == f"{distance} mm: {100.0 * (1.0 - below):.0f} % > d*"
+    curves = [line for line in axes.lines if line.get_label() in entries]
+    dots = [line for line in axes.lines if line.get_marker() == "o"]
+    assert len(curves) == len(dots) == 2
+    areas_of = result.surface_evolution.island_areas
+    for curve, dot, areas, distance in zip(curves, dots, areas_of, (1, 10), strict=True):
+        diameters, shares = curve.get_data()
+        assert shares[0] == 1.0
+        assert shares[-1] == pytest.approx(0.0, abs=1e-12)
         assert diameters.max() == pytest.approx(2e3 * np.sqrt(areas.max() / np.pi))
+        above = areas[2.0 * np.sqrt(areas / np.pi) > 0.06].sum() / areas.sum()
+        assert dot.get_xydata().ravel().tolist() == pytest.approx([60.0, above])
+        assert curve.get_label() == f"after {distance} mm: {100.0 * above:.0f} %"
+    assert "60 µm" in axes.get_title()
     # A cell of 20 µm is as large as a circle of 22.57 µm.
-    assert [line.get_xdata()[0] for line in axes.lines[2:]] == pytest.approx([22.57, 60.0], rel=1e-3)
-    assert entries[2:] == ["one cell (mesh limit)", "d* = 60 µm"]
-    low, high = axes.get_xlim()
-    assert low < 22.57
-    assert high > 60.0
+    assert axes.get_xlim()[0] == pytest.approx(0.9 * 22.57, rel=1e-3)
 
 
 def test_without_a_critical_size_the_islands_are_drawn_alone(result: Result) -> None:
     figure = drawn(result, None)
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == [
-        "1 mm",
-        "10 mm",
-        "one cell (mesh limit)",
-    ]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["after 1 mm", "after 10 mm"]
+    assert not [line for line in figure.axes[0].lines if line.get_marker() == "o"]

@@ -98,6 +98,7 @@ def test_a_sweep_leads_to_pages_that_are_there(swept: Any) -> None:
     assert f"runs/{run}/report.html" in check_page(swept.folder / "sweep.html")[1].links
 
 
+@pytest.mark.slow
 def test_indices_of_a_sampled_design(tmp_path: Path) -> None:
     """Bars with intervals and dots are Sobol's indices in the order of their size."""
     vary = {"contact.load": "uniform 2 .. 8 N", "wear.sphere": "normal 9.4e-4 +- 0.7e-4 mm^3/N/m"}

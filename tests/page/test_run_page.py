@@ -83,7 +83,9 @@ def array_of(packed: Any) -> Any:
     return np.frombuffer(base64.b64decode(packed["data"]), kind).reshape(packed["shape"][::-1]).T
 
 
-@pytest.mark.parametrize("kind", ["rough", *KINDS])
+@pytest.mark.parametrize(
+    "kind", ["rough", "track", *(pytest.param(k, marks=pytest.mark.slow) for k in KINDS if k != "track")]
+)
 def test_a_run_leaves_a_page_that_needs_nothing(page_of: Callable[[str], Path], kind: str) -> None:
     path = page_of(kind)
     page = path.read_text(encoding="utf-8")
@@ -203,6 +205,7 @@ def test_no_plots_no_page_and_an_old_one_goes(tmp_path: Path) -> None:
     assert (tmp_path / "run/report.html").read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_a_second_process_makes_the_same_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """But for the pictures' compression, which is alike too."""
     start, pages = process.Painter.__init__, []
@@ -247,6 +250,7 @@ def test_a_name_of_a_run_in_memory(tmp_path: Path) -> None:
     assert page.count(b"<img") == 1, "the bodies, drawn of the page's own data"
 
 
+@pytest.mark.slow
 def test_slider_by_keyboard_and_bodies_by_mouse(browser: Any, page_of: Callable[[str], Path]) -> None:
     page, requests, errors = visit(browser, page_of("rough"), viewport={"width": 1280, "height": 900})
     shown = "document.querySelector('.plot.map').data[0].z"

@@ -239,7 +239,8 @@ def removed(path: Path, dice: random.Random) -> None:
     path.unlink()
 
 
-@pytest.mark.parametrize("count", [1, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [100])
 def test_compiled_kernels_that_were_damaged(count: int, tmp_path: Path) -> None:
     """They are compiled anew: a changed instruction would crash, or give other numbers."""
     good = tmp_path / "good"

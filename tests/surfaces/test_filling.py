@@ -161,7 +161,7 @@ def test_every_picture_hatches_them(tmp_path: Path, rough: np.ndarray) -> None:
         assert told == ["hatched: not measured, filled in", ""]
 
 
-@pytest.mark.parametrize("seen", [0.6, 0.28, 0.24])
+@pytest.mark.parametrize("seen", [0.6, pytest.param(0.28, marks=pytest.mark.slow), 0.24])
 def test_a_ball_without_its_steep_corners_has_lost_the_same(rough: np.ndarray, seen: float) -> None:
     worn = np.minimum(-sag(*POINTS, radius=1.0), -0.01) + 0.01 * rough
     holed = np.where(np.hypot.outer(*POINTS) > seen, np.nan, worn)

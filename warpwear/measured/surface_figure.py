@@ -114,7 +114,8 @@ def _numbers(r: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "done", "; ".join(r["operations"]) or "nothing"
     yield "height", f"Sa {r['sa_um']:.3g}, Sq {r['sq_um']:.3g}, Sz {r['sz_um']:.3g} µm"
     yield "", f"Ssk {r['ssk']:.3g}, Sku {r['sku']:.3g}".replace("-", "−")
-    yield "slope", f"Sdq {r['rms_slope']:.3g}, Sdr {r['sdr_percent']:.3g} %, between points"
+    developed = f", Sdr {r['sdr_percent']:.3g} %" if "sdr_percent" in r else ""  # a flat has none
+    yield "slope", f"Sdq {r['rms_slope']:.3g}{developed}, between points"
     if (length := r["autocorrelation_length_um"]) is not None:
         yield "length", f"Sal {length:.3g} µm (autocorrelation falls to 0.2)"
     bearing = r["bearing"]

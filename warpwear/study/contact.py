@@ -38,7 +38,8 @@ class Contact(Section):
 
     load: Annotated[float, Quantity("N")] = key(..., "normal load")
     hardness: Annotated[float, Quantity("MPa", Range(infinite=True), hardness=True)] | None = key(
-        None, "largest pressure of a cell, inf for no limit; by default the softer body's, in the macro model none"
+        None,
+        "largest pressure of a cell, inf for no limit; by default the softer body's, in the macro model none",
     )
     law: Literal["local", "half-space"] = key(
         "local",
