@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +80,7 @@ class WearOptions:
     track: tuple[Path, ...] = ()
     ball: tuple[Path, ...] = ()
     radius: str | None = None
+    diameter: str | None = None
     track_radius: str | None = None
     track_width: str | None = None
     length: str | None = None
@@ -100,6 +101,10 @@ class WearOptions:
 
 def calibrate_wear(options: WearOptions) -> str:
     """Find a wear coefficient: the text for people, or JSON. Raises InputError."""
+    if options.diameter is not None:
+        if options.radius is not None:
+            raise InputError("--radius and --diameter exclude each other: both say how large the ball is")
+        options = replace(options, radius=f"{0.5 * quantity('--diameter', options.diameter, 'mm')!r} mm")
     source = _source(options)
     _check(source, options)
     load = given.load_of(options.load)

@@ -50,6 +50,7 @@ def calibrate() -> None:
     help="Two diameters of a ball's worn patch, e.g. '0.80 mm' '0.82 mm'. Needs --radius.",
 )
 @click.option("--radius", metavar="R", help="Radius of the ball, e.g. '3 mm'.")
+@click.option("--diameter", metavar="D", help="Diameter of the ball, e.g. '6 mm', instead of --radius.")
 @click.option("--track-radius", metavar="R", help="Radius of the circle that the track runs on.")
 @click.option("--track-width", metavar="W", help="--track: width with its pile-up, when it is not found.")
 @click.option("--length", metavar="L", help="Length of the whole track, e.g. '30 mm'. [default: --stroke]")

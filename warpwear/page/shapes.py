@@ -36,7 +36,10 @@ def profiles(plot: Plotter, data: FigureData) -> Section:
         charts.append(
             Chart(title.lower(), title, "place, mm", "height over the disc, µm", lines, static="profiles")
         )
-    text = "Through the middle, at the end, in contact. Before: without the wear of the run."
+    text = (
+        "Through the middle, at the end, in contact, without elastic deformation: where the bodies overlap, "
+        "they are pressed in. Before: without the wear of the run."
+    )
     return Section("The scar in section", charts, "profiles", text)
 
 

@@ -55,11 +55,11 @@ def asked_of(study: Study, summary: dict[str, Any]) -> str:
     """Say in one sentence what the run was to find."""
     load = f"under {study.contact.load:.4g} N"
     more = ", how much is worn off" if study.sliding.total else ""
+    law = "the local law" if study.contact.law == "local" else "the half-space"
     return (
         f"{slider_of(study)} on {disc_of(study)} {motion_of(study, summary)} {load}: how large is the scar, "
         f"how much of it touches and under what pressure{more}, and what is the coefficient of friction at "
-        "the "
-        "end?"
+        f"the end? Model: {study.study.model}, {law}."
     )
 
 
@@ -164,8 +164,8 @@ def trust_of(study: Study, s: dict[str, Any], assumptions: list[dict[str, Any]])
         )
     elif assumptions:
         found.append(
-            f"As a prediction of a test, within what is assumed: {assumed}, none of which decides a number "
-            "above."
+            f"As a prediction of a test, no better than what the study gives: {_given(study, s)}. {assumed} "
+            "besides, none of which decides a number above."
         )
     found.append(f"{warned}. Nothing on this page was compared with a measurement.")
     if filled := s.get("load_on_filled_percent"):
@@ -174,6 +174,13 @@ def trust_of(study: Study, s: dict[str, Any], assumptions: list[dict[str, Any]])
             f"At most {most:.2g} % of the load rests on points that were not measured but filled in."
         )
     return found
+
+
+def _given(study: Study, s: dict[str, Any]) -> str:
+    """Name the numbers of a study that the answers are in proportion to."""
+    strength = "the coefficient of friction" if s["cof_input"] else "the shear strength, to which friction is"
+    worn = ["the wear coefficients, to which the volumes are in proportion"] if study.sliding.total else []
+    return ", and ".join([*worn, strength + ("" if s["cof_input"] else " in proportion")])
 
 
 def _count(number: int, what: str) -> str:

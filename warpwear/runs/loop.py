@@ -32,6 +32,7 @@ from warpwear.study.rules import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
 from warpwear.surfaces.base import Surface
+from warpwear.surfaces.roughness import rms_slope
 
 LOG = logging.getLogger("warpwear")
 
@@ -39,6 +40,8 @@ LOG = logging.getLogger("warpwear")
 ABSURD_COEFFICIENT = 3.0
 #: A step on the half-space whose length changes the area by more, relatively, is told of.
 AREA_ERROR = 0.05
+#: Hardness over E* times the rms slope, above which load over hardness is low by more than some 5 %.
+ELASTIC = 0.2
 #: A contact of fewer cells is not resolved.
 FEW_CELLS = 20
 #: Fewer cells do not even tell by how much.
@@ -95,6 +98,7 @@ class StepLoop:
             self._model, self._surface_record = made.model, made.record
             self._book, self._pieces, self._filled = made.book, made.pieces, made.filled
             self._surface_sum = checksum(made.heights)
+            self._look_at_elasticity(made.heights)
             self._heights = None if study.is_swept else made.heights
             if study.is_swept and writer is not None:
                 writer.add_track(study.track.x, made.heights)
@@ -343,6 +347,21 @@ class StepLoop:
         cells = history["cells_in_contact"]
         if cells.min() < FEW_CELLS <= cells[0]:
             self._report_few_cells(cells.min(), "At times")
+
+    def _look_at_elasticity(self, heights: FloatArray) -> None:
+        """Warn of a disc whose asperities yield elastically before they flow, under the local law."""
+        study, modulus = self.study, self.study.effective_modulus
+        local = study.study.model == "micro" and study.contact.law == "local" and study.is_rough
+        if not local or modulus is None or study.hardness is None or study.contact_task.compliance > 0.0:
+            return
+        slope = rms_slope(heights, pixel=(study.cells.cell,) * 2)
+        ratio = study.hardness / (modulus * slope) if slope > 0.0 else math.inf
+        if ratio > ELASTIC:
+            self._add_warning(
+                f"Asperities yield elastically before they flow: the hardness over E* times the rms slope is "
+                f"{ratio:.2g}, and above {ELASTIC:g} the local law makes the contact too small until wear "
+                'decides it. contact.law = "half-space" couples them.'
+            )
 
     def _report_few_cells(self, count: float, when: str) -> None:
         """Warn of a contact of too few cells, with the size that would do. when: opens the sentence."""

@@ -115,12 +115,14 @@ class Wear(Section):
     """The section [wear] says what each body loses."""
 
     sphere: WearCoefficient = key(
-        ..., "wear coefficient K of the sphere, hardness contained; without a unit k = K H, H as of the disc"
+        ...,
+        'wear coefficient K of the sphere, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without a unit '
+        "k = K H, H as of the disc",
     )
     disc: WearCoefficient = key(
         ...,
-        "wear coefficient K of the disc, hardness contained; without a unit k = K H, with contact.hardness "
-        "or else the softer body's for both bodies",
+        'wear coefficient K of the disc, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without a unit '
+        "k = K H, with contact.hardness or else the softer body's for both bodies",
     )
     law: Literal["archard", "exponential", "running-in", "bearing-curve"] = key(
         "archard", "depth = K × pressure × distance, K constant or by an empirical law of the distance slid"

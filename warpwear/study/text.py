@@ -169,6 +169,9 @@ def _expected(model: type[BaseModel], name: str) -> str:
     info: Any = key_of(model, name)
     section = section_in(info.annotation) if info is not None else None
     if section is not None:
-        return f": a section [{name}] with {', '.join(section.model_fields)}"
+        fields = section.model_fields
+        needed = [key for key, info in fields.items() if info.is_required()]
+        others = f"; it may have {', '.join(k for k in fields if k not in needed)}" if needed else ""
+        return f": a section [{name}] with {', '.join(needed or fields)}{others}"
     meaning = getattr(info, "description", None)
     return f": {meaning}" if meaning else ""
