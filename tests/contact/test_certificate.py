@@ -237,7 +237,7 @@ def judged(what: Problem, pressure: FloatArray, levels: FloatArray) -> Verdict:
             default=0.0,
         )
         energy += float((0.5 * p * (t - g) + p * g).sum())
-        noise += 1e-13 * float((np.abs(p) * np.abs(t)).sum() + np.abs(room).max() * np.abs(t).sum())
+        noise += 2e-13 * float((np.abs(p) * np.abs(t)).sum() + np.abs(room).max() * np.abs(t).sum())
     area = what.cell**2
     inside = bool((pressure >= 0.0).all() and (pressure <= what.caps).all())
     return Verdict(violation, load, inside, gap * area, energy * area, noise * area)

@@ -212,7 +212,7 @@ class BoundedPressure:
         compliances: tuple[float, float, int | None],
         rough: bool,
     ) -> HalfSpaceContact:
-        """Search as `solve` says, pass by pass. rough: begin in single precision, where that may be enough."""
+        """Search as `solve` says, pass by pass. rough: begin in single precision."""
         cells, compliance = self._iterate.cells, compliances[0]
         self._influence.set_compliance(*compliances)
         done = self._influence.transforms

@@ -22,8 +22,8 @@ MODES_PER_THREAD = 30_000
 #: Blocks of rows that threads take one by one, at most, and the modes that a block has at least.
 ROW_BLOCKS = 16
 MODES_PER_BLOCK = 4_000
-#: Width of the blocks of columns that they take, and what their lines are apart beyond it: lines whose distance
-#: is a power of two would meet in the same few places of a cache.
+#: Width of the blocks of columns that they take, and what their lines are apart beyond it: lines apart by a
+#: power of two would meet in the same few places of a cache.
 COLUMNS = 128
 APART = 8
 #: Below any response [mm/MPa].
