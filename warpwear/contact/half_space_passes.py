@@ -20,6 +20,8 @@ from warpwear.kernels import half_space_setup
 NO_CAP = 1.0e300
 #: What a trial may miss of the load, relatively: the next step makes up for it.
 ROUGH_BALANCE = 1.0e-3
+#: Cells of a grid from which responses to steps are made in single precision.
+LEAST_SINGLE = 2**14
 #: Error of a convolution in single precision, over its largest value: measured were 4e-7 to 7e-7.
 SINGLE_ROUNDING = 8.0 * float(np.finfo(np.float32).eps)
 #: Columns of the table that a GPU reduces partial results to.
@@ -72,7 +74,7 @@ class Iterate:
         self.parts, self.cells = 1, influence.cells
         self._arguments = self._for_parts()
         #: Whether responses to steps are made in single precision.
-        self._single = executor.device.is_cpu and influence.of_one_grid
+        self._single = influence.of_one_grid and executor.device.is_cpu and influence.cells >= LEAST_SINGLE
         #: By how much the gradient may be off for that [mm], and what a whole step adds to it.
         self.drift = self._step_drift = 0.0
         for module in (passes, half_space_setup):
