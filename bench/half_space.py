@@ -37,8 +37,8 @@ RADIUS, BALL_SLOPE = 10.0, 0.003
 TARGETS = (1e-4, 1e-8)
 #: A peer's own tolerance over the residual asked of it: the first that gives it is taken.
 FACTORS = (1.0, 0.3, 0.1, 0.03, 0.01)
-#: Load that a pressure may miss, relatively.
-LOAD = 1e-9
+#: Load that a pressure may miss, relatively, over the residual asked.
+LOAD = 1e-2
 #: Nobody waits longer for one solve of a peer [s].
 PATIENCE = 600.0
 HERE = Path(__file__).parent
@@ -180,7 +180,7 @@ def ready(
             if not record:
                 break
             record |= judge(heights, np.load(asked["pressure"]), case) | {"trial": trial}
-            met = record["residual"] <= target and abs(record["load_residual"]) <= LOAD
+            met = record["residual"] <= target and abs(record["load_residual"]) <= LOAD * target
             if met:
                 found.append(record)
             if met or record["processor_seconds"] > PATIENCE:
