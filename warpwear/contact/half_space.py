@@ -413,5 +413,7 @@ class HalfSpace(BoundedPressure):
         except (ConvergenceError, InputError):
             return 0
         nested.spread(on, found.pressure_field, fine, self._iterate.pressure)
+        if fine.device.is_cpu:  # its memory is worth more than the little that making it anew takes
+            self._wide = None
         self._started = True
         return -(-found.transforms // 4)
