@@ -244,9 +244,17 @@ def _turns(
         for side, records in turns.items():
             row[f"{side}_{key}"] = [record[key] for record in records]
     for side, record in (("ours", ours), ("theirs", theirs)):
-        for key in ("residual", "area", "iterations", "memory_mib"):
+        for key in ("residual", "area", "iterations"):
             row[f"{side}_{key}"] = record[key]
+    for side, contender, record in (("ours", us, ours), ("theirs", other, theirs)):
+        row[f"{side}_memory_mib"] = memory_of(contender.name, record["trial"], options)
     return row
+
+
+def memory_of(name: str, trial: dict[str, Any], options: argparse.Namespace) -> float:
+    """Growth of memory in the first solve of a process: a later one finds what earlier ones left."""
+    with Contender(name, options.peers, options.threads) as fresh:
+        return float(fresh.solve(trial | {"pressure": ""})["memory_mib"])
 
 
 HEADS = ("×cpu", "×clock", "ours s", "theirs s", "residuals", "iterations", "MiB")
