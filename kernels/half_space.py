@@ -84,19 +84,25 @@ def advance(
     lowest = Cells(-NONE)
     for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
         cap = caps_of(fields, row, k)
-        x = fields.trial[row, k]
-        s = fields.step[row, k]
-        y = fields.response[row, k]
         p = fields.pressure[row, k]
         t = fields.gradient[row, k]
+        if whole:
+            x = fields.trial[row, k]
+            for j in range(LANES):
+                p[j] = shifted(x[j], shift, cap[j])
+        else:
+            s = fields.step[row, k]
+            for j in range(LANES):
+                p[j] = clipped(p[j] + length * s[j], cap[j])
+        if length > ZERO:  # else there may be no response
+            y = fields.response[row, k]
+            t += length * y
         touch = Cells(ZERO)
         inside = Cells(ZERO)
         inside_level = Cells(ZERO)
         up = Cells(ZERO)
         down = Cells(ZERO)
         for j in range(LANES):
-            p[j] = wp.where(whole, shifted(x[j], shift, cap[j]), clipped(p[j] + length * s[j], cap[j]))
-            t[j] += length * y[j]
             touch[j] = wp.where(p[j] > ZERO, ONE, ZERO)
             inside[j] = wp.where(p[j] < cap[j], touch[j], ZERO)
             inside_level[j] = wp.where(inside[j] > ZERO, t[j], ZERO)
@@ -171,38 +177,39 @@ def products(
         cap = caps_of(fields, row, k)
         p = fields.pressure[row, k]
         t = fields.gradient[row, k]
-        z = descent_in[row, k]
-        s = fields.step[row, k]
-        y = fields.response[row, k]
         f = Cells(ZERO)
-        fz = Cells(ZERO)
-        fr = Cells(ZERO)
-        fy = Cells(ZERO)
-        fzy = Cells(ZERO)
-        fzr = Cells(ZERO)
-        fsr = Cells(ZERO)
-        size_z = Cells(ZERO)
-        size_r = Cells(ZERO)
         for j in range(LANES):
-            is_free = free(p[j], t[j], approach, cap[j])
-            f[j] = is_free
-            fz[j] = wp.where(is_free > ZERO, z[j] - descent_level, ZERO)
-            fr[j] = wp.where(is_free > ZERO, t[j] - approach, ZERO)
-            fy[j] = wp.where(is_free > ZERO, y[j], ZERO)
-            fzy[j] = fz[j] * fy[j]
-            fzr[j] = fz[j] * fr[j]
-            fsr[j] = s[j] * fr[j]
-            size_z[j] = wp.abs(fz[j])
-            size_r[j] = wp.abs(fr[j])
-        count += f
-        descent += fz
-        gradient += fr
-        response += fy
-        zy += fzy
-        zr += fzr
-        sr += fsr
-        largest_z = wp.max(largest_z, size_z)
-        largest_r = wp.max(largest_r, size_r)
+            f[j] = free(p[j], t[j], approach, cap[j])
+        if largest_of(f) > ZERO:  # where none is free the others are not read
+            z = descent_in[row, k]
+            s = fields.step[row, k]
+            y = fields.response[row, k]
+            fz = Cells(ZERO)
+            fr = Cells(ZERO)
+            fy = Cells(ZERO)
+            fzy = Cells(ZERO)
+            fzr = Cells(ZERO)
+            fsr = Cells(ZERO)
+            size_z = Cells(ZERO)
+            size_r = Cells(ZERO)
+            for j in range(LANES):
+                fz[j] = wp.where(f[j] > ZERO, z[j] - descent_level, ZERO)
+                fr[j] = wp.where(f[j] > ZERO, t[j] - approach, ZERO)
+                fy[j] = wp.where(f[j] > ZERO, y[j], ZERO)
+                fzy[j] = fz[j] * fy[j]
+                fzr[j] = fz[j] * fr[j]
+                fsr[j] = s[j] * fr[j]
+                size_z[j] = wp.abs(fz[j])
+                size_r[j] = wp.abs(fr[j])
+            count += f
+            descent += fz
+            gradient += fr
+            response += fy
+            zy += fzy
+            zr += fzr
+            sr += fsr
+            largest_z = wp.max(largest_z, size_z)
+            largest_r = wp.max(largest_r, size_r)
     sums_out[0, slot] = sum_of(count)
     sums_out[1, slot] = sum_of(descent)
     sums_out[2, slot] = sum_of(gradient)

@@ -134,17 +134,23 @@ def gradient(
     gap_in: wp.array2d(dtype=Cells),
     response_in: wp.array2d(dtype=Cells),
     gradient_out: wp.array2d(dtype=Cells),
+    maxima_out: wp.array2d(dtype=wp.float64),
 ):
-    """t = Gp + g; without end in the padding, which therefore stays open."""
+    """t = Gp + g; without end in the padding, which therefore stays open. Maximum: |Gp|."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
+    largest = Cells(ZERO)
     for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
         g = gap_in[row, k]
         u = response_in[row, k]
         t = Cells(ZERO)
+        size = Cells(ZERO)
         for j in range(LANES):
             t[j] = wp.where(k * LANES + j < columns, g[j] + u[j], NONE)
+            size[j] = wp.where(k * LANES + j < columns, wp.abs(u[j]), ZERO)
         gradient_out[row, k] = t
+        largest = wp.max(largest, size)
+    maxima_out[0, slot] = largest_of(largest)
 
 
 @wp.kernel
@@ -154,19 +160,25 @@ def product(
     first_in: wp.array2d(dtype=Cells),
     second_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
 ):
-    """Sum of the products of two fields."""
+    """Sum of the products of two fields. Maximum: |second|."""
     slot = first_slot + wp.tid()
     row = slot // slots_per_row
     total = Cells(ZERO)
+    largest = Cells(ZERO)
     for k in range(slot % slots_per_row, first_in.shape[1], slots_per_row):
         a = first_in[row, k]
         b = second_in[row, k]
         ab = Cells(ZERO)
+        size = Cells(ZERO)
         for j in range(LANES):
             ab[j] = a[j] * b[j]
+            size[j] = wp.abs(b[j])
         total += ab
+        largest = wp.max(largest, size)
     sums_out[0, slot] = sum_of(total)
+    maxima_out[0, slot] = largest_of(largest)
 
 
 @wp.kernel

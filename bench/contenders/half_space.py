@@ -1,7 +1,10 @@
-"""Contacts by one contender, in a process of its own: NAME HEIGHTS.npy PRESSURE.npy and the case as JSON.
+"""Contacts by one contender, in a process of its own: NAME, then a line of JSON on standard input for each.
 
-Prints a line of JSON: seconds by the clock and of processor time, iterations, growth of memory above what is
-held after the imports and a small solve. Needs the contender only: any interpreter that has it will do.
+Answers each with a line of JSON: seconds by the clock and of processor time, iterations, growth of memory
+above what is held before. A first line of its own says the contender's version. Needs the contender only:
+any interpreter that has it will do. A case: heights (file), pressure (file to write, or none), boundary, cap,
+mean_pressure, tolerance (the contender's own), threads, device, setting (the contender's own), wear (whether
+to time steps of wear as well).
 """
 
 import json
@@ -9,13 +12,13 @@ import math
 import sys
 import time
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 MODULUS = 1.0
-THREADS = 2
 WEAR_STEPS = 5
 
 
@@ -54,35 +57,53 @@ def contact_mechanics(heights: Any, case: dict[str, Any]) -> tuple[Any, int]:
         external_force=case["mean_pressure"], pentol=case["tolerance"] * heights.std()
     )
     if not found.success:
-        raise SystemExit(f"ContactMechanics: {found.message}")
+        raise RuntimeError(f"ContactMechanics: {found.message}")
     return np.array(found.jac) * n * n, int(found.nit)
+
+
+def aspher(heights: Any, case: dict[str, Any]) -> tuple[Any, int]:
+    """Nested grids of ASPHER, elastic. setting: keywords of its `solve_nested`."""
+    from aspher import solve_nested
+
+    n = heights.shape[0]
+    found = solve_nested(
+        grid_size=n,
+        gap=-heights.ravel(),
+        p_nominal=case["mean_pressure"],
+        E_star=MODULUS,
+        tol=case["tolerance"],
+        light_result=True,
+        **({"backend": "periodic" if case["boundary"] == "periodic" else "fft"} | case["setting"]),
+    )
+    return np.asarray(found.pressure).reshape(n, n), int(found.iterations)
 
 
 def warpwear(heights: Any, case: dict[str, Any]) -> tuple[Any, int]:
     """Ours, with the operator and the fields made anew."""
-    from warpwear.contact.half_space import HalfSpace
-    from warpwear.engine.executor import Executor
-    from warpwear.grid import Grid
-
-    n = heights.shape[0]
-    with Executor(Grid(n, n, 1.0 / n), device=case["device"], threads=THREADS) as executor:
-        solver = HalfSpace(executor, modulus=MODULUS, hardness=case["cap"], tolerance=case["tolerance"])
+    solver, executor = _ours(heights, case)
+    with executor:
         contact = solver.solve(executor.field(-heights), mean_pressure=case["mean_pressure"])
         return contact.pressure, contact.iterations
 
 
-def wear_steps(heights: Any, case: dict[str, Any]) -> list[float]:
-    """Seconds of implicit steps of wear by warpwear, each a hundredth of the rms height."""
+def _ours(heights: Any, case: dict[str, Any]) -> tuple[Any, Any]:
     from warpwear.contact.half_space import HalfSpace
     from warpwear.engine.executor import Executor
     from warpwear.grid import Grid
 
     n = heights.shape[0]
+    executor = Executor(Grid(n, n, 1.0 / n), device=case["device"], threads=case["threads"])
+    options = {"boundary": case["boundary"], "hardness": case["cap"], "tolerance": case["tolerance"]}
+    return HalfSpace(executor, modulus=MODULUS, **options), executor
+
+
+def wear_steps(heights: Any, case: dict[str, Any]) -> list[float]:
+    """Seconds of implicit steps of wear by warpwear, each a hundredth of the rms height."""
     gap = -heights
     compliance = 0.01 * heights.std() / case["mean_pressure"]
     seconds = []
-    with Executor(Grid(n, n, 1.0 / n), device=case["device"], threads=THREADS) as executor:
-        solver = HalfSpace(executor, modulus=MODULUS, hardness=case["cap"], tolerance=case["tolerance"])
+    solver, executor = _ours(heights, case)
+    with executor:
         solver.solve(executor.field(gap), mean_pressure=case["mean_pressure"])
         for _ in range(WEAR_STEPS):
             field = executor.field(gap)
@@ -97,6 +118,7 @@ CONTENDERS: dict[str, Callable[..., tuple[Any, int]]] = {
     "warpwear": warpwear,
     "tamaas": tamaas,
     "ContactMechanics": contact_mechanics,
+    "ASPHER": aspher,
 }
 
 
@@ -109,30 +131,35 @@ def memory_mib(entry: str) -> float:
 
 
 def main() -> None:
-    name, heights_file, pressure_file, text = sys.argv[1:]
-    case = json.loads(text)
-    heights = np.load(heights_file)
-    CONTENDERS[name](heights[::8, ::8].copy(), {**case, "tolerance": 1e-2})
-    before = memory_mib("VmRSS")
-    Path("/proc/self/clear_refs").write_text("5")
-    seconds, processor = [], []
-    pressure = None
-    for _ in range(int(case["repeats"])):
-        del pressure  # of the repeat before: not to count
+    name = sys.argv[1]
+    solve = CONTENDERS[name]
+    # what is imported and made once, before anything is measured
+    rough = np.random.default_rng(0).normal(size=(128, 128)) * 1e-3
+    small = {"boundary": "periodic", "cap": math.inf, "mean_pressure": 5e-3, "tolerance": 1e-2, "threads": 1}
+    solve(rough, {**small, "device": "cpu", "setting": {}})
+    print(json.dumps({"version": version("warpwear" if name == "warpwear" else name)}), flush=True)
+    for line in sys.stdin:
+        case = json.loads(line)
+        heights = np.load(case["heights"])
+        before = memory_mib("VmRSS")
+        Path("/proc/self/clear_refs").write_text("5")
         start, start_processor = time.perf_counter(), time.process_time()
-        pressure, iterations = CONTENDERS[name](heights, case)
-        seconds.append(time.perf_counter() - start)
-        processor.append(time.process_time() - start_processor)
-    record = {
-        "seconds": seconds,
-        "processor_seconds": processor,
-        "iterations": iterations,
-        "memory_mib": memory_mib("VmHWM") - before,
-    }
-    np.save(pressure_file, pressure)
-    if name == "warpwear":
-        record["wear_step_seconds"] = wear_steps(heights, case)
-    print(json.dumps(record))
+        try:
+            pressure, iterations = solve(heights, case)
+        except Exception as error:
+            print(json.dumps({"failed": f"{type(error).__name__}: {error}"}), flush=True)
+            continue
+        record = {
+            "processor_seconds": time.process_time() - start_processor,
+            "seconds": time.perf_counter() - start,
+            "iterations": iterations,
+            "memory_mib": memory_mib("VmHWM") - before,
+        }
+        if case["pressure"]:
+            np.save(case["pressure"], pressure)
+        if case.get("wear"):
+            record["wear_step_seconds"] = wear_steps(heights, case)
+        print(json.dumps(record), flush=True)
 
 
 if __name__ == "__main__":

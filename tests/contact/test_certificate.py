@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from warpwear import ConvergenceError, solve_contact
+from warpwear.contact import half_space
 from warpwear.contact.certificate import Certificate
 from warpwear.contact.half_space import BoundedPressure, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor
@@ -351,9 +352,9 @@ def test_what_a_search_wrongly_believes_is_an_error(monkeypatch: pytest.MonkeyPa
         solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8, on_device=False)
         right = type(solver._iterate).begin
 
-        def wrong(iterate: Any, field: Any) -> Any:
+        def wrong(iterate: Any, field: Any, **how: bool) -> Any:
             executor.to_numpy(field)[0, :] += 1e-6
-            found = right(iterate, field)
+            found = right(iterate, field, **how)
             executor.to_numpy(field)[0, :] -= 1e-6
             return found
 
@@ -365,6 +366,33 @@ def test_what_a_search_wrongly_believes_is_an_error(monkeypatch: pytest.MonkeyPa
         assert not solver.started
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_responses_in_single_precision_do_not_reach_the_result(
+    monkeypatch: pytest.MonkeyPatch, boundary: str
+) -> None:
+    """A search knows its gradient to a part of what is allowed; left alone, rounding would mislead it."""
+    grid = Grid(128, 128, 0.5)
+    gap = np.random.default_rng(1).standard_normal(grid.shape)
+    off = []
+    for drift in (half_space.DRIFT, math.inf):
+        monkeypatch.setattr(half_space, "DRIFT", drift)
+        with Executor(grid) as executor:
+            solver = HalfSpace(
+                executor,
+                modulus=MODULUS,
+                boundary=boundary,
+                tolerance=1e-8,
+                on_device=False,
+                max_iterations=99,
+            )
+            asked, none = np.full(1, 0.3 * grid.cells), (0.0, 0.0, None)
+            contact = solver.solve(executor.field(gap), mean_pressure=0.3, certified=False)
+            certificate = solver.certificate_of(executor.field(gap), contact, asked, none)
+        off.append(abs(certificate.violation - contact.violation))
+    assert off[0] <= 0.2e-8
+    assert off[1] > 0.2e-8
+
+
 def test_a_search_that_has_drifted_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     grid = Grid(16, 12, 0.5)
     gap = np.random.default_rng(1).standard_normal(grid.shape)
@@ -372,10 +400,10 @@ def test_a_search_that_has_drifted_goes_on(monkeypatch: pytest.MonkeyPatch) -> N
         solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8, on_device=False)
         right, times = type(solver._iterate).begin, iter(range(9))
 
-        def drifting(iterate: Any, field: Any) -> Any:
+        def drifting(iterate: Any, field: Any, **how: bool) -> Any:
             off = 0.0 if next(times) else 1e-6
             executor.to_numpy(field)[0, :] += off
-            found = right(iterate, field)
+            found = right(iterate, field, **how)
             executor.to_numpy(field)[0, :] -= off
             return found
 

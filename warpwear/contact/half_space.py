@@ -26,6 +26,10 @@ TOLERANCE = 1.0e-6
 MAX_ITERATIONS = 1000
 #: Smaller differences of displacements, relative to them, are those of the last digits.
 ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
+#: Error of the gradient, over the violation left, from which it is made anew.
+DRIFT = 0.2
+#: Tolerance from which single precision may be enough for a whole search.
+LOOSE = 1.0e-5
 #: Times that a search goes on from its own result where that cannot be certified.
 RENEWALS = 3
 
@@ -150,11 +154,12 @@ class BoundedPressure:
         certified = not self._started if certified is None else certified
         transforms = 0 if self._started else self._start(gap, asked, approach, compliances, parts)
         iterations = 0
-        for _ in range(1 + RENEWALS):
+        for renewal in range(1 + RENEWALS):
             if self.on_device is not None and asked is not None and self._iterate.parts == 1:
                 contact = self._solve_on(self.on_device, gap, float(asked.item()), compliances, parts)
             else:
-                contact = self._search(gap, asked, approach, compliances)
+                rough = self._tolerance >= LOOSE and not renewal
+                contact = self._search(gap, asked, approach, compliances, rough)
             iterations, transforms = iterations + contact.iterations, transforms + contact.transforms
             contact = replace(contact, iterations=iterations, transforms=transforms)
             if not certified:
@@ -205,8 +210,9 @@ class BoundedPressure:
         asked: FloatArray | None,
         approach: float | None,
         compliances: tuple[float, float, int | None],
+        rough: bool,
     ) -> HalfSpaceContact:
-        """Search as `solve` says, pass by pass."""
+        """Search as `solve` says, pass by pass. rough: begin in single precision."""
         cells, compliance = self._iterate.cells, compliances[0]
         self._influence.set_compliance(*compliances)
         done = self._influence.transforms
@@ -222,7 +228,7 @@ class BoundedPressure:
             )
             self._started = True
         search = Search(self._iterate, asked, approach, stiffness)
-        state = self._iterate.begin(gap)
+        state = self._iterate.begin(gap, single=rough)
         for iteration in range(self._max_iterations + 1):
             level = search.level(state)
             violation = np.maximum(np.maximum(state.highest - level, level - state.lowest), 0.0)
@@ -231,6 +237,9 @@ class BoundedPressure:
             allowed = np.maximum(self._tolerance * scale, ROUNDING * yielded)
             off = _load_residual(state.total, asked)
             loaded = abs(off) <= LOAD_TOLERANCE
+            if self._iterate.drift > DRIFT * max(float(violation.min()), float(allowed.min())):
+                state = self._iterate.begin(gap)
+                continue
             if loaded and (violation <= allowed).all():
                 return HalfSpaceContact(
                     approaches=level,
@@ -404,5 +413,7 @@ class HalfSpace(BoundedPressure):
         except (ConvergenceError, InputError):
             return 0
         nested.spread(on, found.pressure_field, fine, self._iterate.pressure)
+        if fine.device.is_cpu:  # its memory is worth more than the little that making it anew takes
+            self._wide = None
         self._started = True
         return -(-found.transforms // 4)

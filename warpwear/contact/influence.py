@@ -48,9 +48,14 @@ class Operator(ABC):
         """Pairs of transforms done so far, of the response and of its inverse."""
         return self._far.transforms + (self._near.transforms if self._near is not self._far else 0)
 
-    def respond(self, pressure: Field, displacement: Field, *, counted: bool = True) -> None:
-        """Displacement [mm] under a pressure [MPa], compliances included. counted: among the transforms."""
-        self._far.filter(pressure, self._response, displacement)
+    def respond(
+        self, pressure: Field, displacement: Field, *, counted: bool = True, single: bool = False
+    ) -> None:
+        """Displacement [mm] under a pressure [MPa], compliances included. counted: among the transforms.
+
+        single: whether single precision will do, where the transforms have it.
+        """
+        self._far.filter(pressure, self._response, displacement, single=single)
         self._far.transforms -= not counted
 
     def coefficients(self, rows: IntArray, columns: IntArray) -> FloatArray:
@@ -190,6 +195,7 @@ def free_coefficients(cell: float, modulus: float, rows: int, columns: int) -> F
     corners_x, corners_y = ((np.arange(n + 1) - 0.5)[:, np.newaxis] * cell for n in (rows, columns))
     x, y = corners_x, corners_y.T
     # by inverse hyperbolic sines: the logarithms differ by what cancels between the corners
-    corner = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
+    corner = x * np.arcsinh(y / np.abs(x))
+    corner += corner.T if rows == columns else y * np.arcsinh(x / np.abs(y))
     total = corner[1:, 1:] - corner[1:, :-1] - corner[:-1, 1:] + corner[:-1, :-1]
     return np.asarray(total / (math.pi * modulus))

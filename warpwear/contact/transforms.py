@@ -23,8 +23,10 @@ MODES_PER_THREAD = 30_000
 #: Blocks of rows that threads take one by one, at most, and the modes that a block has at least.
 ROW_BLOCKS = 16
 MODES_PER_BLOCK = 4_000
-#: Width of the blocks of columns that they take.
-COLUMNS = 64
+#: Width of the blocks of columns that they take, and what their lines are apart beyond it: lines apart by a
+#: power of two would meet in the same few places of a cache.
+COLUMNS = 128
+APART = 8
 #: Bytes at whose multiples arrays begin.
 ALIGNED = 256
 #: Below any response [mm/MPa].
@@ -55,11 +57,13 @@ class Transforms(ABC):
         return table + self.table(own + line[:, np.newaxis])
 
     @abstractmethod
-    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+    def filter(
+        self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False, single: bool = False
+    ) -> None:
         """field_out = inverse(forward(field_in) × table), on the cells of the grid; may be the same field.
 
         divide: ÷ instead of ×; modes where the table is 0 are left out. For a preconditioner, so single
-        precision will do.
+        precision will do. single: whether it may do for × as well; not all transforms have it.
         """
 
 
@@ -95,12 +99,17 @@ class ScipyTransforms(Transforms):
         self._rows = _blocks(0, nx, -(-nx // blocks))
         self._columns = _blocks(0, self._held, COLUMNS) + _blocks(self._held, modes, COLUMNS)
         self._pool = pool_for(executor, nx * modes)
+        #: The last table in single precision, and the reciprocals of the last one that was divided by.
+        self._single: dict[bool, tuple[Any, Any]] = {}
 
-    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+    def filter(
+        self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False, single: bool = False
+    ) -> None:
         self.transforms += 1
         held = self._held
-        real: Any = np.float32 if divide else np.float64
-        kind: Any = np.complex64 if divide else np.complex128
+        real: Any = np.float32 if divide or single else np.float64
+        kind: Any = np.complex64 if divide or single else np.complex128
+        factors = self._in_single(table, divide) if divide or single else table
         nx, ny = self._executor.grid.shape
         values, result = self._executor.to_numpy(field_in), self._executor.to_numpy(field_out)
         first: Any = result[:, : 2 * held].view(kind)[:, :held]
@@ -113,14 +122,12 @@ class ScipyTransforms(Transforms):
         def across(columns: slice) -> None:
             part = first if columns.start < held else rest
             start = columns.start if columns.start < held else columns.start - held
-            block = part[:, start : start + columns.stop - columns.start]
-            lines = fft.fft(block, n=self.shape[0], axis=0, overwrite_x=True)
-            factor = table[:, columns].astype(real, copy=False)
-            if divide:
-                np.divide(lines, factor, out=lines, where=factor > 0.0)
-                lines[factor == 0.0] = 0.0
-            else:
-                lines *= factor
+            width = columns.stop - columns.start
+            block = part[:, start : start + width]
+            lines = np.empty((self.shape[0], width + APART), kind)[:, :width]
+            lines[:nx], lines[nx:] = block, 0.0
+            lines = fft.fft(lines, axis=0, overwrite_x=True)
+            lines *= factors[:, columns]
             block[:] = fft.ifft(lines, axis=0, overwrite_x=True)[:nx]
 
         def back(rows: slice) -> None:
@@ -130,6 +137,19 @@ class ScipyTransforms(Transforms):
         for_each(self._pool, forward, self._rows)
         for_each(self._pool, across, self._columns)
         for_each(self._pool, back, self._rows)
+
+    def _in_single(self, table: Any, divide: bool) -> Any:
+        """A table in single precision, or 1/table, 0 where it is 0."""
+        kept = self._single.get(divide, (None, None))
+        if kept[0] is not table:
+            factors = np.empty(table.shape, np.float32)
+            for rows in _blocks(0, len(table), COLUMNS):
+                values = table[rows]
+                if divide:
+                    values = np.divide(1.0, values, out=np.zeros_like(values), where=values > 0.0)
+                factors[rows] = values
+            kept = self._single[divide] = table, factors
+        return kept[1]
 
 
 class CupyTransforms(Transforms):
@@ -157,7 +177,9 @@ class CupyTransforms(Transforms):
         with self._device, self._stream:
             return super().added(table, own, line)
 
-    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+    def filter(
+        self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False, single: bool = False
+    ) -> None:
         self.transforms += 1
         cupy, fft = self._cupy, self._cupy.fft
         with self._device, self._stream:

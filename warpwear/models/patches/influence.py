@@ -39,10 +39,12 @@ class PatchTransforms(Transforms):
         self._block = max(1, BLOCK // modes)
         self._pool = pool_for(executor, self.patches * modes)
 
-    def filter(self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False) -> None:
+    def filter(
+        self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False, single: bool = False
+    ) -> None:
         """field_out = inverse(forward(field_in) × table), patch by patch; may be the same field.
 
-        divide: ÷ instead, in single precision; modes where the table is 0 are left out.
+        divide: ÷ instead, in single precision; modes where the table is 0 are left out. single: not used.
         """
         self.transforms += 1
         side, shape, axes = self._side, self.shape, (1, 2)
