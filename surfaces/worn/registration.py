@@ -1,8 +1,8 @@
 """The difference of two measurements of one place, one laid over the other: shift, rotation and tilt."""
 
+import itertools
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,10 @@ ANGLE_STEP = 0.5  # coarse points by which the ends of the field move between tw
 FIT_POINTS = 150_000  # more change the fit by less than the noise does
 COARSE_POINTS = 6_000  # of coarse maps that are fitted to each other
 ROUNDS = 30  # of the fit
-CANDIDATES = 5  # angles that are fitted to coarse maps
+CANDIDATES = 5  # places, of each whitening, that are fitted to coarse maps
+WHITENED = (1.0, 0.5)  # power of a wave's strength that is taken off: a lay of few waves needs some left
+APART = 3.0  # coarse steps, or steps of the angle, by which two places differ
+CERTAIN = 0.8  # correlation from which no other place is tried
 KEPT = 4.0  # robust standard deviations: what differs more is worn and not fitted to
 FORM_POINTS = 5_000  # that the first form is fitted to
 FORM_ROUNDS = 20  # of weighted fits that find the form of least absolute deviations
@@ -114,7 +117,7 @@ def _coarse_place(
 ) -> FloatArray:
     """Return shift x, y [mm] and rotation [rad] by phase correlation of coarse maps, shape (3,).
 
-    Of the angles whose correlation has the highest peaks it is the one at which the maps, fitted to each
+    Of the places with the highest peaks over all angles it is the one about which the maps, fitted to each
     other, correlate best.
     """
     extent = [n * p for n, p in zip(later.shape, pixel, strict=True)]
@@ -129,22 +132,42 @@ def _coarse_place(
     unworn = _unworn(np.nan_to_num(coarse.at(x, y, here)))
     waves = fft.rfft2(taper * np.nan_to_num(unworn), s=size)
     turns = ANGLE_STEP * step / (0.5 * math.hypot(*extent))
-    peaks: list[tuple[float, FloatArray]] = []
+    peaks: dict[float, list[tuple[float, FloatArray]]] = {power: [] for power in WHITENED}
     for angle in np.arange(-math.ceil(LARGEST_ANGLE / turns), math.ceil(LARGEST_ANGLE / turns) + 1) * turns:
         turned = np.nan_to_num(there.at(x, y, np.array([0.0, 0.0, angle])))
         both = np.conj(waves) * fft.rfft2(taper * turned, s=size)
-        found = fft.irfft2(both / np.maximum(np.abs(both), np.finfo(float).tiny), s=size)
-        # smoothed, as a shift between two points is spread over both
-        found = ndimage.gaussian_filter(found, 1.0, mode="wrap")
-        i, j = (int(k) for k in np.unravel_index(int(np.argmax(found)), found.shape))
-        moved = [step * (k - n if k > n // 2 else k) for k, n in zip((i, j), size, strict=True)]
-        cosine, sine = math.cos(angle), math.sin(angle)
-        place = [cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle]
-        peaks.append((float(found.max()), np.array(place)))
-    peaks.sort(key=lambda peak: -peak[0])
-    fitted = partial(_fitted, unworn, there, pixel=(step, step), points=COARSE_POINTS)
-    fits = [fitted(place) for _, place in peaks[:CANDIDATES]]
-    return max(fits, key=lambda fit: -math.inf if math.isnan(fit[1]) else fit[1])[0]
+        strength = np.maximum(np.abs(both), np.finfo(float).tiny)
+        for power, found in peaks.items():
+            # smoothed, as a shift between two points is spread over both
+            peak = ndimage.gaussian_filter(fft.irfft2(both / strength**power, s=size), 1.0, mode="wrap")
+            i, j = (int(k) for k in np.unravel_index(int(np.argmax(peak)), peak.shape))
+            moved = [step * (k - n if k > n // 2 else k) for k, n in zip((i, j), size, strict=True)]
+            cosine, sine = math.cos(angle), math.sin(angle)
+            place = [cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle]
+            found.append((float(peak.max()), np.array(place)))
+    near = np.array([APART * step, APART * step, APART * turns])
+    best, place = -math.inf, here
+    for start in _alternating(*(_distinct(found, near) for found in peaks.values())):
+        fitted, correlation = _fitted(unworn, there, start, pixel=(step, step), points=COARSE_POINTS)
+        if correlation > best:
+            best, place = correlation, fitted
+        if best > CERTAIN:
+            break
+    return place
+
+
+def _distinct(peaks: list[tuple[float, FloatArray]], near: FloatArray) -> list[FloatArray]:
+    """Return the places of the highest peaks, shape (3,) each, of those `near` each other the highest."""
+    kept: list[FloatArray] = []
+    for _, place in sorted(peaks, key=lambda peak: -peak[0]):
+        if all((np.abs(place - other) > near).any() for other in kept):
+            kept.append(place)
+    return kept[:CANDIDATES]
+
+
+def _alternating(*lists: list[FloatArray]) -> list[FloatArray]:
+    """Return the first of each list, then the second of each, and so on."""
+    return [item for row in itertools.zip_longest(*lists) for item in row if item is not None]
 
 
 def _unworn(heights: FloatArray) -> FloatArray:
