@@ -94,26 +94,36 @@ def pair(rng, kind, worn, *, shape=SHAPE, noise=0.03):
     )
 
 
-def off_by_errors(seed, kind, worn):
-    """Return by how many errors a case is off: worn, piled up, net volume, area, and its profile's share.
+@dataclass(frozen=True)
+class Off:
+    """By how many errors measured quantities are off, and these errors over the true values."""
 
-    None where it is refused.
-    """
+    off: dict
+    relative: dict
+
+
+def off_by_errors(seed, kind, worn):
+    """Measure a case: volumes, area, mean profile at every tenth place. Return the sentence of a refusal."""
     case = pair(np.random.default_rng(seed), kind, worn)
     try:
         both = difference(case.after, case.before, pixel=(PIXEL, PIXEL), earlier_pixel=(PIXEL, PIXEL))
         found = find_scar(both.heights, pixel=(PIXEL, PIXEL))
     except InputError as error:
         return str(error)
-    measured = [found.volume, found.piled_up, found.net, found.area]
-    errors = [found.volume_error, found.piled_up_error, found.net_error, found.area_error]
     truth = case.truth(both.window)
-    off = [(m - t) / e for m, t, e in zip(measured, truth, errors, strict=True)]
+    off = {
+        "worn": (found.volume - truth[0]) / found.volume_error,
+        "piled up": (found.piled_up - truth[1]) / found.piled_up_error,
+        "net": (found.net - truth[2]) / found.net_error,
+    }
+    relative = {"worn": found.volume_error / truth[0], "net": found.net_error / abs(truth[2])}
+    if truth[1]:
+        relative["piled up"] = found.piled_up_error / truth[1]
+    if worn != "asperities":  # of those the scar has the valleys, too
+        off["area"] = (found.area - truth[3]) / found.area_error
+        relative["area"] = found.area_error / truth[3]
     profile = mean_profile(found)
-    return (
-        off,
-        [e / t if t else math.nan for e, t in zip(errors, truth, strict=True)],
-        profile,
-        both.window,
-        case,
-    )
+    lost = (case.gone - case.piled)[both.window][profile.rows].mean(axis=0)
+    off["profile"] = (profile.depth - lost)[::10] / profile.band
+    relative["profile"] = profile.band / lost.max()
+    return Off(off, relative)

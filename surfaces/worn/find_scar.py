@@ -36,7 +36,8 @@ class Profile:
     y: FloatArray  # places across [mm] from the middle of the field, shape (ny,)
     depth: FloatArray  # mean depth below the unworn form [mm], shape (ny,)
     band: float  # its standard error at any one place [mm]
-    length: float  # of the part along sliding that is averaged [mm]
+    rows: slice  # of the field, that are averaged
+    length: float  # of these [mm]
 
 
 def find_scar(heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1) -> Patch:
@@ -76,6 +77,10 @@ def find_scar(heights: FloatArray, *, pixel: tuple[float, float], degree: int = 
             )
         if same:
             break
+    if sides_reached(patch) == 4:
+        raise InputError(
+            "the scar is larger than the field, of which it reaches all four sides: a wider one is needed"
+        )
     found = measured_patch(lost, reach, unworn, pixel=pixel, terms=terms, noise=noise)
     if not found.volume > LEAST_ERRORS * found.volume_error:
         raise InputError(
@@ -107,7 +112,8 @@ def mean_profile(scar: Patch) -> Profile:
     enough = known > 0.8 if (known > 0.8).any() else known >= known.max()
     band = math.sqrt(float(np.square(means[enough] / known[enough]).mean()))
     y = places((lost.shape[0], lost.shape[1]), scar.pixel)[1]
-    return Profile(y, np.asarray(lost[first : first + count].mean(axis=0)), band, count * px)
+    averaged = slice(first, first + count)
+    return Profile(y, np.asarray(lost[averaged].mean(axis=0)), band, averaged, count * px)
 
 
 def _scatter(values: FloatArray) -> float:
