@@ -143,8 +143,8 @@ def _coarse_place(
             i, j = (int(k) for k in np.unravel_index(int(np.argmax(peak)), peak.shape))
             moved = [step * (k - n if k > n // 2 else k) for k, n in zip((i, j), size, strict=True)]
             cosine, sine = math.cos(angle), math.sin(angle)
-            place = [cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle]
-            found.append((float(peak.max()), np.array(place)))
+            turned_place = [cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle]
+            found.append((float(peak.max()), np.array(turned_place)))
     near = np.array([APART * step, APART * step, APART * turns])
     best, place = -math.inf, here
     for start in _alternating(*(_distinct(found, near) for found in peaks.values())):

@@ -251,13 +251,24 @@ def _of_scar(scar: ScarComparison) -> list[Section]:
     fields = {
         "measured": scar.measured.lost,
         first.name: first.lost,
-        "their difference": scar.measured.lost - first.lost,
+        f"measured − {first.name}": scar.measured.lost - first.lost,
     }
-    low, high = (1e3 * float(of([v.min() for v in fields.values()])) for of in (min, max))
-    high = max(1e3 * float(v.max()) for v in fields.values())
-    coded = [Coded.of(1e3 * v[:: step[0], :: step[1]], low, high) for v in fields.values()]
-    says = [f"mean {1e3 * float(v[scar.measured.patch].mean()):.3g} µm in the scar" for v in fields.values()]
-    maps = Map("scar", "Depth lost", list(fields), scar.extent, coded, says, unit="µm", static="scar")
+    low = 1e3 * min(float(v.min()) for v in fields.values())
+    high = 1e3 * max(float(v.max()) for v in fields.values())
+    inside = scar.measured.patch
+    maps = [
+        Map(
+            f"scar_{number}",
+            f"Depth lost: {name}",
+            [""],
+            scar.extent,
+            [Coded.of(1e3 * lost[:: step[0], :: step[1]], low, high)],
+            [f"mean {1e3 * float(lost[inside].mean()):.3g} µm in the scar"],
+            unit="µm",
+            static="" if number else "scar",
+        )
+        for number, (name, lost) in enumerate(fields.items())
+    ]
     y, depth, band = scar.y, 1e3 * scar.profile.depth, 1e3 * scar.profile.band
     lines = [Line("measured", figures.GREYS[0], y, -depth, low=-depth - band, high=-depth + band)]
     for number, run in enumerate(scar.computed):
@@ -267,7 +278,7 @@ def _of_scar(scar: ScarComparison) -> list[Section]:
     )
     told = "Measured with its standard error, from what such a mean finds on unworn surface."
     return [
-        Section("The scar, measured and computed", [maps], "scar", "", list(fields)),
+        Section("The scar, measured and computed", maps, "scar", "All on one scale."),
         Section("Mean profiles of the scar", [profiles], "groove", told),
     ]
 

@@ -205,28 +205,15 @@ def _rows_computed(scar: ScarComparison, computed: ComputedScar) -> list[Row]:
     gap, apart = (m.lost - c.lost)[m.patch], scar.profile.depth - c.profile
     depths, profiles = (1e3 * math.sqrt(float(np.square(v).mean())) for v in (gap, apart))
     of_net, error = "(net, in the measured field)", ("error_mm3", m.net_error)
-    of_each = "(rms; ± of each place)"
+    of_each, each = "(rms; ± of each place)", ("profile_error_um", band)
     size = [Row("along", "patch_along_mm", c.along), Row("across", "patch_across_mm", c.across)]
     return [
         Row("worn patch", "", size),
         Row("volume", "volume_mm3", c.volume),
         Row("Sq in the scar", "sq_um", None if math.isnan(c.sq) else c.sq, digits=3),
-        Row(
-            "measured less it",
-            "difference_mm3",
-            m.net - c.volume,
-            error=("error_mm3", m.net_error),
-            note=of_net,
-        ),
+        Row("measured less it", "difference_mm3", m.net - c.volume, error=error, note=of_net),
         Row("depths differ by", "rms_um", depths, digits=3, note="(rms in the scar)"),
-        Row(
-            "profiles by",
-            "profile_rms_um",
-            profiles,
-            digits=3,
-            error=("profile_error_um", band),
-            note="(rms)",
-        ),
+        Row("profiles by", "profile_rms_um", profiles, digits=3, error=each, note=of_each),
     ]
 
 
