@@ -31,6 +31,7 @@ CERTAIN = 0.8  # correlation from which no other place is tried
 KEPT = 4.0  # robust standard deviations: what differs more is worn and not fitted to
 FORM_POINTS = 5_000  # that the first form is fitted to
 FORM_ROUNDS = 20  # of weighted fits that find the form of least absolute deviations
+STEP = 0.05  # of the field, over which both are compared
 ALIKE = 30.0  # times by which the steps of both surfaces may differ: more is another unit
 SETTLED = 1e-3  # pixels that the ends of the field move in a last round
 LEAST_CORRELATION = 0.5  # below it a difference scatters more than either measurement
@@ -185,7 +186,7 @@ def _check_alike(
 ) -> None:
     """Raise InputError where two measurements [mm] cannot show one place: another size, or another unit.
 
-    Compared are the fields, and the median step of height between points as far apart as the larger pixel.
+    Compared are the fields, and the median step of height over a part of them, where noise decides less.
     """
     sizes = [
         math.prod(n * d for n, d in zip(z.shape, p, strict=True))
@@ -199,10 +200,10 @@ def _check_alike(
             f"{_told(later.shape, pixel)} mm: at least {100.0 * LEAST_OVERLAP:g} % of it must be in both, by "
             f"{FEWEST_PIXELS} points or more along each side; --pixel overrides what files say"
         )
-    coarser = max(*pixel, *earlier_pixel)
+    apart = max(*pixel, *earlier_pixel, STEP * later.shape[0] * pixel[0])
     steps = []
     for z, p in ((later, pixel), (earlier, earlier_pixel)):
-        i, j = (max(1, round(coarser / d)) for d in p)
+        i, j = (max(1, round(apart / d)) for d in p)
         steps.append(float(np.nanmedian(np.abs(np.diff(z[::i, ::j], axis=0)))))
     if min(steps) > 0.0 and not 1.0 / ALIKE <= steps[1] / steps[0] <= ALIKE:
         raise InputError(
