@@ -1,7 +1,7 @@
 """The wear scar in a measurement, or in the difference of two: what is gone, and what is piled up."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -87,7 +87,12 @@ def find_scar(heights: FloatArray, *, pixel: tuple[float, float], degree: int = 
             f"no scar was found: the deepest region has lost {found.volume:.3g} mm³, with a standard error "
             f"of {found.volume_error:.2g} mm³"
         )
-    return found
+    # a ragged scar ends at its outermost worn asperities, not at the rings about them
+    smooth = ndimage.uniform_filter(lost, SMOOTHED, mode="nearest")
+    sharp = patch & (smooth > THRESHOLD * _scatter(smooth[unworn]))
+    ends = [np.flatnonzero(sharp.any(axis=1 - axis)) for axis in (0, 1)]
+    along, across = (float(e[-1] - e[0] + 1) * d if e.size else 0.0 for e, d in zip(ends, pixel, strict=True))
+    return replace(found, along=along or found.along, across=across or found.across)
 
 
 def sides_reached(patch: BoolArray) -> int:

@@ -31,7 +31,7 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     np.save(folder / "after.npy", seen(field, lost.shape) - 1.1 * lost + noise[0])
     before = seen(field, lost.shape, shift=(0.02, -0.03), angle=0.02)
     np.save(folder / "before.npy", before + noise[1])
-    np.save(folder / "nm.npy", 1e6 * before)
+    np.save(folder / "um.npy", 1e3 * before)
     np.save(folder / "true.npy", 1.1 * lost)
     return folder
 
@@ -68,7 +68,7 @@ def refusal(here: Path, *more: str) -> str:
 
 def test_wrong_data_are_one_sentence(here: Path) -> None:
     after = str(here / "after.npy")
-    assert "times as rough as FILE" in refusal(here, "--scar", after, "--before", str(here / "nm.npy"))
+    assert "times as rough as FILE" in refusal(here, "--scar", after, "--before", str(here / "um.npy"))
     assert "the file's pixel has another unit" in refusal(
         here, "--scar", after, "--before", str(here / "before.npy"), "--pixel", "0.5 mm"
     )

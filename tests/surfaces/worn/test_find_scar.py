@@ -31,7 +31,7 @@ def test_coverage_of_scars():
     known = [f for f in found if not isinstance(f, str)]
     assert len(known) > 0.9 * len(found)
     off = np.abs([[f.off[name] for name in ("worn", "piled up", "net")] for f in known])
-    assert 0.6 < np.mean(off < 1)
+    assert np.mean(off < 1) > 0.6
     assert np.mean(off < 2) > 0.9
 
 
