@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases_scars import seen
-from cases_worn import self_affine
+from cases_worn import seen, self_affine
 from click.testing import CliRunner, Result
 
 import warpwear

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from cases_scars import PIXEL, SCARS, off_by_errors, pair, seen
-from cases_worn import self_affine
+from cases_worn import PIXEL, SCARS, off_by_errors, pair, seen, self_affine
 
 from warpwear.errors import InputError
 from warpwear.surfaces.worn.find_scar import find_scar

@@ -1,6 +1,6 @@
 """How often the volumes of a scar, after less before, are off by more than their errors.
 
-    python bench/scars.py [--cases 40] [--jobs 8] [--kinds self-affine turned rolled-off real] [--seed 23]
+    python bench/cases/scars.py [--cases 40] [--jobs 8] [--kinds self-affine turned rolled-off real] [--seed 23]
 
 cuts scars of known volume (bowls, bowls and grooves with pile-up, truncated asperities) into made and real
 measured surfaces, of which before and after are shifted by up to 6 % of the field, turned by up to 3°, tilted
@@ -21,10 +21,9 @@ import numpy as np
 
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(name, "1")
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 
-from cases_scars import SCARS, Off, off_by_errors  # noqa: E402
-from cases_worn import SHARED  # noqa: E402
+from cases_worn import SCARS, SHARED, Off, off_by_errors  # noqa: E402
 
 KINDS = ("self-affine", "turned", "rolled-off", "real")
 QUANTITIES = ("worn", "piled up", "net", "area", "profile")
