@@ -1,6 +1,6 @@
 """How often the volumes of a scar, after less before, are off by more than their errors.
 
-    python bench/cases/scars.py [--cases 40] [--jobs 8] [--kinds self-affine turned rolled-off real] [--seed N]
+    python bench/cases/scars.py [--cases 40] [--jobs 8] [--kinds self-affine turned rolled-off real]
 
 cuts scars of known volume (bowls, bowls and grooves with pile-up, truncated asperities) into made and real
 measured surfaces, of which before and after are shifted by up to 6 % of the field, turned by up to 3°, tilted

@@ -31,6 +31,7 @@ CERTAIN = 0.8  # correlation from which no other place is tried
 KEPT = 4.0  # robust standard deviations: what differs more is worn and not fitted to
 FORM_POINTS = 5_000  # that the first form is fitted to
 FORM_ROUNDS = 20  # of weighted fits that find the form of least absolute deviations
+FINE = 1.0 / 16.0  # of the shorter side: the width of the mean from which fine heights are taken
 STEP = 0.05  # of the field, over which both are compared
 ALIKE = 30.0  # times by which the steps of both surfaces may differ: more is another unit
 SETTLED = 1e-3  # pixels that the ends of the field move in a last round
@@ -264,7 +265,16 @@ def _fitted(
     rough = [z[kept] - tilt @ np.linalg.lstsq(tilt, z[kept], rcond=None)[0] for z in (known, below)]
     if min(float(np.ptp(z)) for z in rough) == 0.0:
         return place, math.nan
-    return place, float(np.corrcoef(*rough)[0, 1])
+    whole = float(np.corrcoef(*rough)[0, 1])
+    # long waves of any two surfaces can be laid over each other: what is left of both must agree, too
+    shape = later[::stride, ::stride].shape
+    weight = kept.reshape(shape) * 1.0
+    fine = []
+    for z in (known, below):
+        heights, width = np.where(kept, z, 0.0).reshape(shape), FINE * min(shape)
+        smooth, sums = (ndimage.gaussian_filter(v, width) for v in (heights, weight))
+        fine.append((heights - smooth / np.maximum(sums, 1e-9)).ravel()[kept])
+    return place, min(whole, float(np.corrcoef(*fine)[0, 1]))
 
 
 def unchanged(values: FloatArray, terms: FloatArray) -> BoolArray:
