@@ -12,10 +12,9 @@ from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.filling import filled
 from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
-from warpwear.surfaces.worn.waviness import waviness
+from warpwear.surfaces.worn.patch import Patch, density_of, grown, measured_patch
 
 ndimage = lazy.module("scipy.ndimage")
-special = lazy.module("scipy.special")
 
 THRESHOLD = 4.0  # robust standard deviations of the unworn surface by which the worn patch lies below
 FIRST_RING = 0.5  # of the field's half width: the unworn part is looked for outside of it first
@@ -28,13 +27,6 @@ AGREEMENT = 0.03  # of the volume, or three standard errors, by which two starts
 ROUNDS = 30  # in which the patch is found
 SMOOTHED = 5  # pixels along each side of the mean in which the deeper part is looked for
 REACH = 1.25  # of the radius of a flat cut's patch: what lies farther from its deeper half is not worn
-RINGS = 40  # around the patch, looked at for its edge; each is 3 % of its mean radius wide, or 2 pixels
-RING_WIDTH = 0.03  # of the patch's mean radius
-RIM = 0.15  # of the patch's mean radius: the width beside it that is neither worn nor fitted
-BLOCKS = 8  # along each side of the field, whose means tell how far roughness averages out
-CELLS = 14  # along each side of the field, about, at which the error of a volume looks at the unworn surface
-LEAST_CELL = 0.5  # of a cell that must be unworn
-LEAST_BLOCK = 0.25  # of a block that must be unworn
 TOO_LITTLE = "too little of the ball is unworn to fit a sphere to it: a wider measurement is needed"
 NOT_TOLD = (
     "too little of the ball is unworn to tell its radius from: --radius gives it, or a wider measurement is "
@@ -52,20 +44,10 @@ class Cap:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class WornBall:
+class WornBall(Patch):
     """A worn ball has lost what its topography lacks of the unworn sphere."""
 
     sphere: Sphere  # the unworn one
-    lost: FloatArray  # depth below it [mm], shape (nx, ny)
-    patch: BoolArray  # the worn points, shape (nx, ny)
-    volume: float  # sum of `lost` over the patch, roughness averaged out [mm³]
-    volume_error: float  # its standard error: of roughness and waviness in the patch and under the fit [mm³]
-    piled_up: float  # net volume above the sphere beside the patch [mm³]; roughness may make it negative
-    piled_up_error: float  # its standard error [mm³]
-    depth: float  # largest [mm]
-    along: float  # extent of the patch along axis 0 [mm]
-    across: float  # extent of the patch along axis 1 [mm]
-    noise: float  # robust scatter of the unworn surface [mm]
 
 
 def cap_of_diagonals(first: float, second: float, *, radius: float) -> Cap:
@@ -152,32 +134,21 @@ def _find(
         sums = ndimage.sum_labels(np.maximum(lost, 0.0), labels, np.arange(1, pieces + 1))
         seed = ndimage.binary_fill_holes(labels == 1 + int(np.argmax(sums)))
         near = _near(smooth, seed, pixel=pixel)
-        density = _density(lost, unworn, area=area, terms=terms)
-        found, rim = _grown(lost, seed & near, near, pixel=pixel, density=density)
-        same = np.array_equal(found, patch)
-        patch = found
-        unworn = measured & ~patch & ~rim & ((lost < limit) | ~start)
+        density = density_of(lost, unworn, area=area, terms=terms)
+        reach = grown(lost, seed & near, near, pixel=pixel, density=density)
+        same = np.array_equal(reach.patch, patch)
+        patch = reach.patch
+        unworn = measured & ~patch & ~reach.rim & ((lost < limit) | ~start)
         if unworn.mean() < least:
             raise InputError(lacking)
         if same:
             break
-    rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
-    # where within the rim the patch ends is not known any better: half of the rim, on average
-    parts = np.asarray(patch + 0.5 * rim, dtype=np.float64), np.asarray(1.0 * rim, dtype=np.float64)
-    errors = _errors(parts, lost, unworn, pixel=pixel, fitted=radius is None)
-    return WornBall(
-        sphere=sphere,
-        lost=lost,
-        patch=patch,
-        volume=float(lost[patch].sum()) * area,
-        volume_error=errors[0],
-        piled_up=-float(lost[rim].sum()) * area,
-        piled_up_error=errors[1],
-        depth=float(lost[patch].max()),
-        along=float(rows[-1] - rows[0] + 1) * pixel[0],
-        across=float(columns[-1] - columns[0] + 1) * pixel[1],
-        noise=noise,
-    )
+    # as if the fit were one of 1, x, y and, where the radius is fitted too, x² + y²
+    half = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0
+    px, py = np.meshgrid(x / half, y / half, indexing="ij")
+    fitted = np.stack([np.ones_like(px), px, py, px**2 + py**2][:terms])
+    found = measured_patch(lost, reach, unworn, pixel=pixel, terms=fitted, noise=noise)
+    return WornBall(sphere=sphere, **vars(found))
 
 
 def _bend(lost: FloatArray, patch: BoolArray, pixel: tuple[float, float]) -> float:
@@ -200,95 +171,3 @@ def _near(smooth: FloatArray, seed: BoolArray, *, pixel: tuple[float, float]) ->
     radius = math.sqrt(float(deep.sum()) * pixel[0] * pixel[1] / math.pi)
     distance = ndimage.distance_transform_edt(~deep, sampling=pixel)
     return np.asarray(distance <= (math.sqrt(2.0) * REACH - 1.0) * radius)
-
-
-def _grown(
-    lost: FloatArray, seed: BoolArray, near: BoolArray, *, pixel: tuple[float, float], density: float
-) -> tuple[BoolArray, BoolArray]:
-    """Return the whole patch about its deeper part, and the rim beside it, with pile-up if there is any.
-
-    seed: the deeper part, near: what may belong to the patch, shapes (nx, ny); density: see `_density` [mm⁴].
-    Rings about the deeper part are added while they lie below the sphere on average by more than a standard
-    error; then, to the rim, while they lie above it so.
-    """
-    area = pixel[0] * pixel[1]
-    mean_radius = math.sqrt(float(seed.sum()) * area / math.pi)
-    width = max(2.0 * max(pixel), RING_WIDTH * mean_radius)
-    distance = ndimage.distance_transform_edt(~seed, sampling=pixel)
-    ring = np.where(seed, 0, np.ceil(distance / width)).astype(np.int64)
-    count = np.bincount(ring.ravel())
-    mean = np.bincount(ring.ravel(), weights=lost.ravel()) / np.maximum(count, 1)
-    error = np.sqrt(density / (np.maximum(count, 1) * area))
-    last = min(count.size, RINGS)
-    edge = 1
-    while edge < last and mean[edge] > error[edge]:
-        edge += 1
-    patch = near & (ring < edge)
-    end = edge
-    while end < last and mean[end] < -error[end]:
-        end += 1
-    whole = math.sqrt(float(patch.sum()) * area / math.pi)
-    return patch, ~patch & (ring < max(end, edge + math.ceil(RIM * whole / width)))
-
-
-def _density(lost: FloatArray, unworn: BoolArray, *, area: float, terms: int) -> float:
-    """Return the variance of a mean over an area, times that area [mm⁴], from blocks of the unworn surface.
-
-    area: of a pixel [mm²]; terms: of the fit, which the blocks have lost as degrees of freedom. Roughness
-    that is correlated over less than a block is counted in full.
-    """
-    nx, ny = lost.shape
-    block = np.add.outer(np.arange(nx) * BLOCKS // nx * BLOCKS, np.arange(ny) * BLOCKS // ny).ravel()
-    count = np.bincount(block, weights=unworn.ravel())
-    total = np.bincount(block, weights=np.where(unworn, lost, 0.0).ravel())
-    used = count >= max(LEAST_BLOCK * nx * ny / BLOCKS**2, 1.0)
-    freedom = max(int(used.sum()) - terms, 1)
-    return float(np.sum(np.square(total[used]) / count[used])) * area / freedom
-
-
-def _errors(
-    parts: tuple[FloatArray, FloatArray],
-    lost: FloatArray,
-    unworn: BoolArray,
-    *,
-    pixel: tuple[float, float],
-    fitted: bool,
-) -> list[float]:
-    """Return the standard errors of volumes [mm³] over parts of the field: weights, shape (nx, ny).
-
-    They are what fit and sum would find on unworn surface, as it lies beside the patch. The fit is taken as
-    one of 1, x, y and, where the radius is `fitted`, x² + y²; the surface as alike in all directions.
-    """
-    x, y = places((lost.shape[0], lost.shape[1]), pixel)
-    scale = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0
-    px, py = np.meshgrid(x / scale, y / scale, indexing="ij")
-    terms = np.stack([np.ones_like(px), px, py, *([px**2 + py**2] if fitted else [])])
-    spacing = math.sqrt(float(np.ptp(x) * np.ptp(y))) / CELLS
-    row, column = (
-        ((p - p[0] + 0.5 * d) // spacing).astype(np.int64) for p, d in zip((x, y), pixel, strict=True)
-    )
-    cell = np.add.outer(row * (column[-1] + 1), column).ravel()
-
-    def by_cell(values: FloatArray | BoolArray) -> FloatArray:
-        return np.asarray(np.bincount(cell, weights=values.ravel()), dtype=np.float64)
-
-    size, known = by_cell(np.ones(lost.shape)), by_cell(unworn)
-    heights = by_cell(np.where(unworn, lost, 0.0)) / np.maximum(known, 1.0)
-    middles = np.stack([by_cell(p) / size * scale for p in (px, py)], axis=1)
-    found = waviness(
-        heights,
-        distances=np.hypot(*(np.subtract.outer(p, p) for p in middles.T)),
-        unworn=known >= LEAST_CELL * size,
-        terms=np.stack([by_cell(term) / size for term in terms], axis=1),
-        spacing=spacing,
-        wave=special.j0,
-    )
-    area = pixel[0] * pixel[1]
-    fit = terms[:, unworn]
-    taken = [np.linalg.solve(fit @ fit.T, np.tensordot(terms, part, 2)) for part in parts]
-    found_errors = []
-    for part, factors in zip(parts, taken, strict=True):
-        weights: FloatArray = part - np.where(unworn, np.tensordot(factors, terms, 1), 0.0)
-        alone = float(size @ by_cell(np.square(weights)))
-        found_errors.append(found.error(by_cell(weights), alone) * area)
-    return found_errors

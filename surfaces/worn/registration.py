@@ -1,5 +1,6 @@
 """The difference of two measurements of one place, one laid over the other: shift, rotation and tilt."""
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -21,11 +22,22 @@ COARSE = 160  # points along the longer side at which shift and rotation are loo
 LARGEST_ANGLE = math.radians(6.0)  # that is looked for
 ANGLE_STEP = 0.5  # coarse points by which the ends of the field move between two angles
 FIT_POINTS = 150_000  # more change the fit by less than the noise does
-ROUNDS = 15  # of the fit
+COARSE_POINTS = 6_000  # of coarse maps that are fitted to each other
+ROUNDS = 30  # of the fit
+CANDIDATES = 5  # places, of each whitening, that are fitted to coarse maps
+WHITENED = (1.0, 0.5)  # power of a wave's strength that is taken off: a lay of few waves needs some left
+APART = 3.0  # coarse steps, or steps of the angle, by which two places differ
+CERTAIN = 0.8  # correlation from which no other place is tried
 KEPT = 4.0  # robust standard deviations: what differs more is worn and not fitted to
+FORM_POINTS = 5_000  # that the first form is fitted to
+FORM_ROUNDS = 20  # of weighted fits that find the form of least absolute deviations
+FINE = 1.0 / 16.0  # of the shorter side: the width of the mean from which fine heights are taken
+STEP = 0.05  # of the field, over which both are compared
+ALIKE = 30.0  # times by which the steps of both surfaces may differ: more is another unit
 SETTLED = 1e-3  # pixels that the ends of the field move in a last round
 LEAST_CORRELATION = 0.5  # below it a difference scatters more than either measurement
 LEAST_KNOWN = 0.9  # of a line along the edge of what both show
+FEWEST_PIXELS = 8  # of the earlier measurement along the later one's field
 LEAST_OVERLAP = 0.25  # of the later measurement's field
 
 
@@ -37,6 +49,7 @@ class Difference:
     shift: tuple[float, float]  # of the earlier one on the later one's field [mm]
     rotation: float  # of the earlier one [rad], from x to y
     correlation: float  # of both where nothing is worn
+    window: tuple[slice, slice]  # rows and columns of the later measurement that both show
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +82,7 @@ def difference(
     not change, together with the tilt. Raises InputError where the two do not show the same place.
     """
     later, earlier = (without_polynomial(heights, degree=1) for heights in (later, earlier))
+    _check_alike(later, earlier, pixel=pixel, earlier_pixel=earlier_pixel)
     absent = np.isnan(earlier)
     splines = ndimage.spline_filter(np.where(absent, 0.0, earlier), order=3, mode="nearest")
     # a spline rings beside a hole
@@ -78,9 +92,9 @@ def difference(
     place, correlation = _fitted(later, sampled, place, pixel=pixel)
     if not correlation >= LEAST_CORRELATION:
         raise InputError(
-            f"--before does not show the place of FILE: laid over each other at best, the heights beside the "
-            f"track have a correlation of {correlation:.2g}, at least {LEAST_CORRELATION:g} is needed; check "
-            "--sliding-axis and --height-sign of both"
+            "--before does not show the place of FILE, or too little of that is unworn: laid over each other "
+            f"at best, the heights beside the scar have a correlation of {correlation:.2g}, at least "
+            f"{LEAST_CORRELATION:g} is needed; check --sliding-axis and --height-sign of both"
         )
     x, y = places((later.shape[0], later.shape[1]), pixel)
     below = sampled.at(*np.meshgrid(x, y, indexing="ij"), place)
@@ -96,6 +110,7 @@ def difference(
         shift=(float(place[0]), float(place[1])),
         rotation=float(place[2]),
         correlation=correlation,
+        window=(rows, columns),
     )
 
 
@@ -104,7 +119,8 @@ def _coarse_place(
 ) -> FloatArray:
     """Return shift x, y [mm] and rotation [rad] by phase correlation of coarse maps, shape (3,).
 
-    Of all angles it is the one whose correlation has the highest peak.
+    Of the places with the highest peaks over all angles it is the one about which the maps, fitted to each
+    other, correlate best.
     """
     extent = [n * p for n, p in zip(later.shape, pixel, strict=True)]
     step = max(max(extent) / COARSE, *pixel, *earlier_pixel)
@@ -115,24 +131,91 @@ def _coarse_place(
     # tapered, so that the edges of the field do not correlate with themselves
     taper = np.multiply.outer(*(np.hanning(n + 2)[1:-1] for n in shape))
     size = [fft.next_fast_len(2 * n, real=True) for n in shape]
-    waves = fft.rfft2(taper * np.nan_to_num(coarse.at(x, y, here)), s=size)
+    unworn = _unworn(np.nan_to_num(coarse.at(x, y, here)))
+    waves = fft.rfft2(taper * np.nan_to_num(unworn), s=size)
     turns = ANGLE_STEP * step / (0.5 * math.hypot(*extent))
-    best, place = -math.inf, here
+    peaks: dict[float, list[tuple[float, FloatArray]]] = {power: [] for power in WHITENED}
     for angle in np.arange(-math.ceil(LARGEST_ANGLE / turns), math.ceil(LARGEST_ANGLE / turns) + 1) * turns:
         turned = np.nan_to_num(there.at(x, y, np.array([0.0, 0.0, angle])))
         both = np.conj(waves) * fft.rfft2(taper * turned, s=size)
-        peaks = fft.irfft2(both / np.maximum(np.abs(both), np.finfo(float).tiny), s=size)
-        # smoothed, as a shift between two points is spread over both
-        peaks = ndimage.gaussian_filter(peaks, 1.0, mode="wrap")
-        if (highest := float(peaks.max())) > best:
-            i, j = (int(k) for k in np.unravel_index(int(np.argmax(peaks)), peaks.shape))
+        strength = np.maximum(np.abs(both), np.finfo(float).tiny)
+        for power, found in peaks.items():
+            # smoothed, as a shift between two points is spread over both
+            peak = ndimage.gaussian_filter(fft.irfft2(both / strength**power, s=size), 1.0, mode="wrap")
+            i, j = (int(k) for k in np.unravel_index(int(np.argmax(peak)), peak.shape))
             moved = [step * (k - n if k > n // 2 else k) for k, n in zip((i, j), size, strict=True)]
             cosine, sine = math.cos(angle), math.sin(angle)
-            best = highest
-            place = np.array(
-                [cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle]
-            )
+            turned_place = [cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle]
+            found.append((float(peak.max()), np.array(turned_place)))
+    near = np.array([APART * step, APART * step, APART * turns])
+    best, place = -math.inf, here
+    for start in _alternating(*(_distinct(found, near) for found in peaks.values())):
+        fitted, correlation = _fitted(unworn, there, start, pixel=(step, step), points=COARSE_POINTS)
+        if correlation > best:
+            best, place = correlation, fitted
+        if best > CERTAIN:
+            break
     return place
+
+
+def _distinct(peaks: list[tuple[float, FloatArray]], near: FloatArray) -> list[FloatArray]:
+    """Return the places of the highest peaks, shape (3,) each, of those `near` each other the highest."""
+    kept: list[FloatArray] = []
+    for _, place in sorted(peaks, key=lambda peak: -peak[0]):
+        if all((np.abs(place - other) > near).any() for other in kept):
+            kept.append(place)
+    return kept[:CANDIDATES]
+
+
+def _alternating(*lists: list[FloatArray]) -> list[FloatArray]:
+    """Return the first of each list, then the second of each, and so on."""
+    return [item for row in itertools.zip_longest(*lists) for item in row if item is not None]
+
+
+def _unworn(heights: FloatArray) -> FloatArray:
+    """Return heights [mm], shape (nx, ny), over the plane of what is not worn, NaN where they are far off."""
+    p, q = (np.linspace(-1.0, 1.0, n) for n in heights.shape)
+    terms = np.stack([np.ones(heights.size), np.repeat(p, q.size), np.tile(q, p.size)], axis=1)
+    kept = unchanged(heights.ravel(), terms)
+    form = np.linalg.lstsq(terms[kept], heights.ravel()[kept], rcond=None)[0]
+    flat = heights - (terms @ form).reshape(heights.shape)
+    return np.where(kept.reshape(heights.shape), flat, np.nan)
+
+
+def _check_alike(
+    later: FloatArray, earlier: FloatArray, *, pixel: tuple[float, float], earlier_pixel: tuple[float, float]
+) -> None:
+    """Raise InputError where two measurements [mm] cannot show one place: another size, or another unit.
+
+    Compared are the fields, and the median step of height over a part of them, where noise decides less.
+    """
+    sizes = [
+        math.prod(n * d for n, d in zip(z.shape, p, strict=True))
+        for z, p in ((later, pixel), (earlier, earlier_pixel))
+    ]
+    if sizes[1] < LEAST_OVERLAP * sizes[0] or max(earlier_pixel) > min(
+        n * d / FEWEST_PIXELS for n, d in zip(later.shape, pixel, strict=True)
+    ):
+        raise InputError(
+            f"--before has a field of {_told(earlier.shape, earlier_pixel)} mm, FILE one of "
+            f"{_told(later.shape, pixel)} mm: at least {100.0 * LEAST_OVERLAP:g} % of it must be in both, by "
+            f"{FEWEST_PIXELS} points or more along each side; --pixel overrides what files say"
+        )
+    apart = max(*pixel, *earlier_pixel, STEP * later.shape[0] * pixel[0])
+    steps = []
+    for z, p in ((later, pixel), (earlier, earlier_pixel)):
+        i, j = (max(1, round(apart / d)) for d in p)
+        steps.append(float(np.nanmedian(np.abs(np.diff(z[::i, ::j], axis=0)))))
+    if min(steps) > 0.0 and not 1.0 / ALIKE <= steps[1] / steps[0] <= ALIKE:
+        raise InputError(
+            f"--before is {steps[1] / steps[0]:.3g} times as rough as FILE: the heights of one have another "
+            "unit; --height-unit overrides what files say"
+        )
+
+
+def _told(shape: tuple[int, ...], pixel: tuple[float, float]) -> str:
+    """Write the size of a field for people."""
+    return " × ".join(f"{n * d:.4g}" for n, d in zip(shape, pixel, strict=True))
 
 
 def _coarse(heights: FloatArray, pixel: tuple[float, float], step: float) -> _Earlier:
@@ -143,14 +226,19 @@ def _coarse(heights: FloatArray, pixel: tuple[float, float], step: float) -> _Ea
 
 
 def _fitted(
-    later: FloatArray, earlier: _Earlier, place: FloatArray, *, pixel: tuple[float, float]
+    later: FloatArray,
+    earlier: _Earlier,
+    place: FloatArray,
+    *,
+    pixel: tuple[float, float],
+    points: int = FIT_POINTS,
 ) -> tuple[FloatArray, float]:
     """Return the place (shift x, y [mm], rotation [rad]) fitted from a first one, and the correlation.
 
-    Gauss-Newton steps fit place and tilt to the points that did not change; which these are is found anew in
-    each round.
+    points: to which it is fitted, about. Gauss-Newton steps fit place and tilt to the points that did not
+    change; which these are is found anew in each round.
     """
-    stride = max(1, math.ceil(math.sqrt(later.size / FIT_POINTS)))
+    stride = max(1, math.ceil(math.sqrt(later.size / points)))
     x, y = (p[::stride] for p in places((later.shape[0], later.shape[1]), pixel))
     x, y = (p.ravel() for p in np.meshgrid(x, y, indexing="ij"))
     known = later[::stride, ::stride].ravel()
@@ -167,21 +255,49 @@ def _fitted(
         kept = ~np.isnan(rest) & ~np.isnan(design).any(axis=1)
         if kept.sum() < 10 * design.shape[1]:
             return place, math.nan
-        kept[kept] = _unchanged(rest[kept], design[kept][:, 3:])
+        kept[kept] = unchanged(rest[kept], design[kept][:, 3:])
         found = np.linalg.lstsq(design[kept], rest[kept], rcond=None)[0][:3]
         place = place + found
         if max(abs(found[0]), abs(found[1]), reach * abs(found[2])) < SETTLED * min(pixel):
             break
-    return place, float(np.corrcoef(known[kept], below[kept])[0, 1])
+    # of roughness alone: a deep scar has tilted the later one, and the tilt is no part of the place
+    tilt = design[kept][:, 3:]
+    rough = [z[kept] - tilt @ np.linalg.lstsq(tilt, z[kept], rcond=None)[0] for z in (known, below)]
+    if min(float(np.ptp(z)) for z in rough) == 0.0:
+        return place, math.nan
+    whole = float(np.corrcoef(*rough)[0, 1])
+    # long waves of any two surfaces can be laid over each other: what is left of both must agree, too
+    shape = later[::stride, ::stride].shape
+    weight = kept.reshape(shape) * 1.0
+    fine = []
+    for z in (known, below):
+        heights, width = np.where(kept, z, 0.0).reshape(shape), FINE * min(shape)
+        smooth, sums = (ndimage.gaussian_filter(v, width) for v in (heights, weight))
+        fine.append((heights - smooth / np.maximum(sums, 1e-9)).ravel()[kept])
+    return place, min(whole, float(np.corrcoef(*fine)[0, 1]))
 
 
-def _unchanged(rest: FloatArray, tilt: FloatArray) -> BoolArray:
-    """Return which differences [mm], shape (n,), scatter about a plane, terms (n, 3), and are no wear."""
-    kept = np.ones(rest.size, dtype=np.bool_)
+def unchanged(values: FloatArray, terms: FloatArray) -> BoolArray:
+    """Return which values [mm], shape (n,), scatter about a form, terms (n, p), and are no wear.
+
+    The form begins as the one of least absolute deviations, which a deep scar does not tilt.
+    """
+    every = max(1, values.size // FORM_POINTS)
+    some, design = values[::every], terms[::every]
+    weights = np.ones(some.size)
+    floor = max(1e-6 * float(np.ptp(some)), 1e-15)
+    for _ in range(FORM_ROUNDS):
+        weighted = weights[:, None] * design
+        form = np.linalg.lstsq(weighted.T @ design, weighted.T @ some, rcond=None)[0]
+        weights = 1.0 / np.maximum(np.abs(some - design @ form), floor)
+        weights /= weights.max()
+    apart, kept = values - terms @ form, np.ones(values.size, dtype=np.bool_)
     for _ in range(5):
-        plane = tilt @ np.linalg.lstsq(tilt[kept], rest[kept], rcond=None)[0]
-        apart = rest - plane - np.median((rest - plane)[kept])
-        kept = np.abs(apart) <= max(KEPT * TO_SIGMA * float(np.median(np.abs(apart[kept]))), 1e-15)
+        centre = float(np.median(apart[kept]))
+        spread = TO_SIGMA * float(np.median(np.abs(apart[kept] - centre)))
+        kept = np.abs(apart - centre) <= max(KEPT * spread, 1e-15)
+        inside = terms[kept]
+        apart = values - terms @ np.linalg.lstsq(inside.T @ inside, inside.T @ values[kept], rcond=None)[0]
     return kept
 
 

@@ -129,7 +129,7 @@ def test_a_track_less_what_was_there_before(here: Path) -> None:
     asked = ("../files/after.npy", *GIVEN, "--track", "--before", "../files/before.npy")
     done = surface(*asked)
     assert done.exit_code == 0, done.output
-    for words in ("shifted", "correlation beside the track", "wide at the level of the surface beside"):
+    for words in ("shifted", "correlation beside the wear", "wide at the level of the surface beside"):
         assert words in done.output
     record = json.loads(surface(*asked, "--json").output)
     assert record["track"]["volume_mm3"] == pytest.approx(0.0001 * 0.9, rel=0.02)
@@ -180,7 +180,7 @@ def test_a_worn_ball(here: Path) -> None:
         (["../files/rough.npy", *GIVEN, "--track", "--ball"], "exclude each other"),
         (["../files/rough.npy", *GIVEN, "--radius", "3 mm"], "--radius needs --ball"),
         (["../files/rough.npy", *GIVEN, "--track-width", "1 mm"], "--track-width needs --track"),
-        (["../files/track.npy", *GIVEN, "--before", "../files/rough.npy"], "--before needs --track"),
+        (["../files/ball.npy", *GIVEN, "--ball", "--before", "../files/rough.npy"], "is not for a --ball"),
         (["../files/track.npy", *GIVEN, "--track", "--level", "sphere"], "--level sphere is for a ball"),
         (["--ball", "--diagonals", "1 mm", "1 mm"], "--diagonals needs --radius"),
         (["--ball", "--radius", "3 mm", "--diagonals", "9 mm", "1 mm"], "up to the ball's diameter"),

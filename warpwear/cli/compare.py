@@ -6,7 +6,8 @@ from typing import Any
 import click
 
 from warpwear.cli.options import FORMAT, PATH
-from warpwear.cli.places import comparison_folder, comparison_table, gathered
+from warpwear.cli.places import comparison_folder, comparison_scar, comparison_table, gathered, options
+from warpwear.cli.surface import prepared, with_preparation
 
 
 @click.command()
@@ -37,12 +38,17 @@ from warpwear.cli.places import comparison_folder, comparison_table, gathered
     metavar="NAMES",
     help="Columns of the experiments, 'DISTANCE,COF' or 'TIME,FX,FZ,POSITION', by name or number.",
 )
+@click.option("--scar", type=PATH, help="The worn disc, a measured surface, to lay over the computed scars.")
+@click.option("--before", type=PATH, help="The same place of --scar before it was worn.")
+@with_preparation
 def compare(
     folders: tuple[Path, ...],
     experiments: tuple[Path, ...],
     out: Path,
     file_format: str,
     overwrite: bool,
+    scar: Path | None,
+    before: Path | None,
     **given: Any,
 ) -> None:
     """Lay the runs in DIR... and measured courses of friction over each other.
@@ -55,13 +61,25 @@ def compare(
     surfaces of several seeds are one line, their mean, in a band from 5 to 95 % of the runs, and one
     column of the table, mean ± standard deviation.
 
+    With
+
+    \b
+    warpwear compare RUN --scar after.sur --before before.sur
+
+    the measured wear scar is laid over the computed ones.
+
     Prints a table, and writes it with overlaid figures: coefficient of friction, area in contact (over
     the load too, where runs differ in it), mean pressure, worn volumes, worn profiles. compare.html
     shows all of it on one page.
     """
-    gathered.check_number(folders, experiments)
+    preparation = prepared(given)
+    if scar is None:
+        needless = {"before": before, **preparation}
+        options.refuse({f"--{key.replace('_', '-')}": v for key, v in needless.items()}, "needs --scar")
+    files = None if scar is None else comparison_scar.ScarFiles(scar, before, preparation)
+    gathered.check_number(folders, experiments, files)
     comparison_folder.check_out(out, file_format=file_format, overwrite=overwrite)
-    comparison = gathered.gather(folders, experiments, **given)
+    comparison = gathered.gather(folders, experiments, scar=files, **given)
     click.echo(comparison_table.to_text(comparison))
     for path in comparison_folder.write(comparison, out, file_format=file_format, overwrite=overwrite):
         click.echo(path)

@@ -48,7 +48,7 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 @click.option("--track", is_flag=True, help="FILE is a worn track along the sliding axis: its volume.")
 @click.option("--track-width", help="Width of the track with its pile-up, when it is not found.")
 @click.option("--track-length", help="Length of the whole track, to which its volume is extended.")
-@click.option("--before", type=PATH, help="The track's place before it was worn, taken off FILE.")
+@click.option("--before", type=PATH, help="The same place before it was worn, laid over FILE and taken off.")
 @click.option("--ball", is_flag=True, help="FILE is a worn ball: its volume; or without FILE, --diagonals.")
 @click.option("--radius", help="Radius of the ball, e.g. '3 mm'. [default: fitted]")
 @click.option(
@@ -57,7 +57,8 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 def surface(file: Path | None, **options: Any) -> None:
     """Say what is in a measured surface FILE: grid, units, roughness, spectrum, and draw it.
 
-    With --track the volume of a worn track, with --ball that of a worn ball.
+    With --before what a wear scar has lost and piled up, with --track the volume of a worn track, with
+    --ball that of a worn ball.
     """
     asked = surface_command.SurfaceOptions(preparation=prepared(options), **options)
     click.echo(surface_command.describe(file, asked))

@@ -28,6 +28,8 @@ POINTS = 120
 MARKED = 30
 #: Bodies of which one lost this many times as much as the other have scales of their own.
 UNLIKE = 4.0
+#: Largest number of points along a side of a map.
+PIXELS = 700
 #: Height of a row of the legend [inch].
 LEGEND_ROW = 0.15
 
@@ -173,6 +175,52 @@ def _laid_over(
     return fs.new_figure(draw_all, columns=panels, height=fs.ROW + LEGEND_ROW * (rows - 1))
 
 
+def scar(axes: Any, comparison: Comparison) -> None:
+    """Draw depth lost as measured and as computed by the first run on one scale, and their difference."""
+    found = comparison.scar
+    assert found is not None  # or it is not drawn
+    first = found.computed[0]
+    gap = found.measured.lost - first.lost
+    high = 1e3 * max(float(np.quantile(found.measured.lost, 0.999)), float(first.lost.max()))
+    most = 1e3 * float(np.quantile(np.abs(gap), 0.999))
+    titles = ("measured", first.name, f"measured − {first.name}")
+    scales: Any = [{"cmap": fs.DEPTHS, "vmin": 0.0, "vmax": high}] * 2
+    scales.append({"cmap": "RdBu_r", "vmin": -most, "vmax": most})
+    for panel, field, title, scale in zip(
+        axes, (found.measured.lost, first.lost, gap), titles, scales, strict=True
+    ):
+        step = [max(1, -(-n // PIXELS)) for n in field.shape]
+        image = panel.imshow(
+            1e3 * field[:: step[0], :: step[1]].T, origin="lower", extent=found.extent, **scale
+        )
+        label = "difference, µm" if field is gap else "depth lost, µm"
+        panel.figure.colorbar(image, ax=panel, location="top", label=label, shrink=0.8, extend="both")
+        panel.set(xlabel=f"{title}\nalong sliding, x, mm", ylabel=ACROSS)
+
+
+def groove(axes: Any, comparison: Comparison) -> None:
+    """Draw the mean profiles of the scar, measured in its band and computed, and measured less computed."""
+    found = comparison.scar
+    assert found is not None  # or it is not drawn
+    depth, band = 1e3 * found.profile.depth, 1e3 * found.profile.band
+    axes[0].fill_between(found.y, depth - band, depth + band, color=GREYS[1], alpha=0.4, lw=0)
+    axes[0].plot(found.y, depth, color=GREYS[0], lw=1.0, label="measured ± standard error")
+    axes[1].fill_between(found.y, -band, band, color=GREYS[1], alpha=0.4, lw=0)
+    axes[1].axhline(0.0, color=GREYS[0], lw=0.6)
+    for number, run in enumerate(found.computed):
+        look: Any = {"color": COLOURS[number % len(COLOURS)], "ls": LINES[number % len(LINES)]}
+        axes[0].plot(found.y, 1e3 * run.profile, label=in_legend(run.name), **look)
+        axes[1].plot(found.y, depth - 1e3 * run.profile, **look)
+    axes[0].invert_yaxis()
+    axes[0].set(xlabel=ACROSS, ylabel="mean depth lost, µm")
+    axes[1].set(xlabel=ACROSS, ylabel="measured − computed, µm")
+    fs.legend_above(*axes, columns=3)
+
+
+def _of_scar(draw: Callable[[Any, Comparison], None], comparison: Comparison, *, panels: int) -> Figure:
+    return fs.new_figure(lambda axes: draw(axes, comparison), columns=panels, height=fs.ROW)
+
+
 #: Name of the file -> how it is drawn.
 FIGURES: dict[str, Callable[[Comparison], Figure]] = {
     "cof": partial(_laid_over, cof, panels=2, measured=True),
@@ -181,6 +229,8 @@ FIGURES: dict[str, Callable[[Comparison], Figure]] = {
     "pressure": partial(_laid_over, pressure),
     "volumes": partial(_laid_over, volumes, panels=2),
     "profiles": partial(_laid_over, profiles, panels=2),
+    "scar": partial(_of_scar, scar, panels=3),
+    "groove": partial(_of_scar, groove, panels=2),
 }
 
 
@@ -189,6 +239,7 @@ def drawn(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
     known = bool(comparison.experiments) or any(run.cof is not None for run in comparison.runs)
     shown = {"cof": known, "profiles": any(run.wear for run in comparison.runs)}
     shown["area_load"] = has_loads(comparison)
+    shown["scar"] = shown["groove"] = comparison.scar is not None
     for name, draw in FIGURES.items():
         if shown.get(name, bool(comparison.runs)):
             yield name, draw(comparison)

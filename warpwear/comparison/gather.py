@@ -18,6 +18,7 @@ from warpwear.comparison.groups import (
     listed,
     unlike,
 )
+from warpwear.comparison.scar import ScarComparison, ScarFiles, compare_scar
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.course import Experiment, check_coverage, read_experiment
@@ -49,6 +50,7 @@ class Comparison:
     groups: tuple[Group, ...]
     experiments: tuple[Experiment, ...]
     notes: tuple[str, ...]
+    scar: ScarComparison | None = None
 
     @property
     def runs(self) -> tuple[RunData, ...]:
@@ -73,17 +75,19 @@ def gather(
     speed: str | None = None,
     stroke: str | None = None,
     columns: str | None = None,
+    scar: ScarFiles | None = None,
 ) -> Comparison:
     """Read what is to be compared: run folders and files of experiments, two or more together.
 
     folders: of runs, or of sweeps for all their runs. band_over: dotted keys; runs that differ in them alone
     are one group, with a mean and a band.
     speed, stroke: text with a unit, for experiments that give times or cycles; by default those of the runs,
-    if they agree. columns: see `warpwear.measured.columns.choose`. Raises InputError.
+    if they agree. columns: see `warpwear.measured.columns.choose`. scar:
+    a measured one to lay over those of the runs. Raises InputError.
     """
-    check_number(folders, experiments)
+    check_number(folders, experiments, scar)
     found, left_out = folders_of(folders)
-    check_number(found, experiments)
+    check_number(found, experiments, scar)
     for path, count in Counter(Path(p).resolve() for p in (*found, *experiments)).items():
         if count > 1:
             raise InputError(f"{path} is given {count} times; each run and experiment is expected once")
@@ -121,7 +125,8 @@ def gather(
     )
     for e in measured:
         notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, runs), *_gaps(e, runs))]
-    return Comparison(tuple(groups), tuple(measured), tuple(notes))
+    beside = None if scar is None else compare_scar(scar, runs)
+    return Comparison(tuple(groups), tuple(measured), tuple(notes), beside)
 
 
 def _together(told: Sequence[tuple[str, str]], runs: Sequence[RunData]) -> list[str]:
@@ -132,12 +137,18 @@ def _together(told: Sequence[tuple[str, str]], runs: Sequence[RunData]) -> list[
     return [f"{listed(of, len(runs))}: {sentence}" for sentence, of in names.items()]
 
 
-def check_number(folders: Sequence[str | Path], experiments: Sequence[str | Path]) -> None:
+def check_number(
+    folders: Sequence[str | Path], experiments: Sequence[str | Path], scar: ScarFiles | None = None
+) -> None:
     """Raise InputError for less than two together; a sweep stands for several runs."""
     sweeps = sum(is_sweep(Path(folder)) for folder in folders)
-    if len(folders) + sweeps + len(experiments) < 2:
+    if scar is not None and not folders:
+        raise InputError("--scar needs the folder of a run to compare with")
+    if len(folders) + sweeps + len(experiments) + (scar is not None) < 2:
         given = str([*folders, *experiments][0]) if folders or experiments else "nothing"
-        raise InputError(f"compare needs two runs or more, or a run and an --experiment; given: {given}")
+        raise InputError(
+            f"compare needs two runs or more, or a run and an --experiment or a --scar; given: {given}"
+        )
 
 
 def rms_difference(

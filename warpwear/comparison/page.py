@@ -18,10 +18,11 @@ from warpwear.comparison import figures
 from warpwear.comparison.area_load import STYLES, has_loads, loads_of, series_of, theories_of
 from warpwear.comparison.gather import BODIES, Comparison
 from warpwear.comparison.groups import Course, RunData, differing, listed
+from warpwear.comparison.scar import ScarComparison, answers_of
 from warpwear.comparison.table import BANDS, PASSES, Value, columns, has_bands
 from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
-from warpwear.page.parts import Chart, Line, Section, banded, overlaid, thinned
+from warpwear.page.parts import Chart, Coded, Line, Map, Section, banded, overlaid, thinned
 from warpwear.results import manifest
 from warpwear.results.report import shown
 from warpwear.study.text import readable
@@ -42,6 +43,8 @@ ANSWERS = (
 BESIDE, LISTED = 4, 4
 #: Letters of a value that stand in a cell.
 LONGEST = 60
+#: Most points along a side of a map.
+MAP_SIDE = 300
 #: Relative differences below this are round-off.
 ALIKE = 5e-4
 
@@ -61,6 +64,7 @@ def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) ->
         "differ": _differ(comparison),
         "answers": _answers(comparison),
         "notes": comparison.notes,
+        "scar": answers_of(comparison.scar) if comparison.scar is not None else None,
         "readings": [BANDS] * has_bands(comparison)
         + [PASSES] * any(r.study.is_swept for r in comparison.runs),
         "limits": _limits(comparison.runs),
@@ -194,6 +198,7 @@ def _sections(comparison: Comparison) -> list[Section]:
         ),
         Section("What wear has left", worn, "profiles", told, one_legend=one),
         Section("Area against load", _loads(comparison), "loads"),
+        *(_of_scar(comparison.scar) if comparison.scar is not None else []),
     ]
 
 
@@ -238,6 +243,44 @@ def _measured(experiment: figures.Experiment, line: dict[str, Any]) -> Line:
     at = thinned(distance)
     ends = (None, None) if scatter is None else ((values - scatter)[at], (values + scatter)[at])
     return Line(experiment.name, line["color"], distance[at], values[at], "solid", "lines", False, *ends)
+
+
+def _of_scar(scar: ScarComparison) -> list[Section]:
+    """Maps of the measured scar and of the first run's on one scale, and their mean profiles."""
+    first, step = scar.computed[0], [max(1, -(-n // MAP_SIDE)) for n in scar.measured.lost.shape]
+    fields = {
+        "measured": scar.measured.lost,
+        first.name: first.lost,
+        f"measured − {first.name}": scar.measured.lost - first.lost,
+    }
+    low = 1e3 * min(float(v.min()) for v in fields.values())
+    high = 1e3 * max(float(v.max()) for v in fields.values())
+    inside = scar.measured.patch
+    maps = [
+        Map(
+            f"scar_{number}",
+            f"Depth lost: {name}",
+            [""],
+            scar.extent,
+            [Coded.of(1e3 * lost[:: step[0], :: step[1]], low, high)],
+            [f"mean {1e3 * float(lost[inside].mean()):.3g} µm in the scar"],
+            unit="µm",
+            static="" if number else "scar",
+        )
+        for number, (name, lost) in enumerate(fields.items())
+    ]
+    y, depth, band = scar.y, 1e3 * scar.profile.depth, 1e3 * scar.profile.band
+    lines = [Line("measured", figures.GREYS[0], y, -depth, low=-depth - band, high=-depth + band)]
+    for number, run in enumerate(scar.computed):
+        lines.append(Line(run.name, figures.COLOURS[number % len(figures.COLOURS)], y, -1e3 * run.profile))
+    profiles = Chart(
+        "groove", "Mean profiles", "across sliding, mm", "change of height, µm", lines, static="groove"
+    )
+    told = "Measured with its standard error, from what such a mean finds on unworn surface."
+    return [
+        Section("The scar, measured and computed", maps, "scar", "All on one scale."),
+        Section("Mean profiles of the scar", [profiles], "groove", told),
+    ]
 
 
 def _loads(comparison: Comparison) -> list[Chart]:

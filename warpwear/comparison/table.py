@@ -9,6 +9,8 @@ from typing import Any
 
 from warpwear.comparison.gather import Comparison, shape_of, shape_of_run
 from warpwear.comparison.groups import RunData
+from warpwear.comparison.scar import record_of
+from warpwear.comparison.scar import told as told_of_scar
 from warpwear.measured.course import Experiment
 from warpwear.results.report import aligned, shown, to_json, without_nan
 from warpwear.version import __version__
@@ -145,6 +147,8 @@ def to_text(comparison: Comparison) -> str:
         told.append("CoF at the end of an experiment: mean over the last tenth of its distance.")
     if any(run.study.is_swept for run in comparison.runs):
         told.append(PASSES)
+    if comparison.scar is not None:
+        told += told_of_scar(comparison.scar)
     return "\n".join([*aligned(cells), *told, SHAPES, *(f"note: {note}" for note in comparison.notes)])
 
 
@@ -189,6 +193,7 @@ def write_json(comparison: Comparison, path: Path) -> None:
         "shapes": SHAPES,
         "end_values": {run.name: run.summary["end_values"] for run in comparison.runs},
         "notes": comparison.notes,
+        "scar": None if comparison.scar is None else record_of(comparison.scar),
         "version": __version__,
     }
     path.write_text(f"{to_json(content)}\n", encoding="utf-8")

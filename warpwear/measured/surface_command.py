@@ -6,14 +6,23 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 from pydantic import ValidationError
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.options import optional, quantity, refuse
-from warpwear.measured.surface_figure import ball_figure, save, surface_figure, track_figure
-from warpwear.measured.surface_report import ball_rows, before_rows, cap_rows, examine, file_lines, track_rows
+from warpwear.measured.surface_figure import ball_figure, save, scar_figure, surface_figure, track_figure
+from warpwear.measured.surface_report import (
+    ball_rows,
+    before_rows,
+    cap_rows,
+    examine,
+    file_lines,
+    scar_rows,
+    track_rows,
+)
 from warpwear.results.report import Row, lines, record, to_json
 from warpwear.study.bodies import Disc
 from warpwear.study.surface import surface_of
@@ -21,7 +30,9 @@ from warpwear.study.text import sentence
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.preparation import degree_of
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
-from warpwear.surfaces.worn.registration import difference
+from warpwear.surfaces.worn.find_scar import find_scar
+from warpwear.surfaces.worn.patch import Patch
+from warpwear.surfaces.worn.registration import Difference, difference
 from warpwear.surfaces.worn.track import Track, find_track
 
 #: Endings of files that a figure can be written to.
@@ -74,7 +85,7 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
     if options.diagonals is not None:
         return _by_diagonals(options.diagonals, options.radius, as_json=options.as_json)
     assert file is not None  # checked together
-    kind = "track" if options.track else "ball" if options.ball else "surface"
+    kind = "track" if options.track else "ball" if options.ball else "scar" if options.before else "surface"
     figure = options.figure
     if figure is None and not options.as_json:
         figure = Path(f"{file.stem}-{kind}.png")
@@ -83,7 +94,7 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
     # The form of a worn body is that of its unworn part.
     level = {} if kind == "surface" else {"level": "none"}
     surface = read_surface(file, {**options.preparation, **level})
-    found = {"surface": _roughness, "track": _track, "ball": _ball}[kind](surface, options)
+    found = {"surface": _roughness, "track": _track, "ball": _ball, "scar": _scar}[kind](surface, options)
     if figure is not None:
         save(found.draw(), figure)
     if options.as_json:
@@ -106,15 +117,12 @@ def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
     length = optional("--track-length", options.track_length, "mm")
     changed = None
     if options.before is not None:
-        earlier = read_surface(options.before, {**options.preparation, "level": "none", "crop": None})
-        changed = difference(
-            surface.measured, earlier.measured, pixel=surface.pixel, earlier_pixel=earlier.pixel
-        )
+        changed = changed_since(surface, options.before, options.preparation)
     heights = None if changed is None else changed.heights
     level = options.preparation.get("level")
     track, degree = track_in(surface, level=level, width=width, heights=heights)
     file = surface.record()
-    then = f"polynomial of degree {degree} through the surface beside the track taken off"
+    then = _taken_off(degree, "track")
     rows = [Row("", "surface", file), Row("", "track", track_rows(track, length=length))]
     if changed is not None:
         then = f"{options.before} laid over it and taken off, {then}"
@@ -122,6 +130,54 @@ def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
     return Outcome(
         rows, [*file_lines(file, then), *lines(rows)], lambda: track_figure(track, filled=track.missing)
     )
+
+
+def _scar(surface: Measured, options: SurfaceOptions) -> Outcome:
+    """Measure the wear scar in a surface, of which the same place is known before. Raises InputError."""
+    assert options.before is not None  # that makes it a scar
+    scar, changed, degree = scar_in(surface, options.before, options.preparation)
+    assert changed is not None
+    missing = np.isnan(changed.heights)
+    file = surface.record()
+    then = f"{options.before} laid over it and taken off, {_taken_off(degree, 'scar')}"
+    rows = [
+        Row("", "surface", file),
+        Row("before", "before", before_rows(changed, file=str(options.before))),
+        Row("", "scar", scar_rows(scar, filled=float(missing[scar.patch].mean()))),
+    ]
+    return Outcome(rows, [*file_lines(file, then), *lines(rows)], lambda: scar_figure(scar, filled=missing))
+
+
+def scar_in(
+    surface: Measured, before: Path | None, preparation: Mapping[str, str | None]
+) -> tuple[Patch, Difference | None, int]:
+    """Find the wear scar of a surface read with level none, and the degree taken off beside it.
+
+    before: the same place before it was worn, None to level the surface alone; preparation: keys of [disc].
+    Raises InputError.
+    """
+    degree = _degree(preparation.get("level"))
+    changed = None if before is None else changed_since(surface, before, preparation)
+    heights = surface.measured if changed is None else changed.heights
+    return find_scar(heights, pixel=surface.pixel, degree=degree), changed, degree
+
+
+def changed_since(surface: Measured, before: Path, preparation: Mapping[str, str | None]) -> Difference:
+    """Lay the file of an earlier measurement over a surface and take it off. Raises InputError."""
+    earlier = read_surface(before, {**preparation, "level": "none", "crop": None})
+    return difference(surface.measured, earlier.measured, pixel=surface.pixel, earlier_pixel=earlier.pixel)
+
+
+def _taken_off(degree: int, wear: str) -> str:
+    return f"polynomial of degree {degree} through the surface beside the {wear} taken off"
+
+
+def _degree(level: str | None) -> int:
+    """Return the degree of --level for a worn disc. Raises InputError for a sphere."""
+    degree = degree_of(_level(level) if level is not None else "plane")
+    if isinstance(degree, str):
+        raise InputError("--level sphere is for a ball: allowed here is none, plane or a degree")
+    return degree
 
 
 def track_in(
@@ -132,9 +188,7 @@ def track_in(
     level: as in [disc], as text; width [mm], None to find it; heights [mm], shape (nx, ny): how they changed,
     to look at instead of the surface's. Raises InputError.
     """
-    degree = degree_of(_level(level) if level is not None else "plane")
-    if isinstance(degree, str):
-        raise InputError("--level sphere is for a ball: allowed with --track is none, plane or a degree")
+    degree = _degree(level)
     heights = surface.measured if heights is None else heights
     return find_track(heights, pixel=surface.pixel, degree=degree, width=width), degree
 
@@ -217,9 +271,11 @@ def _check_together(file: Path | None, options: SurfaceOptions) -> None:
     if o.diagonals is None and file is None:
         raise InputError("FILE is missing: a measured surface, or --ball with --radius and --diagonals")
     if not o.track:
-        given = {"--track-width": o.track_width, "--track-length": o.track_length, "--before": o.before}
+        given = {"--track-width": o.track_width, "--track-length": o.track_length}
         refuse(given, "needs --track")
-    if not o.ball:
+    if o.ball:
+        refuse({"--before": o.before}, "is not for a --ball, which is measured against its sphere")
+    else:
         refuse({"--radius": o.radius}, "needs --ball")
 
 

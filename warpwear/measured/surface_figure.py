@@ -30,6 +30,8 @@ from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.roughness import material_ratio_curve
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.ball import WornBall
+from warpwear.surfaces.worn.find_scar import mean_profile
+from warpwear.surfaces.worn.patch import Patch
 from warpwear.surfaces.worn.track import Track
 
 Pair: TypeAlias = tuple[float, float]
@@ -185,6 +187,37 @@ def ball_figure(ball: WornBall, *, size: Pair, filled: BoolArray | None = None) 
         panels[1].axhline(0.0, color=NEUTRAL, lw=0.6)
         panels[1].invert_yaxis()
         panels[1].set(xlabel="place, mm", ylabel="depth worn, µm")
+        _legend(panels[1])
+
+    return new_figure(draw, rows=2, height=ROW)
+
+
+def scar_figure(scar: Patch, *, filled: BoolArray | None = None) -> Figure:
+    """Draw what a disc has lost: a map with the outlines of scar and rim, the mean profile in its band.
+
+    filled: points that were not measured, shape (nx, ny).
+    """
+
+    def draw(panels: Any) -> None:
+        (nx, ny), (px, py) = scar.lost.shape, scar.pixel
+        size, profile = (nx * px, ny * py), mean_profile(scar)
+        high = 1e3 * float(np.quantile(scar.lost[scar.patch], 0.998))
+        piled = 1e3 * float(np.quantile(-scar.lost[scar.rim], 0.995)) if scar.rim.any() else 0.0
+        span = (-max(piled, 0.05 * high), high)
+        _map(panels[0], 1e3 * scar.lost, size, label="depth lost, µm", colours=DEPTHS, span=span)
+        _hatch(panels[0], filled if filled is not None and filled.any() else None, size)
+        x, y = places((nx, ny), scar.pixel)
+        for region, dash in ((scar.patch, "-"), (scar.patch | scar.rim, "--")):
+            outline = region.T.astype(np.float64)
+            panels[0].contour(x, y, outline, levels=[0.5], colors=[NEUTRAL], linewidths=0.8, linestyles=dash)
+        depth, band = 1e3 * profile.depth, 1e3 * profile.band
+        panels[1].fill_between(
+            profile.y, depth - band, depth + band, color=DISC, alpha=0.3, lw=0, label="± one standard error"
+        )
+        panels[1].plot(profile.y, depth, color=DISC, lw=0.9, label="mean profile")
+        panels[1].axhline(0.0, color=NEUTRAL, lw=0.6)
+        panels[1].invert_yaxis()
+        panels[1].set(xlabel="across, y, mm", ylabel="depth lost, µm")
         _legend(panels[1])
 
     return new_figure(draw, rows=2, height=ROW)

@@ -27,6 +27,8 @@ from warpwear.surfaces.spectrum import (
 )
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.ball import Cap, WornBall
+from warpwear.surfaces.worn.find_scar import mean_profile, sides_reached
+from warpwear.surfaces.worn.patch import Patch
 from warpwear.surfaces.worn.registration import Difference
 from warpwear.surfaces.worn.track import Track
 
@@ -38,6 +40,8 @@ LAMBDA_S = 0.008
 ERROR = "(± one standard error: what the same sum finds on unworn surface)"
 #: Part of a volume above which its error leaves little to say.
 DOUBTED = 1.0 / 3.0
+#: Part of a scar's points above which those that were filled are told of.
+MUCH_FILLED = 0.05
 #: Slopes along the lay are less than this part of those across it, or there is no lay to speak of.
 LAY = 0.7
 #: Number of shortest waves after which the rms slope is found.
@@ -205,27 +209,73 @@ def before_rows(changed: Difference, *, file: str) -> list[Row]:
         Row("", "file", file),
         Row("shifted", "shift_um", [1e3 * s for s in changed.shift], digits=4),
         Row("turned", "rotation_degrees", math.degrees(changed.rotation), digits=3, unit="°"),
-        Row("correlation beside the track", "correlation", changed.correlation, digits=4),
+        Row("correlation beside the wear", "correlation", changed.correlation, digits=4),
         Row("shared", "grid", list(changed.heights.shape), note="points"),
+    ]
+
+
+def scar_rows(scar: Patch, *, filled: float = 0.0) -> list[Row]:
+    """Declare what is said of a wear scar. filled: part of its points that were not measured."""
+    profile = mean_profile(scar)
+    notes = []
+    if (sides := sides_reached(scar.patch)) > 0:
+        more = f"{sides} sides" if sides > 1 else "a side"
+        notes.append(f"the scar reaches {more} of the field: volumes and area are of what lies in it")
+    if filled > MUCH_FILLED:
+        notes.append(
+            f"{100.0 * filled:.2g} % of the scar's points were not measured and are filled from their rim, "
+            "which the errors do not know of"
+        )
+    net = Row("net", "net_mm3", scar.net, error=("net_error_mm3", scar.net_error), note="worn − piled up")
+    return [
+        *_patch_rows(scar, form="the unworn surface", label="worn"),
+        net,
+        Row("scar's area", "area_mm2", scar.area, error=("area_error_mm2", scar.area_error)),
+        Row(
+            "mean profile",
+            "profile_depth_um",
+            1e3 * float(profile.depth.max()),
+            error=("profile_error_um", 1e3 * profile.band),
+            note=f"deep, over {profile.length:.3g} mm along sliding",
+        ),
+        Row("unworn part", "scatter_of_unworn_um", 1e3 * scar.noise, digits=3, note="(rms about the form)"),
+        Row(
+            "",
+            "profile",
+            {
+                "y_mm": profile.y.tolist(),
+                "depth_um": (1e3 * profile.depth).tolist(),
+                "error_um": 1e3 * profile.band,
+            },
+        ),
+        Row("warning", "warnings", notes or None),
     ]
 
 
 def ball_rows(ball: WornBall) -> list[Row]:
     """Declare what is said of a worn ball from its topography."""
-    patch = [
-        Row("depth", "depth_um", 1e3 * ball.depth),
-        Row("along", "patch_along_mm", ball.along),
-        Row("across", "patch_across_mm", ball.across),
-    ]
-    lost = f"lost in the patch {ERROR}"
-    beside = "net above the sphere in the rim beside the patch"
-    volume, piled_up = ("volume_error_mm3", ball.volume_error), ("piled_up_error_mm3", ball.piled_up_error)
     return [
         Row("sphere's radius", "radius_mm", ball.sphere.radius, digits=5, note="through the unworn part"),
-        Row("worn patch", "", patch),
-        Row("volume", "volume_mm3", ball.volume, digits=5, error=volume, note=lost),
-        Row("piled up", "piled_up_mm3", ball.piled_up, digits=2, error=piled_up, note=beside),
+        *_patch_rows(ball, form="the sphere", label="volume"),
+        Row("patch's area", "area_mm2", ball.area, error=("area_error_mm2", ball.area_error)),
         Row("unworn part", "scatter_of_unworn_um", 1e3 * ball.noise, digits=3, note="(rms about the sphere)"),
+    ]
+
+
+def _patch_rows(patch: Patch, *, form: str, label: str) -> list[Row]:
+    """Declare size and volumes of a worn patch below the form of its body."""
+    size = [
+        Row("depth", "depth_um", 1e3 * patch.depth),
+        Row("along", "patch_along_mm", patch.along),
+        Row("across", "patch_across_mm", patch.across),
+    ]
+    lost = f"lost in the patch {ERROR}"
+    beside = f"net above {form} in the rim beside the patch"
+    volume, piled_up = ("volume_error_mm3", patch.volume_error), ("piled_up_error_mm3", patch.piled_up_error)
+    return [
+        Row("worn patch", "", size),
+        Row(label, "volume_mm3", patch.volume, digits=5, error=volume, note=lost),
+        Row("piled up", "piled_up_mm3", patch.piled_up, digits=2, error=piled_up, note=beside),
     ]
 
 

@@ -1,0 +1,151 @@
+"""The wear scar in a measurement, or in the difference of two: what is gone, and what is piled up."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.filling import filled
+from warpwear.surfaces.levelling import without_polynomial
+from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.sphere import places
+from warpwear.surfaces.worn.patch import SMOOTHED, Patch, density_of, grown, measured_patch
+from warpwear.surfaces.worn.registration import unchanged
+
+ndimage = lazy.module("scipy.ndimage")
+
+THRESHOLD = 4.0  # robust standard deviations of the unworn surface, smoothed, by which a scar lies below
+JOINED = 1.0 / 40.0  # of the shorter side: worn asperities closer than this belong together
+PIECE = 0.05  # of the largest worn region: a smaller one beside it is no part of the scar
+INWARDS = 3  # rings within the edge of the smoothed scar at which it may end already: smoothing spreads it
+ROUNDS = 15  # in which the scar is found
+LEAST_UNWORN = 0.2  # of the field
+LEAST_ERRORS = 3.0  # standard errors that the worn volume must exceed
+STRIP = 0.125  # of the scar's length: the middle part whose mean is its profile
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A scar has a mean profile across sliding, in a band of what unworn surface gives as such a mean."""
+
+    y: FloatArray  # places across [mm] from the middle of the field, shape (ny,)
+    depth: FloatArray  # mean depth below the unworn form [mm], shape (ny,)
+    band: float  # its standard error at any one place [mm]
+    rows: slice  # of the field, that are averaged
+    length: float  # of these [mm]
+
+
+def find_scar(heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1) -> Patch:
+    """Find the wear scar in heights [mm], shape (nx, ny), positive out of the material, NaN where missing.
+
+    heights: of the worn surface, or better how they changed; pixel: (px, py) [mm]. A polynomial of the total
+    degree goes through what is not worn, found in rounds. The scar is the region that lies below it by four
+    times the scatter of the unworn surface, both smoothed; worn asperities next to each other are one
+    region, and the valleys between them belong to it. It reaches to where rings about it no longer lie lower
+    on average, beside pile-up to where the heights cross the form. Raises InputError
+    where nothing is worn, or too little is unworn to level by.
+    """
+    nx, ny = heights.shape
+    measured = ~np.isnan(heights)
+    p, q = np.meshgrid(np.linspace(-1.0, 1.0, nx), np.linspace(-1.0, 1.0, ny), indexing="ij")
+    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    eye = np.eye(degree + 1)
+    terms = np.stack([legendre.legval(p, eye[i]) * legendre.legval(q, eye[j]) for i, j in powers])
+    unworn = measured.copy()
+    unworn[measured] = unchanged(heights[measured], terms[:, measured].T)
+    coarse = [max(SMOOTHED, round(JOINED * min(nx * pixel[0], ny * pixel[1]) / d)) for d in pixel]
+    patch = np.zeros_like(unworn)
+    for _ in range(ROUNDS):
+        lost = filled(-without_polynomial(heights, degree=degree, where=unworn))
+        noise = _scatter(lost[unworn])
+        seed = _seed(lost, unworn, coarse=coarse, pixel=pixel)
+        density = density_of(lost, unworn, area=pixel[0] * pixel[1], terms=len(terms))
+        everywhere = np.ones_like(seed)
+        reach = grown(lost, seed, everywhere, pixel=pixel, density=density, inwards=INWARDS)
+        same = np.array_equal(reach.patch, patch)
+        patch = reach.patch
+        unworn = measured & ~patch & ~reach.rim
+        if unworn.mean() < LEAST_UNWORN:
+            raise InputError(
+                f"the scar fills the field: {100.0 * unworn.mean():.2g} % of it is unworn beside scar and "
+                f"pile-up, at least {100.0 * LEAST_UNWORN:g} % is needed; a wider measurement is needed"
+            )
+        if same:
+            break
+    if sides_reached(patch) == 4:
+        raise InputError(
+            "the scar is larger than the field, of which it reaches all four sides: a wider one is needed"
+        )
+    found = measured_patch(lost, reach, unworn, pixel=pixel, terms=terms, noise=noise)
+    if not found.volume > LEAST_ERRORS * found.volume_error:
+        raise InputError(
+            f"no scar was found: the deepest region has lost {found.volume:.3g} mm³, with a standard error "
+            f"of {found.volume_error:.2g} mm³"
+        )
+    # a ragged scar ends at its outermost worn asperities, not at the rings about them
+    smooth = ndimage.uniform_filter(lost, SMOOTHED, mode="nearest")
+    sharp = patch & (smooth > THRESHOLD * _scatter(smooth[unworn]))
+    ends = [np.flatnonzero(sharp.any(axis=1 - axis)) for axis in (0, 1)]
+    along, across = (float(e[-1] - e[0] + 1) * d if e.size else 0.0 for e, d in zip(ends, pixel, strict=True))
+    return replace(found, along=along or found.along, across=across or found.across)
+
+
+def sides_reached(patch: BoolArray) -> int:
+    """Return how many of the field's four sides a patch, shape (nx, ny), reaches."""
+    return sum(bool(side.any()) for side in (patch[0], patch[-1], patch[:, 0], patch[:, -1]))
+
+
+def mean_profile(scar: Patch) -> Profile:
+    """Return the mean profile across of the middle eighth of a scar, or of a whole groove through the field.
+
+    The band is the root mean square of such means over strips of unworn surface, all that the field has.
+    """
+    lost, (px, _) = scar.lost, scar.pixel
+    rows = np.flatnonzero(scar.patch.any(axis=1))
+    through = rows[0] == 0 and rows[-1] == lost.shape[0] - 1
+    count = lost.shape[0] if through else max(1, round(STRIP * scar.along / px))
+    first = 0 if through else max(0, round(0.5 * float(rows[0] + rows[-1] + 1 - count)))
+    kernel = np.full(count, 1.0 / count)
+    known = ndimage.convolve1d(scar.unworn * 1.0, kernel, axis=0, mode="constant")
+    means = ndimage.convolve1d(np.where(scar.unworn, lost, 0.0), kernel, axis=0, mode="constant")
+    # holes and the ends of the field leave strips a little shorter
+    enough = known > 0.8 if (known > 0.8).any() else known >= known.max()
+    band = math.sqrt(float(np.square(means[enough] / known[enough]).mean()))
+    y = places((lost.shape[0], lost.shape[1]), scar.pixel)[1]
+    averaged = slice(first, first + count)
+    return Profile(y, np.asarray(lost[averaged].mean(axis=0)), band, averaged, count * px)
+
+
+def _scatter(values: FloatArray) -> float:
+    """Return the robust standard deviation of values about 0."""
+    return TO_SIGMA * float(np.median(np.abs(values)))
+
+
+def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tuple[float, float]) -> BoolArray:
+    """Return the region that stands out as worn, shape (nx, ny): the largest of those connected.
+
+    lost [mm], unworn: shape (nx, ny); coarse: pixels along each side over which asperities are joined.
+    """
+    floor = 1e-6 * float(np.ptp(lost))
+    fine, wide = (ndimage.uniform_filter(lost, size, mode="nearest") for size in (SMOOTHED, coarse))
+    region, sharp = (z > max(THRESHOLD * _scatter(z[unworn]), floor) for z in (wide, fine))
+    labels, pieces = ndimage.label(region)
+    if not pieces:
+        raise InputError("no scar was found: nothing lies below the rest of the surface")
+    sums = ndimage.sum_labels(np.maximum(lost, 0.0), labels, np.arange(1, pieces + 1))
+    region = np.isin(labels, 1 + np.flatnonzero(sums >= PIECE * sums.max()))
+    # closed, so that the gaps between worn asperities belong to the scar
+    seed, width = sharp & region, max(n * d for n, d in zip(coarse, pixel, strict=True))
+    if not seed.any():
+        seed = region
+    margin = [(n, n) for n in coarse]
+    padded = np.pad(seed, margin, mode="edge")
+    near = ndimage.distance_transform_edt(~padded, sampling=pixel) <= 0.5 * width
+    closed = ndimage.distance_transform_edt(np.pad(near, 1, mode="edge"), sampling=pixel)[1:-1, 1:-1]
+    inner = tuple(slice(n, -n) for n in coarse)
+    return np.asarray(ndimage.binary_fill_holes(seed | (closed[inner] > 0.5 * width)))

@@ -1,0 +1,212 @@
+"""A worn patch and the rim beside it: how far they reach, their volumes, and the errors of these."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.grid import FloatArray
+from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.sphere import places
+from warpwear.surfaces.worn.waviness import waviness
+
+ndimage = lazy.module("scipy.ndimage")
+special = lazy.module("scipy.special")
+
+RINGS = 40  # around the patch, looked at for its edge; each is 3 % of its mean radius wide, or 2 pixels
+RING_WIDTH = 0.03  # of the patch's mean radius
+RIM = 0.15  # of the patch's mean radius: the width beside it that is neither worn nor fitted
+PILE_MARGIN = 0.4  # of the width of pile-up, added to it
+SMOOTHED = 5  # pixels along each side of the mean that tells a scar's edge
+BLOCKS = 8  # along each side of the field, whose means tell how far roughness averages out
+CELLS = 14  # along each side of the field, about, at which the error of a volume looks at the unworn surface
+LEAST_CELL = 0.5  # of a cell that must be unworn
+LEAST_BLOCK = 0.25  # of a block that must be unworn
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Patch:
+    """A worn patch lies below the unworn form of its body, and its rim beside it, with pile-up if any."""
+
+    pixel: tuple[float, float]  # [mm]
+    lost: FloatArray  # depth below the unworn form [mm], shape (nx, ny)
+    patch: BoolArray  # the worn points, shape (nx, ny)
+    rim: BoolArray  # those beside them that are neither worn nor fitted, shape (nx, ny)
+    unworn: BoolArray  # those that the form went through, shape (nx, ny)
+    volume: float  # sum of `lost` over the patch, roughness averaged out [mm³]
+    volume_error: float  # its standard error: of roughness and waviness in the patch and under the fit [mm³]
+    piled_up: float  # net volume above the form in the rim [mm³]; roughness may make it negative
+    piled_up_error: float  # its standard error [mm³]
+    net: float  # volume less what is piled up [mm³]
+    net_error: float  # its standard error [mm³]
+    area: float  # of the patch [mm²]
+    area_error: float  # its standard error: how sharply the depth tells the edge [mm²]
+    depth: float  # largest [mm]
+    along: float  # extent of the patch along axis 0 [mm]
+    across: float  # extent of the patch along axis 1 [mm]
+    noise: float  # robust scatter of the unworn surface [mm]
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """A patch reaches as far as its rings lie below the unworn form, and its rim beyond."""
+
+    patch: BoolArray  # shape (nx, ny)
+    rim: BoolArray  # shape (nx, ny)
+    doubtful: float  # area of the patch's last ring, of which a part alone lies below the form [mm²]
+    blur: float  # standard error of the patch's area [mm²]
+
+
+def measured_patch(
+    lost: FloatArray,
+    reach: Reach,
+    unworn: BoolArray,
+    *,
+    pixel: tuple[float, float],
+    terms: FloatArray,
+    noise: float,
+) -> Patch:
+    """Measure a patch that reaches so far: its volumes and its area, with their errors.
+
+    lost [mm], unworn: shape (nx, ny); pixel [mm]; terms: of the form that was fitted, (terms, nx, ny); noise:
+    of the unworn surface [mm]. Raises InputError where too little is unworn to tell the errors.
+    """
+    patch, rim, area = reach.patch, reach.rim, pixel[0] * pixel[1]
+    rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
+    # where within the rim the patch ends is not known any better: half of the rim, on average
+    weights = [np.asarray(w, dtype=np.float64) for w in (patch + 0.5 * rim, rim, patch | rim)]
+    errors = _errors(weights, lost, unworn, pixel=pixel, terms=terms)
+    worn, piled_up = float(lost[patch].sum()) * area, -float(lost[rim].sum()) * area
+    return Patch(
+        pixel=pixel,
+        lost=lost,
+        patch=patch,
+        rim=rim,
+        unworn=unworn,
+        volume=worn,
+        volume_error=errors[0],
+        piled_up=piled_up,
+        piled_up_error=errors[1],
+        net=worn - piled_up,
+        net_error=errors[2],
+        area=float(patch.sum()) * area - 0.5 * reach.doubtful,
+        area_error=reach.blur,
+        depth=float(lost[patch].max()),
+        along=float(rows[-1] - rows[0] + 1) * pixel[0],
+        across=float(columns[-1] - columns[0] + 1) * pixel[1],
+        noise=noise,
+    )
+
+
+def grown(
+    lost: FloatArray,
+    seed: BoolArray,
+    near: BoolArray,
+    *,
+    pixel: tuple[float, float],
+    density: float,
+    inwards: int = 0,
+) -> Reach:
+    """Return the whole patch about its deeper part, and the rim beside it, with pile-up if there is any.
+
+    seed: the deeper part, near: what may belong to the patch, shapes (nx, ny); density: see `density_of`
+    [mm⁴]; inwards: rings within the deeper part at which it may end already. Rings about the deeper part are
+    added while they lie below the unworn form on average by more than a standard error; then, to the rim,
+    while they lie above it so. With `inwards` the outline beside pile-up is found point by point.
+    """
+    area = pixel[0] * pixel[1]
+    mean_radius = math.sqrt(float(seed.sum()) * area / math.pi)
+    width = max((1.0 if inwards else 2.0) * max(pixel), RING_WIDTH * mean_radius)
+    distance = ndimage.distance_transform_edt(~seed, sampling=pixel)
+    if inwards:
+        distance -= np.maximum(ndimage.distance_transform_edt(seed, sampling=pixel) - max(pixel), 0.0)
+    ring = np.maximum(np.ceil(distance / width) + inwards, 0.0).astype(np.int64)
+    count = np.bincount(ring.ravel())
+    mean = np.bincount(ring.ravel(), weights=lost.ravel()) / np.maximum(count, 1)
+    error = np.sqrt(density / (np.maximum(count, 1) * area))
+    last = min(count.size, RINGS)
+    edge = int(ring.min()) + 1
+    while edge < last and mean[edge] > error[edge]:
+        edge += 1
+    patch = near & (ring < edge)
+    end = edge
+    while end < last and mean[end] < -error[end]:
+        end += 1
+    crossed = inwards > 0 and end > edge
+    if crossed:  # the ends of pile-up are low
+        end += max(2, math.ceil(PILE_MARGIN * (end - edge)))
+        # beside pile-up the outline is where heights cross the form, which no ring follows everywhere
+        crossing = np.abs(ring - edge + 0.5) < inwards
+        patch = np.where(crossing, ndimage.uniform_filter(lost, SMOOTHED, mode="nearest") > 0.0, patch)
+    whole = math.sqrt(float(patch.sum()) * area / math.pi)
+    outer = min(edge, count.size - 1)
+    steps = float(error[outer]) / max(float(mean[edge - 1] - mean[outer]), float(error[outer]) + 1e-300)
+    last_ring = float(count[edge - 1]) * area if edge > 1 else 2.0 * math.pi * whole * width
+    return Reach(
+        patch=patch,
+        rim=~patch & (ring < max(end, edge + math.ceil(RIM * whole / width))),
+        doubtful=0.0 if crossed else last_ring,
+        blur=last_ring * math.hypot(0.5, steps),
+    )
+
+
+def density_of(lost: FloatArray, unworn: BoolArray, *, area: float, terms: int) -> float:
+    """Return the variance of a mean over an area, times that area [mm⁴], from blocks of the unworn surface.
+
+    area: of a pixel [mm²]; terms: of the fit, which the blocks have lost as degrees of freedom. Roughness
+    that is correlated over less than a block is counted in full.
+    """
+    nx, ny = lost.shape
+    block = np.add.outer(np.arange(nx) * BLOCKS // nx * BLOCKS, np.arange(ny) * BLOCKS // ny).ravel()
+    count = np.bincount(block, weights=unworn.ravel())
+    total = np.bincount(block, weights=np.where(unworn, lost, 0.0).ravel())
+    used = count >= max(LEAST_BLOCK * nx * ny / BLOCKS**2, 1.0)
+    freedom = max(int(used.sum()) - terms, 1)
+    return float(np.sum(np.square(total[used]) / count[used])) * area / freedom
+
+
+def _errors(
+    parts: list[FloatArray],
+    lost: FloatArray,
+    unworn: BoolArray,
+    *,
+    pixel: tuple[float, float],
+    terms: FloatArray,
+) -> list[float]:
+    """Return the standard errors of volumes [mm³] over parts of the field: weights, shape (nx, ny).
+
+    They are what fit and sum would find on unworn surface, as it lies beside the patch. The fit is one of
+    `terms`, (terms, nx, ny); the surface is taken as alike in all directions.
+    """
+    x, y = places((lost.shape[0], lost.shape[1]), pixel)
+    px, py = np.meshgrid(x, y, indexing="ij")
+    spacing = math.sqrt(float(np.ptp(x) * np.ptp(y))) / CELLS
+    row, column = (
+        ((p - p[0] + 0.5 * d) // spacing).astype(np.int64) for p, d in zip((x, y), pixel, strict=True)
+    )
+    cell = np.add.outer(row * (column[-1] + 1), column).ravel()
+
+    def by_cell(values: FloatArray | BoolArray) -> FloatArray:
+        return np.asarray(np.bincount(cell, weights=values.ravel()), dtype=np.float64)
+
+    size, known = by_cell(np.ones(lost.shape)), by_cell(unworn)
+    heights = by_cell(np.where(unworn, lost, 0.0)) / np.maximum(known, 1.0)
+    middles = np.stack([by_cell(p) / size for p in (px, py)], axis=1)
+    found = waviness(
+        heights,
+        distances=np.hypot(*(np.subtract.outer(p, p) for p in middles.T)),
+        unworn=known >= LEAST_CELL * size,
+        terms=np.stack([by_cell(term) / size for term in terms], axis=1),
+        spacing=spacing,
+        wave=special.j0,
+    )
+    area = pixel[0] * pixel[1]
+    fit = terms[:, unworn]
+    taken = [np.linalg.solve(fit @ fit.T, np.tensordot(terms, part, 2)) for part in parts]
+    found_errors = []
+    for part, factors in zip(parts, taken, strict=True):
+        weights: FloatArray = part - np.where(unworn, np.tensordot(factors, terms, 1), 0.0)
+        alone = float(size @ by_cell(np.square(weights)))
+        found_errors.append(found.error(by_cell(weights), alone) * area)
+    return found_errors

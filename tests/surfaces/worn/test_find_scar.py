@@ -1,0 +1,87 @@
+"""What a scar has lost and piled up, by measurements before and after, is within its error."""
+
+import numpy as np
+import pytest
+from cases_worn import PIXEL, SCARS, off_by_errors, pair, seen, self_affine
+
+from warpwear.errors import InputError
+from warpwear.surfaces.worn.find_scar import find_scar
+from warpwear.surfaces.worn.registration import difference
+
+SIZE = (PIXEL, PIXEL)
+
+
+@pytest.mark.parametrize(
+    ("kind", "worn"), [("self-affine", "piled"), ("turned", "stadium"), ("real", "asperities")]
+)
+def test_volumes_are_within_their_errors(kind, worn):
+    found = off_by_errors([11, 0], kind, worn)
+    assert not isinstance(found, str), found
+    for name in ("worn", "piled up", "net"):
+        assert abs(found.off[name]) < 4, name
+        assert found.relative.get(name, 0.0) < 0.3
+    assert np.mean(np.abs(found.off["profile"]) < 3) > 0.8
+
+
+@pytest.mark.slow
+def test_coverage_of_scars():
+    found = [off_by_errors([23, n], kind, worn) for kind in ("self-affine", "turned", "real")
+             for worn in SCARS for n in range(8)]  # fmt: skip
+    known = [f for f in found if not isinstance(f, str)]
+    assert len(known) > 0.9 * len(found)
+    off = np.abs([[f.off[name] for name in ("worn", "piled up", "net")] for f in known])
+    assert np.mean(off < 1) > 0.6
+    assert np.mean(off < 2) > 0.9
+
+
+def case():
+    return pair(np.random.default_rng(5), "self-affine", "piled")
+
+
+def test_a_deep_scar_does_not_lead_the_registration_astray():
+    found = pair(np.random.default_rng([7, 3]), "self-affine", "bowl")
+    both = difference(found.after, found.before, pixel=SIZE, earlier_pixel=SIZE)
+    assert both.rotation == pytest.approx(-found.angle, abs=2e-3)
+    cosine, sine, (x, y) = np.cos(found.angle), np.sin(found.angle), found.shift
+    assert both.shift == pytest.approx((-cosine * x - sine * y, sine * x - cosine * y), abs=0.5 * PIXEL)
+
+
+def refusal(after, before, pixel=SIZE, earlier_pixel=SIZE):
+    with pytest.raises(InputError) as caught:
+        find_scar(difference(after, before, pixel=pixel, earlier_pixel=earlier_pixel).heights, pixel=pixel)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_wrong_units_are_one_sentence():
+    found = case()
+    assert "times as rough as FILE" in refusal(found.after, 1e3 * found.before)
+    assert "times as rough as FILE" in refusal(found.after, 1e-3 * found.before)
+    assert "--before has a field of" in refusal(found.after, found.before, earlier_pixel=(4e-6, 4e-6))
+    assert "--before has a field of" in refusal(found.after, found.before, earlier_pixel=(4.0, 4.0))
+
+
+def test_no_overlap_and_a_surface_too_rough_are_refused():
+    found = case()
+    other = pair(np.random.default_rng(6), "self-affine", "piled")
+    assert "--before does not show the place of FILE" in refusal(found.after, other.before)
+    noise = 3e-3 * np.random.default_rng(0).normal(size=found.after.shape)
+    assert "--before does not show the place of FILE" in refusal(found.after + noise, found.before)
+
+
+def test_a_scar_larger_than_the_field_is_refused():
+    field = 1.5e-3 * self_affine(np.random.default_rng(2), (200, 200))
+    x = (np.arange(120) - 59.5) / 60.0
+    clean = seen(field, (120, 120))
+    for reach in (1.25, 3.0):
+        gone = 0.02 * np.maximum(1.0 - np.add.outer(np.square(x), np.square(x)) / reach**2, 0.0)
+        said = refusal(clean - gone, clean + 3e-5 * np.random.default_rng(3).normal(size=clean.shape))
+        assert any(words in said for words in ("scar is larger", "scar fills", "too little of that is unworn",
+                                               "no scar was found"))  # fmt: skip
+
+
+def test_nothing_worn_is_refused():
+    field = 1.5e-3 * self_affine(np.random.default_rng(2), (200, 200))
+    noise = 3e-5 * np.random.default_rng(3).normal(size=(2, 120, 120))
+    clean = seen(field, (120, 120))
+    assert "no scar was found" in refusal(clean + noise[0], clean + noise[1])

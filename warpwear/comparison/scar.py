@@ -1,0 +1,230 @@
+"""A measured wear scar beside the computed ones: depth maps and mean profiles on one scale, and numbers."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.comparison.groups import RunData
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.measured.surface_command import read_surface, scar_in
+from warpwear.measured.surface_report import scar_rows
+from warpwear.result import Result
+from warpwear.results.evolution import surface_evolution
+from warpwear.results.report import Row, lines, record
+from warpwear.results.track import blocks
+from warpwear.surfaces.sphere import places
+from warpwear.surfaces.worn.find_scar import Profile, mean_profile
+from warpwear.surfaces.worn.patch import Patch
+from warpwear.surfaces.worn.scar import texture
+
+ndimage = lazy.module("scipy.ndimage")
+
+#: Times by which a measured scar may be wider or narrower than a computed one: more is another unit.
+ALIKE = 30.0
+#: Part of the scar's length and width in whose middle its roughness is taken, as in a run.
+MIDDLE = 0.5
+#: Most blocks along a side of a track that is read.
+BLOCKS = 2000
+#: Parts of a computed patch's largest depth below which it is not part of the scar.
+FOOT = 1e-3
+
+
+@dataclass(frozen=True)
+class ScarFiles:
+    """Files of a worn disc and of its place before, None without one, and how they are read."""
+
+    after: Path
+    before: Path | None = None
+    preparation: Mapping[str, str | None] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ComputedScar:
+    """What a run has taken off the disc, at the points of the measured scar."""
+
+    name: str
+    lost: FloatArray  # [mm], shape (nx, ny)
+    profile: FloatArray  # mean over the rows of the measured profile [mm], shape (ny,)
+    volume: float  # in the measured field [mm³]
+    along: float  # [mm]
+    across: float  # [mm]
+    sq: float  # in the inner scar, without its form [µm], NaN where the run has none
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ScarComparison:
+    """A measured scar and those of runs, their middles (means of the places by depth lost) on each other."""
+
+    files: ScarFiles
+    measured: Patch
+    profile: Profile
+    sq: float  # in the inner scar of the later measurement, without its form [µm]
+    x: FloatArray  # places from the middle of the scar [mm], shape (nx,)
+    y: FloatArray  # [mm], shape (ny,)
+    computed: tuple[ComputedScar, ...]
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """First x, last x, first y, last y of the field [mm]."""
+        (px, py), x, y = self.measured.pixel, self.x, self.y
+        ends = (x[0] - px / 2, x[-1] + px / 2, y[0] - py / 2, y[-1] + py / 2)
+        return (float(ends[0]), float(ends[1]), float(ends[2]), float(ends[3]))
+
+
+def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
+    """Measure a scar and lay those that runs have computed over it.
+
+    Raises InputError where no scar is found, no run has a whole field of wear, or sizes differ as units do.
+    """
+    known = [run for run in runs if run.wear]
+    if not known:
+        raise InputError("--scar needs a run with a snapshot of its whole field to compare with")
+    surface = read_surface(files.after, {**files.preparation, "level": "none"})
+    scar, changed, _ = scar_in(surface, files.before, files.preparation)
+    profile = mean_profile(scar)
+    heights = surface.measured if changed is None else surface.measured[changed.window]
+    x, y = places((scar.lost.shape[0], scar.lost.shape[1]), scar.pixel)
+    middle = _middle(np.where(scar.patch, np.maximum(scar.lost, 0.0), 0.0), x, y)
+    through = profile.length > scar.along - 1.5 * scar.pixel[0]
+    x, y = x - (0.0 if through else middle[0]), y - middle[1]
+    computed = tuple(_computed(run, scar, profile, x, y) for run in known)
+    return ScarComparison(
+        files=files,
+        measured=scar,
+        profile=profile,
+        sq=1e3 * texture(_inner(heights, scar), cell=scar.pixel[0]).sq,
+        x=x,
+        y=y,
+        computed=computed,
+    )
+
+
+def _computed(run: RunData, scar: Patch, profile: Profile, x: FloatArray, y: FloatArray) -> ComputedScar:
+    """Sample what a run has taken off the disc at places x × y [mm] from its middle. Raises InputError."""
+    with Result.open(run.folder) as result:
+        last = len(result.snapshots) - 1
+        if run.study.is_swept:
+            track = blocks(result, last, BLOCKS)
+            lost, extent = track.loss, track.extent
+        else:
+            lost, half = result.snapshot(last).wear_disc, 0.5 * run.study.grid.cell
+            ends = (result.x[0], result.x[-1], result.y[0], result.y[-1])
+            extent = (
+                float(ends[0]) - half,
+                float(ends[1]) + half,
+                float(ends[2]) - half,
+                float(ends[3]) + half,
+            )
+        sq = float(surface_evolution(result).table["sq_disc"][-1])
+    if not lost.max() > 0.0:
+        raise InputError(f"{run.folder} has worn nothing off the disc: there is no scar to compare with")
+    steps = [(b - a) / n for (a, b), n in zip((extent[:2], extent[2:]), lost.shape, strict=True)]
+    grid = [a + (np.arange(n) + 0.5) * d for a, n, d in zip(extent[::2], lost.shape, steps, strict=True)]
+    worn = lost > FOOT * lost.max()
+    along, across = (float(worn.any(axis=1 - k).sum()) * steps[k] for k in (0, 1))
+    ratio = scar.across / across
+    if not 1.0 / ALIKE <= ratio <= ALIKE:
+        raise InputError(
+            f"--scar is {scar.across:.3g} mm wide, that of {run.name} {across:.3g} mm: the file's pixel has "
+            "another unit; --pixel overrides what it says"
+        )
+    deep = scar.depth / float(lost.max())
+    if not 1e-3 * ALIKE < deep < 1e3 / ALIKE:
+        raise InputError(
+            f"--scar is {1e3 * scar.depth:.3g} µm deep, that of {run.name} {1e3 * float(lost.max()):.3g} µm: "
+            "the file's heights have another unit; --height-unit overrides what it says"
+        )
+    centre = _middle(lost, *grid)
+    smooth = ndimage.uniform_filter(
+        lost, [max(1, round(p / d)) for p, d in zip(scar.pixel, steps, strict=True)], mode="nearest"
+    )
+    at = [(p + c - g[0]) / d for p, c, g, d in zip((x, y), centre, grid, steps, strict=True)]
+    sampled = ndimage.map_coordinates(smooth, np.meshgrid(*at, indexing="ij"), order=1, mode="constant")
+    return ComputedScar(
+        name=run.name,
+        lost=sampled,
+        profile=sampled[profile.rows].mean(axis=0),
+        volume=float(sampled.sum()) * scar.pixel[0] * scar.pixel[1],
+        along=along,
+        across=across,
+        sq=sq,
+    )
+
+
+def _middle(lost: FloatArray, x: FloatArray, y: FloatArray) -> tuple[float, float]:
+    """Return the mean place [mm] of x × y, weighted by the depth lost, shape (x.size, y.size)."""
+    along, across = lost.sum(axis=1), lost.sum(axis=0)
+    return float(along @ x / along.sum()), float(across @ y / across.sum())
+
+
+def _inner(heights: FloatArray, scar: Patch) -> FloatArray:
+    """Return heights [mm] in the middle of a scar, half as long and wide."""
+    found = []
+    for axis in (0, 1):
+        line = np.flatnonzero(scar.patch.any(axis=1 - axis))
+        cut = round(0.5 * (1.0 - MIDDLE) * line.size)
+        found.append(slice(int(line[0]) + cut, int(line[-1]) + 1 - cut))
+    return heights[found[0], found[1]]
+
+
+def record_of(scar: ScarComparison) -> dict[str, Any]:
+    """Return what is said of a measured scar and of each computed one, ready for JSON."""
+    return {
+        "measured": record(_rows_measured(scar)),
+        "computed": {c.name: record(_rows_computed(scar, c)) for c in scar.computed},
+    }
+
+
+def told(scar: ScarComparison) -> list[str]:
+    """Write the lines of a comparison's text about a scar."""
+    computed = [(c.name, _rows_computed(scar, c)) for c in scar.computed]
+    text = ["the scar measured", *lines(_rows_measured(scar))]
+    for name, rows in computed:
+        text += [f"the scar of {name}", *lines(rows)]
+    return text
+
+
+def _rows_measured(scar: ScarComparison) -> list[Row]:
+    before = scar.files.before
+    return [
+        Row("file", "file", str(scar.files.after)),
+        Row("before", "before", None if before is None else str(before)),
+        *scar_rows(scar.measured),
+        Row("Sq in the scar", "sq_um", scar.sq, digits=3, note="(its middle, form taken off)"),
+    ]
+
+
+def _rows_computed(scar: ScarComparison, computed: ComputedScar) -> list[Row]:
+    m, c, band = scar.measured, computed, 1e3 * scar.profile.band
+    gap, apart = (m.lost - c.lost)[m.patch], scar.profile.depth - c.profile
+    depths, profiles = (1e3 * math.sqrt(float(np.square(v).mean())) for v in (gap, apart))
+    of_net, error = "(net, in the measured field)", ("error_mm3", m.net_error)
+    of_each, each = "(rms; ± of each place)", ("profile_error_um", band)
+    size = [Row("along", "patch_along_mm", c.along), Row("across", "patch_across_mm", c.across)]
+    return [
+        Row("worn patch", "", size),
+        Row("volume", "volume_mm3", c.volume),
+        Row("Sq in the scar", "sq_um", None if math.isnan(c.sq) else c.sq, digits=3),
+        Row("measured less it", "difference_mm3", m.net - c.volume, error=error, note=of_net),
+        Row("depths differ by", "rms_um", depths, digits=3, note="(rms in the scar)"),
+        Row("profiles by", "profile_rms_um", profiles, digits=3, error=each, note=of_each),
+    ]
+
+
+def answers_of(scar: ScarComparison) -> dict[str, Any]:
+    """Return head and rows of the page's table: measured and computed."""
+    m = scar.measured
+    head = ["", "along, mm", "across, mm", "net volume lost, mm³", "measured − computed, mm³", "Sq, µm"]
+    net = f"{m.net:.4g} ± {m.net_error:.2g}"
+    rows = [["measured", f"{m.along:.4g}", f"{m.across:.4g}", net, "", f"{scar.sq:.3g}"]]
+    for c in scar.computed:
+        gap = f"{m.net - c.volume:.3g} ± {m.net_error:.2g}".replace("-", "−")
+        sq = "–" if math.isnan(c.sq) else f"{c.sq:.3g}"
+        rows.append([c.name, f"{c.along:.4g}", f"{c.across:.4g}", f"{c.volume:.4g}", gap, sq])
+    return {"head": head, "rows": rows}
