@@ -278,6 +278,10 @@ def test_a_signal_leaves_an_unfinished_run_and_a_checkpoint(
                 cli.main([*command, "--resume"])
             assert done.value.code == 0
             assert said in capsys.readouterr().out
+        with pytest.raises(SystemExit) as done:  # a folder that is to be resumed says itself where it is
+            cli.main(["run", str(out), "--no-plots", "--resume"])
+        assert done.value.code == 0
+        assert f"{out}/ holds this run, finished" in capsys.readouterr().out
     finally:
         signal.signal(signal.SIGTERM, before)
     assert differences(alone, out) == []

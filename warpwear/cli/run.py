@@ -59,7 +59,9 @@ def run(
     if sys.stderr.isatty():  # a sign of life: what comes next is imported for a second
         click.echo(f"warpwear {__version__}: {study}", err=True)
     loaded = load_study(study, changes)
-    folder = out if out is not None else Path(loaded.study.name)
+    # A run folder that is to be resumed is itself where it goes on.
+    own = Path(study) if options["resume"] and Path(study).is_dir() else Path(loaded.study.name)
+    folder = own if out is None else out
     if options["resume"] and not options["overwrite"] and run_folder.is_finished(folder, loaded):
         click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
         return
