@@ -161,7 +161,7 @@ def test_differences_are_to_the_first_run(compared: Path) -> None:
 
 
 @pytest.mark.parametrize("width", [400, pytest.param(1280, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("kind", ["sweep", "compare"])
+@pytest.mark.parametrize("kind", ["sweep", pytest.param("compare", marks=pytest.mark.slow)])
 def test_they_fit_and_ask_for_nothing(
     browser: Any, swept: Any, compared: Path, kind: str, width: int
 ) -> None:

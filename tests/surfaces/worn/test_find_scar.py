@@ -61,6 +61,7 @@ def test_wrong_units_are_one_sentence():
     assert "--before has a field of" in refusal(found.after, found.before, earlier_pixel=(4.0, 4.0))
 
 
+@pytest.mark.slow
 def test_no_overlap_and_a_surface_too_rough_are_refused():
     found = case()
     other = pair(np.random.default_rng(6), "self-affine", "piled")
