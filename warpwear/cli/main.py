@@ -22,6 +22,11 @@ from warpwear.cli.sweep import sweep
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.version import __version__
 
+#: Objects made before unreachable ones are looked for: imports make many, and all of them last.
+GARBAGE = 50_000
+#: How long a thread keeps Python's lock from another [s]: steps wait for those that pack snapshots.
+SWITCH = 2.0e-4
+
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command, of the command line where no arguments are given; errors end as sentence and status."""
@@ -29,6 +34,9 @@ def main(arguments: list[str] | None = None) -> None:
     started = time.perf_counter() - (time.process_time() if arguments is None else 0.0)
     os.environ["MPLBACKEND"] = "agg"  # nothing is shown, and a backend that is not there would stop it
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # that no installed package is asked for one
+    if arguments is None:  # a process of its own
+        gc.set_threshold(GARBAGE)
+        sys.setswitchinterval(SWITCH)
     codecs.register_error("warpwear", _spelled)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):

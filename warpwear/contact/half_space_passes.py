@@ -77,8 +77,7 @@ class Iterate:
         self._single = influence.of_one_grid and executor.device.is_cpu and influence.cells >= LEAST_SINGLE
         #: By how much the gradient may be off for that [mm], and what a whole step adds to it.
         self.drift = self._step_drift = 0.0
-        for module in (passes, half_space_setup):
-            wp.load_module(module, device=executor.device)
+        executor.foresee([passes.advance, half_space_setup.moments])
         names = "pressure", "gradient", "trial", "step", "response"
         made = [executor.zeros() for _ in names]
         self.pressure, self.gradient, self._trial, self._step, self._response = made

@@ -117,7 +117,7 @@ class WindowedHalfSpace:
     ) -> None:
         self._executor, self._modulus, self._boundary = executor, modulus, boundary
         self._hardness, self._tolerance = hardness, tolerance
-        wp.load_module(half_space_setup, device=executor.device)
+        executor.load(half_space_setup.moments)
         self._pressure = executor.zeros()
         self._gradient = executor.zeros()
         self._extents = executor.partials(4)

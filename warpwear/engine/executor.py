@@ -5,7 +5,7 @@ its own column of the table of partial results, so that no result depends on the
 launch is one loop on one core that lets go of Python's lock, so chunks of rows run on a pool of threads.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from typing import Any, Protocol, Self
@@ -15,7 +15,7 @@ import warp as wp
 
 from warpwear import lazy
 from warpwear.engine.device import check_memory, check_threads, find_device
-from warpwear.engine.kernel_cache import load_kernels
+from warpwear.engine.kernel_cache import begin_to_load
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
@@ -103,19 +103,32 @@ class Executor:
         self._launches: dict[tuple[Any, int], tuple[Any, list[Any]]] = {}
         self._whole = self.split_rows(np.full(grid.nx, self.vectors * LANES))
         self._loaded: set[Any] = set()
+        self._loader: ThreadPoolExecutor | None = None
+        self._foreseen: dict[Any, Callable[[], None]] = {}
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._pool is not None:
-            self._pool.shutdown()
+        for pool in (self._pool, self._loader):
+            if pool is not None:
+                pool.shutdown(cancel_futures=True)
+
+    def foresee(self, kernels: Iterable[Any]) -> None:
+        """Begin to load, or compile, the files of kernels on a CPU, side by side, beside other work."""
+        new = {kernel.module for kernel in kernels} - self._loaded - self._foreseen.keys()
+        if not self.device.is_cpu or not new:
+            return
+        self._loader = self._loader or ThreadPoolExecutor(check_threads(None))
+        for module in new:
+            self._foreseen[module] = begin_to_load(module, self.device, self._loader)
 
     def load(self, kernel: Any) -> None:
         """Load, or compile, the file of a kernel before its first launch, and before any thread needs it."""
-        if kernel.module not in self._loaded:
-            load_kernels(kernel.module, self.device)
-            self._loaded.add(kernel.module)
+        module = kernel.module
+        if module not in self._loaded:
+            (self._foreseen.pop(module, None) or begin_to_load(module, self.device))()
+            self._loaded.add(module)
 
     def split_rows(self, cells: Any) -> list[tuple[int, int]]:
         """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""

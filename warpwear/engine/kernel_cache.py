@@ -9,8 +9,10 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,11 +28,13 @@ UNFINISHED = re.compile(r"_p\d+_t\d+$")
 _LOADED: set[str] = set()
 
 
-def load_kernels(module: Any, device: Any) -> None:
-    """Load the kernels of Warp's module, or compile them where they are not kept, or damaged.
+def begin_to_load(module: Any, device: Any, pool: Executor | None = None) -> Callable[[], None]:
+    """Look for the kernels of Warp's module, whose damaged files go; return what loads or compiles them.
 
-    Raises InputError where they cannot be kept.
+    pool: does so from now on, and what is returned waits. That raises InputError where they cannot be kept.
     """
+    # Compiled in advance, as Warp would, its headers take longer than twice with the kernels of two files.
+    wp.config.use_precompiled_headers = device.is_cuda
     if not _LOADED:
         atexit.register(_seal)
     _LOADED.add(module.name)
@@ -39,21 +43,30 @@ def load_kernels(module: Any, device: Any) -> None:
         if (folder / DIGESTS).exists() and not _is_whole(folder):
             shutil.rmtree(folder, ignore_errors=True)
         kept = kept or folder.name == module.get_module_identifier(1 if device.is_cpu else None)
-    with phase("kernels" if kept else "compile"):
+    load = pool.submit(_load, module, device).result if pool else partial(_load, module, device)
+
+    def finish() -> None:
+        with phase("kernels" if kept else "compile"):
+            load()
+
+    return finish
+
+
+def _load(module: Any, device: Any) -> None:
+    try:
+        wp.load_module(module, device=device)
+    except Exception as error:  # Warp raises whatever a damaged file makes of it
+        if isinstance(error, MemoryError):
+            raise
+        for folder in _folders(module.name):
+            shutil.rmtree(folder, ignore_errors=True)
         try:
             wp.load_module(module, device=device)
-        except Exception as error:  # Warp raises whatever a damaged file makes of it
-            if isinstance(error, MemoryError):
-                raise
-            for folder in _folders(module.name):
-                shutil.rmtree(folder, ignore_errors=True)
-            try:
-                wp.load_module(module, device=device)
-            except OSError as fault:
-                raise InputError(
-                    f"Warp cannot keep compiled kernels in {wp.config.kernel_cache_dir}: {fault.strerror}; "
-                    "WARP_CACHE_PATH names another folder."
-                ) from fault
+        except OSError as fault:
+            raise InputError(
+                f"Warp cannot keep compiled kernels in {wp.config.kernel_cache_dir}: {fault.strerror}; "
+                "WARP_CACHE_PATH names another folder."
+            ) from fault
 
 
 def _seal() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.engine.executor import Executor, Field
-from warpwear.kernels import tiles
+from warpwear.kernels import wear
 from warpwear.kernels.cells import TileSums
 
 #: Tiles beyond which a sample of the rows tells how deep a list must reach to hold enough.
@@ -108,7 +108,7 @@ class Tiles(TileList):
         self._kept = wp.zeros((nx, columns), dtype=TileSums, device=device)
         self.rest = wp.zeros(nx, dtype=TileSums, device=device)
         self._asked = math.inf
-        executor.launch(tiles.lowest, inputs=[gap], outputs=[self._lowest])
+        executor.launch(wear.lowest, inputs=[gap], outputs=[self._lowest])
         self._smallest = float(self._lowest.numpy().min())
         self._on_cpu = device.is_cpu
         self._fresh = True
@@ -153,7 +153,7 @@ class Tiles(TileList):
             self.count.zero_()
             self._fresh = False
         self._executor.launch(
-            tiles.select,
+            wear.select,
             inputs=[limit, *self._fields],
             outputs=[self._lowest, self._kept, self.rest, self.list, self.count],
             often=True,

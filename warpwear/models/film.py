@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.tiles import TileList
@@ -33,7 +32,7 @@ class BareCells:
     ) -> None:
         self._executor, self._film = executor, film
         self._thickness = film.thickness if thickness is None else thickness
-        wp.load_module(kernels, device=executor.device)
+        executor.load(kernels.look)
         self._sums = executor.partials(1)
         #: 1 where a cell was bare as the last step began, else 0.
         self.bare = executor.zeros()

@@ -7,6 +7,9 @@ blocks for zeros and does not survive every damage.
 
 import hashlib
 import platform
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from io import BufferedIOBase
@@ -26,6 +29,20 @@ def seal(file: BufferedIOBase, mark: str) -> None:
     digest = digest_of(file)
     file.seek(0)
     file.write(f"{mark} {digest}\n".encode())
+
+
+@contextmanager
+def sealing(path: Path, mark: str) -> Iterator[None]:
+    """Seal a finished file while others read it: the digest of a large one takes as long as a table."""
+    with ThreadPoolExecutor(1) as pool:
+        sealed = pool.submit(_seal, path, mark)
+        yield
+        sealed.result()
+
+
+def _seal(path: Path, mark: str) -> None:
+    with path.open("r+b") as file:
+        seal(file, mark)
 
 
 def read_header(file: BufferedIOBase) -> list[str]:

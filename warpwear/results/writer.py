@@ -75,6 +75,8 @@ class ResultWriter:
         in_threads = threads > 1 and not self._in_memory
         self._pool = ThreadPoolExecutor(threads) if in_threads else None
         self._waiting: list[tuple[h5py.Dataset, tuple[int, ...], Future[bytes | None]]] = []
+        #: Field and place -> the block of the snapshot before, and what comes of it.
+        self._last: dict[tuple[str, tuple[int, ...]], tuple[FloatArray, Future[bytes | None]]] = {}
         #: Number -> snapshot, of those whose files need not be read back.
         self.at_hand: dict[int, Snapshot] = {}
         self._require_space(0)
@@ -117,12 +119,13 @@ class ResultWriter:
             dataset = group.create_dataset(name, values.shape, values.dtype, chunks=chunks, **how)
             dataset.attrs.update(units=FIELDS[name].units, long_name=FIELDS[name].meaning)
             for place in dataset.iter_chunks():
-                part = values[place]
+                part, start = values[place], tuple(along.start for along in place)
                 if self._pool is not None and plenty:
-                    start = tuple(along.start for along in place)
-                    self._waiting.append((dataset, start, self._pool.submit(_compressed, part, chunks)))
-                elif (packed := _compressed(part, chunks)) is not None:
-                    dataset.id.write_direct_chunk(tuple(along.start for along in place), packed)
+                    packed = self._pool.submit(_packed_once, part, chunks, self._last.get((name, start)))
+                    self._waiting.append((dataset, start, packed))
+                    self._last[name, start] = part, packed
+                elif (block := _compressed(part, chunks)) is not None:
+                    dataset.id.write_direct_chunk(start, block)
 
     def flush(self) -> None:
         """Write what was compressed meanwhile, and wait for the rest."""
@@ -245,6 +248,15 @@ class ResultWriter:
         if not self._in_memory:
             path = Path(self._file.filename)
             require_free_space(path.parent, nbytes + SPACE_FOR_THE_REST, offset=path.stat().st_size)
+
+
+def _packed_once(
+    values: FloatArray, chunk: tuple[int, ...], last: tuple[FloatArray, Future[bytes | None]] | None
+) -> bytes | None:
+    """A block as `_compressed` leaves it. last: that of the snapshot before, which it may be still."""
+    if last is not None and np.array_equal(values.view(np.uint64), last[0].view(np.uint64)):
+        return last[1].result()  # begun before this one, so it does not wait for it
+    return _compressed(values, chunk)
 
 
 def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:

@@ -14,8 +14,7 @@ from warpwear.figures.table import FIGURES
 from warpwear.result import Result
 from warpwear.results import file as results
 from warpwear.results import manifest
-from warpwear.results.file import FILE_NAME, MAGIC, SURFACE_FILE
-from warpwear.results.seal import seal
+from warpwear.results.file import FILE_NAME, SURFACE_FILE
 from warpwear.runs import checkpoint
 from warpwear.runs import lock as run_lock
 from warpwear.study.study import Study
@@ -49,12 +48,13 @@ def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
             )
     elif resume and kept.exists():
         raise InputError(f"{kept} is no checkpoint of warpwear or is damaged; delete or {OVERWRITE_IT}.")
+    elif overwrite and results.is_one(folder / FILE_NAME):  # whole or damaged, it is replaced
+        pass
     elif _holds_a_run(folder):
-        if not (overwrite or resume):
+        if not resume:
             raise InputError(f"out = {folder} already holds a run; {OTHER_FOLDER}.")
     elif results.is_one(folder / FILE_NAME):  # and is damaged
-        if not overwrite:
-            Result.open(folder)
+        Result.open(folder)
     else:
         ours = {run_lock.NAME, *manifest.written(folder), *run_lock.work_folders(folder)}
         if any(path.name not in ours for path in folder.iterdir()):
@@ -141,7 +141,7 @@ def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
 
 
 def move_into_place(work: Path, folder: Path) -> None:
-    """Seal the result and move all files of the run, one by one, the result last; others are left alone.
+    """Move all files of the run, one by one, the sealed result last; others are left alone.
 
     What the run that is replaced wrote goes, and so does its manifest. A file that came while the run went on
     is kept under another name.
@@ -154,8 +154,6 @@ def move_into_place(work: Path, folder: Path) -> None:
             warnings.warn(f"{folder / name} was not written by a run: it is {kept} now.", stacklevel=2)
     manifest.write(folder, before | now, work=work)
     manifest.remove(folder, {name for name in before if "/" in name or name == manifest.PAGE})
-    with (work / FILE_NAME).open("r+b") as file:
-        seal(file, MAGIC)
     for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
         item.replace(folder / item.name)
     if SURFACE_FILE in before - now and not _owns_surface(folder):

@@ -19,8 +19,8 @@ from warpwear.errors import InputError
 from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results import manifest
-from warpwear.results.file import FILE_NAME, OWN_SURFACE, SURFACE_FILE
-from warpwear.results.seal import HEADER
+from warpwear.results.file import FILE_NAME, MAGIC, OWN_SURFACE, SURFACE_FILE
+from warpwear.results.seal import HEADER, sealing
 from warpwear.results.tables import write_summary, write_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
@@ -203,15 +203,20 @@ def _compute(
             result = Result(file)
             result.study = study  # as it is in the file
             result.at_hand = writer.at_hand
+            if painter is not None and loop.finished:
+                painter.order(result.plot, but=process.LATE)
             with phase("write"):
-                _leave(result, loop, work if how.whole else None, painter)
                 writer.flush()
         if work and how.out:
             with phase("write"):
                 result.close()
+                with sealing(work / FILE_NAME, MAGIC), Result.open_sealed(work / FILE_NAME) as before:
+                    before.study, before.at_hand = study, writer.at_hand
+                    before.take_over(result)
+                    _leave(before, loop, work if how.whole else None, painter)
                 run_folder.move_into_place(work, how.out)
                 loop.end_checkpoints()
-                before, result = result, Result.open_sealed(how.out / FILE_NAME)
+                result = Result.open_sealed(how.out / FILE_NAME)
                 result.take_over(before)
                 if not result.owns_surface:  # which lies elsewhere now
                     result.study = study
@@ -242,13 +247,10 @@ def _writer_of(
 
 
 def _leave(result: Result, loop: StepLoop, work: Path | None, painter: "Painter | None") -> None:
-    """Write the tables into the work folder, while figures are drawn of what there is."""
-    draws = loop.finished and painter is not None and painter.draws
-    if draws and painter is not None:
-        painter.order(result.plot, but=process.LATE)
+    """Write the tables into the work folder and order the figures that need them, and the page."""
     if work:
         write_tables(work, loop.study, result)
-    if draws and painter is not None:
+    if loop.finished and painter is not None and painter.draws:
         painter.order(result.plot)
         if work:
             painter.order_page(manifest.PAGE, pages.content_of(result, result.plot), pages.MAKER)

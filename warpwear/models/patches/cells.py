@@ -44,7 +44,7 @@ def unworn(
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
     domain, device = patches.domain, executor.device
-    wp.load_module(kernels, device=device)
+    executor.load(kernels.gap)
     tiles = patches.side * -(-patches.vectors // int(TILE_VECTORS))
     layout = arguments(
         kernels.Layout,

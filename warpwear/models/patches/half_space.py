@@ -13,7 +13,6 @@ from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
-import warp as wp
 
 from warpwear.contact.certificate import columns_of
 from warpwear.contact.half_space import BoundedPressure, HalfSpaceContact
@@ -95,7 +94,7 @@ class HalfSpacePatches(Model):
         self.visited = 0
         #: Largest approach so far [mm].
         self._reached = float(of_patches.min())
-        wp.load_module(wear_from_pressure, device=executor.device)
+        executor.load(wear_from_pressure.gaps)
         self._sums, self._maxima = executor.partials(len(PressureSum)), executor.partials(len(PressureMost))
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:

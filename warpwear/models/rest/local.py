@@ -29,7 +29,7 @@ from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
-from warpwear.kernels import wear
+from warpwear.kernels import contact, wear
 from warpwear.kernels.cells import WearMost, WearSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.wear_loops import Increment, Tables
@@ -71,6 +71,8 @@ class OneScaleModel(Model):
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
+        in_blocks = [blocks.wear_gap] if executor.in_one_launch else []
+        executor.foresee([contact.gap, wear.wear_step, *in_blocks])
         self.task = task
         self._executor = executor
         self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)

@@ -15,7 +15,7 @@ from warpwear.contact.half_space_window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import wear_from_pressure
+from warpwear.kernels import contact, half_space, half_space_setup, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
 from warpwear.kernels.sliding import Bodies
 from warpwear.kernels.wear_from_pressure import Increment
@@ -84,13 +84,14 @@ class SlidingHalfSpace:
         track_fraction: float = 1.0,
         moves: bool = True,
     ) -> None:
+        executor.foresee([contact.gap, wear_from_pressure.gaps, half_space.advance, half_space_setup.moments])
         self.state = SlidingBodies.of(task, executor, disc)
         self.task = task
         self.periodic = periodic
         self._executor = executor
         self._track_fraction, self._moves = track_fraction, moves
         assert task.modulus is not None  # checked with the study
-        wp.load_module(wear_from_pressure, device=executor.device)
+        executor.load(wear_from_pressure.gaps)
         self.keeps_dents = task.keeps_dents
         self._half_space = WindowedHalfSpace(
             executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness

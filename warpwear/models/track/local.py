@@ -13,7 +13,7 @@ from warpwear.contact.bearing_area import TIE, BearingArea
 from warpwear.engine.executor import Executor, Field, arguments, set_numbers
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import sliding
+from warpwear.kernels import contact, sliding
 from warpwear.kernels.blocks import PLAN, Lying, wear_bodies
 from warpwear.kernels.cells import LANES, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.contact import Law
@@ -87,6 +87,7 @@ class SlidingContact:
         bearing_curve: Logistic | None = None,
     ) -> None:
         grid = executor.grid
+        executor.foresee([contact.gap, sliding.wear_step])
         self.state = SlidingBodies.of(task, executor, disc, sphere=sphere)
         self.task = task
         self.periodic = periodic

@@ -174,7 +174,7 @@ class SlidingPieces:
         track_fraction: float,
     ) -> None:
         cell, device = executor.grid.cell, executor.device
-        wp.load_module(kernels, device=device)
+        executor.load(kernels.take_field)
         places, bowl = law.footprint(cell)
         self.law, self._executor, self._track_fraction = law, executor, track_fraction
         footprint = arguments(

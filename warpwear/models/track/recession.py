@@ -8,8 +8,6 @@ Letters 70, 2022, doi 10.1007/s11249-022-01602-6); the equations here follow fro
 
 from typing import ClassVar
 
-import warp as wp
-
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.kernels import recession as kernels
 from warpwear.kernels.contact import Law
@@ -26,7 +24,7 @@ class Recession:
     STATE: ClassVar = {"beyond": Field}
 
     def __init__(self, curve: Logistic, executor: Executor, bodies: Bodies, factor: Field) -> None:
-        wp.load_module(kernels, device=executor.device)
+        executor.load(kernels.recede)
         self._curve = arguments(kernels.Curve, middle=curve.middle, scale=curve.scale)
         self._executor, self._bodies, self._factor = executor, bodies, factor
         self.beyond = executor.zeros()  # by which the surface stands deeper than its mean worn depth [mm]
