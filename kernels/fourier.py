@@ -30,7 +30,9 @@ class Rows:
     """What turns n complex numbers into the modes 0 … n of 2n real ones, in the order of the transform."""
 
     plan: Plan  # of n
-    partners: wp.array(dtype=wp.int32)  # where mode n − k lies, for the mode k that lies here; of mode 0 itself
+    partners: wp.array(
+        dtype=wp.int32
+    )  # where mode n − k lies, for the mode k that lies here; of mode 0 itself
     turns: wp.array(dtype=wp.float32)  # cosine and sine of π k/n, negated
 
 

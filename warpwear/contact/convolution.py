@@ -13,6 +13,8 @@ from warpwear.kernels.fourier import LINES
 
 #: What a length may be made of, in the order of the stages.
 RADICES = (4, 2, 3, 5)
+#: Rows of a table that are put in order together.
+TOGETHER = 64
 
 
 def radices_of(length: int) -> list[int]:
@@ -60,18 +62,24 @@ class Convolution:
         """A table to apply, from one of shape (n, m//2 + 1) for the modes of a transform that is scaled back."""
         along, across = self._order
         half = along.size
-        columns = np.resize(np.append(along, half), self._groups * LINES).reshape(self._groups, LINES)
+        columns = np.resize(np.append(along, half), self._groups * LINES)
         made = np.empty((self._groups, across.size, LINES), dtype=np.float32)
-        for group, places in zip(made, columns, strict=True):
-            np.multiply(values[across[:, np.newaxis], places], 1.0 / (4.0 * half * across.size), out=group)
+        scale = 1.0 / (4.0 * half * across.size)
+        for first in range(0, across.size, TOGETHER):
+            rows = (values[across[first : first + TOGETHER]] * scale).astype(np.float32)[:, columns]
+            made[:, first : first + TOGETHER] = rows.reshape(-1, self._groups, LINES).swapaxes(0, 1)
         return wp.array(made, dtype=wp.float32, device="cpu", copy=False)
 
     def apply(self, field_in: Field, table: Any, field_out: Field) -> None:
         """Convolve a field; may be in place."""
         columns = self._executor.grid.ny
-        self._launch(fourier.forward, self._batches, [columns, self._along, field_in], [self._scratch, self._modes])
+        self._launch(
+            fourier.forward, self._batches, [columns, self._along, field_in], [self._scratch, self._modes]
+        )
         self._launch(fourier.across, self._groups, [self._across, table], [self._scratch, self._modes])
-        self._launch(fourier.back, self._batches, [columns, self._along, self._modes], [self._scratch, field_out])
+        self._launch(
+            fourier.back, self._batches, [columns, self._along, self._modes], [self._scratch, field_out]
+        )
 
     def _launch(self, kernel: Any, slots: int, inputs: list[Any], outputs: list[Any]) -> None:
         of_slab = -(-slots // self._scratch.shape[0])

@@ -159,8 +159,9 @@ def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np) -> Any:
     """
     q_x = 2.0 * math.pi * xp.fft.fftfreq(grid.nx, grid.cell)
     q_y = 2.0 * math.pi * xp.fft.rfftfreq(grid.ny, grid.cell)
-    spectrum = xp.hypot(q_x[:, None], q_y)
+    spectrum = q_x[:, None] ** 2 + q_y**2
     spectrum[0, 0] = math.inf
+    xp.sqrt(spectrum, out=spectrum)
     return xp.divide(2.0 / modulus, spectrum, out=spectrum)
 
 
