@@ -21,7 +21,7 @@ class Plan:
     """A transform of one length: its stages from the longest on, and the factors between them."""
 
     length: wp.int32
-    radices: wp.array(dtype=wp.int32)  # 2, 3, 4 or 5, whose product is the length
+    radices: wp.array(dtype=wp.int32)  # 2, 3, 4 or 5, whose product is the length; −2: 2, half of it zeros
     turns: wp.array(dtype=wp.float32)  # cosine and sine of each factor, stage by stage
 
 
@@ -42,15 +42,17 @@ _BEGIN = """
     typedef float Lanes __attribute__((vector_size(64)));
     typedef float Stored __attribute__((vector_size(64), aligned(4)));
     typedef double Doubles __attribute__((vector_size(128), aligned(8)));
-    struct Two { enum { radix = 2 }; };
-    struct Three { enum { radix = 3 }; };
-    struct Four { enum { radix = 4 }; };
-    struct Five { enum { radix = 5 }; };
+    struct Half { enum { radix = 2, half = 1 }; };
+    struct Two { enum { radix = 2, half = 0 }; };
+    struct Three { enum { radix = 3, half = 0 }; };
+    struct Four { enum { radix = 4, half = 0 }; };
+    struct Five { enum { radix = 5, half = 0 }; };
     const auto at = [](float* x) -> Stored& { return *(Stored*)x; };
     // One stage: blocks of `size` become `radix` blocks each. First the sums and then the factors, or, back, the
     // factors first.
     const auto stage = [&](auto kind, float* x, int length, int size, const float* turns, bool back) {
         constexpr int r = decltype(kind)::radix;
+        constexpr bool half = decltype(kind)::half;
         const int m = size / r, real = back ? 16 : 0, imag = 16 - real;
         for (int first = 0; first < length; first += size) {
             const float* turn = turns;
@@ -58,6 +60,7 @@ _BEGIN = """
             for (int j = 0; j < m; ++j, here += 32, turn += 2 * (r - 1)) {
                 Lanes a[r], b[r];
                 for (int q = 0; q < r; ++q) {
+                    if (half && q && !back) { a[q] = b[q] = Lanes{}; continue; }
                     a[q] = at(here + 32 * q * m + real);
                     b[q] = at(here + 32 * q * m + imag);
                 }
@@ -108,7 +111,7 @@ _BEGIN = """
                         c[q] = e;
                     }
                 }
-                for (int q = 0; q < r; ++q) {
+                for (int q = 0; q < (half && back ? 1 : r); ++q) {
                     at(here + 32 * q * m + real) = c[q];
                     at(here + 32 * q * m + imag) = d[q];
                 }
@@ -120,11 +123,12 @@ _BEGIN = """
         const float* turns = plan.turns.data + (back ? plan.turns.shape[0] : 0);
         int size = back ? 1 : length;
         for (int n = 0; n < stages; ++n) {
-            const int r = plan.radices.data[back ? stages - 1 - n : n];
+            const int kind = plan.radices.data[back ? stages - 1 - n : n], r = kind > 0 ? kind : 2;
             if (back) size *= r;
             const int of_stage = 2 * (r - 1) * (size / r);
             if (back) turns -= of_stage;
-            if (r == 4) stage(Four(), x, length, size, turns, back);
+            if (kind < 0) stage(Half(), x, length, size, turns, back);
+            else if (r == 4) stage(Four(), x, length, size, turns, back);
             else if (r == 2) stage(Two(), x, length, size, turns, back);
             else if (r == 3) stage(Three(), x, length, size, turns, back);
             else stage(Five(), x, length, size, turns, back);
@@ -150,7 +154,8 @@ _FORWARD = """
     const int of_row = 8 * field.shape[1], groups = spectrum.shape[0], of_batch = nx - first < 16 ? nx - first : 16;
     float* const x = &wp::index(scratch, slab, 0);
     const double* const cells = (const double*)field.data + (size_t)first * of_row;
-    for (int k = 0; k < n; k += 16) {
+    const int filled = rows.plan.radices.data[0] < 0 ? n / 2 : n;
+    for (int k = 0; k < filled; k += 16) {
         Lanes a[16], b[16];
         for (int i = 0; i < 16; ++i) {
             Lanes u = 0.0f - Lanes{}, v = u;
@@ -167,7 +172,7 @@ _FORWARD = """
         }
         transpose(a);
         transpose(b);
-        for (int i = 0; i < 16 && k + i < n; ++i) {
+        for (int i = 0; i < 16 && k + i < filled; ++i) {
             at(x + 32 * (k + i)) = a[i];
             at(x + 32 * (k + i) + 16) = b[i];
         }
@@ -205,12 +210,12 @@ _ACROSS = """
     float* const x = n == nx ? place : &wp::index(scratch, slab, 0);
     if (n > nx) {
         __builtin_memcpy(x, place, sizeof(float) * 32 * nx);
-        __builtin_memset(x + 32 * nx, 0, sizeof(float) * 32 * (n - nx));
+        __builtin_memset(x + 32 * nx, 0, sizeof(float) * 32 * (n / 2 - nx));
     }
     transform(plan, x, false);
     float* const factors = &wp::index(table, group, 0, 0);
     for (int k = 0; k < n; ++k) {
-        const Lanes factor = at(factors + 16 * k);
+        const Lanes factor = at(factors + 16 * folded.data[k]);
         at(x + 32 * k) *= factor;
         at(x + 32 * k + 16) *= factor;
     }
@@ -300,6 +305,7 @@ def across_columns(
     group: wp.int32,
     slab: wp.int32,
     plan: Plan,
+    folded: wp.array(dtype=wp.int32),
     table: wp.array3d(dtype=wp.float32),
     scratch: wp.array2d(dtype=wp.float32),
     spectrum: wp.array3d(dtype=wp.float32),
@@ -344,13 +350,17 @@ def across(
     slots_per_row: wp.int32,
     of_slab: wp.int32,
     plan: Plan,
+    folded_in: wp.array(dtype=wp.int32),
     table_in: wp.array3d(dtype=wp.float32),
     scratch_out: wp.array2d(dtype=wp.float32),
     spectrum_out: wp.array3d(dtype=wp.float32),
 ):
-    """Multiply the modes of all columns by a table, in place; a slot is sixteen columns of modes."""
+    """Multiply the modes of all columns by a table, in place; a slot is sixteen columns of modes.
+
+    The table is even: mode k is multiplied by the line that `folded_in` has in its place.
+    """
     slot = first_slot + wp.tid()
-    across_columns(slot, slot // of_slab, plan, table_in, scratch_out, spectrum_out)
+    across_columns(slot, slot // of_slab, plan, folded_in, table_in, scratch_out, spectrum_out)
 
 
 @wp.kernel

@@ -38,7 +38,7 @@ class Convolution:
     def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
         self._executor, self.shape = executor, shape
         half, nx = shape[1] // 2, executor.grid.nx
-        stages = radices_of(half)
+        stages = _stages(half, -(-executor.grid.ny // 2))
         order = _order(half, stages)
         place = np.argsort(order)
         angle = math.pi / half * order
@@ -48,9 +48,11 @@ class Convolution:
             partners=_array(place[-order % half], wp.int32),
             turns=_array(np.stack([np.cos(angle), -np.sin(angle)], axis=1).ravel(), wp.float32),
         )
-        stages_across = radices_of(shape[0])
+        stages_across = _stages(shape[0], nx)
         self._across = _plan(shape[0], stages_across)
-        self._order = order, _order(shape[0], stages_across)
+        across = _order(shape[0], stages_across)
+        self._folded = _array(np.minimum(across, shape[0] - across), wp.int32)
+        self._order = order
         self._groups = -(-(half + 1) // LINES)
         self._batches = -(-nx // LINES)
         threads = len(executor.split_rows(np.full(nx, executor.grid.ny)))
@@ -59,14 +61,13 @@ class Convolution:
         self._modes = wp.zeros((self._groups, nx, 2 * LINES), dtype=wp.float32, device="cpu")
 
     def table(self, values: FloatArray) -> Any:
-        """A table to apply, from one of shape (n, m//2 + 1) for the modes of a transform that is scaled back."""
-        along, across = self._order
-        half = along.size
-        columns = np.resize(np.append(along, half), self._groups * LINES)
-        made = np.empty((self._groups, across.size, LINES), dtype=np.float32)
-        scale = 1.0 / (4.0 * half * across.size)
-        for first in range(0, across.size, TOGETHER):
-            rows = (values[across[first : first + TOGETHER]] * scale).astype(np.float32)[:, columns]
+        """A table to apply, from an even one of shape (n, m//2 + 1) for a transform that is scaled back."""
+        half, lines = self._order.size, self.shape[0] // 2 + 1
+        columns = np.resize(np.append(self._order, half), self._groups * LINES)
+        made = np.empty((self._groups, lines, LINES), dtype=np.float32)
+        scale = 1.0 / (4.0 * half * self.shape[0])
+        for first in range(0, lines, TOGETHER):
+            rows = (values[first : min(first + TOGETHER, lines)] * scale).astype(np.float32)[:, columns]
             made[:, first : first + TOGETHER] = rows.reshape(-1, self._groups, LINES).swapaxes(0, 1)
         return wp.array(made, dtype=wp.float32, device="cpu", copy=False)
 
@@ -76,7 +77,9 @@ class Convolution:
         self._launch(
             fourier.forward, self._batches, [columns, self._along, field_in], [self._scratch, self._modes]
         )
-        self._launch(fourier.across, self._groups, [self._across, table], [self._scratch, self._modes])
+        self._launch(
+            fourier.across, self._groups, [self._across, self._folded, table], [self._scratch, self._modes]
+        )
         self._launch(
             fourier.back, self._batches, [columns, self._along, self._modes], [self._scratch, field_out]
         )
@@ -87,18 +90,24 @@ class Convolution:
         self._executor.launch(kernel, inputs=[of_slab, *inputs], outputs=outputs, chunks=chunks, often=True)
 
 
+def _stages(length: int, filled: int) -> list[int]:
+    """Stages of a transform of a length, of which the first numbers are filled: −2 leaves out a half of zeros."""
+    halved = length % 2 == 0 and filled <= length // 2
+    return [-2, *radices_of(length // 2)] if halved else radices_of(length)
+
+
 def _order(length: int, stages: list[int]) -> IntArray:
     """Mode that lies in each place after a transform."""
     if not stages:
         return np.zeros(1, dtype=np.int64)
-    radix, *rest = stages
+    radix, rest = abs(stages[0]), stages[1:]
     inner = radix * _order(length // radix, rest)
     return np.concatenate([inner + q for q in range(radix)])
 
 
 def _plan(length: int, stages: list[int]) -> Any:
     turns, size = [], length
-    for radix in stages:
+    for radix in (abs(stage) for stage in stages):
         angle = -2.0 * math.pi / size * np.arange(size // radix)[:, np.newaxis] * np.arange(1, radix)
         turns.append(np.stack([np.cos(angle), np.sin(angle)], axis=2).ravel())
         size //= radix
