@@ -172,8 +172,8 @@ def shortest_response(cell: float, modulus: float) -> float:
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
     """An even shape on which the convolution of the grid does not wrap, quick to transform."""
-    next_fast_len = fft.next_fast_len
-    return 2 * next_fast_len(grid.nx), 2 * next_fast_len(grid.ny, real=True)
+    along, across = (2 * fft.next_fast_len(size, real=True) for size in grid.shape)
+    return along, across
 
 
 def free_spectrum(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
