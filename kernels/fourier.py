@@ -210,7 +210,8 @@ _ACROSS = """
     float* const x = n == nx ? place : &wp::index(scratch, slab, 0);
     if (n > nx) {
         __builtin_memcpy(x, place, sizeof(float) * 32 * nx);
-        __builtin_memset(x + 32 * nx, 0, sizeof(float) * 32 * (n / 2 - nx));
+        const int filled = plan.radices.data[0] < 0 ? n / 2 : n;
+        __builtin_memset(x + 32 * nx, 0, sizeof(float) * 32 * (filled - nx));
     }
     transform(plan, x, false);
     float* const factors = &wp::index(table, group, 0, 0);
