@@ -33,9 +33,14 @@ def fits(shape: tuple[int, int]) -> bool:
 
 
 class Convolution:
-    """Multiplies the modes of fields of one executor, zero-padded to a shape that `fits`, by a table."""
+    """Multiplies the modes of fields of one executor, zero-padded to a shape that `fits`, by a table.
 
-    def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
+    within: another one of no smaller a shape, whose memory it works in.
+    """
+
+    def __init__(
+        self, executor: Executor, shape: tuple[int, int], within: "Convolution | None" = None
+    ) -> None:
         self._executor, self.shape = executor, shape
         half, nx = shape[1] // 2, executor.grid.nx
         stages = _stages(half, -(-executor.grid.ny // 2))
@@ -57,8 +62,11 @@ class Convolution:
         self._batches = -(-nx // LINES)
         threads = len(executor.split_rows(np.full(nx, executor.grid.ny)))
         longest = max(self._groups * LINES, shape[0] if shape[0] > nx else 0)
-        self._scratch = wp.zeros((threads, 2 * LINES * longest), dtype=wp.float32, device="cpu")
-        self._modes = wp.zeros((self._groups, nx, 2 * LINES), dtype=wp.float32, device="cpu")
+        if within is None:
+            self._scratch = wp.zeros((threads, 2 * LINES * longest), dtype=wp.float32, device="cpu")
+            self._modes = wp.zeros((self._groups, nx, 2 * LINES), dtype=wp.float32, device="cpu")
+        else:
+            self._scratch, self._modes = within._scratch, within._modes[: self._groups]
 
     def table(self, values: FloatArray) -> Any:
         """A table to apply, from an even one of shape (n, m//2 + 1) for a transform that is scaled back."""

@@ -98,20 +98,20 @@ class Influence(Operator):
         self._streak_cells = grid.nx
         self.cells = grid.cells
         self.shortest_response = shortest_response(grid.cell, modulus)
-        make = ScipyTransforms if executor.device.is_cpu else CupyTransforms
-        self._near = make(executor, grid.shape)
-        elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
+        make: Any = ScipyTransforms if executor.device.is_cpu else CupyTransforms
         #: Shape of what is transformed for the response.
-        self.far_shape = grid.shape
+        self.far_shape = grid.shape if boundary == "periodic" else padded_shape(grid)
+        self._far = make(executor, self.far_shape)
         if boundary == "periodic":
-            self._far = self._near
+            self._near = self._far
+            elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
             self.elastic = self.near_elastic = self._near.table(elastic)
         else:
+            self._near = make(executor, grid.shape, within=self._far)
+            elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
             # The mean that a periodic surface leaves out: that of a uniform pressure, about.
             elastic[0, 0] = 3.0 * elastic.max()
             self.near_elastic = self._near.table(elastic)
-            self.far_shape = padded_shape(grid)
-            self._far = make(executor, self.far_shape)
             self.elastic = self._far.table(free_spectrum(grid, modulus, self.far_shape))
         self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)

@@ -91,20 +91,24 @@ class ScipyTransforms(Transforms):
     The blocks do not depend on the threads, so neither do the results. A block of columns is transformed,
     multiplied and transformed back while it is in the cache; rows and columns of padding are never stored.
     In single precision a large grid is convolved by kernels of its own, which take a third of the time.
+    within: others of no smaller a shape, in whose memory those kernels work.
     """
 
-    def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
+    def __init__(
+        self, executor: Executor, shape: tuple[int, int], within: "ScipyTransforms | None" = None
+    ) -> None:
         super().__init__(executor, shape)
         nx, modes = executor.grid.nx, shape[1] // 2 + 1
-        #: Without padding the spectrum lies in the cells of the result, but for the last column.
-        self._held = modes - 1 if shape == executor.grid.shape else 0
+        #: Columns of modes that lie in the cells of the result; without padding all but the last.
+        self._held = min(modes - 1, executor.grid.ny // 2)
         self._spectrum = np.empty((nx, modes - self._held), dtype=np.complex128)
         blocks = min(max(nx * modes // MODES_PER_BLOCK, 1), ROW_BLOCKS)
         self._rows = _blocks(0, nx, -(-nx // blocks))
         self._columns = _blocks(0, self._held, COLUMNS) + _blocks(self._held, modes, COLUMNS)
         self._pool = pool_for(executor, nx * modes)
         large = executor.grid.cells >= LEAST_CONVOLVED and convolution.fits(shape)
-        self._convolution = convolution.Convolution(executor, shape) if large else None
+        place = None if within is None else within._convolution
+        self._convolution = convolution.Convolution(executor, shape, place) if large else None
         #: The last table in single precision, and the reciprocals of the last one that was divided by.
         self._single: dict[bool, tuple[Any, Any]] = {}
 
@@ -165,7 +169,9 @@ class ScipyTransforms(Transforms):
 class CupyTransforms(Transforms):
     """On a GPU, in the stream of Warp's device; arrays are shared through `__cuda_array_interface__`."""
 
-    def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
+    def __init__(
+        self, executor: Executor, shape: tuple[int, int], within: "CupyTransforms | None" = None
+    ) -> None:
         super().__init__(executor, shape)
         self._cupy: Any = load_cupy(executor.device)
         device = executor.device
