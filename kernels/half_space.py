@@ -141,7 +141,7 @@ _PRODUCTS = (
     const Lanes level = of(approach_in), descent_level = of(descent_level_in);
     Counts free_cells = 0;
     Lanes sum_z = 0.0, sum_r = 0.0, sum_y = 0.0, zy = 0.0, zr = 0.0, sr = 0.0;
-    Lanes largest_z = -none, largest_r = -none;
+    Lanes largest_z = 0.0, largest_r = 0.0;
 """
     + _EACH
     + """

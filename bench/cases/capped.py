@@ -1,4 +1,4 @@
-"""Iterations of capped contacts, over mean pressure and hardness: the rows where a search is most easily lost.
+"""Iterations of capped contacts by mean pressure and hardness, where a search is most easily lost.
 
     python bench/cases/capped.py [--cells 1024] [--tolerance 1e-8] [--jobs 8] [--limit 570] [--json FILE]
 
@@ -15,13 +15,13 @@ from typing import Any
 
 sys.path[:0] = [str(Path(__file__).parents[n]) for n in (1, 2)]
 
-from half_space import CASES
-from measure.machine import machine
+from half_space import CASES  # noqa: E402
+from measure.machine import machine  # noqa: E402
 
-from warpwear.contact.half_space import HalfSpace
-from warpwear.engine.executor import Executor
-from warpwear.errors import ConvergenceError
-from warpwear.grid import Grid
+from warpwear.contact.half_space import HalfSpace  # noqa: E402
+from warpwear.engine.executor import Executor  # noqa: E402
+from warpwear.errors import ConvergenceError  # noqa: E402
+from warpwear.grid import Grid  # noqa: E402
 
 #: Mean pressure over the hardness, and hardness over E*.
 LOADS = (0.5, 0.8, 0.9, 0.97, 0.99, 0.999)
@@ -40,7 +40,11 @@ def solve(cells: int, tolerance: float, load: float, hardness: float) -> dict[st
         except ConvergenceError as error:
             return row | {"failed": str(error)}
     assert contact.certificate is not None
-    found = {"iterations": contact.iterations, "transforms": contact.transforms, "area": contact.area_fraction}
+    found = {
+        "iterations": contact.iterations,
+        "transforms": contact.transforms,
+        "area": contact.area_fraction,
+    }
     found |= {"residual": contact.certificate.violation, "processor_seconds": time.process_time() - start}
     return row | found
 

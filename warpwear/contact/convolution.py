@@ -99,7 +99,7 @@ class Convolution:
 
 
 def _stages(length: int, filled: int) -> list[int]:
-    """Stages of a transform of a length, of which the first numbers are filled: −2 leaves out a half of zeros."""
+    """Stages of a transform of a length, of which the first numbers are filled; −2 leaves out zeros."""
     halved = length % 2 == 0 and filled <= length // 2
     return [-2, *radices_of(length // 2)] if halved else radices_of(length)
 

@@ -40,7 +40,7 @@ def gather(executor: Executor, field: Field, wide: Executor) -> Field:
     """Means of a field over wide cells, as a field of theirs; `PADDING` where one of the four is that."""
     nx, ny = executor.grid.shape
     made = wide.zeros()
-    with arrays_of(executor) as (xp, view), arrays_of(wide) as (_, view_wide):
+    with arrays_of(executor) as (_, view), arrays_of(wide) as (_, view_wide):
         values, means = view(field), view_wide(made)
         for first in range(2):
             for second in range(2):

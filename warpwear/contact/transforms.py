@@ -107,8 +107,10 @@ class ScipyTransforms(Transforms):
         self._columns = _blocks(0, self._held, COLUMNS) + _blocks(self._held, modes, COLUMNS)
         self._pool = pool_for(executor, nx * modes)
         large = executor.grid.cells >= LEAST_CONVOLVED and convolution.fits(shape)
-        place = None if within is None else within._convolution
-        self._convolution = convolution.Convolution(executor, shape, place) if large else None
+        place: convolution.Convolution | None = None if within is None else within._convolution
+        self._convolution: convolution.Convolution | None = (
+            convolution.Convolution(executor, shape, place) if large else None
+        )
         #: The last table in single precision, and the reciprocals of the last one that was divided by.
         self._single: dict[bool, tuple[Any, Any]] = {}
 
