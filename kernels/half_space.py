@@ -8,7 +8,8 @@ one a row. H is one for all cells, or a part of it of each.
 
 import warp as wp
 
-from warpwear.kernels.cells import LANES, NONE, ONE, ZERO, Cells, largest_of, of_row, sum_of
+from warpwear.kernels.cells import ONE, ZERO, Cells
+from warpwear.kernels.wear_loops import LANES_IN_C
 
 wp.set_module_options({"enable_backward": False})
 
@@ -27,15 +28,6 @@ class Fields:
     response: wp.array2d(dtype=Cells)  # of the gradient to it [mm]
     cap: wp.float64  # H [MPa]
     parts: wp.array2d(dtype=Cells)  # of H, that cells bear; no rows where all bear it
-
-
-@wp.func
-def caps_of(fields: Fields, row: wp.int32, k: wp.int32):
-    """H of eight cells."""
-    caps = Cells(fields.cap)
-    if fields.parts.shape[0] > 0:
-        caps = fields.cap * fields.parts[row, k]
-    return caps
 
 
 @wp.func
@@ -58,6 +50,206 @@ def free(p: wp.float64, t: wp.float64, approach: wp.float64, cap: wp.float64):
     return wp.where((p > ZERO or t < approach) and (p < cap or t > approach), ONE, ZERO)
 
 
+# What follows is put together to functions in C++, whose arguments are those of the kernels below.
+_BEGIN = (
+    LANES_IN_C
+    + """
+{
+#if defined(__CUDA_ARCH__)
+    const auto any = [](bool v) { return v; };
+#else
+    #pragma clang fp contract(fast)
+    const auto any = [](auto v) { return __builtin_reduce_or(v) != 0; };
+#endif
+    const auto free_of = [&](Lanes p, Lanes t, Lanes level, Lanes cap) {
+        return ((p > zero) | (t < level)) & ((p < cap) | (t > level));
+    };
+    const auto clip = [&](Lanes x, Lanes cap) {
+        x = x > zero ? x : zero;
+        return x < cap ? x : cap;
+    };
+    const auto move = [&](const Stored* x, Lanes by, Lanes cap) {  // as `shifted`
+        const Lanes y = *x + by, rounding = 4.0e-16 * size_of(by);
+        const Lanes low = y < rounding ? zero : y;
+        return y > cap - rounding ? cap : low;
+    };
+    const Lanes none = 1.0e300, one = 1.0, cap_of_all = fields.cap;
+    const int row = slot / slots_per_row, vectors = fields.pressure.shape[1], of_vector = 8 / lanes;
+    const auto of = [&](const auto& values) {
+        return wp::index(values, row < values.shape[0] ? row : values.shape[0] - 1);
+    };
+    Stored* const pressure = (Stored*)&wp::index(fields.pressure, row, 0);
+    Stored* const gradient = (Stored*)&wp::index(fields.gradient, row, 0);
+    Stored* const trial = (Stored*)&wp::index(fields.trial, row, 0);
+    Stored* const steps = (Stored*)&wp::index(fields.step, row, 0);
+    const Stored* const response = (const Stored*)&wp::index(fields.response, row, 0);
+    const bool parted = fields.parts.shape[0] > 0;
+    const Stored* const parts = parted ? (const Stored*)&wp::index(fields.parts, row, 0) : nullptr;
+"""
+)
+_EACH = """
+    for (int k = slot % slots_per_row; k < vectors; k += slots_per_row)
+        for (int i = k * of_vector; i < (k + 1) * of_vector; ++i) {
+            const Lanes cap = parted ? fields.cap * parts[i] : cap_of_all;
+"""
+_ADVANCE = (
+    """
+    const Lanes shift = of(shift_in), by = length;
+    Lanes sum = 0.0, level = 0.0, highest = -none, lowest = -none;
+    Counts touching = 0, between = 0;
+"""
+    + _EACH
+    + """
+            Lanes p = pressure[i], t = gradient[i];
+            p = whole ? move(trial + i, shift, cap) : clip(p + by * steps[i], cap);
+            if (length > 0.0) t += by * response[i];  // else there may be no response
+            pressure[i] = p;
+            gradient[i] = t;
+            const auto touches = p > zero, below = p < cap;
+            const Lanes up = touches ? t : -none, down = below ? -t : -none;
+            sum += p;
+            touching += touches ? yes : no;
+            between += (touches & below) ? yes : no;
+            level += (touches & below) ? t : zero;
+            highest = highest > up ? highest : up;
+            lowest = lowest > down ? lowest : down;
+        }
+    wp::index(sums_out, 0, slot) = total(sum);
+    wp::index(sums_out, 1, slot) = count(touching);
+    wp::index(sums_out, 2, slot) = count(between);
+    wp::index(sums_out, 3, slot) = total(level);
+    wp::index(maxima_out, 0, slot) = most(highest);
+    wp::index(maxima_out, 1, slot) = most(lowest);
+}
+"""
+)
+_RESIDUAL = (
+    """
+    const Lanes level = of(approach_in);
+"""
+    + _EACH
+    + """
+            const Lanes p = pressure[i], t = gradient[i];
+            trial[i] = free_of(p, t, level, cap) ? t - level : zero;
+        }
+}
+"""
+)
+_PRODUCTS = (
+    """
+    const Stored* const descent = (const Stored*)&wp::index(descent_in, row, 0);
+    const Lanes level = of(approach_in), descent_level = of(descent_level_in);
+    Counts free_cells = 0;
+    Lanes sum_z = 0.0, sum_r = 0.0, sum_y = 0.0, zy = 0.0, zr = 0.0, sr = 0.0;
+    Lanes largest_z = 0.0, largest_r = 0.0;
+"""
+    + _EACH
+    + """
+            const Lanes p = pressure[i], t = gradient[i];
+            const auto may = free_of(p, t, level, cap);
+            if (!any(may)) continue;  // the others are not read
+            const Lanes z = may ? descent[i] - descent_level : zero, r = may ? t - level : zero;
+            const Lanes y = may ? response[i] : zero, s = steps[i], of_z = size_of(z), of_r = size_of(r);
+            free_cells += may ? yes : no;
+            sum_z += z;
+            sum_r += r;
+            sum_y += y;
+            zy += z * y;
+            zr += z * r;
+            sr += s * r;
+            largest_z = largest_z > of_z ? largest_z : of_z;
+            largest_r = largest_r > of_r ? largest_r : of_r;
+        }
+    wp::index(sums_out, 0, slot) = count(free_cells);
+    wp::index(sums_out, 1, slot) = total(sum_z);
+    wp::index(sums_out, 2, slot) = total(sum_r);
+    wp::index(sums_out, 3, slot) = total(sum_y);
+    wp::index(sums_out, 4, slot) = total(zy);
+    wp::index(sums_out, 5, slot) = total(zr);
+    wp::index(sums_out, 6, slot) = total(sr);
+    wp::index(maxima_out, 0, slot) = most(largest_z);
+    wp::index(maxima_out, 1, slot) = most(largest_r);
+}
+"""
+)
+_DIRECTION = (
+    """
+    const Stored* const descent = (const Stored*)&wp::index(descent_in, row, 0);
+    const Lanes level = of(approach_in), descent_level = of(descent_level_in), out = -outward;
+    Lanes sum = 0.0;
+    Counts between = 0;
+"""
+    + _EACH
+    + """
+            const Lanes p = pressure[i], t = gradient[i];
+            const auto may = free_of(p, t, level, cap);
+            Lanes d = out * (t - level);
+            if (any(may)) d = may ? memory * steps[i] - (descent[i] - descent_level) : d;
+            const Lanes x = p + length * d;
+            trial[i] = x;
+            sum += clip(x, cap);
+            between += ((x > zero) & (x < cap)) ? yes : no;
+        }
+    wp::index(sums_out, 0, slot) = total(sum);
+    wp::index(sums_out, 1, slot) = count(between);
+}
+"""
+)
+_CARRIED = (
+    """
+    const Lanes shift = of(shift_in);
+    Lanes sum = 0.0;
+    Counts between = 0;
+"""
+    + _EACH
+    + """
+            const Lanes q = move(trial + i, shift, cap);
+            sum += q;
+            between += ((q > zero) & (q < cap)) ? yes : no;
+        }
+    wp::index(sums_out, 0, slot) = total(sum);
+    wp::index(sums_out, 1, slot) = count(between);
+}
+"""
+)
+_STEP = (
+    """
+    const Lanes level = of(approach_in), shift = of(shift_in);
+    Lanes slope = 0.0, used = 0.0;
+"""
+    + _EACH
+    + """
+            const Lanes p = pressure[i], s = move(trial + i, shift, cap) - p;
+            steps[i] = s;
+            const auto moves = s != zero;
+            if (!any(moves)) continue;
+            const Lanes room = s < zero ? p : cap - p;
+            const auto more = moves & (size_of(s) > used * room);
+            if (any(more)) used = more ? size_of(s) / room : used;  // a division is dear
+            slope += moves ? s * (gradient[i] - level) : zero;
+        }
+    wp::index(sums_out, 0, slot) = total(slope);
+    wp::index(maxima_out, 0, slot) = most(used);
+}
+"""
+)
+
+
+@wp.func_native(_BEGIN + _ADVANCE)
+def advance_row(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    whole: wp.bool,
+    length: wp.float64,
+    shift_in: wp.array(dtype=wp.float64),
+    fields: Fields,
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """Moves pressures and gradient of a slot; arguments as of `advance`."""
+    ...
+
+
 @wp.kernel
 def advance(
     first_slot: wp.int32,
@@ -74,54 +266,18 @@ def advance(
     Sums: p, cells in contact, cells between the bounds and their t. Maxima: t where p > 0, −t where p < H.
     """
     slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    shift = of_row(shift_in, row)
-    total = Cells(ZERO)
-    touching = Cells(ZERO)
-    between = Cells(ZERO)
-    level = Cells(ZERO)
-    highest = Cells(-NONE)
-    lowest = Cells(-NONE)
-    for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
-        cap = caps_of(fields, row, k)
-        p = fields.pressure[row, k]
-        t = fields.gradient[row, k]
-        if whole:
-            x = fields.trial[row, k]
-            for j in range(LANES):
-                p[j] = shifted(x[j], shift, cap[j])
-        else:
-            s = fields.step[row, k]
-            for j in range(LANES):
-                p[j] = clipped(p[j] + length * s[j], cap[j])
-        if length > ZERO:  # else there may be no response
-            y = fields.response[row, k]
-            t += length * y
-        touch = Cells(ZERO)
-        inside = Cells(ZERO)
-        inside_level = Cells(ZERO)
-        up = Cells(ZERO)
-        down = Cells(ZERO)
-        for j in range(LANES):
-            touch[j] = wp.where(p[j] > ZERO, ONE, ZERO)
-            inside[j] = wp.where(p[j] < cap[j], touch[j], ZERO)
-            inside_level[j] = wp.where(inside[j] > ZERO, t[j], ZERO)
-            up[j] = wp.where(p[j] > ZERO, t[j], -NONE)
-            down[j] = wp.where(p[j] < cap[j], -t[j], -NONE)
-        fields.pressure[row, k] = p
-        fields.gradient[row, k] = t
-        total += p
-        touching += touch
-        between += inside
-        level += inside_level
-        highest = wp.max(highest, up)
-        lowest = wp.max(lowest, down)
-    sums_out[0, slot] = sum_of(total)
-    sums_out[1, slot] = sum_of(touching)
-    sums_out[2, slot] = sum_of(between)
-    sums_out[3, slot] = sum_of(level)
-    maxima_out[0, slot] = largest_of(highest)
-    maxima_out[1, slot] = largest_of(lowest)
+    advance_row(slot, slots_per_row, whole, length, shift_in, fields, sums_out, maxima_out)
+
+
+@wp.func_native(_BEGIN + _RESIDUAL)
+def residual_row(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    approach_in: wp.array(dtype=wp.float64),
+    fields: Fields,
+):
+    """Makes the gradient of free cells of a slot; arguments as of `residual`."""
+    ...
 
 
 @wp.kernel
@@ -133,16 +289,22 @@ def residual(
 ):
     """t − λ on the free cells, 0 elsewhere, in the place of the trial."""
     slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    approach = of_row(approach_in, row)
-    for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
-        cap = caps_of(fields, row, k)
-        p = fields.pressure[row, k]
-        t = fields.gradient[row, k]
-        r = Cells(ZERO)
-        for j in range(LANES):
-            r[j] = wp.where(free(p[j], t[j], approach, cap[j]) > ZERO, t[j] - approach, ZERO)
-        fields.trial[row, k] = r
+    residual_row(slot, slots_per_row, approach_in, fields)
+
+
+@wp.func_native(_BEGIN + _PRODUCTS)
+def products_row(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    approach_in: wp.array(dtype=wp.float64),
+    descent_level_in: wp.array(dtype=wp.float64),
+    fields: Fields,
+    descent_in: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """Sums up over the free cells of a slot; arguments as of `products`."""
+    ...
 
 
 @wp.kernel
@@ -161,64 +323,24 @@ def products(
     Sums: cells, z, r, y, z y, z r, s r. Maxima: |z|, |r|.
     """
     slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    approach = of_row(approach_in, row)
-    descent_level = of_row(descent_level_in, row)
-    count = Cells(ZERO)
-    descent = Cells(ZERO)
-    gradient = Cells(ZERO)
-    response = Cells(ZERO)
-    zy = Cells(ZERO)
-    zr = Cells(ZERO)
-    sr = Cells(ZERO)
-    largest_z = Cells(ZERO)
-    largest_r = Cells(ZERO)
-    for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
-        cap = caps_of(fields, row, k)
-        p = fields.pressure[row, k]
-        t = fields.gradient[row, k]
-        f = Cells(ZERO)
-        for j in range(LANES):
-            f[j] = free(p[j], t[j], approach, cap[j])
-        if largest_of(f) > ZERO:  # where none is free the others are not read
-            z = descent_in[row, k]
-            s = fields.step[row, k]
-            y = fields.response[row, k]
-            fz = Cells(ZERO)
-            fr = Cells(ZERO)
-            fy = Cells(ZERO)
-            fzy = Cells(ZERO)
-            fzr = Cells(ZERO)
-            fsr = Cells(ZERO)
-            size_z = Cells(ZERO)
-            size_r = Cells(ZERO)
-            for j in range(LANES):
-                fz[j] = wp.where(f[j] > ZERO, z[j] - descent_level, ZERO)
-                fr[j] = wp.where(f[j] > ZERO, t[j] - approach, ZERO)
-                fy[j] = wp.where(f[j] > ZERO, y[j], ZERO)
-                fzy[j] = fz[j] * fy[j]
-                fzr[j] = fz[j] * fr[j]
-                fsr[j] = s[j] * fr[j]
-                size_z[j] = wp.abs(fz[j])
-                size_r[j] = wp.abs(fr[j])
-            count += f
-            descent += fz
-            gradient += fr
-            response += fy
-            zy += fzy
-            zr += fzr
-            sr += fsr
-            largest_z = wp.max(largest_z, size_z)
-            largest_r = wp.max(largest_r, size_r)
-    sums_out[0, slot] = sum_of(count)
-    sums_out[1, slot] = sum_of(descent)
-    sums_out[2, slot] = sum_of(gradient)
-    sums_out[3, slot] = sum_of(response)
-    sums_out[4, slot] = sum_of(zy)
-    sums_out[5, slot] = sum_of(zr)
-    sums_out[6, slot] = sum_of(sr)
-    maxima_out[0, slot] = largest_of(largest_z)
-    maxima_out[1, slot] = largest_of(largest_r)
+    products_row(slot, slots_per_row, approach_in, descent_level_in, fields, descent_in, sums_out, maxima_out)
+
+
+@wp.func_native(_BEGIN + _DIRECTION)
+def direction_row(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    approach_in: wp.array(dtype=wp.float64),
+    descent_level_in: wp.array(dtype=wp.float64),
+    memory: wp.float64,
+    length: wp.float64,
+    outward: wp.float64,
+    fields: Fields,
+    descent_in: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Makes the trial pressures of a slot; arguments as of `direction`."""
+    ...
 
 
 @wp.kernel
@@ -240,32 +362,30 @@ def direction(
     restores the load is larger. Sums: the clipped trial, and cells between the bounds.
     """
     slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    approach = of_row(approach_in, row)
-    descent_level = of_row(descent_level_in, row)
-    total = Cells(ZERO)
-    between = Cells(ZERO)
-    for k in range(slot % slots_per_row, fields.pressure.shape[1], slots_per_row):
-        cap = caps_of(fields, row, k)
-        p = fields.pressure[row, k]
-        t = fields.gradient[row, k]
-        z = descent_in[row, k]
-        s = fields.step[row, k]
-        x = Cells(ZERO)
-        q = Cells(ZERO)
-        inside = Cells(ZERO)
-        for j in range(LANES):
-            is_free = free(p[j], t[j], approach, cap[j])
-            r = t[j] - approach
-            d = wp.where(is_free > ZERO, memory * s[j] - (z[j] - descent_level), -outward * r)
-            x[j] = p[j] + length * d
-            q[j] = clipped(x[j], cap[j])
-            inside[j] = wp.where(x[j] > ZERO and x[j] < cap[j], ONE, ZERO)
-        fields.trial[row, k] = x
-        total += q
-        between += inside
-    sums_out[0, slot] = sum_of(total)
-    sums_out[1, slot] = sum_of(between)
+    direction_row(
+        slot,
+        slots_per_row,
+        approach_in,
+        descent_level_in,
+        memory,
+        length,
+        outward,
+        fields,
+        descent_in,
+        sums_out,
+    )
+
+
+@wp.func_native(_BEGIN + _CARRIED)
+def carried_row(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    shift_in: wp.array(dtype=wp.float64),
+    fields: Fields,
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Sums up the trial pressures of a slot; arguments as of `carried`."""
+    ...
 
 
 @wp.kernel
@@ -278,22 +398,21 @@ def carried(
 ):
     """Sums of the trial pressures, shifted and clipped, and of the cells between the bounds."""
     slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    shift = of_row(shift_in, row)
-    total = Cells(ZERO)
-    between = Cells(ZERO)
-    for k in range(slot % slots_per_row, fields.trial.shape[1], slots_per_row):
-        cap = caps_of(fields, row, k)
-        x = fields.trial[row, k]
-        q = Cells(ZERO)
-        inside = Cells(ZERO)
-        for j in range(LANES):
-            q[j] = shifted(x[j], shift, cap[j])
-            inside[j] = wp.where(q[j] > ZERO and q[j] < cap[j], ONE, ZERO)
-        total += q
-        between += inside
-    sums_out[0, slot] = sum_of(total)
-    sums_out[1, slot] = sum_of(between)
+    carried_row(slot, slots_per_row, shift_in, fields, sums_out)
+
+
+@wp.func_native(_BEGIN + _STEP)
+def step_row(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    approach_in: wp.array(dtype=wp.float64),
+    shift_in: wp.array(dtype=wp.float64),
+    fields: Fields,
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """Makes the step of a slot; arguments as of `step`."""
+    ...
 
 
 @wp.kernel
@@ -308,26 +427,4 @@ def step(
 ):
     """Feasible step to the trial. Sum: step × (t − λ). Maximum: fraction used of the room to a bound."""
     slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    approach = of_row(approach_in, row)
-    shift = of_row(shift_in, row)
-    slope = Cells(ZERO)
-    used = Cells(ZERO)
-    for k in range(slot % slots_per_row, fields.trial.shape[1], slots_per_row):
-        cap = caps_of(fields, row, k)
-        x = fields.trial[row, k]
-        p = fields.pressure[row, k]
-        t = fields.gradient[row, k]
-        s = Cells(ZERO)
-        sr = Cells(ZERO)
-        fraction = Cells(ZERO)
-        for j in range(LANES):
-            s[j] = shifted(x[j], shift, cap[j]) - p[j]
-            sr[j] = wp.where(s[j] == ZERO, ZERO, s[j] * (t[j] - approach))
-            room = wp.where(s[j] < ZERO, p[j], cap[j] - p[j])
-            fraction[j] = wp.where(s[j] == ZERO, ZERO, wp.abs(s[j]) / room)
-        fields.step[row, k] = s
-        slope += sr
-        used = wp.max(used, fraction)
-    sums_out[0, slot] = sum_of(slope)
-    maxima_out[0, slot] = largest_of(used)
+    step_row(slot, slots_per_row, approach_in, shift_in, fields, sums_out, maxima_out)

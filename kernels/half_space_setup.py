@@ -6,19 +6,115 @@ Symbols as in `half_space`: p pressure, t = Gp + g its gradient.
 import warp as wp
 
 from warpwear.kernels.cells import (
-    ABSENT,
     LANES,
     NONE,
-    ONE,
     ZERO,
     Cells,
     largest_of,
     lowest_of,
     of_row,
-    sum_of,
 )
+from warpwear.kernels.wear_loops import LANES_IN_C
 
 wp.set_module_options({"enable_backward": False})
+
+# What follows is put together to functions in C++, whose arguments are those of the kernels below.
+_BEGIN = (
+    LANES_IN_C
+    + """
+{
+#if defined(__CUDA_ARCH__)
+    const Lanes places = 0.0;
+#else
+    #pragma clang fp contract(fast)
+    const Lanes places = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0};
+#endif
+    const int row = slot / slots_per_row, of_vector = 8 / lanes;
+    const Lanes none = 1.0e300, absent = 1.0e30;
+    const auto line = [&](const auto& field) { return (Stored*)&wp::index(field, row, 0); };
+"""
+)
+_EACH = """
+    for (int k = slot % slots_per_row; k < vectors; k += slots_per_row)
+        for (int i = k * of_vector; i < (k + 1) * of_vector; ++i) {
+"""
+_MOMENTS = (
+    """
+    const int vectors = gap_in.shape[1];
+    const Stored* const gap = line(gap_in);
+    const int levels = level_in.shape[0];
+    const Lanes end = double(columns), level = wp::index(level_in, row < levels ? row : levels - 1);
+    Counts cells = 0;
+    Lanes first = 0.0, second = 0.0, lowest = -none;
+"""
+    + _EACH
+    + """
+            const Lanes g = gap[i];
+            const auto there = (places + double(lanes * i) < end) & (g < absent);
+            const Lanes above = there ? g - level : zero, down = there ? -g : -none;
+            cells += there ? yes : no;
+            first += above;
+            second += above * above;
+            lowest = lowest > down ? lowest : down;
+        }
+    wp::index(sums_out, 0, slot) = count(cells);
+    wp::index(sums_out, 1, slot) = total(first);
+    wp::index(sums_out, 2, slot) = total(second);
+    wp::index(maxima_out, 0, slot) = most(lowest);
+}
+"""
+)
+_GRADIENT = (
+    """
+    const int vectors = gap_in.shape[1];
+    const Stored *const gap = line(gap_in), *const response = line(response_in);
+    Stored* const gradient = line(gradient_out);
+    const Lanes end = double(columns);
+    Lanes largest = 0.0;
+"""
+    + _EACH
+    + """
+            const Lanes u = response[i];
+            const auto there = places + double(lanes * i) < end;
+            gradient[i] = there ? gap[i] + u : none;
+            const Lanes size = there ? size_of(u) : zero;
+            largest = largest > size ? largest : size;
+        }
+    wp::index(maxima_out, 0, slot) = most(largest);
+}
+"""
+)
+_PRODUCT = (
+    """
+    const int vectors = first_in.shape[1];
+    const Stored *const first = line(first_in), *const second = line(second_in);
+    Lanes sum = 0.0, largest = 0.0;
+"""
+    + _EACH
+    + """
+            const Lanes b = second[i], size = size_of(b);
+            sum += first[i] * b;
+            largest = largest > size ? largest : size;
+        }
+    wp::index(sums_out, 0, slot) = total(sum);
+    wp::index(maxima_out, 0, slot) = most(largest);
+}
+"""
+)
+
+
+@wp.func_native(_BEGIN + _MOMENTS)
+def moments_row(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    columns: wp.int32,
+    level_in: wp.array(dtype=wp.float64),
+    gap_in: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """Sums up the gap of a slot; arguments as of `moments`."""
+    ...
 
 
 @wp.kernel
@@ -33,29 +129,7 @@ def moments(
 ):
     """Where there is a surface, sums of cells, g − level and its square. Maximum: −g."""
     slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    level = of_row(level_in, row)
-    count = Cells(ZERO)
-    first = Cells(ZERO)
-    second = Cells(ZERO)
-    lowest = Cells(-NONE)
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        g = gap_in[row, k]
-        there = Cells(ZERO)
-        above = Cells(ZERO)
-        squared = Cells(ZERO)
-        for j in range(LANES):
-            there[j] = wp.where(k * LANES + j < columns and g[j] < ABSENT, ONE, ZERO)
-            above[j] = wp.where(there[j] > ZERO, g[j] - level, ZERO)
-            squared[j] = above[j] * above[j]
-            lowest[j] = wp.max(lowest[j], wp.where(there[j] > ZERO, -g[j], -NONE))
-        count += there
-        first += above
-        second += squared
-    sums_out[0, slot] = sum_of(count)
-    sums_out[1, slot] = sum_of(first)
-    sums_out[2, slot] = sum_of(second)
-    maxima_out[0, slot] = largest_of(lowest)
+    moments_row(slot, slots_per_row, columns, level_in, gap_in, sums_out, maxima_out)
 
 
 @wp.kernel
@@ -126,6 +200,20 @@ def bound(
         pressure_out[row, k] = wp.min(p, caps)
 
 
+@wp.func_native(_BEGIN + _GRADIENT)
+def gradient_row(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    columns: wp.int32,
+    gap_in: wp.array2d(dtype=Cells),
+    response_in: wp.array2d(dtype=Cells),
+    gradient_out: wp.array2d(dtype=Cells),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """Makes the gradient of a slot; arguments as of `gradient`."""
+    ...
+
+
 @wp.kernel
 def gradient(
     first_slot: wp.int32,
@@ -138,19 +226,20 @@ def gradient(
 ):
     """t = Gp + g; without end in the padding, which therefore stays open. Maximum: |Gp|."""
     slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    largest = Cells(ZERO)
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        g = gap_in[row, k]
-        u = response_in[row, k]
-        t = Cells(ZERO)
-        size = Cells(ZERO)
-        for j in range(LANES):
-            t[j] = wp.where(k * LANES + j < columns, g[j] + u[j], NONE)
-            size[j] = wp.where(k * LANES + j < columns, wp.abs(u[j]), ZERO)
-        gradient_out[row, k] = t
-        largest = wp.max(largest, size)
-    maxima_out[0, slot] = largest_of(largest)
+    gradient_row(slot, slots_per_row, columns, gap_in, response_in, gradient_out, maxima_out)
+
+
+@wp.func_native(_BEGIN + _PRODUCT)
+def product_row(
+    slot: wp.int32,
+    slots_per_row: wp.int32,
+    first_in: wp.array2d(dtype=Cells),
+    second_in: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+    maxima_out: wp.array2d(dtype=wp.float64),
+):
+    """Sums up the products of a slot; arguments as of `product`."""
+    ...
 
 
 @wp.kernel
@@ -164,21 +253,7 @@ def product(
 ):
     """Sum of the products of two fields. Maximum: |second|."""
     slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    total = Cells(ZERO)
-    largest = Cells(ZERO)
-    for k in range(slot % slots_per_row, first_in.shape[1], slots_per_row):
-        a = first_in[row, k]
-        b = second_in[row, k]
-        ab = Cells(ZERO)
-        size = Cells(ZERO)
-        for j in range(LANES):
-            ab[j] = a[j] * b[j]
-            size[j] = wp.abs(b[j])
-        total += ab
-        largest = wp.max(largest, size)
-    sums_out[0, slot] = sum_of(total)
-    maxima_out[0, slot] = largest_of(largest)
+    product_row(slot, slots_per_row, first_in, second_in, sums_out, maxima_out)
 
 
 @wp.kernel

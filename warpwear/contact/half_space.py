@@ -204,6 +204,12 @@ class BoundedPressure:
         terms = {"approaches": contact.approaches, "scale": contact.scale, "allowed": contact.allowed}
         return self._iterate.certificate(gap, asked, displaced=displaced, **terms)
 
+    def displacement(self) -> FloatArray:
+        """Displacement under the pressure that was certified last [mm], shape (nx, ny); lost in a solve."""
+        if self.on_device is not None and self._iterate.parts == 1:
+            return np.asarray(self.on_device.displacement().numpy())
+        return self._executor.to_numpy(self._iterate.fields["response"])
+
     def _search(
         self,
         gap: Field,

@@ -40,15 +40,18 @@ def gather(executor: Executor, field: Field, wide: Executor) -> Field:
     """Means of a field over wide cells, as a field of theirs; `PADDING` where one of the four is that."""
     nx, ny = executor.grid.shape
     made = wide.zeros()
-    with arrays_of(executor) as (xp, view), arrays_of(wide) as (_, view_wide):
+    with arrays_of(executor) as (_, view), arrays_of(wide) as (_, view_wide):
         values, means = view(field), view_wide(made)
-        rows, columns = (
-            xp.minimum(xp.arange(2 * n), m - 1) for n, m in zip(wide.grid.shape, (nx, ny), strict=True)
-        )
         for first in range(2):
-            of_rows = values[rows[first::2]]
             for second in range(2):
-                means += 0.25 * of_rows[:, columns[second::2]]
+                part = values[first::2, second::2]
+                means[: part.shape[0], : part.shape[1]] += part
+        # where a number of cells is odd the last ones go over the edge
+        if nx % 2:
+            means[-1] *= 2.0
+        if ny % 2:
+            means[:, -1] *= 2.0
+        means *= 0.25
         means[means >= NO_SURFACE] = PADDING
     return made
 

@@ -98,20 +98,20 @@ class Influence(Operator):
         self._streak_cells = grid.nx
         self.cells = grid.cells
         self.shortest_response = shortest_response(grid.cell, modulus)
-        make = ScipyTransforms if executor.device.is_cpu else CupyTransforms
-        self._near = make(executor, grid.shape)
-        elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
+        make: Any = ScipyTransforms if executor.device.is_cpu else CupyTransforms
         #: Shape of what is transformed for the response.
-        self.far_shape = grid.shape
+        self.far_shape = grid.shape if boundary == "periodic" else padded_shape(grid)
+        self._far = make(executor, self.far_shape)
         if boundary == "periodic":
-            self._far = self._near
+            self._near = self._far
+            elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
             self.elastic = self.near_elastic = self._near.table(elastic)
         else:
+            self._near = make(executor, grid.shape, within=self._far)
+            elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
             # The mean that a periodic surface leaves out: that of a uniform pressure, about.
             elastic[0, 0] = 3.0 * elastic.max()
             self.near_elastic = self._near.table(elastic)
-            self.far_shape = padded_shape(grid)
-            self._far = make(executor, self.far_shape)
             self.elastic = self._far.table(free_spectrum(grid, modulus, self.far_shape))
         self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)
@@ -159,8 +159,9 @@ def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np) -> Any:
     """
     q_x = 2.0 * math.pi * xp.fft.fftfreq(grid.nx, grid.cell)
     q_y = 2.0 * math.pi * xp.fft.rfftfreq(grid.ny, grid.cell)
-    spectrum = xp.hypot(q_x[:, None], q_y)
+    spectrum = q_x[:, None] ** 2 + q_y**2
     spectrum[0, 0] = math.inf
+    xp.sqrt(spectrum, out=spectrum)
     return xp.divide(2.0 / modulus, spectrum, out=spectrum)
 
 
@@ -171,8 +172,8 @@ def shortest_response(cell: float, modulus: float) -> float:
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
     """An even shape on which the convolution of the grid does not wrap, quick to transform."""
-    next_fast_len = fft.next_fast_len
-    return 2 * next_fast_len(grid.nx), 2 * next_fast_len(grid.ny, real=True)
+    along, across = (2 * fft.next_fast_len(size, real=True) for size in grid.shape)
+    return along, across
 
 
 def free_spectrum(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:

@@ -171,7 +171,7 @@ def solve_contact(
             )
     mean = mean_pressure if load is None else load / grid.area
     if mean is not None and hardness is not None:
-        most = hardness * float(np.isfinite(gap).mean())
+        most = hardness * (1.0 if sphere_radius is None else float(np.isfinite(gap).mean()))
         if mean > most * (1.0 + ROUNDING):
             name, area = ("mean_pressure", 1.0) if load is None else ("load", grid.area)
             raise InputError(
@@ -238,15 +238,16 @@ class _Task:
         response: float,
         edge: str | None,
     ) -> Self:
-        """Scale what is in the caller's units. response: displacement under a unit of pressure."""
-        there = gap[np.isfinite(gap)]
+        """Scale what is in the caller's units, in place. response: displacement under a unit of pressure."""
+        there = _there(gap)
         # Heights may be next to nothing beside the displacements, or all the same.
         pushed = max(0.0, (mean or 0.0) * response if approach is None else approach - float(there.min()))
         length = max(float(np.ptp(there)), pushed) or 1.0
         pressure = length / response if response else hardness
         assert pressure is not None
+        gap /= length
         return cls(
-            gap / length,
+            gap,
             None if mean is None else mean / pressure,
             None if approach is None else approach / length,
             math.inf if hardness is None else hardness / pressure,
@@ -265,20 +266,28 @@ class _Found(NamedTuple):
     approach: float
     evaluations: int
     allowed: float = 0.0  # violation that its solver allowed itself
+    certificate: Certificate | None = None  # of all cells, where its solver has made one
 
 
 def _solve_half_space(task: _Task, executor: Executor, tolerance: float) -> _Found:
     """Solve on the cells that the other body can reach, then displace all of them."""
     assert task.edge is not None
-    pressure, approach, transforms, allowed = np.zeros(task.gap.shape), task.approach, 0, 0.0
     options: dict[str, Any] = {"modulus": 1.0, "boundary": task.edge, "hardness": task.cap}
     options["tolerance"] = tolerance
+    if task.mean is not None and task.edge == "periodic":
+        solver = HalfSpace(executor, **options)
+        found = solver.solve(_field(task.gap, executor), mean_pressure=task.mean)
+        return _Found(
+            found.pressure,
+            solver.displacement(),
+            found.approach,
+            found.transforms + 1,
+            certificate=found.certificate,
+        )
+    pressure, approach, transforms, allowed = np.zeros(task.gap.shape), task.approach, 0, 0.0
     if task.mean is not None:
         field = _field(task.gap, executor)
-        if task.edge == "periodic":
-            found = HalfSpace(executor, **options).solve(field, mean_pressure=task.mean)
-        else:
-            found = WindowedHalfSpace(executor, **options).solve(field, load=task.mean * task.gap.size)
+        found = WindowedHalfSpace(executor, **options).solve(field, load=task.mean * task.gap.size)
         pressure[:], approach = found.pressure, found.approach
         transforms, allowed = found.transforms, found.allowed.item()
         del found, field  # before there are more
@@ -350,28 +359,19 @@ def _contact_of(
     task: _Task, found: _Found, *, cell: float, hardness: float | None, tolerance: float
 ) -> ArrayContact:
     """A solved task in the caller's units, certified. Raises ConvergenceError."""
-    left = task.gap + found.displacement - found.approach
-    there = task.gap[np.isfinite(task.gap)]
-    yielded = abs(found.approach) + float(found.pressure.mean())
-    # Of a flat, over what it yields.
-    scale = float(there.std()) if np.ptp(there) else yielded
-    asked = None if task.mean is None else np.full(1, task.mean * task.gap.size)
-    certificate = certify(
-        [cells_of(found.pressure, task.gap, found.displacement, task.cap)],
-        approaches=np.full(1, found.approach),
-        asked=asked,
-        scale=np.full(1, scale),
-        allowed=np.full(1, max(tolerance * scale, OF_DIGITS * yielded, found.allowed)),
-        cell_area=1.0,
-    )
+    certificate = found.certificate or _certify(task, found, tolerance)
     if certificate.fault:
         raise ConvergenceError(f"the pressure cannot be certified: {certificate.fault}.")
+    left = np.add(task.gap, found.displacement, out=task.gap)
+    left -= found.approach
+    left *= task.length
     pressure = found.pressure * task.pressure
     if hardness is not None:
-        pressure = np.where(found.pressure >= task.cap, hardness, np.minimum(pressure, hardness))
+        np.minimum(pressure, hardness, out=pressure)
+        pressure[found.pressure >= task.cap] = hardness
     return ArrayContact(
         pressure=pressure,
-        gap=left * task.length,
+        gap=left,
         approach=found.approach * task.length,
         cell=cell,
         hardness=hardness,
@@ -380,9 +380,31 @@ def _contact_of(
     )
 
 
+def _certify(task: _Task, found: _Found, tolerance: float) -> Certificate:
+    there = _there(task.gap)
+    yielded = abs(found.approach) + float(found.pressure.mean())
+    # Of a flat, over what it yields.
+    scale = float(there.std()) if np.ptp(there) else yielded
+    asked = None if task.mean is None else np.full(1, task.mean * task.gap.size)
+    return certify(
+        [cells_of(found.pressure, task.gap, found.displacement, task.cap)],
+        approaches=np.full(1, found.approach),
+        asked=asked,
+        scale=np.full(1, scale),
+        allowed=np.full(1, max(tolerance * scale, OF_DIGITS * yielded, found.allowed)),
+        cell_area=1.0,
+    )
+
+
+def _there(gap: FloatArray) -> FloatArray:
+    """The gap where there is a surface; the array itself where there is one everywhere."""
+    return gap if math.isfinite(gap.max()) else gap[np.isfinite(gap)]
+
+
 def _field(gap: FloatArray, executor: Executor) -> Field:
     """A field of a gap, with no surface beyond the sphere's edge and in the padding."""
-    return executor.field(np.minimum(gap, PADDING), padding=PADDING)
+    values = gap if math.isfinite(gap.max()) else np.minimum(gap, PADDING)
+    return executor.field(values, padding=PADDING)
 
 
 def _checked_heights(heights: npt.ArrayLike) -> FloatArray:
@@ -390,7 +412,7 @@ def _checked_heights(heights: npt.ArrayLike) -> FloatArray:
         given = np.asanyarray(heights)
         if np.ma.is_masked(given) or np.iscomplexobj(given):
             raise TypeError("masked or complex")
-        values = np.array(given, dtype=np.float64)
+        values = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(
             f"heights of type {type(heights).__name__} are not possible ({error}); "
@@ -400,8 +422,8 @@ def _checked_heights(heights: npt.ArrayLike) -> FloatArray:
         raise InputError(
             f"heights of shape {values.shape} are not possible; they must be (nx, ny), with a cell or more."
         )
-    wrong = np.argwhere(~np.isfinite(values))
-    if wrong.size:
+    if not (math.isfinite(values.min()) and math.isfinite(values.max())):
+        wrong = np.argwhere(~np.isfinite(values))
         i, j = wrong[0].tolist()
         raise InputError(
             f"heights[{i}, {j}] = {values[i, j]:g} is not possible ({len(wrong)} of {values.size} are not "
