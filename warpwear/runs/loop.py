@@ -348,7 +348,7 @@ class StepLoop:
             self._report_few_cells(cells.min(), "At times")
 
     def _look_at_elasticity(self, slope: float) -> None:
-        """Warn of a disc of this rms slope whose asperities yield elastically before they flow, by the local law."""
+        """Warn of a disc of this rms slope whose asperities yield before they flow, by the local law."""
         study, modulus = self.study, self.study.effective_modulus
         local = study.study.model == "micro" and study.contact.law == "local" and study.is_rough
         if not local or modulus is None or study.hardness is None or study.contact_task.compliance > 0.0:
