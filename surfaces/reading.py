@@ -2,12 +2,19 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.formats import Raw, read_raw, refusal
+
+if TYPE_CHECKING:
+    from warpwear.surfaces.formats import Raw
+
+# reads tables, containers and clouds of points: a surface that is made needs none of it
+formats = lazy.module("warpwear.surfaces.formats")
 
 MILLIMETRES = {
     "km": 1e6,
@@ -70,10 +77,10 @@ def read(
     given = None if pixel is None else _given_pixel(pixel)
     if height_unit is not None and _millimetres(height_unit) is None:
         raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {UNITS}")
-    raw = read_raw(path, pixel=given, array=array)
+    raw = formats.read_raw(path, pixel=given, array=array)
     if raw.heights.ndim != 2 or min(raw.heights.shape) < 2:
         shape = "×".join(map(str, raw.heights.shape))
-        raise refusal(path, f"holds a line scan or single values (shape {shape})")
+        raise formats.refusal(path, f"holds a line scan or single values (shape {shape})")
     unit = height_unit if height_unit is not None else raw.height_unit
     factor = _height_factor(path, unit)
     used = given if given is not None else _pixel_of_file(path, raw)
@@ -103,7 +110,7 @@ def _millimetres(unit: str | None) -> float | None:
     return MILLIMETRES.get((unit or "").strip().replace("μ", "µ"))
 
 
-def _overrides(raw: Raw, *, unit: str | None, pixel: tuple[float, float] | None) -> tuple[str, ...]:
+def _overrides(raw: "Raw", *, unit: str | None, pixel: tuple[float, float] | None) -> tuple[str, ...]:
     """Say, in sentences, where what is given differs from what the file says."""
     told = []
     of_file = _millimetres(raw.height_unit)
@@ -144,7 +151,7 @@ def _height_factor(path: Path, unit: str | None) -> float:
     return factor
 
 
-def _pixel_of_file(path: Path, raw: Raw) -> tuple[float, float]:
+def _pixel_of_file(path: Path, raw: "Raw") -> tuple[float, float]:
     if raw.pixel is None or raw.lateral_unit is None:
         lacks = "names none" if raw.pixel is None else "gives its own without a unit"
         raise InputError(f"disc.pixel is not given and disc.surface '{path}' {lacks}: {PIXELS_ALLOWED}")

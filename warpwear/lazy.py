@@ -10,6 +10,9 @@ import sys
 from importlib import import_module
 from typing import Any
 
+#: Modules by name, once they are imported whole: an inner loop that asks for one need not look for it.
+_LOADED: dict[str, Any] = {}
+
 
 def resolve(place: str) -> Any:
     """The object at a place, such as "warpwear.study.study:Study", whose module is imported only now."""
@@ -22,14 +25,16 @@ def load(name: str) -> Any:
 
     Nothing of what an import makes is garbage: looking for some meanwhile takes a seventh of its time.
     """
-    collects = gc.isenabled()
-    if name in sys.modules or not collects:
-        return import_module(name)
-    gc.disable()
-    try:
-        return import_module(name)
-    finally:
-        gc.enable()
+    found = _LOADED.get(name)
+    if found is None or sys.modules.get(name) is not found:
+        collects = gc.isenabled()
+        gc.disable()
+        try:
+            found = _LOADED[name] = import_module(name)
+        finally:
+            if collects:
+                gc.enable()
+    return found
 
 
 class module:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -42,17 +43,24 @@ def sum_waves(amplitudes: ComplexArray, wave: float, points: FloatArray) -> Comp
     in one order, whatever the threads; a matrix product does not, and takes longer.
     """
     waves, count = amplitudes.shape[1], points.size
-    chirp = _chirp(wave * spacing(points) / (2.0 * math.pi), max(waves, count))
+    chirp, kernel = _chirp_and_kernel(wave * spacing(points) / (2.0 * math.pi), waves, count)
+    start = np.exp(1j * (wave * float(points[0])) * np.arange(waves)) * chirp[:waves]
+    # NumPy's transforms are SciPy's to the last bit, and need no quarter of a second to be imported
+    spectrum = np.fft.fft(amplitudes * start, kernel.size)
+    spectrum *= kernel
+    sums: ComplexArray = np.fft.ifft(spectrum)[:, :count] * chirp[:count]
+    return sums
+
+
+@lru_cache(4)  # blocks of rows ask for the same
+def _chirp_and_kernel(turns: float, waves: int, count: int) -> tuple[ComplexArray, ComplexArray]:
+    """Return the factors of `sum_waves` and the transform of what it convolves with."""
+    chirp = _chirp(turns, max(waves, count))
     length = _fast_length(waves + count - 1)
     kernel = np.zeros(length, dtype=np.complex128)
     kernel[:count] = chirp[:count].conj()
     kernel[length - waves + 1 :] = chirp[waves - 1 : 0 : -1].conj()
-    start = np.exp(1j * (wave * float(points[0])) * np.arange(waves)) * chirp[:waves]
-    # NumPy's transforms are SciPy's to the last bit, and need no quarter of a second to be imported
-    spectrum = np.fft.fft(amplitudes * start, length)
-    spectrum *= np.fft.fft(kernel)
-    sums: ComplexArray = np.fft.ifft(spectrum)[:, :count] * chirp[:count]
-    return sums
+    return chirp, np.fft.fft(kernel)
 
 
 def _fast_length(least: int) -> int:

@@ -9,8 +9,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
+from warpwear import lazy
 from warpwear.errors import OTHER_FOLDER, OVERWRITE_IT, RESUME_IT, InputError
-from warpwear.figures.table import FIGURES
 from warpwear.result import Result
 from warpwear.results import file as results
 from warpwear.results import manifest
@@ -18,6 +18,8 @@ from warpwear.results.file import FILE_NAME, SURFACE_FILE
 from warpwear.runs import checkpoint
 from warpwear.runs import lock as run_lock
 from warpwear.study.study import Study
+
+table = lazy.module("warpwear.figures.table")
 
 LOG = "log.txt"
 #: What every run writes, beside figures; its result and checkpoint say themselves what they are.
@@ -69,7 +71,7 @@ def _refuse_to_replace(folder: Path) -> None:
         raise InputError(f"{figures} is a link; a run draws its figures into its own folder: move it away.")
     foreign = [name for name in NAMES if os.path.lexists(folder / name) and name not in ours]
     drawn = [path for path in figures.glob("*.png") if f"{manifest.FIGURES}/{path.name}" not in ours]
-    foreign += [f"{manifest.FIGURES}/{path.name}" for path in drawn if path.stem in FIGURES]
+    foreign += [f"{manifest.FIGURES}/{path.name}" for path in drawn if path.stem in table.FIGURES]
     for name, is_one in ((FILE_NAME, results.is_one), (checkpoint.FILE_NAME, checkpoint.is_one)):
         if os.path.lexists(folder / name) and not is_one(folder / name) and name not in ours:
             foreign.append(name)

@@ -32,7 +32,6 @@ from warpwear.study.rules import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
 from warpwear.surfaces.base import Surface
-from warpwear.surfaces.roughness import rms_slope
 
 LOG = logging.getLogger("warpwear")
 
@@ -98,7 +97,7 @@ class StepLoop:
             self._model, self._surface_record = made.model, made.record
             self._book, self._pieces, self._filled = made.book, made.pieces, made.filled
             self._surface_sum = checksum(made.heights)
-            self._look_at_elasticity(made.heights)
+            self._look_at_elasticity(made.record["on_the_grid"]["rms_slope"])
             self._heights = None if study.is_swept else made.heights
             if study.is_swept and writer is not None:
                 writer.add_track(study.track.x, made.heights)
@@ -348,13 +347,12 @@ class StepLoop:
         if cells.min() < FEW_CELLS <= cells[0]:
             self._report_few_cells(cells.min(), "At times")
 
-    def _look_at_elasticity(self, heights: FloatArray) -> None:
-        """Warn of a disc whose asperities yield elastically before they flow, under the local law."""
+    def _look_at_elasticity(self, slope: float) -> None:
+        """Warn of a disc of this rms slope whose asperities yield before they flow, by the local law."""
         study, modulus = self.study, self.study.effective_modulus
         local = study.study.model == "micro" and study.contact.law == "local" and study.is_rough
         if not local or modulus is None or study.hardness is None or study.contact_task.compliance > 0.0:
             return
-        slope = rms_slope(heights, pixel=(study.cells.cell,) * 2)
         ratio = study.hardness / (modulus * slope) if slope > 0.0 else math.inf
         if ratio > ELASTIC:
             self._add_warning(
