@@ -19,8 +19,8 @@ This page is written by `python docs/make_keys.py` from the declarations of the 
 
 Quantities are text with a unit. In Python they may be pairs such as `(8, "N")`, or quantities of pint. The
 unit here is the one of Python and results; any other of its kind may be given. *allowed* is what one key may
-be by itself; what does not go together is refused in a sentence when a study is read. A default that is marked
-*assumed* is a choice of ours, with its reason. A key that is given but not used gets a notice.
+be by itself; what does not go together is refused in a sentence when a study is read. A default that is
+marked *assumed* is a choice of ours, with its reason. A key that is given but not used gets a notice.
 """
 
 
