@@ -95,7 +95,10 @@ class ArrayContact:
 
     @cached_property
     def area_at_hardness(self) -> float:
-        """Area of the cells whose pressure is the hardness: a length²; 0 without a hardness."""
+        """Area of the cells whose pressure is the hardness: a length²; 0 without a hardness.
+
+        Of a bearing area it may be a cell short of `area`: one cell carries what is left of the load.
+        """
         if self.hardness is None:
             return 0.0
         return np.count_nonzero(self.pressure >= self.hardness) * self.cell**2
