@@ -17,7 +17,8 @@ from warpwear.figures import style as fs
 from warpwear.figures.view import Window
 from warpwear.grid import FloatArray
 
-Data, Shown = TypeVar("Data"), TypeVar("Shown")
+Data = TypeVar("Data")
+Shown = TypeVar("Shown")
 ALONG, ACROSS = "along sliding, x, mm", "across sliding, y, mm"
 #: Left, bottom, width and height of a colour bar beside a map, over the map's.
 BAR = (1.04, 0.0, 0.05, 1.0)
@@ -113,7 +114,7 @@ class _There:
 
         A title of ours stays where it holds for all that is shown; one of a user always stays.
         """
-        new = [line for line in (*self.axes.lines, *self.axes.patches) if line not in self.lines]
+        new: list[Any] = [line for line in (*self.axes.lines, *self.axes.patches) if line not in self.lines]
         named = [line for line in new if not str(line.get_label()).startswith("_")]
         if color is not None:
             for line in new:

@@ -302,7 +302,7 @@ def steps(
 
     >>> study = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "0.01 mm"})
     >>> [round(step.row["distance"], 5) for step in warpwear.steps(study)]
-    [0.003, 0.00606, 0.01]
+    [0.003, 0.00606, 0.00918, 0.01]
     """
     study, given = _prepare(study, surface, None)
     with (
