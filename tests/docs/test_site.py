@@ -61,6 +61,23 @@ def test_every_page_is_on_the_way_from_the_first() -> None:
     assert listed == set(pages)
 
 
+def test_links_to_other_places_are_these() -> None:
+    """They are listed, not fetched; `nox -s links` fetches them."""
+    pages = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+    found = {
+        link
+        for page in pages
+        for link in re.findall(r"\]\((https?://[^)\s]+)\)", page.read_text(encoding="utf-8"))
+    }
+    assert found == {
+        "https://contact.engineering",
+        "https://distributed.dask.org",
+        "https://emcee.readthedocs.io",
+        "https://github.com/ContactEngineering/SurfaceTopography",
+        "https://github.com/NVIDIA/warp",
+    }
+
+
 def test_the_made_surface_says_that_it_is_made() -> None:
     with zipfile.ZipFile(DOCS / "files" / "ground-disc.x3p") as file:
         assert b"not measured" in file.read("main.xml")
