@@ -1,13 +1,16 @@
 """Write docs/reference/keys.md, the page of every key of a study, from the declarations of the keys."""
 
+import math
 import types
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
+from pydantic.fields import FieldInfo
+
 from warpwear import Study
 from warpwear.study.keys import Rule, declarations, key_of, section_in
-from warpwear.study.units import Quantity
+from warpwear.study.units import Number, Range
 
 PAGE = Path(__file__).parent / "reference" / "keys.md"
 HEAD = """# Keys of a study
@@ -15,26 +18,62 @@ HEAD = """# Keys of a study
 This page is written by `python docs/make_keys.py` from the declarations of the keys.
 
 Quantities are text with a unit. In Python they may be pairs such as `(8, "N")`, or quantities of pint. The
-unit in the table is the one of Python and results. A default that is marked *assumed* is a choice of ours,
-and `warpwear show` gives its reason. A key that is given but not used gets a notice.
+unit here is the one of Python and results; any other of its kind may be given. *allowed* is what one key may
+be by itself; what does not go together is refused in a sentence when a study is read. A default that is
+marked *assumed* is a choice of ours, with its reason. A key that is given but not used gets a notice.
 """
 
 
 def parts(annotation: Any) -> Iterator[Any]:
-    """Yield the units and allowed values that an annotation of a key holds."""
+    """Yield what an annotation of a key says of its unit and of the allowed values."""
     if get_origin(annotation) is Literal:
         yield from (f'`"{value}"`' for value in get_args(annotation))
     elif get_origin(annotation) is Annotated:
         inner, *metadata = get_args(annotation)
-        yield from (part for part in metadata if isinstance(part, Quantity))
+        for part in metadata:
+            yield from part.metadata if isinstance(part, FieldInfo) else [part]
         yield from parts(inner)
     elif get_origin(annotation) in (Union, types.UnionType, tuple):
         for inner in get_args(annotation):
             yield from parts(inner)
     elif annotation is bool:
         yield "`true`, `false`"
+    elif annotation is int:
+        yield int
     elif hasattr(annotation, "unit"):
         yield annotation
+
+
+def bounds(
+    least: float, most: float, *, or_equal: bool = True, infinite: bool = False, unit: str = ""
+) -> str:
+    """Return between which numbers a value must lie, in words."""
+    behind = f" {unit}" if unit else ""
+    if or_equal and math.isfinite(most):
+        return f"{least:,g} to {most:,.0f}{behind}" if most >= 1e4 else f"{least:g} to {most:g}{behind}"
+    low = f"{least:g}{behind} or more" if or_equal else f"above {least:g}{behind}"
+    high = f", at most {most:g}{behind}" if math.isfinite(most) else ", also `inf`" if infinite else ""
+    return low + high
+
+
+def allowed(found: list[Any]) -> str:
+    """Return what a key may be. found: the parts of its annotation."""
+    told = [part for part in found if isinstance(part, str)]
+    for part in found:
+        span = getattr(part, "range", None)
+        if isinstance(span, Range):
+            unit = "" if isinstance(part, Number) else part.unit
+            told.append(
+                bounds(span.least, span.most, or_equal=span.or_equal, infinite=span.infinite, unit=unit)
+            )
+            if getattr(part, "hardness", False):
+                told.append("a number of Vickers or Brinell")
+    least, most = ([getattr(part, name) for part in found if hasattr(part, name)] for name in ("ge", "le"))
+    if least:
+        told.append("whole numbers " + bounds(least[0], most[0] if most else math.inf))
+    elif int in found:
+        told.append("any whole number")
+    return ", ".join(dict.fromkeys(told))
 
 
 def condition(rule: Rule) -> str:
@@ -46,20 +85,26 @@ def condition(rule: Rule) -> str:
     return f"with `{rule.name}` = " + " or ".join(f'`"{value}"`' for value in rule.values)
 
 
-def row(name: str, of_section: int) -> str:
-    """Return the line of the table about a key. of_section: number of its rules that its section has."""
+def entry(name: str, of_section: int) -> str:
+    """Return the lines about a key. of_section: number of its rules that its section has."""
     info, declared = key_of(Study, name), declarations(Study)[name]
     assert info is not None
     found = [*info.metadata, *parts(info.annotation)]
-    unit = next((f"`{part.unit}`" for part in found if hasattr(part, "unit")), "")
-    allowed = ", ".join(part for part in found if isinstance(part, str))
-    default = "*required*" if info.is_required() else f"`{info.default}`" if info.default else ""
+    default = "none" if info.default is None else f"`{info.default}`" if info.default != "" else "empty"
     if isinstance(info.default, bool | float | int):
         default = f"`{str(info.default).lower()}`"
-    default += " *assumed*" if declared.assumed else ""
-    used = "; ".join(condition(rule) for rule in declared.applies[of_section:])
-    cells = (f"`{name}`", info.description or "", unit, allowed, default.strip(), used)
-    return "| " + " | ".join(cells) + " |"
+    if declared.assumed:
+        default += f", *assumed*: {declared.assumed}"
+    used = [condition(rule) for rule in declared.applies[of_section:]]
+    facts = {
+        "allowed": allowed(found),
+        "default": "" if info.is_required() else default,
+        "used": " and ".join(rule for rule in used if rule.startswith("with")),
+    }
+    told = ["**required**"] if info.is_required() else []
+    told += [f"*{what}* {value}" for what, value in facts.items() if value]
+    told += [rule for rule in used if not rule.startswith("with")]
+    return f"- `{name}`: {info.description}\\\n  " + " · ".join(told)
 
 
 def page() -> str:
@@ -72,9 +117,8 @@ def page() -> str:
         lines.append(f"## [{section}]\n")
         for told in (condition(rule) for rule in rules):
             lines.append(f"This section {told if told.startswith('does not') else f'is used {told}'}.\n")
-        lines += ["| key | meaning | unit | allowed | default | used |", "|---|---|---|---|---|---|"]
         here = [name for name in keys if name.rpartition(".")[0] == section and name not in sections]
-        lines += [*(row(name, len(rules)) for name in here), ""]
+        lines += [*(entry(name, len(rules)) for name in here), ""]
     return "\n".join(lines)
 
 

@@ -26,6 +26,7 @@ SLACK = 1e-9  # relative, for lengths that should be equal
 SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: more is worth a notice
 MUCH_MISSING = 2.0  # percent of the points
 MANY_OUTLIERS = 0.5  # percent of the points
+SPIKE = 7.0  # times Sq: heights over the mean that random roughness of ten million points does not reach
 COARSE = 0.05  # mm: pixel and Sq both above it look like micrometres called millimetres
 
 
@@ -156,7 +157,14 @@ class Measured:
                 f"large for a measured disc: is the file's unit, {self.details.get('unit')}, right? "
                 "disc.height_unit and disc.pixel override it"
             )
+        highest = float(np.nanmax(self.measured)) / sq if sq > 0.0 else 0.0
         removed = self.details.get("outliers_removed", 0)
+        if highest > SPIKE and not removed:
+            told.append(
+                f"the highest point stands {highest:.2g} times Sq above the mean, which roughness seldom "
+                "does: it may be a spike of the instrument, and decides where the bodies first touch; look at"
+                " the map, and remove points that stand out from their neighbours with disc.outliers = 6"
+            )
         if (share := 100.0 * removed / self.levelled.size) > MANY_OUTLIERS:
             told.append(
                 f"outliers: {removed} points, {share:.3g} % of the measurement, were removed: more than "

@@ -3,6 +3,7 @@
 import importlib.util
 import re
 import zipfile
+from itertools import pairwise
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -20,6 +21,21 @@ def test_the_picture_of_the_house_is_that_of_the_code() -> None:
     arrows = house.shortest(house.imports())
     assert len(arrows) > 20
     assert all(level[wing] < level[other] for wing, other in arrows)
+
+
+def test_no_arrow_of_the_house_passes_behind_a_box() -> None:
+    picture = (DOCS / "developer" / "house.svg").read_text(encoding="utf-8")
+    boxes = re.findall(r'<rect x="(\d+)" y="(\d+)" width="(\d+)" height="(\d+)" rx', picture)
+    paths = re.findall(r'<path d="(M[^"]*)" fill="none"', picture)
+    assert len(boxes) > 20
+    assert len(paths) > 20
+    for path in paths:
+        ends = [tuple(map(float, pair)) for pair in re.findall(r"(-?\d+) (-?\d+)", path)]
+        for (x0, y0), (x1, y1) in pairwise(ends):
+            for part in (n / 50 for n in range(51)):
+                x, y = x0 + part * (x1 - x0), y0 + part * (y1 - y0)
+                for left, top, width, height in (map(float, box) for box in boxes):
+                    assert not (left + 1 < x < left + width - 1 and top + 1 < y < top + height - 1), path
 
 
 def test_the_gallery_shows_every_example_once() -> None:
@@ -43,6 +59,23 @@ def test_every_page_is_on_the_way_from_the_first() -> None:
             entries = [re.sub(r".*<(.*)>", r"\1", line) for line in lines]
             listed |= {(Path(name).parent / entry).as_posix() for entry in entries}
     assert listed == set(pages)
+
+
+def test_links_to_other_places_are_these() -> None:
+    """They are listed, not fetched; `nox -s links` fetches them."""
+    pages = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+    found = {
+        link
+        for page in pages
+        for link in re.findall(r"\]\((https?://[^)\s]+)\)", page.read_text(encoding="utf-8"))
+    }
+    assert found == {
+        "https://contact.engineering",
+        "https://distributed.dask.org",
+        "https://emcee.readthedocs.io",
+        "https://github.com/ContactEngineering/SurfaceTopography",
+        "https://github.com/NVIDIA/warp",
+    }
 
 
 def test_the_made_surface_says_that_it_is_made() -> None:

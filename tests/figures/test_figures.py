@@ -268,31 +268,97 @@ def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:
         _ = plot.nothing
 
 
-#: Figures of a single panel.
-SINGLE = {"cof", "cof_time", "areas", "pressure", "contact_radius", "roughness", "junctions"}
+#: Figures of lines, and their panels.
+LINES = dict.fromkeys(("cof", "cof_time", "areas", "pressure", "contact_radius", "roughness", "junctions"), 1)
+LINES |= dict.fromkeys(("volumes", "texture", "spectrum", "islands", "pressure_profiles", "profiles"), 2)
+LINES |= dict.fromkeys(("sphere_profiles", "disc_profiles", "hertz"), 2)
 
 
-def test_one_panel_is_drawn_into_axes_that_are_there(results: dict[str, Result]) -> None:
+def test_lines_are_drawn_into_axes_that_are_there(results: dict[str, Result]) -> None:
     """The lines of the figure of its own, in the axes given and no others, with a legend inside them."""
     plot = results["rough"].plot
     for name in sorted(set(plot.NAMES) - set(plot.left_out)):
         figure = Figure(figsize=(6.0, 3.0))
-        left, right = figure.subplots(1, 2)
-        if name not in SINGLE:
-            with pytest.raises(InputError, match=f"'{name}' needs a figure of its own"):
-                getattr(plot, name)(ax=left)
+        *given, other = figure.subplots(1, LINES.get(name, 1) + 1)
+        if name not in LINES:
+            for asked in ({"ax": given[0]}, {"label": "a"}, {"color": "C1"}):
+                with pytest.raises(InputError, match=f"'{name}' is a map or drawn in three dimensions"):
+                    getattr(plot, name)(**asked)
             continue
-        assert getattr(plot, name)(left) is figure
-        assert is_empty(right)
-        own = getattr(plot, name)().axes[0]
-        assert left.get_xlabel() == own.get_xlabel()
-        assert len(left.lines) == len(own.lines) > 0
-        for drawn_there, line in zip(left.lines, own.lines, strict=True):
-            np.testing.assert_array_equal(drawn_there.get_xydata(), line.get_xydata())
+        with pytest.raises(InputError, match=f"'{name}' needs as many axes as it has panels: ax has 3"):
+            getattr(plot, name)([other] * 3)
+        assert getattr(plot, name)(given if len(given) > 1 else given[0]) is figure
+        assert is_empty(other)
+        for panel, own in zip(given, getattr(plot, name)().axes, strict=False):
+            assert panel.get_xlabel() == own.get_xlabel()
+            assert len(panel.lines) == len(own.lines) > 0
+            for drawn_there, line in zip(panel.lines, own.lines, strict=True):
+                np.testing.assert_array_equal(drawn_there.get_xydata(), line.get_xydata())
         assert figure.legends == []
         labelled = [axes for axes in figure.axes if axes.get_legend()]
         assert len(labelled) == (0 if name in {"cof", "cof_time"} else 1)
         figure.savefig(io.BytesIO())
+
+
+@pytest.mark.parametrize("name", [name for name in LINES if name not in {"hertz"}])
+def test_two_runs_on_one_axis_are_told_apart(results: dict[str, Result], name: str) -> None:
+    """Each has its colour and its name; nothing of either is out of sight; what holds for one is not said."""
+    figure = Figure(figsize=(6.0, 3.0))
+    panels = figure.subplots(1, LINES[name], squeeze=False)[0]
+    sizes = []
+    for run, colour in (("rough", "#112233"), ("published", "#aabbcc")):
+        plot = results[run].plot
+        getattr(plot, name)(panels if LINES[name] > 1 else panels[0], label=run, color=colour)
+        sizes.append([(panel.get_xlim(), panel.get_ylim()) for panel in panels])
+    for panel, early in zip(panels, sizes[0], strict=True):
+        for now, then in zip((panel.get_xlim(), panel.get_ylim()), early, strict=True):
+            assert min(now) <= min(then)
+            assert max(now) >= max(then)
+        assert {line.get_color() for line in panel.lines} == {"#112233", "#aabbcc"}
+        of_run = [
+            line for line in panel.lines if line.get_color() == "#aabbcc" and line.get_label()[0] != "_"
+        ]
+        assert all(line.get_label().startswith("published") for line in of_run)
+    (legend,) = [panel.get_legend() for panel in panels if panel.get_legend()]
+    told = [text.get_text().partition(":")[0] for text in legend.get_texts()]
+    assert set(told) == {"rough", "published"}
+    figure.savefig(io.BytesIO())
+
+
+def test_titles_of_two_runs_do_not_mislead(results: dict[str, Result]) -> None:
+    plots = [results["rough"].plot, results["published"].plot]
+    titles = [plot.cof().axes[0].get_title() for plot in plots]
+    assert titles[0] != titles[1]
+    axes = Figure().subplots()
+    for plot, shown in ((plots[0], titles[0]), (plots[0], titles[0]), (plots[1], ""), (plots[1], "")):
+        plot.cof(axes)
+        assert axes.get_title() == shown
+    axes.set_title("mine")
+    plots[0].cof(axes)
+    assert axes.get_title() == "mine"
+
+
+def test_times_of_two_runs_have_one_unit(results: dict[str, Result]) -> None:
+    """The second run is drawn in the unit of the first, which stands at the axis."""
+    fast = warpwear.run(Study.load("v3-fine").replace(SMALL | {"sliding.speed": "1 mm/min"}))
+    slow_first, axes = Figure().subplots(), Figure().subplots()
+    for plot in (fast.plot, results["rough"].plot):
+        plot.cof_time(slow_first)
+    results["rough"].plot.cof_time(axes)
+    assert axes.get_xlabel() == "sliding time, s"
+    assert slow_first.get_xlabel() == "sliding time, min"
+    assert slow_first.get_xlim()[1] >= 30.0
+    ends = [line.get_xdata()[-1] for line in slow_first.lines if len(line.get_xdata()) > 1]
+    np.testing.assert_allclose(ends, [30.0, 1.5])
+
+
+def test_a_colour_that_is_none_is_refused(results: dict[str, Result]) -> None:
+    with pytest.raises(InputError, match="color = 'greenish' is not a colour of matplotlib"):
+        results["rough"].plot.cof(color="greenish")
+    figure = results["rough"].plot.cof(label="mine", color="C3")
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["mine"]
+    (legend,) = results["rough"].plot.areas(label="mine").legends
+    assert all(text.get_text().startswith("mine: ") for text in legend.get_texts())
 
 
 def test_a_panel_may_lie_in_a_part_of_a_figure(results: dict[str, Result]) -> None:

@@ -164,6 +164,10 @@ def test_latex_says_what_stands_there() -> None:
     assert to_latex("a_b $5% \\x{y}~^#&") == (
         r"a\_b \$5\% \textbackslash{}x\{y\}\textasciitilde{}\textasciicircum{}\#\&"
     )
+    assert to_latex("10⁻³ mm³/(N·m), 2e-06 ± 1.5e+07") == (
+        r"10$^{-3}$ mm$^{3}$/(N$\cdot$m), $2 \cdot 10^{-6}$ $\pm$ $1.5 \cdot 10^{7}$"
+    )
+    assert to_latex("1e-3x a1e-3 v1.2e3.toml") == "1e-3x a1e-3 v1.2e3.toml"
 
 
 def test_what_is_an_input_is_marked() -> None:

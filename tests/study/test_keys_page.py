@@ -1,8 +1,11 @@
 """The page of all keys is what the declarations of the keys say."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 from warpwear import Study
 from warpwear.study.keys import declarations, key_of
@@ -28,3 +31,36 @@ def test_every_key_has_a_meaning() -> None:
         info = key_of(Study, name)
         assert info is not None
         assert info.description or "." not in name, name
+
+
+@pytest.mark.parametrize(
+    ("key", "says"),
+    [
+        ("contact.load", "above 0 N"),
+        ("sphere.poisson", "0 to 0.5"),
+        ("sphere.radius", "above 0 mm, also `inf`"),
+        ("disc.level", '`"none"`, `"plane"`, `"sphere"`, whole numbers 0 to 12'),
+        ("disc.synthetic.hurst", "above 0, at most 1"),
+        ("disc.synthetic.lay", "-360 to 360 deg"),
+        ("wear.sphere", "0 mm^3/N/m or more"),
+        ("sliding.shift", "whole numbers 1 to 100,000"),
+        ("checks.strict", "`true`, `false`"),
+    ],
+)
+def test_the_page_says_what_is_allowed(key: str, says: str) -> None:
+    page = (ROOT / "docs" / "reference" / "keys.md").read_text(encoding="utf-8")
+    (facts,) = re.findall(rf"^- `{re.escape(key)}`: .*\\\n  (.*)$", page, re.M)
+    assert f"*allowed* {says}" in facts.split(" · ")
+
+
+def test_every_number_has_bounds() -> None:
+    """A key that is left without them is text."""
+    page = (ROOT / "docs" / "reference" / "keys.md").read_text(encoding="utf-8")
+    free = [
+        key
+        for key, facts in re.findall(r"^- `([\w.]+)`: .*\\\n  (.*)$", page, re.M)
+        if "*allowed*" not in facts
+    ]
+    assert free == [
+        "study.name", "study.description", "sphere.material", "disc.material", "disc.surface", "disc.array"
+    ]  # fmt: skip

@@ -108,3 +108,23 @@ def test_many_removed_is_a_notice(tmp_path, rough):
         if told:
             share = 100.0 * removed / rough.size
             assert f"{removed} points, {share:.3g} % of the measurement" in notices[0]
+
+
+def test_a_spike_that_was_left_is_told_of(rough, tmp_path):
+    """Not the same surface without it, nor with it removed, nor a hole as deep."""
+
+    def told(heights, **preparation):
+        np.save(tmp_path / "disc.npy", heights)
+        surface = read_measured(
+            tmp_path / "disc.npy", Preparation(**preparation), pixel=PIXEL, height_unit="mm"
+        )
+        middle = np.linspace(-0.1, 0.1, 100)
+        return [notice for notice in surface.notices(middle, middle) if "may be a spike" in notice]
+
+    heights, _ = spiked(rough, (60, 70))
+    (notice,) = told(heights)
+    assert "stands 1" in notice
+    assert "disc.outliers = 6" in notice
+    assert not told(heights, outliers=6.0)
+    assert not told(rough)
+    assert not told(2.0 * rough - heights)

@@ -19,6 +19,7 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.cli.main import main
 from warpwear.sweeps.figures import courses
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
@@ -117,13 +118,50 @@ def test_name_of_a_run_follows_what_decides_its_numbers() -> None:
     assert name() != name(**{"contact.load": "7 N"})
 
 
-def test_failed_run_is_a_row_with_its_sentence() -> None:
-    vary = {"contact.hardness": ["0.001 MPa", "590 MPa", "-1 MPa"]}
-    table = warpwear.sweep(small(), vary=vary, executor=Here()).table
+FAILING = {"contact.hardness": ["0.001 MPa", "590 MPa", "-1 MPa"]}
+
+
+def test_failed_run_is_a_row_with_its_sentence_and_a_warning() -> None:
+    says = "^2 of 3 runs failed, rows 0, 2 from 0: the column status of the result's table says why.$"
+    with pytest.warns(warpwear.StudyWarning, match=says) as warned:
+        found = warpwear.sweep(small(), vary=FAILING, executor=Here())
+    assert [Path(w.filename).name for w in warned if w.category is warpwear.StudyWarning] == [
+        Path(__file__).name
+    ]
+    table = found.table
     assert table["status"][1] == "done"
     assert table["status"][0].startswith("failed: ")
     assert table["status"][2].startswith("failed: contact.hardness")
     assert math.isnan(table["cof [1]"][0])
+    with pytest.raises(InputError, match=r"not kept: give sweep\(\) a folder, out"):
+        found.open(1)
+
+
+def test_a_command_of_which_runs_failed_ends_with_1(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    study = tmp_path / "s.toml"
+    study.write_text(small().to_toml(), encoding="utf-8")
+    command = ["sweep", str(study), "--out", str(tmp_path / "out"), "--workers", "1", "--vary"]
+    with pytest.raises(SystemExit) as ended:
+        main([*command, "contact.hardness=0.001 MPa,590 MPa"])
+    assert ended.value.code == 1
+    (told,) = (line for line in capfd.readouterr().err.splitlines() if line.startswith("warpwear: "))
+    assert told.startswith("warpwear: 1 of 2 runs failed, row 0 from 0: the column status of ")
+    assert f"{tmp_path / 'out' / 'table.csv'} says why" in told
+    with pytest.raises(SystemExit) as ended:
+        main([*command, "contact.hardness=590 MPa", "--resume"])
+    assert ended.value.code == 0
+
+
+def test_a_run_of_a_sweep_is_opened_by_its_row(swept: Any) -> None:
+    with swept.open(4) as result:
+        assert result.study.contact.load == 8.0
+        assert result.study.disc.synthetic.seed == 2
+        assert result.history["cof"][-1] == swept.table["cof [1]"][4]
+    for number in (6, -7):
+        with pytest.raises(InputError, match=f"no run {number}: it has 6, counted from 0"):
+            swept.open(number)
 
 
 @pytest.mark.parametrize(

@@ -109,7 +109,8 @@ def commands() -> None:
     warpwear run my-disc.toml    a study of your own
 
     A run is written into a folder, which plot, animate, export and compare take. Bad input ends with one
-    sentence and exit status 2; an interrupted run leaves a checkpoint and ends with 130.
+    sentence and exit status 2; an interrupted run leaves a checkpoint and ends with 130; a sweep of which
+    runs failed ends with 1.
     """
 
 

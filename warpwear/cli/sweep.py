@@ -39,7 +39,7 @@ from warpwear.cli.study import CHANGES, STUDY, parsed_changes
     type=PATH,
     help="A measured course of friction.",
 )
-def sweep(study: str, changes: tuple[str, ...], vary: tuple[str, ...], **options: Any) -> None:
+def sweep(study: str, changes: tuple[str, ...], vary: tuple[str, ...], **options: Any) -> int:
     """Run STUDY for many values of its keys, and lay the results together.
 
     \b
@@ -55,8 +55,10 @@ def sweep(study: str, changes: tuple[str, ...], vary: tuple[str, ...], **options
     figures/       courses with bands, scatter, heat map, what decides the friction
     sweep.html     all of it on one page
 
-    The values may stand in the study's own section [sweep] too. A run that fails is a row that says why.
+    The values may stand in the study's own section [sweep] too. A run that fails is a row that says why; the
+    others are made, and the command ends with exit status 1.
     """
     asked = {name: options.pop(name) for name in ("design", "samples", "seed")}
     asked |= {"band_over": list(options.pop("band_over")) or None, "vary": sweep_command.varied(vary)}
-    sweep_command.command(study, parsed_changes(changes), asked, **options)
+    status: int = sweep_command.command(study, parsed_changes(changes), asked, **options)
+    return status

@@ -1,8 +1,9 @@
-"""Panels: maps with real extents, and boxes in 3-D that are true to scale in x and y."""
+"""Panels: of one run or of several, maps with real extents, boxes in 3-D true to scale in x and y."""
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from functools import partial, update_wrapper
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,6 +17,7 @@ from warpwear.figures import style as fs
 from warpwear.figures.view import Window
 from warpwear.grid import FloatArray
 
+Data = TypeVar("Data")
 Shown = TypeVar("Shown")
 ALONG, ACROSS = "along sliding, x, mm", "across sliding, y, mm"
 #: Left, bottom, width and height of a colour bar beside a map, over the map's.
@@ -37,9 +39,108 @@ AZIMUTH = -58.0
 FLAT = 1e-9
 #: How much paler a scar is.
 SCAR = 0.55
+#: Mark of a title that is ours, before its text.
+OURS = "warpwear: "
 #: Circles and spokes of facets of a cap.
 CIRCLES, SPOKES = 36, 97
 LIGHT = LightSource(azdeg=300, altdeg=50)
+
+
+class Panels(Generic[Data]):
+    """A figure of one panel, or of several side by side, made of a function that draws data into axes.
+
+    Called with data it returns the figure. It can be drawn into axes that are there, over what they show.
+    """
+
+    def __init__(self, draw: Callable[[Any, Data], None], *, columns: int, height: float) -> None:
+        update_wrapper(self, draw)
+        self._draw, self._height = draw, height
+        self.columns = columns
+
+    def __call__(self, data: Data, ax: Any = None, *, label: str | None = None, color: Any = None) -> Figure:
+        """Draw the data; returns the figure, that of `ax` where it is given: axes, or as many as columns.
+
+        label: what the legend calls the run. color: of all its lines, which keep their dashes and marks.
+        """
+
+        def draw(axes: Any) -> None:
+            there = [_There.of(panel) for panel in np.ravel(axes)]
+            self._draw(axes, data)
+            for held in there:
+                held.finish(label, color)
+            if label is not None:
+                for legend in [panel.get_legend() for panel in np.ravel(axes)]:
+                    if legend is not None:
+                        legend.remove()
+                fs.legend_above(*np.ravel(axes), columns=2)
+
+        if ax is None:
+            return fs.new_figure(draw, columns=self.columns, height=self._height, fixed=True)
+        draw(ax)
+        figure: Figure = np.ravel(ax)[0].figure.figure  # the outermost one
+        return figure
+
+
+def panels(
+    columns: int = 1, *, height: float = fs.ROW
+) -> Callable[[Callable[[Any, Data], None]], Panels[Data]]:
+    """Make a figure of a function that draws data into axes: one, or an array of them. height: [inch]"""
+    return partial(Panels, columns=columns, height=height)
+
+
+@dataclass(frozen=True)
+class _There:
+    """What axes show before a run is drawn over it."""
+
+    axes: Axes
+    lines: list[Any]
+    limits: dict[str, tuple[str, float, float]]  # "x", "y" -> scale and ends; empty where they show nothing
+    title: str
+    is_ours: bool
+
+    @classmethod
+    def of(cls, axes: Axes) -> "_There":
+        """Look at axes, and let their limits follow what comes."""
+        limits = {n: (getattr(axes, f"get_{n}scale")(), *getattr(axes, f"get_{n}lim")()) for n in "xy"}
+        if not axes.has_data():
+            limits.clear()
+        axes.autoscale(True)
+        title = axes.get_title()
+        is_ours = axes.title.get_label() == OURS + title
+        return cls(axes, [*axes.lines, *axes.patches], limits, title, is_ours)
+
+    def finish(self, label: str | None, color: Any) -> None:
+        """Name and colour what is new, keep what was there in sight, and say nothing that holds for one only.
+
+        A title of ours stays where it holds for all that is shown; one of a user always stays.
+        """
+        new: list[Any] = [line for line in (*self.axes.lines, *self.axes.patches) if line not in self.lines]
+        named = [line for line in new if not str(line.get_label()).startswith("_")]
+        if color is not None:
+            for line in new:
+                line.set_color(color)
+        if label is not None:
+            for line in named:
+                line.set_label(f"{label}: {line.get_label()}")
+            if new and not named:  # the line of the run is the last one that is neither pale nor a point
+                lines = [line for line in new if line.get_alpha() is None and len(line.get_xdata()) > 1]
+                (lines or new)[-1].set_label(label)
+        for axis, (scale, start, end) in self.limits.items():
+            if scale == getattr(self.axes, f"get_{axis}scale")():
+                ends = sorted([start, end, *getattr(self.axes, f"get_{axis}lim")()])
+                getattr(self.axes, f"set_{axis}lim")(*(ends[0], ends[-1])[:: 1 if start < end else -1])
+        if self.title and not self.is_ours:
+            self.axes.set_title(self.title)
+        else:
+            if self.limits and self.axes.get_title() != self.title:
+                self.axes.set_title("")
+            self.axes.title.set_label(OURS + self.axes.get_title())
+
+
+def share(panel: Axes, other: Axes, axis: str) -> None:
+    """Give a panel the limits of another one along an axis, "x" or "y", unless they have them in common."""
+    if not getattr(panel, f"get_shared_{axis}_axes")().joined(panel, other):
+        getattr(panel, f"share{axis}")(other)
 
 
 def map_figure(draw: Callable[[Any], None], panels: int, *, above: float = 0.0) -> Figure:
@@ -101,9 +202,9 @@ def finish_sections(axes: Any, *, heights: bool = False) -> None:
     for panel, label in zip(axes, (ALONG, ACROSS), strict=True):
         panel.set_xlabel(label)
         panel.xaxis.set_major_locator(fs.steps(6))
-    axes[1].sharey(axes[0])
+    share(axes[1], axes[0], "y")
     axes[1].tick_params(which="both", labelleft=False)
-    if heights:
+    if heights and isinstance(axes[0].figure, fs.Sheet):  # the panels of others may change their shape
         axes[0].set_title(" ")  # keeps its room
         axes[0].figure.when_placed.append(partial(_tell_scale, axes[0]))
 

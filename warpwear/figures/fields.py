@@ -17,6 +17,7 @@ from warpwear.figures.axes import (
     finish_sections,
     maps_of,
     new_3d_figure,
+    panels,
     shared_bar,
 )
 from warpwear.figures.view import FilmState, State, View, coarsen, positive
@@ -98,7 +99,7 @@ def pressure_3d(data: "FigureData") -> Figure:
     return figure
 
 
-@fs.panels(2)
+@panels(2)
 def pressure_profiles(axes: Any, data: "FigureData") -> None:
     """Pressure along and across the sliding direction in the middle, all snapshots overlaid."""
     views = data.views
@@ -108,7 +109,7 @@ def pressure_profiles(axes: Any, data: "FigureData") -> None:
         for panel, profile in zip(axes, (view.along, view.across), strict=True):
             panel.plot(profile.bins, profile.pressure, label=fs.after(view.distance), **line)
     for panel in axes:
-        if seen and max(seen) > 5.0 * min(seen):
+        if seen and (panel.get_yscale() == "log" or max(seen) > 5.0 * min(seen)):
             fs.logarithmic(panel)
             panel.set_ylim(0.2 * min(seen), 1.5 * max(seen))
         else:
@@ -159,7 +160,7 @@ def _states(
     return maps_of(views, draw, finish=legend)
 
 
-@fs.panels(2)
+@panels(2)
 def hertz(axes: Any, data: "FigureData") -> None:
     """Pressure along the sliding direction through the middle, beside Hertz's of the unworn bodies."""
     theory, places = data.hertz, data.middle.places
@@ -183,7 +184,7 @@ def hertz(axes: Any, data: "FigureData") -> None:
     fs.legend_above(axes[0], columns=2)
 
 
-@fs.panels(2, height=2.9)
+@panels(2, height=2.9)
 def factor(axes: Any, data: "FigureData") -> None:
     """Sliding distance of disc cells over that in the middle (thesis eq 4.22), at the scar and its margin."""
     study, window = data.study, data.window

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
+from warpwear.figures.axes import panels
 from warpwear.figures.view import PASSES, last_at_hardness
 from warpwear.grid import FloatArray
 
@@ -35,7 +36,7 @@ PIECES_BINS = 30
 TIMES = ((36000.0, "h", 3600.0), (600.0, "min", 60.0), (0.0, "s", 1.0))
 
 
-@fs.panels()
+@panels()
 def cof(axes: Axes, data: "FigureData") -> None:
     """Coefficient of friction over the distance slid."""
     _course(axes, data, data.course["cof"], color=fs.NEUTRAL)
@@ -68,12 +69,13 @@ def _course(
     axes.plot(places, np.concatenate([values[first], of_passes]), **line)
 
 
-@fs.panels()
+@panels()
 def cof_time(axes: Axes, data: "FigureData") -> None:
     """Coefficient of friction over the sliding time."""
-    time = data.course["time"]
-    unit, seconds = next((unit, s) for least, unit, s in TIMES if time[-1] >= least)
-    label = f"sliding time, {unit}"
+    time, label = data.course["time"], "sliding time, {}"
+    held = {label.format(unit): (unit, s) for _, unit, s in TIMES}.get(axes.get_xlabel())  # of another run
+    unit, seconds = held or next((unit, s) for least, unit, s in TIMES if time[-1] >= least)
+    label = label.format(unit)
     fs.over_distance(axes, time / seconds, data.course["cof"], xlabel=label, color=fs.NEUTRAL)
     _finish_cof(axes, data, time / seconds)
 
@@ -90,7 +92,7 @@ def _finish_cof(axes: Axes, data: "FigureData", places: FloatArray) -> None:
     axes.set_title(f"area that shears: {area}\n{data.about.shear}")
 
 
-@fs.panels()
+@panels()
 def bare_fraction(axes: Axes, data: "FigureData") -> None:
     """Part of the area in contact that is bare of film over the distance slid, and its fitted course."""
     distance = data.course["distance"]
@@ -104,7 +106,7 @@ def bare_fraction(axes: Axes, data: "FigureData") -> None:
     axes.set(ylabel="bare fraction of the area in contact, –", xlim=(0.0, None), ylim=(0.0, 1.0))
 
 
-@fs.panels()
+@panels()
 def areas(axes: Axes, data: "FigureData") -> None:
     """Areas in contact, at the hardness, ever touched and nominal over the distance slid.
 
@@ -131,7 +133,7 @@ def areas(axes: Axes, data: "FigureData") -> None:
     fs.legend_above(axes, columns=3)
 
 
-@fs.panels()
+@panels()
 def pressure(axes: Axes, data: "FigureData") -> None:
     """Mean and largest pressure of the cells in contact over the distance slid."""
     history, hardness = data.course, data.study.hardness
@@ -151,7 +153,7 @@ def pressure(axes: Axes, data: "FigureData") -> None:
     fs.legend_above(axes, columns=3)
 
 
-@fs.panels()
+@panels()
 def contact_radius(axes: Axes, data: "FigureData") -> None:
     """Radius of the scar and that of a circle of the area in contact over the distance slid."""
     distance = data.course["distance"]
@@ -164,7 +166,7 @@ def contact_radius(axes: Axes, data: "FigureData") -> None:
     fs.legend_above(axes, columns=2)
 
 
-@fs.panels(2)
+@panels(2)
 def volumes(axes: Any, data: "FigureData") -> None:
     """Worn volume and deepest cell of both bodies over the distance slid."""
     history = data.history
@@ -180,7 +182,7 @@ def volumes(axes: Any, data: "FigureData") -> None:
     fs.legend_above(axes[0], columns=2)
 
 
-@fs.panels(2)
+@panels(2)
 def pieces(axes: Any, data: "FigureData") -> None:
     """Share of the pieces up to a diameter as cut, and how many have left either body per distance.
 

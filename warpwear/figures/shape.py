@@ -16,6 +16,7 @@ from warpwear.figures.axes import (
     finish_sections,
     maps_of,
     new_3d_figure,
+    panels,
     shared_bar,
 )
 from warpwear.figures.view import Profile, Window, coarsen, positive, sag_or_nan
@@ -120,13 +121,13 @@ def disc_3d(data: "FigureData") -> Figure:
     return _surfaces(data, "disc")
 
 
-@fs.panels(2)
+@panels(2)
 def sphere_profiles(axes: Any, data: "FigureData") -> None:
     """The sphere's shape through the middle, all snapshots overlaid."""
     _profiles(axes, data, "sphere")
 
 
-@fs.panels(2)
+@panels(2)
 def disc_profiles(axes: Any, data: "FigureData") -> None:
     """The disc's shape through the middle, all snapshots overlaid."""
     _profiles(axes, data, "disc")
@@ -224,7 +225,7 @@ def _profiles(axes: Any, data: "FigureData", body: str) -> None:
     fs.legend_above(axes[0], columns=len(views) + 1)
 
 
-@fs.panels(2)
+@panels(2)
 def profiles(axes: Any, data: "FigureData") -> None:
     """Both bodies along and across the sliding direction through the middle, in contact, at the end."""
     last = data.views[-1]

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from warpwear.figures import style as fs
+from warpwear.figures.axes import panels, share
 from warpwear.laws.junctions import diameters_of, share_above
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
 }
 
 
-@fs.panels()
+@panels()
 def roughness(axes: Axes, data: "FigureData") -> None:
     """Height parameters of the disc in the middle of the scar, its bowl taken off, over the distance slid."""
     table = data.roughness
@@ -32,7 +33,7 @@ def roughness(axes: Axes, data: "FigureData") -> None:
     fs.legend_above(axes, columns=5)
 
 
-@fs.panels(2)
+@panels(2)
 def texture(axes: Any, data: "FigureData") -> None:
     """Sq and rms gradient Sdq of ball and disc in the inner scar over the distance, with fits of Sq.
 
@@ -54,14 +55,14 @@ def texture(axes: Any, data: "FigureData") -> None:
         slopes.plot(table["distance"], table[f"sdq_{body}"], **line)
     heights.set_ylabel("Sq in the inner scar, µm")
     slopes.set_ylabel("Sdq in the inner scar, –")
-    slopes.sharex(heights)
+    share(slopes, heights, "x")
     for panel in (slopes, heights):
         panel.set_ylim(0.0, None)
         fs.scale_from_unworn(panel, table["distance"], "sliding distance, mm")
     fs.legend_above(heights, columns=4)
 
 
-@fs.panels(2)
+@panels(2)
 def spectrum(axes: Any, data: "FigureData") -> None:
     """Power spectrum of ball and disc in the inner scar over the wavelength, a line a snapshot."""
     for panel, body, color in zip(axes, ("sphere", "disc"), (fs.SPHERE, fs.DISC), strict=True):
@@ -80,11 +81,11 @@ def spectrum(axes: Any, data: "FigureData") -> None:
     axes[0].set_ylabel("power spectral density, µm⁴")
     for panel in axes:
         panel.set_ylim(ends)
-        panel.invert_xaxis()
+        panel.xaxis.set_inverted(True)
     fs.legend_above(axes[1], columns=4)
 
 
-@fs.panels(2)
+@panels(2)
 def islands(axes: Any, data: "FigureData") -> None:
     """Number of islands of contact over the distance slid, and how their areas are distributed."""
     evolution = data.evolution
@@ -114,7 +115,7 @@ def islands(axes: Any, data: "FigureData") -> None:
     fs.legend_above(*axes, columns=6)
 
 
-@fs.panels()
+@panels()
 def junctions(axes: Axes, data: "FigureData") -> None:
     """Share of the contact area in islands larger than a diameter, a line a snapshot.
 

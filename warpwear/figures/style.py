@@ -2,10 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial, update_wrapper
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -19,7 +18,6 @@ from matplotlib.ticker import LogFormatter, LogLocator, MaxNLocator, NullLocator
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
-Data = TypeVar("Data")
 #: Width of one column of a journal [inch].
 COLUMN = 3.5
 #: Width of two columns of a journal [inch].
@@ -141,6 +139,8 @@ class Sheet(Figure):
     def legend_above(self, handles: list[Any], labels: list[str], *, columns: int) -> None:
         """Put a legend over all panels, in fewer columns where they are too wide for the figure."""
         columns = next(n for n in range(columns, 0, -1) if n == 1 or _width(labels, n) <= self.get_figwidth())
+        for older in [*self.legends]:
+            older.remove()
         where: Any = "outside upper center" if self.get_layout_engine() else "upper center"
         self.legend(handles, labels, loc=where, ncols=columns, borderaxespad=0.3)
         self._legend_rows = -(-len(labels) // columns)
@@ -244,31 +244,6 @@ def new_figure(
     return figure
 
 
-class Panels(Generic[Data]):
-    """A figure of one panel, or of several side by side, made of a function that draws data into axes.
-
-    Called with data it returns the figure. A single panel can be drawn into axes that are there.
-    """
-
-    def __init__(self, draw: Callable[[Any, Data], None], *, columns: int, height: float) -> None:
-        update_wrapper(self, draw)
-        self._draw, self._height = draw, height
-        self.columns = columns
-
-    def __call__(self, data: Data, ax: Axes | None = None) -> Figure:
-        """Draw the data; returns the figure, that of `ax` where it is given. Needs one column for `ax`."""
-        if ax is None:
-            columns, height = self.columns, self._height
-            return new_figure(lambda axes: self._draw(axes, data), columns=columns, height=height, fixed=True)
-        self._draw(ax, data)
-        return ax.figure.figure  # the outermost one
-
-
-def panels(columns: int = 1, *, height: float = ROW) -> Callable[[Callable[[Any, Data], None]], Panels[Data]]:
-    """Make a figure of a function that draws data into axes: one, or an array of them. height: [inch]"""
-    return partial(Panels, columns=columns, height=height)
-
-
 def in_time(colour: str, count: int) -> list[dict[str, Any]]:
     """Choose lines for `count` states in time: a body's colour from pale to dark, the last one solid."""
     scale = shades(colour)
@@ -320,9 +295,13 @@ def scale_distance(axes: Axes, distance: FloatArray) -> None:
 
 
 def scale_values(axes: Axes, *values: FloatArray) -> None:
-    """Make values logarithmic where they differ much; else linear from zero, so a constant looks like one."""
-    known = np.concatenate([v[np.isfinite(v) & (v > 0.0)] for v in values])
-    if known.size == 0 or known.max() < 5.0 * known.min():
+    """Make values logarithmic where they differ much; else linear from zero, so a constant looks like one.
+
+    What the axes show already counts, too.
+    """
+    there = (np.asarray(line.get_ydata(), dtype=np.float64) for line in axes.lines)
+    known = np.concatenate([v[np.isfinite(v) & (v > 0.0)] for v in (*values, *there)])
+    if axes.get_yscale() != "log" and (known.size == 0 or known.max() < 5.0 * known.min()):
         top = 1.15 * known.max() if known.size else None
         axes.set_ylim(0.0, top)
         axes.yaxis.set_major_locator(steps(6))

@@ -7,7 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
@@ -17,10 +19,10 @@ from warpwear.results.file import ResultFile
 from warpwear.results.manifest import add_figure
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-fs = lazy.module("warpwear.figures.style")
+fs, layout = lazy.module("warpwear.figures.style"), lazy.module("warpwear.figures.axes")
+colours = lazy.module("matplotlib.colors")
 
 
 class Entry(NamedTuple):
@@ -248,9 +250,10 @@ ESSENTIAL: dict[str, tuple[str, ...]] = {
 class Plotter:
     """Draws the figures of a result: `result.plot.NAME()` returns a matplotlib figure; `NAMES` lists them.
 
-    A figure of a single panel, such as `cof`, can be drawn into axes that are there: `result.plot.cof(ax)`.
-    `left_out` says which figures make no sense for the run, and why; `save_all` writes all others. A figure
-    that is left out is an InputError, and so are axes for a figure of several panels.
+    Figures of lines, such as `cof`, can be drawn into axes that are there, over another run's:
+    `result.plot.cof(ax, label="8 N", color="C1")`; of two panels `ax` is two axes. `left_out` says which
+    figures make no sense for the run, and why; `save_all` writes all others. A figure that is left out is an
+    InputError, and so are ax, label and color for maps and pictures in 3-D.
     """
 
     NAMES = tuple(FIGURES)
@@ -263,20 +266,16 @@ class Plotter:
             raise AttributeError(_unknown(name))
         draw = FIGURES[name].draw
 
-        def figure(ax: "Axes | None" = None) -> "Figure":
+        def figure(ax: Any = None, *, label: str | None = None, color: Any = None) -> "Figure":
             reason = self.reason(name)
             if reason is not None:
                 raise InputError(f"there is no figure '{name}': {reason}")
-            if ax is None:
+            if ax is None and label is None and color is None:
                 with self.data:
                     return draw(self.data)
-            if not isinstance(draw, fs.Panels) or draw.columns > 1:
-                raise InputError(
-                    f"ax is given, but the figure '{name}' needs a figure of its own: it has several panels "
-                    "or is drawn in three dimensions; call it without ax"
-                )
+            _check_overlay(name, draw, ax, color)
             with self.data:
-                return draw(self.data, ax)
+                return draw(self.data, ax, label=label, color=color)
 
         figure.__name__, figure.__doc__ = name, draw.__doc__
         return figure
@@ -369,6 +368,22 @@ class Plotter:
         for name in names:
             if name not in FIGURES:
                 raise InputError(_unknown(name))
+
+
+def _check_overlay(name: str, draw: Callable[..., "Figure"], ax: Any, color: Any) -> None:
+    """Raise InputError where a figure cannot be drawn into these axes, or in this colour."""
+    if not isinstance(draw, layout.Panels):
+        raise InputError(
+            f"the figure '{name}' is a map or drawn in three dimensions: it needs a figure of its own, "
+            "without ax, label and color"
+        )
+    if ax is not None and np.size(ax) != draw.columns:
+        raise InputError(
+            f"the figure '{name}' needs as many axes as it has panels: ax has {np.size(ax)}, and "
+            f"plt.subplots(1, {draw.columns}) makes {draw.columns}"
+        )
+    if color is not None and not colours.is_color_like(color):
+        raise InputError(f"color = {color!r} is not a colour of matplotlib, such as 'C1' or '#D55E00'")
 
 
 def _unknown(name: str) -> str:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from warpwear.figures import style as fs
-from warpwear.figures.axes import ACROSS, ALONG, colour_bar, draw_map, stretch
+from warpwear.figures.axes import ACROSS, ALONG, colour_bar, draw_map, panels, stretch
 from warpwear.figures.snapshots import PARAMETERS
 from warpwear.figures.view import positive
 from warpwear.grid import FloatArray
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 SHOWN = 4
 
 
-@fs.panels(2)
+@panels(2)
 def groove_figure(axes: Any, data: "FigureData") -> None:
     """Mean cross-section of the groove at the snapshots; its mean depth along the track at the end."""
     sections = data.grooves
@@ -76,7 +76,7 @@ def _tell_shape(panel: Axes, title: str) -> None:
     panel.set_title(f"{title} (y drawn {stretch(panel):.2g} times as large as x)")
 
 
-@fs.panels()
+@panels()
 def wear_per_pass(axes: Axes, data: "FigureData") -> None:
     """Mean depth that each pass adds to the groove, by wear and by plastic flow."""
     table, stroke = data.passes, data.about.lap
@@ -102,7 +102,7 @@ def wear_per_pass(axes: Axes, data: "FigureData") -> None:
         fs.legend_above(axes, columns=2)
 
 
-@fs.panels()
+@panels()
 def cof_stroke(axes: Axes, data: "FigureData") -> None:
     """Coefficient of friction over the position in the stroke, for some passes."""
     history, stroke = data.course, data.about.lap
@@ -118,7 +118,7 @@ def cof_stroke(axes: Axes, data: "FigureData") -> None:
     fs.legend_above(axes, columns=4)
 
 
-@fs.panels()
+@panels()
 def track_roughness(axes: Axes, data: "FigureData") -> None:
     """Height parameters of the disc in the middle of the groove over the passes."""
     table = data.track_roughness

@@ -15,7 +15,8 @@ from warpwear.results.evolution import surface_evolution
 from warpwear.study.study import Study
 from warpwear.sweeps.points import name_of
 from warpwear.sweeps.run_one import Row, Task, run_one
-from warpwear.sweeps.sweep import RUNS, sweep
+from warpwear.sweeps.sweep import sweep
+from warpwear.sweeps.table import RUNS
 
 #: Unknowns of the wear laws: of a contact at rest they change only how fast the run goes.
 WEAR = (

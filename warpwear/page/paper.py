@@ -1,5 +1,6 @@
 """What a run's page offers for a paper: a paragraph on methods, a table, both as LaTeX, how to cite."""
 
+import re
 from collections.abc import Iterable
 from typing import Any
 
@@ -9,7 +10,7 @@ from warpwear.study.study import Study
 
 #: Signs that LaTeX takes for commands, and others that its fonts may lack -> what to write.
 LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "µ": r"$\mu$"}
-LATEX |= {sign: f"\\{sign}" for sign in "{}$&#%_"} | {"²": "$^2$", "³": "$^3$", "⁻": "$^-$", "×": r"$\times$"}
+LATEX |= {sign: f"\\{sign}" for sign in "{}$&#%_"} | {"×": r"$\times$"}
 LATEX |= {
     "±": r"$\pm$",
     "−": "--",
@@ -19,6 +20,9 @@ LATEX |= {
     "α": r"$\alpha$",
     "√": r"$\surd$",
 }
+#: Raised signs, and the number with a power of ten as programs write it; neither stands in a formula yet.
+RAISED, POWER = re.compile("[⁺⁻⁰¹²³⁴-⁹]+"), re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)")
+LOWERED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
 
 
 def _law(study: Study, s: dict[str, Any]) -> str:
@@ -90,8 +94,10 @@ def table_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> list
 
 
 def to_latex(text: str) -> str:
-    """Write a text so that LaTeX sets it as it is."""
-    return "".join(LATEX.get(sign, sign) for sign in text)
+    """Write a text so that LaTeX sets it as it is, raised digits and powers of ten as formulas."""
+    written = "".join(LATEX.get(sign, sign) for sign in text)
+    written = RAISED.sub(lambda found: f"$^{{{found[0].translate(LOWERED)}}}$", written)
+    return POWER.sub(lambda found: rf"${found[1]} \cdot 10^{{{int(found[2])}}}$", written)
 
 
 def latex_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> str:

@@ -147,7 +147,12 @@ def trust_of(study: Study, s: dict[str, Any], assumptions: list[dict[str, Any]])
     """Say what speaks for the numbers and what against them, in a few sentences."""
     good = all(row["good"] for row in checks_of(study, s))
     cells = s["area_mm2"]["contact"] / study.cells.cell_area
-    warned, assumed = (_count(len(s[of]), of.removesuffix("s")) for of in ("warnings", "assumptions"))
+    noted = sum(told in s["notes"] for told in s["warnings"])
+    warned, assumed = (
+        _count(len(s["warnings"]) - noted, "warning"),
+        _count(len(s["assumptions"]), "assumption"),
+    )
+    warned += f", {_count(noted, 'note').lower()}"
     decisive = [row["key"] for row in assumptions if row["weight"] is Weight.DECIDES]
     found = [
         "As a solution of its equations, yes: all checks below hold."

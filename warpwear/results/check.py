@@ -123,8 +123,9 @@ def _check_record(record: Any) -> None:
     for name, kind in RECORD.items():
         if not isinstance(record.get(name), kind):
             raise ValueError(f"the {name} of its record is {record.get(name)!r:.40}")
-    if not all(isinstance(warning, str) for warning in record["warnings"]):
-        raise ValueError("a warning of its record is no text")
+    notes = record.get("notes", [])  # which results of earlier versions lack
+    if not isinstance(notes, list) or not all(isinstance(told, str) for told in record["warnings"] + notes):
+        raise ValueError("a warning or a note of its record is no text")
 
 
 def _group(file: h5py.File, path: str) -> h5py.Group:

@@ -106,6 +106,7 @@ def summarise(result: ResultFile) -> dict[str, Any]:
         **_film(result),
         **({"track": _track(result)} if study.is_swept else {}),
         **_on_filled(result.load_on_filled),
+        "notes": [],
         **result.record,
         **({"seconds": result.seconds} if result.seconds else {}),
         "assumptions": render.assumptions(study),

@@ -78,15 +78,20 @@ class Progress:
         """
         self.say(f"{kind}: {sentence}")
         if self._quiet:
-            caller, level = sys._getframe(), 1
-            while caller.f_back and caller.f_globals["__name__"].startswith("warpwear."):
-                caller, level = caller.f_back, level + 1
-            warnings.warn(sentence, StudyWarning, stacklevel=level)
+            warn(sentence)
 
     def end(self) -> None:
         """The run is over, one way or another."""
         if self._bar is not None:
             self._bar.close()
+
+
+def warn(sentence: str) -> None:
+    """Warn at the line of the user's that called warpwear."""
+    caller, level = sys._getframe(), 1
+    while caller.f_back and caller.f_globals["__name__"].startswith("warpwear."):
+        caller, level = caller.f_back, level + 1
+    warnings.warn(sentence, StudyWarning, stacklevel=level)
 
 
 class Interrupts:

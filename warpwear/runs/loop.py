@@ -85,7 +85,8 @@ class StepLoop:
             raise InputError(f"{problem}.")
         surface = surface or surface_in(study)
         along = study.track.x if study.is_swept else grid.x
-        self.warnings = [*study.notices(), *surface.notices(along, grid.y)]
+        self._notes = [*study.notices(), *surface.notices(along, grid.y)]
+        self.warnings = [*self._notes]
         for warning in self.warnings:
             self._warn(warning)
         self._processor, self._device = executor.device, str(executor.device)
@@ -168,6 +169,7 @@ class StepLoop:
         record = {
             "surface": self._surface_record,
             "warnings": self.warnings,
+            "notes": self._notes,
             "elapsed_s": self._elapsed,
             "made_with": versions(self._processor),
         }

@@ -85,6 +85,13 @@ def run(
     raises InvariantError (the contact at the domain's edge, say) or ConvergenceError (an unbalanced contact)
     and leaves an unfinished run with the last checkpoint, as does KeyboardInterrupt, raised at the end of a
     step. What a surface's own `heights` raises is raised.
+
+    >>> coarse = {"grid.cell": "20 um", "sliding.distance": "3 mm", "output.snapshots": ["1 mm"]}
+    >>> result = warpwear.run(warpwear.Study.load("v3-fine").replace(coarse))
+    >>> result.finished, len(result.history["cof"]), result.units["area_contact"]
+    (True, 154, 'mm^2')
+    >>> bool(result.at("1 mm").pressure.max() <= result.study.contact.hardness)
+    True
     """
     asked = How(
         surface=surface,
@@ -294,6 +301,10 @@ def steps(
     small grid up to twenty times, and on a GPU rounds differently.
 
     Raises what `run` raises, when the first step is asked for or the step that is wrong.
+
+    >>> study = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "0.01 mm"})
+    >>> [round(step.row["distance"], 5) for step in warpwear.steps(study)]
+    [0.003, 0.00606, 0.00918, 0.01]
     """
     study, given = _prepare(study, surface, None)
     with (

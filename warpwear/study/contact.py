@@ -84,6 +84,7 @@ class ArchardCoefficient:
     """A wear coefficient is K of V = K F L [mm³/(N·m)], or k of V = k F L / H, a bare number."""
 
     unit: ClassVar[str] = "mm^3/N/m"
+    range: ClassVar[Range] = NOT_NEGATIVE
 
     value: float
     dimensionless: bool = False
@@ -94,8 +95,8 @@ class ArchardCoefficient:
         if isinstance(given, cls):
             return given
         bare = isinstance(given, Real) and not isinstance(given, bool)
-        value = Number(NOT_NEGATIVE).read(given) if bare else parse(given, cls.unit)
-        return cls(NOT_NEGATIVE.check(value), bare)
+        value = Number(cls.range).read(given) if bare else parse(given, cls.unit)
+        return cls(cls.range.check(value), bare)
 
     def write(self) -> str | float:
         """Return what `read` reads back: text with a unit, or a bare number."""

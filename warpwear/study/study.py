@@ -102,6 +102,13 @@ class Study(Content):
         Raises InputError for anything that cannot be computed. A key that says the same in another way
         is dropped: a new sphere.diameter replaces sphere.radius. The description tells what has changed,
         unless it is set itself.
+
+        >>> study = warpwear.Study.load("v3-fine").replace({"contact.load": "4 N", "grid.cell": "2 um"})
+        >>> study.contact.load, study.grid.cell
+        (4.0, 0.002)
+        >>> study.replace({"contact.load": "4 mm"})
+        Traceback (most recent call last):
+        warpwear.errors.InputError: contact.load = '4 mm': has the wrong dimension: a force ... is expected.
         """
         if not isinstance(changes or {}, Mapping) or not all(isinstance(name, str) for name in changes or ()):
             raise InputError(f"{changes!r} is no change of a study; write {{'contact.load': '4 N'}}.")

@@ -16,10 +16,10 @@ from warpwear.measured.course import read_experiment
 from warpwear.study.loading import value_of_text
 from warpwear.sweeps.cluster import connected
 from warpwear.sweeps.plan import Plan, read_plan
-from warpwear.sweeps.report import summary_text, write_report
+from warpwear.sweeps.report import failed_sentence, summary_text, write_report
 from warpwear.sweeps.run_one import Row
-from warpwear.sweeps.sweep import RUNS, check_folder, estimate, local_executor, make_runs, share_runs
-from warpwear.sweeps.table import SweepResult
+from warpwear.sweeps.sweep import check_folder, estimate, local_executor, make_runs, share_runs
+from warpwear.sweeps.table import RUNS, SweepResult
 
 
 def varied(texts: Sequence[str]) -> dict[str, Any]:
@@ -56,8 +56,11 @@ def command(
     dry_run: bool,
     experiments: Sequence[Path],
     **where: Any,
-) -> None:
-    """Make a sweep from the command line. where: workers, cluster, insecure, gpus."""
+) -> int:
+    """Make a sweep from the command line; return its exit status, 1 where runs failed.
+
+    where: workers, cluster, insecure, gpus.
+    """
     plan = read_plan(study, changes, asked, device="cuda:0" if where["gpus"] else device)
     measured = tuple(
         read_experiment(
@@ -79,7 +82,7 @@ def command(
         cost = estimate(plan, None if dry_run else folder, executor, threads=threads)
         click.echo(cost.sentence(workers), err=not dry_run)
         if dry_run:
-            return
+            return 0
         with tqdm(total=len(plan.points), unit="run", disable=not sys.stderr.isatty(), leave=False) as bar:
 
             def told(number: int, row: Row) -> None:
@@ -99,6 +102,10 @@ def command(
     written = write_report(result, folder, measured)
     click.echo(summary_text(result))
     click.echo(f"written to {folder}/: {', '.join(path.name for path in written)}")
+    failed = failed_sentence(result)
+    if failed is not None:
+        click.echo(f"warpwear: {failed}. The same command with --resume tries them again.", err=True)
+    return int(failed is not None)
 
 
 @contextmanager

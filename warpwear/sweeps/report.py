@@ -12,7 +12,7 @@ from warpwear.sweeps import figures
 from warpwear.sweeps.page import page
 from warpwear.sweeps.table import SweepResult
 
-#: Sentences of runs that failed.
+#: Sentences of runs that failed, and numbers of them that one sentence names.
 MOST_FAILURES = 8
 
 
@@ -71,6 +71,19 @@ def _end_told(row: dict[str, Any]) -> str:
         return "no coefficient of friction"
     band = f"   5–95 %: {row['low']:.4g} – {row['high']:.4g}" if row["runs"] > 1 else ""
     return f"cof at the end {row['mean']:.4g}{band}"
+
+
+def failed_sentence(result: SweepResult) -> str | None:
+    """Say how many runs failed, which, and where it says why; None where all are done."""
+    failed = [number for number, row in enumerate(result.rows) if row.status != "done"]
+    if not failed:
+        return None
+    named = ", ".join(map(str, failed[:MOST_FAILURES])) + (", …" if len(failed) > MOST_FAILURES else "")
+    where = "the result's table" if result.folder is None else str(result.folder / "table.csv")
+    return (
+        f"{len(failed)} of {len(result.rows)} runs failed, row{'s' * (len(failed) > 1)} {named} from 0: the "
+        f"column status of {where} says why"
+    )
 
 
 def failures(result: SweepResult) -> list[str]:

@@ -12,15 +12,15 @@ from typing import Any
 
 from warpwear.engine.device import gpu_count, usable_cores
 from warpwear.errors import OTHER_FOLDER, RESUME_IT, InputError
+from warpwear.runs.console import warn
 from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.points import Point
 from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
-from warpwear.sweeps.report import write_report
+from warpwear.sweeps.report import failed_sentence, write_report
 from warpwear.sweeps.run_one import Row, Task, is_there, run_one
-from warpwear.sweeps.table import SweepResult
+from warpwear.sweeps.table import RUNS, SweepResult
 
-RUNS = "runs"
 #: How often it is looked after runs that take long [s].
 LOOK = 5.0
 #: A run is told of that takes this many times as long as the longest before, and this long at least [s].
@@ -52,7 +52,8 @@ def sweep(
     executor: anything like concurrent.futures.Executor, such as `Client(address).get_executor(pure=False)`
     of dask.distributed or mpi4py's MPIPoolExecutor; by default `workers` processes here, one a core.
 
-    Raises InputError for what makes no sweep. A run that fails is a row whose status says why.
+    Raises InputError for what makes no sweep. A run that fails is a row whose status says why, and a
+    StudyWarning at the end names it.
     """
     study = study if isinstance(study, Study) else Study.load(study)
     asked = {"design": design, "samples": samples, "seed": seed, "band_over": band_over}
@@ -67,6 +68,9 @@ def sweep(
         found = SweepResult(plan, rows, None if out is None else folder)
         if out is not None:
             write_report(found, folder)
+    failed = failed_sentence(found)
+    if failed is not None:
+        warn(f"{failed}.")
     return found
 
 

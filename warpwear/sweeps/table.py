@@ -12,6 +12,7 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import QUANTITIES
+from warpwear.result import Result
 from warpwear.results.ensemble import at, band, is_label
 from warpwear.study.keys import value_of
 from warpwear.sweeps.indices import Indices, sobol
@@ -21,12 +22,18 @@ from warpwear.sweeps.run_one import Row
 pandas, xarray = lazy.module("pandas"), lazy.module("xarray")
 stats = lazy.module("scipy.stats")
 
+#: Folder of the runs in that of a sweep.
+RUNS = "runs"
 MEANINGS = {quantity.name: quantity for quantity in QUANTITIES}
 
 
 @dataclass(eq=False)
 class SweepResult:
-    """The rows of a sweep, in the order of its plan, and what is made of them."""
+    """The runs of a sweep, in the order of its plan: their table, their courses, bands over groups of them.
+
+    plan: what was varied; `plan.groups` gives label -> numbers of the runs that differ only in the keys of
+    band_over. folder: that of the sweep; None where nothing was kept.
+    """
 
     plan: Plan
     rows: list[Row]
@@ -46,6 +53,17 @@ class SweepResult:
         names = dict.fromkeys(name for row in self.rows for name in row.ends)
         found |= {name: [row.ends.get(name, np.nan) for row in self.rows] for name in names}
         return found
+
+    def open(self, number: int) -> Result:
+        """The run of a row, counted from 0, with fields and figures. Raises InputError if there is none."""
+        names = self.table["run"]
+        if not -len(names) <= number < len(names):
+            raise InputError(f"the sweep has no run {number}: it has {len(names)}, counted from 0")
+        if self.folder is None:
+            raise InputError("the runs of this sweep were not kept: give sweep() a folder, out")
+        if self.rows[number].status != "done":
+            raise InputError(f"run {number} of the sweep {self.rows[number].status}")
+        return Result.open(self.folder / RUNS / names[number])
 
     def to_dataframe(self) -> Any:
         """The table as a pandas.DataFrame, a row a run. Raises InputError without pandas."""

@@ -60,7 +60,7 @@
   const scaleOf = (colours) => colours.map((c, i) => [i / (colours.length - 1), c]);
   const axis = (title, more = {}) => ({
     title: { text: title, standoff: 8 }, gridcolor: ink("grid"), linecolor: ink("soft"), zeroline: false, showline: true,
-    ticks: "outside", tickcolor: ink("soft"), automargin: true, ...more,
+    ticks: "outside", tickcolor: ink("soft"), automargin: true, exponentformat: "power", ...more,
   });
   const layout = (more) => ({
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", margin: { l: 60, r: 15, t: 10, b: 45 },
@@ -187,7 +187,8 @@
   };
 
   // ---- bodies in 3-D ------------------------------------------------------------------------------
-  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: innerWidth < 640 ? 2.9 : 1.7 };
+  const NARROW = innerWidth < 640;
+  const START = { turn: -0.25 * Math.PI, tilt: 0.6, far: NARROW ? 2.6 : 1.7 };
   const camera = { ...START };
   const eye = () => ({
     x: camera.far * Math.cos(camera.tilt) * Math.cos(camera.turn),
@@ -196,14 +197,16 @@
   let body = 0;
   const bodies = (plot) => {
     const coded = Object.values(plot.bodies)[body], [nx, ny] = coded.codes.shape, [x0, x1, y0, y1] = plot.extent;
-    const axis3 = (title) => ({ title: { text: title, font: { size: 12 } }, gridcolor: ink("grid"), color: ink("ink"), showbackground: false });
+    const axis3 = (title) => ({ title: { text: title, font: { size: 12 } }, gridcolor: ink("grid"), color: ink("ink"), showbackground: false, ...(NARROW ? { nticks: 4, tickfont: { size: 10 } } : {}) });
     const trace = {
       type: "surface", x: places(x0, x1, nx), y: places(y0, y1, ny), z: decoded(coded), colorscale: scaleOf(data.heights),
-      colorbar: { title: { text: "height, µm", side: "right" }, thickness: 12, len: 0.7 },
+      // On a narrow page it lies below: beside the bodies it would cost the labels of their heights their room.
+      colorbar: NARROW ? { title: { text: "height, µm", side: "top" }, thickness: 12, orientation: "h", y: -0.02, yanchor: "top" }
+        : { title: { text: "height, µm", side: "right" }, thickness: 12, len: 0.7 },
       hovertemplate: "%{z:.4~g} µm<br>%{x:.4~g}, %{y:.4~g} mm<extra></extra>",
     };
     return [[trace], layout({
-      margin: { l: 0, r: 0, t: 0, b: 0 },
+      margin: { l: 0, r: 0, t: 0, b: NARROW ? 60 : 0 },
       scene: { xaxis: axis3("along, mm"), yaxis: axis3("across, mm"), zaxis: axis3("height, µm"),
         aspectmode: "manual", aspectratio: { x: 1, y: (y1 - y0) / (x1 - x0), z: 0.45 }, camera: { eye: eye() } },
     })];
