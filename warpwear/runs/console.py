@@ -79,7 +79,7 @@ class Progress:
         self.say(f"{kind}: {sentence}")
         if self._quiet:
             caller, level = sys._getframe(), 1
-            while caller.f_back and caller.f_globals["__name__"].startswith("warpwear."):
+            while caller.f_back and caller.f_globals.get("__name__", "").startswith("warpwear."):
                 caller, level = caller.f_back, level + 1
             warnings.warn(sentence, StudyWarning, stacklevel=level)
 
