@@ -1,5 +1,7 @@
 """The contenders of the benchmark agree on tiny grids: package, NumPy, C if it compiles, published way."""
 
+import json
+import re
 import runpy
 import sys
 from collections.abc import Iterator
@@ -180,3 +182,16 @@ def test_courses_are_drawn_from_their_table(tmp_path: Path) -> None:
     assert (tmp_path / "a.png").stat().st_size > 10_000
     drawn = {name for panels, seeds in running_in.PANELS.values() for p in panels.values() for name in p}
     assert drawn <= {*running_in.cases(), *running_in.friction_cases()}
+
+
+def test_seconds_of_the_readme_are_those_recorded() -> None:
+    """Each figure is found, and is that of the newest record that has it."""
+    from cases.seconds import FIGURES, RECORD, newest, written
+
+    text = (BENCH.parent / "README.md").read_text(encoding="utf-8")
+    marked = written(text, {row: [0.0123] for row, _ in FIGURES})
+    assert len(re.findall("0.012 s|12 ms|0.0 to 0.0 times", marked)) == len(FIGURES)
+    if not RECORD.is_file():
+        pytest.skip("nothing is recorded yet")
+    rows = newest(json.loads(RECORD.read_text(encoding="utf-8")))
+    assert written(text, rows) == text, "run: python bench/cases/seconds.py --write"

@@ -179,3 +179,13 @@ def test_the_version_is_told_once() -> None:
     assert PYPROJECT["project"]["dynamic"] == ["version"]
     assert PYPROJECT["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "warpwear.version.__version__"}
     assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+def test_the_conda_recipe_asks_for_what_the_wheel_asks_for() -> None:
+    recipe = (ROOT / ".ci" / "conda" / "recipe.yaml").read_text(encoding="utf-8")
+    assert f'version: "{__version__}"' in recipe
+    asked = re.findall(r"^    - ([\w-]+) (>=[\d.]+)$", recipe.partition("  run:")[2], re.MULTILINE)
+    names = {"matplotlib-base": "matplotlib"}  # conda-forge's matplotlib brings Qt
+    project = PYPROJECT["project"]
+    wanted = [f"python{project['requires-python']}", *project["dependencies"]]
+    assert [names.get(name, name) + version for name, version in asked] == wanted

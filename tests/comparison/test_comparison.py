@@ -305,6 +305,8 @@ def test_what_is_refused_leaves_nothing_behind(runs: Path, measured: Path, tmp_p
 def test_a_comparison_is_replaced_only_when_asked(
     runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    for name in FIGURES.keys() - {"cof", "area"}:  # the others are drawn elsewhere
+        monkeypatch.delitem(FIGURES, name)
     out = tmp_path / "out"
     arguments = (runs / "a", runs / "soft", "--out", out)
     assert warpwear_compare(*arguments).exit_code == 0
@@ -318,7 +320,7 @@ def test_a_comparison_is_replaced_only_when_asked(
     done = warpwear_compare(*arguments, "--overwrite", "--format", "svg")
     assert done.exit_code == 0, done.output
     assert (out / "mine.txt").read_text() == "kept"
-    assert sorted(path.suffix for path in out.iterdir()) == [".csv", ".html", ".json", *[".svg"] * 5, ".txt"]
+    assert sorted(path.suffix for path in out.iterdir()) == [".csv", ".html", ".json", ".svg", ".svg", ".txt"]
     # A failure while writing leaves the old one.
     before = {path.name: path.read_bytes() for path in out.iterdir()}
 

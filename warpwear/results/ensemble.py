@@ -74,11 +74,14 @@ def at(places: FloatArray, distance: FloatArray, values: FloatArray) -> FloatArr
 
 def band(values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mean, 5th and 95th percentile of courses, (runs, places); each (places,), NaN where none is known."""
-    known = np.isfinite(values).any(axis=0)
+    numbers = np.isfinite(values).sum(axis=0)
     made = np.full((3, values.shape[1]), np.nan)
-    if known.any():
-        made[0, known] = np.nanmean(values[:, known], axis=0)
-        made[1:, known] = np.nanpercentile(values[:, known], BAND, axis=0)
+    # Of places that all runs reach at once; nanpercentile goes place by place.
+    for those, percentile in ((numbers == len(values), np.percentile), (numbers > 0, np.nanpercentile)):
+        missing = those & np.isnan(made[0])
+        if missing.any():
+            made[0, missing] = np.nanmean(values[:, missing], axis=0)
+            made[1:, missing] = percentile(values[:, missing], BAND, axis=0)
     return made[0], made[1], made[2]
 
 
