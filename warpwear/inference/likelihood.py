@@ -20,6 +20,8 @@ from warpwear.inference.unknowns import Unknown
 
 #: Strengths that friction is linear in.
 LINEAR = ("friction.ploughing", "friction.shear_strength", "friction.film.shear_strength")
+#: Correlation lengths beyond which residuals are independent to the last digit.
+INDEPENDENT = 40.0
 
 
 @dataclass(eq=False)
@@ -152,16 +154,27 @@ class Posterior:
 
     def _divide(self, values: dict[str, FloatArray], stacked: FloatArray) -> FloatArray:
         """Give lines (samples, lines, points) unit noise, in place; return the logarithm of what divided
-        them.
+        them, (samples,).
         """
-        logarithm = np.zeros(len(stacked))
-        for course, rows in zip(self.data.courses, self._rows, strict=True):
-            logarithm += _whiten(stacked[..., rows], course.distance, values)
-        for row, point in enumerate(self.data.points, self.data.distance.size - len(self.data.points)):
-            stacked[..., row] /= point.error
-        return logarithm
+        count = self._gaps.size
+        stacked[..., count:] /= [point.error for point in self.data.points]
+        if not count:
+            return np.zeros(len(stacked))
+        rows = stacked[..., :count]
+        gaps = np.minimum(self._gaps / values["noise.length"][:, None], INDEPENDENT)
+        kept = np.exp(-gaps)
+        left = values["noise.deviation"][:, None] * np.sqrt(np.maximum(1.0 - kept**2, 1e-15))
+        rows[..., 1:] -= kept[:, None, 1:] * rows[..., :-1]
+        rows /= left[:, None]
+        return np.asarray(np.sum(np.log(left), axis=1))
 
-    @property
+    @cached_property
+    def _gaps(self) -> FloatArray:
+        """Distances [mm] to the point before on the same course, infinite at its first, (course points,)."""
+        gaps = [np.diff(course.distance, prepend=-np.inf) for course in self.data.courses]
+        return np.concatenate([np.zeros(0), *gaps])
+
+    @cached_property
     def _rows(self) -> list[slice]:
         """Rows of each course."""
         ends = np.cumsum([0, *(course.distance.size for course in self.data.courses)])
@@ -171,21 +184,6 @@ class Posterior:
 def _products(lines: FloatArray, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return 1 + CCᵀ and Cr of lines (samples, lines, points) and residuals (samples, points)."""
     return np.eye(lines.shape[1]) + lines @ lines.transpose(0, 2, 1), lines @ residual[..., None]
-
-
-def _whiten(rows: FloatArray, distance: FloatArray, values: dict[str, FloatArray]) -> FloatArray:
-    """Make lines over the points of a course (samples, lines, points) independent with unit variance, in
-    place.
-
-    Returns the logarithm of what they were divided by, (samples,).
-    """
-    deviation, length = values["noise.deviation"][:, None], values["noise.length"][:, None]
-    kept = np.exp(-np.diff(distance) / length)
-    left = deviation * np.sqrt(np.maximum(1.0 - kept**2, 1e-15))
-    rows[..., 1:] -= kept[:, None] * rows[..., :-1]
-    rows[..., 0] /= deviation
-    rows[..., 1:] /= left[:, None]
-    return np.asarray(np.log(deviation[:, 0]) + np.sum(np.log(left), axis=1))
 
 
 def simulate(

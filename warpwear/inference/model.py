@@ -102,7 +102,7 @@ class Model:
         (points,).
         """
         count = _count(values)
-        worn = self._worn(values, np.broadcast_to(distance, (count, distance.size)))
+        worn = self._worn(values, distance[None])
         terms = {"friction.ploughing": np.ones((count, distance.size))}
         errors = [np.zeros((count, 0, distance.size))]
         for key, (places, emulator) in self._courses.items():
@@ -198,34 +198,33 @@ class Model:
     def _looked_up(
         self, places: FloatArray, emulator: Emulator, values: Values, at: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return a course at places (samples, points), and standard deviations (samples, shapes, points)."""
+        """Return a course and its standard deviations, (samples, points) and (samples, shapes, points).
+
+        at: places asked for, (samples, points), or (1, points) where they are the same of all samples.
+        """
         inputs = [unknown.place_of(values[unknown.key]) for unknown in self.runs.inputs]
-        where = np.column_stack(inputs) if inputs else np.zeros((len(at), 0))
+        where = np.column_stack(inputs) if inputs else np.zeros((_count(values), 0))
         weights, variances = emulator.weights(where)
-        scale = np.log(places) if self.runs.scaled and places.size > 1 else places
-        asked = np.log(np.maximum(at, SMALLEST)) if self.runs.scaled and places.size > 1 else at
-
-        def between(line: FloatArray) -> FloatArray:
-            return (
-                np.interp(asked.ravel(), scale, line).reshape(asked.shape)
-                if places.size > 1
-                else np.full(at.shape, line[0])
+        lines = np.array([emulator.mean, *emulator.shapes])
+        if places.size == 1:
+            lines = lines[:, None]
+        else:
+            scale, asked = (
+                (np.log(places), np.log(np.maximum(at, SMALLEST))) if self.runs.scaled else (places, at)
             )
-
-        shapes = [between(shape) for shape in emulator.shapes]
-        found = between(emulator.mean)
-        for shape, weight in zip(shapes, weights.T, strict=True):
-            found = found + weight[:, None] * shape
-        apart = np.zeros((len(at), len(shapes), at.shape[1]))
-        for place, shape in enumerate(shapes):
-            apart[:, place] = np.sqrt(variances[:, place])[:, None] * shape
+            lines = np.array([np.interp(asked, scale, line) for line in lines])
+        found = lines[0] + np.sum(weights.T[..., None] * lines[1:], axis=0)
+        apart = np.sqrt(variances)[..., None] * lines[1:].transpose(1, 0, 2)
         if emulator.logarithmic:
             found = np.exp(found)
             apart = apart * found[:, None]
         return found, apart
 
     def _worn(self, values: Values, distance: FloatArray) -> FloatArray:
-        """Return where a course is looked up: what a pressure has worn [mm³/N], or the distance [mm]."""
+        """Return where a course is looked up: what a pressure has worn [mm³/N], or the distance [mm].
+
+        distance: (1, points); the former is (samples, points).
+        """
         if not self.runs.scaled:
             return distance
         return self._removal(values, "sphere", distance) + self._removal(values, "disc", distance)

@@ -1,7 +1,7 @@
 """Runs that an inference stands on: one where results only scale, else a Sobol design made by a sweep."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from warpwear.grid import FloatArray
 from warpwear.inference.unknowns import Unknown
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
+from warpwear.results.summary import course
 from warpwear.study.study import Study
 from warpwear.sweeps.points import name_of
 from warpwear.sweeps.run_one import Row, Task, run_one
@@ -141,8 +142,19 @@ def make_runs(
             columns.append(unknown.place_of(number[0]))
         places, rows = np.column_stack(columns), found.rows
         folders = [out / RUNS / point.run for point in found.plan.points]
+    rows = tuple(_whole(row, folder) for row, folder in zip(rows, folders, strict=True))
     rough = np.array([_roughness(folder) for folder in folders]) if roughness else None
-    return Runs(study, inputs, places, tuple(rows), scaled, cut, rough)
+    return Runs(study, inputs, places, rows, scaled, cut, rough)
+
+
+def _whole(row: Row, folder: Path) -> Row:
+    """Return a row with whole courses: those of a sweep keep few points of the first millimetres, where slow
+    wear is looked up.
+    """
+    with Result.open(folder) as result:
+        return replace(
+            row, courses={name: course(result, name)[int(name != "distance")] for name in row.courses}
+        )
 
 
 def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str) -> tuple[Study, str]:
