@@ -5,8 +5,8 @@
 
 Parameters are drawn from their priors, the study is run with them, a test of it is simulated with scatter,
 and the posterior is sampled as `warpwear.infer` does: with its runs, emulators, likelihood and sampler. Ranks
-of the truth among the samples are then even (Talts and others, arXiv 1804.06788), and 90 % of the intervals of
-90 % hold it. There are two cases: `rest`, where one run serves all wear coefficients, and `track`, where a
+of the truth among the samples are then even (Talts and others, arXiv 1804.06788), and 90 % of the intervals
+of 90 % hold it. There are two cases: `rest`, where one run serves all wear coefficients, and `track`, where a
 design of runs is emulated. Every test is a line of the file and is not done again, so that a run that was
 stopped goes on, and shards (`--from 0 --to 100` and `--from 100 --to 200`) may be added up. Seeds are fixed:
 test n has the seed 1000 + n.
