@@ -151,6 +151,11 @@ def one(case: Case, number: int) -> dict[str, Any]:
         )
         true = case.posterior(case.like, study, computed)
         cof, measured = simulate(true.model, truth, case.like, random)
+        # of whole cells, as it was computed
+        (row,) = computed.rows
+        area = np.interp(case.like.distance, row.courses["distance"], row.courses["area_contact"])
+        smooth = true.model.friction(truth, case.like.distance).terms["friction.shear_strength"][0]
+        cof += truth["friction.shear_strength"][0] * (area / study.contact.load - smooth)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     like = case.like

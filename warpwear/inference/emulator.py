@@ -17,7 +17,7 @@ from warpwear.grid import FloatArray
 linalg, optimize = lazy.module("scipy.linalg"), lazy.module("scipy.optimize")
 
 #: Part of the variance between runs that the components leave out.
-LEFT_OUT = 1e-5
+LEFT_OUT = 1e-7
 #: Most components of a course.
 MOST_COMPONENTS = 8
 #: Bounds of the logarithms of length scales, in standard deviations of the input, and of the nugget.
@@ -94,7 +94,8 @@ class GaussianProcess:
 class Emulator:
     """A course over inputs: places (runs, inputs), courses (runs, points), of one run a constant.
 
-    Positive courses are emulated by their logarithms. Errors larger than expected widen the variance.
+    Positive courses are emulated by their logarithms. Errors larger than expected widen the variance. scatter:
+    standard deviation of what no component holds, (points,), from point to point on its own.
     """
 
     places: FloatArray
@@ -106,7 +107,7 @@ class Emulator:
         self.mean = scaled.mean(axis=0)
         self.shapes = np.zeros((0, self.mean.size))
         self._processes: list[GaussianProcess] = []
-        self.error, self._wider = 0.0, np.zeros(0)
+        self.error, self._wider, self.scatter = 0.0, np.zeros(0), np.zeros(self.mean.size)
         varying = scaled - self.mean
         if len(scaled) == 1 or not np.ptp(varying, axis=0).max() > 1e-12 * max(
             1.0, float(np.abs(scaled).max())
@@ -117,6 +118,8 @@ class Emulator:
         count = min(int(np.searchsorted(part, 1.0 - LEFT_OUT)) + 1, MOST_COMPONENTS)
         self.shapes = shapes[:count]
         weights = varying @ self.shapes.T
+        freedom = max(len(scaled) - 1 - count, 1)
+        self.scatter = np.sqrt(np.sum((varying - weights @ self.shapes) ** 2, axis=0) / freedom)
         self._processes = [GaussianProcess(self.places, column) for column in weights.T]
         found = [process.left_out for process in self._processes]
         errors = np.column_stack([errors for errors, _ in found])

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.unknowns import Unknown
@@ -17,6 +18,8 @@ from warpwear.study.study import Study
 from warpwear.sweeps.points import name_of
 from warpwear.sweeps.run_one import Row, Task, run_one
 from warpwear.sweeps.sweep import RUNS, sweep
+
+ndimage, signal = lazy.module("scipy.ndimage"), lazy.module("scipy.signal")
 
 #: Unknowns of the wear laws: of a contact at rest they change only how fast the run goes.
 WEAR = (
@@ -37,6 +40,8 @@ MOST_CUTS = 40
 BODIES = ("sphere", "disc")
 #: Points of a course between runs.
 POINTS = 240
+#: Points along which a smooth course is a polynomial of this degree (Savitzky and Golay, 1964).
+WINDOW, DEGREE = 15, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +71,23 @@ class Runs:
             places = np.unique(np.append(np.geomspace(first, last, POINTS), last))
         values = [np.interp(places, row.courses["distance"], row.courses[name]) for row in self.rows]
         return places, np.array(values)
+
+    def smooth(self, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return distances [mm], a smooth course (runs, points), and how runs scatter about it, (points,).
+
+        Areas are of whole cells, which come and go ring by ring: what a finer grid would give lies between.
+        The scatter is relative, or in units of a course that is not positive; it is 0 where all steps are
+        kept as they are.
+        """
+        places, courses = self.course(name)
+        if min(row.courses["distance"].size for row in self.rows) <= POINTS:
+            return places, courses, np.zeros(places.size)
+        positive = bool((courses > 0.0).all())
+        rough = np.log(courses) if positive else courses
+        fit = signal.savgol_filter(rough, WINDOW, DEGREE, axis=1)
+        square = np.mean((rough - fit) ** 2, axis=0) * WINDOW / (WINDOW - DEGREE - 1)
+        scatter = np.sqrt(ndimage.uniform_filter1d(square, 2 * WINDOW, mode="nearest"))
+        return places, np.exp(fit) if positive else fit, scatter
 
 
 def scales(study: Study) -> bool:
