@@ -94,8 +94,8 @@ class GaussianProcess:
 class Emulator:
     """A course over inputs: places (runs, inputs), courses (runs, points), of one run a constant.
 
-    Positive courses are emulated by their logarithms. Errors larger than expected widen the variance. scatter:
-    standard deviation of what no component holds, (points,), from point to point on its own.
+    Positive courses are emulated by their logarithms. Errors larger than expected widen the variance.
+    scatter: standard deviation of what no component holds, (points,), from point to point on its own.
     """
 
     places: FloatArray

@@ -4,8 +4,8 @@ form.
 Residuals of a course of friction go together: r_{i+1} = r_i e^(−ΔL/ℓ) + noise, the first order autoregression
 of any spacing (Ornstein and Uhlenbeck). Repeated tests differ in their level too. What an emulator does not
 know, levels of repeats, and strengths with a normal prior are linear: they are integrated out (Woodbury's
-identity). Areas of whole cells scatter on their own from point to point: with them the residuals are whitened by
-the innovations of Kalman's filter.
+identity). Areas of whole cells scatter on their own from point to point: with them the residuals are whitened
+by the innovations of Kalman's filter.
 """
 
 import itertools

@@ -36,7 +36,8 @@ class Friction:
     """A coefficient of friction is a sum of terms: key of the strength -> its factor (samples, points).
 
     errors: the standard deviations of what the emulator adds, (samples, sources, points), for the given
-    strengths. scatter: those of what is on its own at every point, (samples, points): areas are of whole cells.
+    strengths. scatter: those of what is on its own at every point, (samples, points): areas are of whole
+    cells.
     """
 
     terms: dict[str, FloatArray]
