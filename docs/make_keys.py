@@ -6,6 +6,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from warpwear import Study
+from warpwear.inference.command import InferSection
+from warpwear.inference.data import KINDS
+from warpwear.inference.unknowns import NOISE
 from warpwear.study.keys import Rule, declarations, key_of, section_in
 from warpwear.study.units import Quantity
 
@@ -75,7 +78,21 @@ def page() -> str:
         lines += ["| key | meaning | unit | allowed | default | used |", "|---|---|---|---|---|---|"]
         here = [name for name in keys if name.rpartition(".")[0] == section and name not in sections]
         lines += [*(row(name, len(rules)) for name in here), ""]
-    return "\n".join(lines)
+    return "\n".join([*lines, *of_infer(), ""])
+
+
+def of_infer() -> list[str]:
+    """Return the lines about the section [infer], which is of a study file and not of a study."""
+    head = ["| key | meaning | unit |", "|---|---|---|"]
+    keys = [f"| `infer.{name}` | {info.description} | |" for name, info in InferSection.model_fields.items()]
+    values = [f"| `infer.measured.{kind}` | {what} | `{unit}` |" for kind, (unit, what) in KINDS.items()]
+    noise = [f'| `infer.unknown."{name}"` | {what} | |' for name, what in NOISE.items()]
+    told = (
+        "This section stands in a study file for `warpwear calibrate bayes`, which "
+        "[Inference](../how-to/inference.md) explains. A coefficient of friction may end in its distance, "
+        'such as `"0.2 +- 0.02 at 30 mm"`.'
+    )
+    return ["## [infer]\n", told + "\n", *head, *keys, *(line.replace("``", "") for line in values), *noise]
 
 
 if __name__ == "__main__":

@@ -162,11 +162,11 @@ def make_runs(
             number = found.numbers(unknown.key)
             assert number is not None
             columns.append(unknown.place_of(number[0]))
-        places, rows = np.column_stack(columns), found.rows
+        places, rows = np.column_stack(columns), list(found.rows)
         folders = [out / RUNS / point.run for point in found.plan.points]
-    rows = tuple(_whole(row, folder) for row, folder in zip(rows, folders, strict=True))
+    whole = tuple(_whole(row, folder) for row, folder in zip(rows, folders, strict=True))
     rough = np.array([_roughness(folder) for folder in folders]) if roughness else None
-    return Runs(study, inputs, places, rows, scaled, cut, rough)
+    return Runs(study, inputs, places, whole, scaled, cut, rough)
 
 
 def _whole(row: Row, folder: Path) -> Row:
