@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cases_inference import course_like, posterior_of, smooth_study, worn_paraboloid
+from click.testing import CliRunner
 from scipy import stats
 
 import warpwear
 from warpwear import ConvergenceError, InputError, Study
+from warpwear.cli.calibrate_bayes import bayes
 from warpwear.inference.data import Data, Measured, data_of
 from warpwear.inference.emulator import Emulator
 from warpwear.inference.identify import identify
@@ -546,3 +548,47 @@ def test_closed_form_has_no_steps(linear: Data) -> None:
     samples: Samples = sample(posterior.log_density, 0, seed=0)
     assert samples.steps == 0
     assert samples.z.shape[1] == 0
+
+
+@pytest.mark.parametrize(
+    ("section", "sentence"),
+    [
+        ("infer = 3", "[infer] is a section, and 3 is none"),
+        ("[infer]\nmeasured = 'x'", "[infer.measured] is a section, and 'x' is none"),
+        ("[infer]\nmesured = {}", "infer.mesured is not known; allowed: unknown, measured, experiments"),
+        ("[infer]\nexperiments = 'a.csv'", "infer.experiments = 'a.csv' is not allowed: a list such as"),
+        ("[infer]\ntarget = 3", "infer.target = 3 is not allowed: text in quotes is expected"),
+        ("[infer.measured]\ndiameter = 0.8", "infer.measured.diameter = 0.8 is not allowed: text in quotes"),
+        ("[infer.measured]\nweight = '3 +- 1 mm'", "infer.measured.weight is nothing that can be measured"),
+        ("[infer.unknown]\nwear.sphere = 3", "infer.unknown.wear.sphere = 3: a prior such as"),
+    ],
+)
+def test_a_wrong_section_is_one_sentence(tmp_path: Path, section: str, sentence: str) -> None:
+    study = smooth_study().to_toml()
+    path = tmp_path / "study.toml"
+    path.write_text(f"{section}\n{study}" if section.startswith("infer") else f"{study}\n{section}\n")
+    assert sentence in refused(path)
+
+
+def refused(study: Path | str, *more: str) -> str:
+    """The sentence that the command ends in."""
+    done = CliRunner().invoke(bayes, [str(study), *more])
+    assert isinstance(done.exception, InputError), done.output
+    assert "\n" not in str(done.exception)
+    return str(done.exception)
+
+
+def test_wrong_data_end_the_command_in_one_sentence(tmp_path: Path) -> None:
+    """A course in percent, a load that is off, a scar larger than the field."""
+    given = ("v1", "--set", "stepping.scheme=implicit", "--unknown")
+    given = (*given, "friction.shear_strength=log-uniform 1 .. 20 MPa")
+    percent, heavy = tmp_path / "percent.csv", tmp_path / "heavy.csv"
+    percent.write_text("Distance [mm],CoF [%]\n" + "".join(f"{100 * n},{20 + n}\n" for n in range(1, 20)))
+    heavy.write_text("Distance [mm],CoF,Fn [N]\n" + "".join(f"{100 * n},0.3,10\n" for n in range(1, 20)))
+    assert "as if in percent: 20 instead of 0.20" in refused(*given, "--experiment", str(percent))
+    assert "the normal force is 10 N in the middle, the study has contact.load = 8 N" in refused(
+        *given, "--experiment", str(heavy)
+    )
+    assert "the scar is larger than the field of the study, 1.5 mm" in refused(
+        *given, "--diameter", "1.8 +- 0.02 mm"
+    )
