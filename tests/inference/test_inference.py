@@ -407,6 +407,12 @@ def test_data_that_a_study_cannot_bring_together_are_named() -> None:
     found = result_of(posterior_of(smooth_study(), asked, data))
     assert any("cannot bring all data together" in sentence for sentence in found.conflicts)
     assert "cannot bring all data together" in str(found)
+    (why,) = (sentence for sentence in found.conflicts if sentence.startswith("The reason"))
+    # a volume V at rest is a paraboloid's of the diameter d, V = π d⁴/(64 R)
+    size = (64.0 * smooth_study().sphere.radius * 0.0244 / np.pi) ** 0.25
+    assert f"0.0244 mm³, makes one of {size:.2f} mm or more, and measured is 0.80 mm" in why
+    assert "So either a measurement or the study is wrong" in str(found)
+    assert "2 unknowns for 2 measured values" in str(found)
     assert "<table>" in found._repr_html_()
 
 

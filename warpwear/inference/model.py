@@ -155,6 +155,12 @@ class Model:
             found, apart, scatter = self._looked_up(places, emulator, values, self._worn(values, end))
         return found[:, 0], np.sum(apart[..., 0] ** 2, axis=1) + scatter[:, 0] ** 2 + rounding
 
+    def scar_of(self, volume: float) -> float:
+        """Return the diameter [mm] of a scar at rest from which a volume [mm³] has worn off both bodies."""
+        places, emulator = self._courses["diameter"]
+        found = float(np.interp(math.log(volume / self.study.contact.load), np.log(places), emulator.mean))
+        return math.exp(found) if emulator.logarithmic else found
+
     def allowed(self, values: Values) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
         """Tell where the run goes as far as these values wear, (samples,)."""
         if not self.runs.scaled:
@@ -288,5 +294,5 @@ def _without_stairs(values: FloatArray) -> FloatArray:
         return values
     places = np.arange(values.size)
     middles = 0.5 * (values[rises - 1] + values[rises])
-    knots = np.concatenate([[0], rises, [values.size - 1 + (rises[-1] == values.size - 1)]])
+    knots = np.concatenate([[0], rises - 0.5, [values.size - 1]])  # a rise is between two places
     return np.interp(places, knots, np.concatenate([values[:1], middles, values[-1:]]))
