@@ -9,6 +9,9 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from warpwear import Study
+from warpwear.inference.command import InferSection
+from warpwear.inference.data import KINDS
+from warpwear.inference.unknowns import NOISE
 from warpwear.study.keys import Rule, declarations, key_of, section_in
 from warpwear.study.units import Number, Range
 
@@ -119,7 +122,23 @@ def page() -> str:
             lines.append(f"This section {told if told.startswith('does not') else f'is used {told}'}.\n")
         here = [name for name in keys if name.rpartition(".")[0] == section and name not in sections]
         lines += [*(entry(name, len(rules)) for name in here), ""]
-    return "\n".join(lines)
+    return "\n".join([*lines, *of_infer(), ""])
+
+
+def of_infer() -> list[str]:
+    """Return the lines about the section [infer], which is of a study file and not of a study."""
+    keys = [f"- `infer.{name}`: {info.description}" for name, info in InferSection.model_fields.items()]
+    values = [
+        f"- `infer.measured.{kind}`: {what}" + f", in `{unit}`" * bool(unit)
+        for kind, (unit, what) in KINDS.items()
+    ]
+    noise = [f'- `infer.unknown."{name}"`: {what}' for name, what in NOISE.items()]
+    told = (
+        "This section stands in a study file for `warpwear calibrate bayes`, which "
+        "[Inference](../how-to/inference.md) explains. A coefficient of friction may end in its distance, "
+        'such as `"0.2 +- 0.02 at 30 mm"`.'
+    )
+    return ["## [infer]\n", told + "\n", *keys, *values, *noise]
 
 
 if __name__ == "__main__":

@@ -5,13 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases_worn import seen, self_affine
+from cases_worn import PIXEL, seen, self_affine
 from click.testing import CliRunner, Result
 
 import warpwear
 from warpwear import Study
 from warpwear.cli.compare import compare
+from warpwear.comparison.scar import _shift
 from warpwear.errors import InputError
+from warpwear.results.track import blocks
 
 
 @pytest.fixture(scope="module")
@@ -73,3 +75,39 @@ def test_wrong_data_are_one_sentence(here: Path) -> None:
     )
     assert "--before needs --scar" in refusal(here, "--before", after)
     assert "does not exist" in refusal(here, "--scar", str(here / "none.npy"))
+
+
+def test_a_scar_on_a_track(tmp_path: Path) -> None:
+    """A swept run has its scar on the track; the two lie on each other to a part of a cell."""
+    changes = {"grid.cell": "20 um", "grid.extent": "1.6 mm", "sliding.track": "2.4 mm", "sliding.shift": 2}
+    disc = {"disc.synthetic.cut_off": "80 um", "disc.synthetic.roll_off": "300 um"}
+    study = Study.load("track").replace(
+        {**changes, **disc, "disc.synthetic.period": "2.4 mm", "sliding.distance": "240 mm"}
+    )
+    result = warpwear.run(study, out=tmp_path / "run", plots=False)
+    lost = 1.1 * np.pad(blocks(result, len(result.snapshots) - 1, 2000).loss, ((30, 30), (20, 20)))
+    result.close()
+    rng = np.random.default_rng(0)
+    field = 1e-3 * self_affine(rng, (300, 220), hurst=0.8)
+    noise = 3e-5 * rng.normal(size=(2, *lost.shape))
+    np.save(tmp_path / "after.npy", seen(field, lost.shape) - lost + noise[0])
+    np.save(tmp_path / "before.npy", seen(field, lost.shape, shift=(0.02, -0.03), angle=0.02) + noise[1])
+    files = ("--scar", str(tmp_path / "after.npy"), "--before", str(tmp_path / "before.npy"))
+    done = warpwear_compare(tmp_path, *files, "--pixel", "20 um")
+    assert done.exit_code == 0, done.output
+    found = json.loads((tmp_path / "out/comparison.json").read_text(encoding="utf-8"))["scar"]
+    (computed,) = found["computed"].values()
+    worn = 1e3 * float(np.sqrt(np.mean(lost[lost > 0.0] ** 2)))
+    assert computed["rms_um"] < 0.2 * worn  # a tenth is missing, and half a pixel gives 0.3 of it
+    assert computed["profile_rms_um"] < 2.0 * computed["profile_error_um"]
+    true = float(lost.sum()) * 4e-4
+    assert computed["volume_mm3"] == pytest.approx(true / 1.1, rel=0.01)
+
+
+@pytest.mark.parametrize("off", [(0.0, 0.0), (0.031, -0.018)])
+def test_scars_are_laid_on_each_other_within_a_pixel(off: tuple[float, float]) -> None:
+    rng = np.random.default_rng(1)
+    rough = np.maximum(self_affine(rng, (200, 160), roll_off=24.0, hurst=0.9), 0.5)[20:180, 20:140] - 0.5
+    moved = seen(rough, (120, 90), shift=off)
+    found = _shift(seen(rough, (120, 90)), moved, (4.0, 4.0), (PIXEL, PIXEL))
+    assert found == pytest.approx(off, abs=0.2 * PIXEL)

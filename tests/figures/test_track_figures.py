@@ -20,6 +20,7 @@ from warpwear.comparison.table import columns, to_text
 from warpwear.figures.film import animate
 from warpwear.results.summary import course
 from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
+from warpwear.sweeps.run_one import row_of
 
 
 @pytest.fixture(scope="module")
@@ -182,6 +183,8 @@ def test_a_short_last_pass_is_left_out_of_a_course(tmp_path: Path) -> None:
         assert result.history["distance"][-1] == pytest.approx(8 * 0.9 + 0.21)
         distance, areas = course(result, "area_contact")
         assert distance == pytest.approx(0.9 * (np.arange(8) + 0.5))
+        assert course(result, "distance")[0] == pytest.approx(distance)
+        assert row_of(result).courses["distance"] == pytest.approx(distance)
         whole = result.history["area_contact"][:120].reshape(8, 15)
         assert_allclose(areas, whole.mean(axis=1), rtol=1e-12)
 

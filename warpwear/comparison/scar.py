@@ -23,7 +23,7 @@ from warpwear.surfaces.worn.find_scar import Profile, mean_profile
 from warpwear.surfaces.worn.patch import Patch
 from warpwear.surfaces.worn.scar import texture
 
-ndimage = lazy.module("scipy.ndimage")
+fft, ndimage = lazy.module("scipy.fft"), lazy.module("scipy.ndimage")
 
 #: Times by which a measured scar may be wider or narrower than a computed one: more is another unit.
 ALIKE = 30.0
@@ -31,6 +31,8 @@ ALIKE = 30.0
 MIDDLE = 0.5
 #: Most blocks along a side of a track that is read.
 BLOCKS = 2000
+#: Part of the scar's length and width by which a computed one is shifted from middle to middle, at most.
+REACH = 0.25
 #: Parts of a computed patch's largest depth below which it is not part of the scar.
 FOOT = 1e-3
 
@@ -59,7 +61,7 @@ class ComputedScar:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ScarComparison:
-    """A measured scar and those of runs, their middles (means of the places by depth lost) on each other."""
+    """A measured scar and those of runs, each laid where it agrees with the measured one best."""
 
     files: ScarFiles
     measured: Patch
@@ -93,7 +95,7 @@ def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
     middle = _middle(np.where(scar.patch, np.maximum(scar.lost, 0.0), 0.0), x, y)
     through = profile.length > scar.along - 1.5 * scar.pixel[0]
     x, y = x - (0.0 if through else middle[0]), y - middle[1]
-    computed = tuple(_computed(run, scar, profile, x, y) for run in known)
+    computed = tuple(_computed(run, scar, profile, x, y, through=through) for run in known)
     return ScarComparison(
         files=files,
         measured=scar,
@@ -105,8 +107,13 @@ def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
     )
 
 
-def _computed(run: RunData, scar: Patch, profile: Profile, x: FloatArray, y: FloatArray) -> ComputedScar:
-    """Sample what a run has taken off the disc at places x × y [mm] from its middle. Raises InputError."""
+def _computed(
+    run: RunData, scar: Patch, profile: Profile, x: FloatArray, y: FloatArray, *, through: bool
+) -> ComputedScar:
+    """Sample what a run has taken off the disc where it lies best at places x × y [mm]. Raises InputError.
+
+    through: whether the scar is a groove through the field, of which no place along it is another.
+    """
     with Result.open(run.folder) as result:
         last = len(result.snapshots) - 1
         if run.study.is_swept:
@@ -144,8 +151,15 @@ def _computed(run: RunData, scar: Patch, profile: Profile, x: FloatArray, y: Flo
     smooth = ndimage.uniform_filter(
         lost, [max(1, round(p / d)) for p, d in zip(scar.pixel, steps, strict=True)], mode="nearest"
     )
-    at = [(p + c - g[0]) / d for p, c, g, d in zip((x, y), centre, grid, steps, strict=True)]
-    sampled = ndimage.map_coordinates(smooth, np.meshgrid(*at, indexing="ij"), order=1, mode="constant")
+
+    def sampled_at(*middle: float) -> FloatArray:
+        at = [(p + c - g[0]) / d for p, c, g, d in zip((x, y), middle, grid, steps, strict=True)]
+        found = ndimage.map_coordinates(smooth, np.meshgrid(*at, indexing="ij"), order=1, mode="constant")
+        return np.asarray(found)
+
+    inside = np.where(scar.patch | scar.rim, scar.lost, 0.0)
+    off = _shift(inside, sampled_at(*centre), (0 if through else scar.along, scar.across), scar.pixel)
+    sampled = sampled_at(centre[0] - off[0], centre[1] - off[1])
     return ComputedScar(
         name=run.name,
         lost=sampled,
@@ -161,6 +175,31 @@ def _middle(lost: FloatArray, x: FloatArray, y: FloatArray) -> tuple[float, floa
     """Return the mean place [mm] of x × y, weighted by the depth lost, shape (x.size, y.size)."""
     along, across = lost.sum(axis=1), lost.sum(axis=0)
     return float(along @ x / along.sum()), float(across @ y / across.sum())
+
+
+def _shift(
+    first: FloatArray, second: FloatArray, reach: tuple[float, float], pixel: tuple[float, float]
+) -> tuple[float, float]:
+    """Return the shift [mm] of the second field at which it correlates best with the first, (nx, ny) both.
+
+    reach: `REACH` of these lengths [mm], 0 for none, are looked at. The best pixel is refined by a parabola.
+    """
+    size = [n + round(REACH * r / d) + 1 for n, r, d in zip(first.shape, reach, pixel, strict=True)]
+    spectra = [fft.rfft2(field, s=size) for field in (first, second)]
+    product = fft.irfft2(spectra[0] * np.conj(spectra[1]), s=size)
+    most = [round(REACH * r / d) for r, d in zip(reach, pixel, strict=True)]
+    lags = [np.arange(-n, n + 1) for n in most]
+    near = product[np.ix_(lags[0] % size[0], lags[1] % size[1])]
+    best = np.unravel_index(int(np.argmax(near)), near.shape)
+    found = []
+    for axis, (place, lag, step) in enumerate(zip(best, lags, pixel, strict=True)):
+        line = np.take(near, best[1 - axis], axis=1 - axis)
+        fine = 0.0
+        if 0 < place < line.size - 1:
+            below, here, above = line[place - 1 : place + 2]
+            fine = 0.5 * float(below - above) / min(float(below - 2.0 * here + above), -1e-300)
+        found.append((float(lag[place]) + fine) * step)
+    return found[0], found[1]
 
 
 def _inner(heights: FloatArray, scar: Patch) -> FloatArray:

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
 from warpwear.errors import InputError
 from warpwear.inference.data import KINDS, data_of
 from warpwear.inference.infer import infer_from
@@ -14,9 +16,29 @@ from warpwear.results.report import to_json
 from warpwear.study import loading
 from warpwear.study.study import Study
 
-#: Section of a study file, and what may stand in it.
+#: Section of a study file.
 SECTION = "infer"
-ENTRIES = ("unknown", "measured", "experiments", "target", "next")
+
+
+class InferSection(BaseModel):
+    """The section [infer] of a study has what the command is else told by its options."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    unknown: dict[str, str] = Field(
+        {},
+        description='unknown keys and their priors, `""` for one within a factor of 5 of the study\'s value',
+    )
+    measured: dict[str, str | list[str]] = Field(
+        {}, description="measured values, each with its standard uncertainty; a list has one a repeated test"
+    )
+    experiments: list[str] = Field(
+        [], description="files of courses of friction, beside the study; one a repeated test"
+    )
+    target: str | None = Field(None, description="the unknown that the next test shall tell")
+    next: list[str] = Field(
+        [], description='tests to rank, such as `"contact.load=16 N, repeats=3"`; without them likely ones'
+    )
 
 
 def calibrate_bayes(
@@ -37,13 +59,13 @@ def calibrate_bayes(
     sections = loading.read_sections(study)
     given = _section(sections.pop(SECTION, {}))
     made = Study(**sections).replace(changes)
-    asked = {**given["unknown"], **_unknown(unknown)}
-    values = {**given["measured"], **{kind: texts for kind, texts in measured.items() if texts}}
+    asked = {**{key: prior or None for key, prior in given.unknown.items()}, **_unknown(unknown)}
+    values = {**given.measured, **{kind: texts for kind, texts in measured.items() if texts}}
     beside = Path(study).parent
-    courses = [*(beside / path for path in given["experiments"]), *experiments]
+    courses = [*(beside / path for path in given.experiments), *experiments]
     data = data_of(made, courses, values, columns=columns)
-    how["target"] = how["target"] or given["target"]
-    how["candidates"] = how["candidates"] or given["next"]
+    how["target"] = how["target"] or given.target
+    how["candidates"] = how["candidates"] or given.next
     if how["candidates"] and how["target"] is None:
         raise InputError("--next needs --target, the unknown that the next test shall tell")
     found = infer_from(made, asked, data, **how)
@@ -70,27 +92,43 @@ def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
     return found
 
 
-def _section(given: Any) -> dict[str, Any]:
-    """Check the section [infer] of a study. Raises InputError."""
-    found: dict[str, Any] = {"unknown": {}, "measured": {}, "experiments": [], "target": None, "next": []}
-    if not isinstance(given, Mapping):
-        raise InputError("[infer] is a section: [infer.unknown] names keys with their priors")
-    for name, value in given.items():
-        if name not in ENTRIES:
-            raise InputError(f"infer.{name} is not known; allowed: {', '.join(ENTRIES)}")
-        found[name] = value
-    if not isinstance(found["unknown"], Mapping) or not isinstance(found["measured"], Mapping):
-        raise InputError(
-            '[infer.unknown] and [infer.measured] are sections: "wear.sphere" = "log-uniform …", diameter '
-            '= "0.80 +- 0.02 mm"'
-        )
-    found["unknown"] = {key: prior or None for key, prior in _flat(found["unknown"]).items()}
-    for kind in found["measured"]:
+def _section(given: Any) -> InferSection:
+    """Read the section [infer] of a study. Raises InputError with one sentence."""
+    try:
+        if isinstance(given, Mapping) and isinstance(given.get("unknown"), Mapping):
+            given = {**given, "unknown": _flat(given["unknown"])}
+        found = InferSection.model_validate(given)
+    except ValidationError as error:
+        raise InputError(_sentence(error)) from error
+    for kind in found.measured:
         if kind not in KINDS:
             raise InputError(
                 f"infer.measured.{kind} is nothing that can be measured here; allowed: {', '.join(KINDS)}"
             )
     return found
+
+
+def _sentence(error: ValidationError) -> str:
+    """Return a sentence about the first problem of the section."""
+    first = error.errors()[0]
+    where, given = ".".join([SECTION, *map(str, first["loc"][:2])]), first["input"]
+    if first["type"] == "extra_forbidden":
+        return f"{where} is not known; allowed: {', '.join(InferSection.model_fields)}"
+    if first["type"] in ("dict_type", "model_type"):
+        example = (
+            'diameter = "0.80 +- 0.02 mm"'
+            if where.endswith("measured")
+            else '"wear.sphere" = "log-uniform …"'
+        )
+        return f"[{where}] is a section, and {given!r} is none; in it stand lines such as {example}"
+    wanted = "text in quotes" if "target" in where else "text in quotes, or a list of such"
+    if "list" in first["type"]:
+        wanted = (
+            'a list such as ["test-1.csv", "test-2.csv"]'
+            if "exp" in where
+            else 'a list such as ["repeats=3"]'
+        )
+    return f"{where} = {given!r} is not allowed: {wanted} is expected"
 
 
 def _flat(nested: Mapping[str, Any], prefix: str = "") -> dict[str, str]:

@@ -7,6 +7,7 @@ Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sections 
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from warpwear.grid import FloatArray
 linalg, optimize = lazy.module("scipy.linalg"), lazy.module("scipy.optimize")
 
 #: Part of the variance between runs that the components leave out.
-LEFT_OUT = 1e-5
+LEFT_OUT = 1e-7
 #: Most components of a course.
 MOST_COMPONENTS = 8
 #: Bounds of the logarithms of length scales, in standard deviations of the input, and of the nugget.
@@ -40,6 +41,7 @@ class GaussianProcess:
         found = [optimize.minimize(self._misfit, start, bounds=bounds, method="L-BFGS-B") for start in starts]
         self._logs = min(found, key=lambda fit: float(fit.fun)).x
         self._solve(self._logs)
+        self.lengths, self.nugget = np.exp(self._logs[:-1]), math.exp(self._logs[-1])
 
     @property
     def left_out(self) -> tuple[FloatArray, FloatArray]:
@@ -51,41 +53,35 @@ class GaussianProcess:
         inverse = linalg.cho_solve(self._factor, np.eye(self.values.size))
         inverse -= weighted @ np.linalg.solve(basis.T @ weighted, weighted.T)
         diagonal = np.diag(inverse)
-        return inverse @ self.values / diagonal, self._scale / diagonal
+        return inverse @ self.values / diagonal, self.scale / diagonal
 
-    def at(self, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Mean and variance at places (n, inputs), both (n,)."""
-        near = self._correlation(places, self.places)
-        basis = np.column_stack([np.ones(len(places)), places])
-        mean = basis @ self._trend + near @ self._weights
-        solved = linalg.cho_solve(self._factor, near.T)
-        rest = basis.T - self._basis.T @ solved
-        of_trend = np.einsum("in,in->n", rest, np.linalg.solve(self._of_trend, rest))
-        variance = 1.0 + math.exp(self._logs[-1]) - np.einsum("ni,in->n", near, solved) + of_trend
-        return mean, self._scale * np.maximum(variance, 0.0)
-
-    def _correlation(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        apart = (first[:, None, :] - second[None, :, :]) / np.exp(self._logs[:-1])
-        r = math.sqrt(5.0) * np.sqrt(np.maximum(np.sum(apart**2, axis=-1), 0.0))
-        return np.asarray((1.0 + r + r**2 / 3.0) * np.exp(-r))
+    @property
+    def factors(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return what predicts: R⁻¹ of the covariance R Rᵀ of the runs (runs, runs), R⁻¹ times the basis
+        (runs, terms), C of the trend's covariance C Cᵀ (terms, terms), and R⁻¹ times the values (runs,).
+        """
+        count = self.values.size
+        whitened = np.column_stack([np.eye(count), self._basis, self.values])
+        whitened = linalg.solve_triangular(self._factor[0], whitened, lower=True)
+        trend = np.linalg.cholesky(np.linalg.inv(self._of_trend))
+        return whitened[:, :count], whitened[:, count:-1], trend, whitened[:, -1]
 
     def _solve(self, logs: FloatArray) -> float:
         """Solve with length scales and nugget; return the logarithm of the likelihood."""
         self._logs = logs
         count = self.values.size
-        among = self._correlation(self.places, self.places) + math.exp(logs[-1]) * np.eye(count)
+        among = _correlation(self.places, self.places, np.exp(logs[:-1])) + math.exp(logs[-1]) * np.eye(count)
         among[np.diag_indices(count)] += 1e-10
         self._factor = linalg.cho_factor(among, lower=True)
         self._basis = np.column_stack([np.ones(count), self.places])
         weighted = linalg.cho_solve(self._factor, self._basis)
         self._of_trend = self._basis.T @ weighted
-        self._trend = np.linalg.solve(self._of_trend, weighted.T @ self.values)
-        rest = self.values - self._basis @ self._trend
-        self._weights = linalg.cho_solve(self._factor, rest)
+        self.trend = np.linalg.solve(self._of_trend, weighted.T @ self.values)
+        rest = self.values - self._basis @ self.trend
         freedom = count - self._basis.shape[1]
-        self._scale = max(float(rest @ self._weights) / freedom, 1e-300)
+        self.scale = max(float(rest @ linalg.cho_solve(self._factor, rest)) / freedom, 1e-300)
         determinants = 2.0 * np.log(np.diag(self._factor[0])).sum() + np.linalg.slogdet(self._of_trend)[1]
-        return -0.5 * (freedom * math.log(self._scale) + float(determinants))
+        return -0.5 * (freedom * math.log(self.scale) + float(determinants))
 
     def _misfit(self, logs: FloatArray) -> float:
         try:
@@ -99,6 +95,7 @@ class Emulator:
     """A course over inputs: places (runs, inputs), courses (runs, points), of one run a constant.
 
     Positive courses are emulated by their logarithms. Errors larger than expected widen the variance.
+    scatter: standard deviation of what no component holds, (points,), from point to point on its own.
     """
 
     places: FloatArray
@@ -110,7 +107,7 @@ class Emulator:
         self.mean = scaled.mean(axis=0)
         self.shapes = np.zeros((0, self.mean.size))
         self._processes: list[GaussianProcess] = []
-        self.error, self._wider = 0.0, np.zeros(0)
+        self.error, self._wider, self.scatter = 0.0, np.zeros(0), np.zeros(self.mean.size)
         varying = scaled - self.mean
         if len(scaled) == 1 or not np.ptp(varying, axis=0).max() > 1e-12 * max(
             1.0, float(np.abs(scaled).max())
@@ -121,6 +118,8 @@ class Emulator:
         count = min(int(np.searchsorted(part, 1.0 - LEFT_OUT)) + 1, MOST_COMPONENTS)
         self.shapes = shapes[:count]
         weights = varying @ self.shapes.T
+        freedom = max(len(scaled) - 1 - count, 1)
+        self.scatter = np.sqrt(np.sum((varying - weights @ self.shapes) ** 2, axis=0) / freedom)
         self._processes = [GaussianProcess(self.places, column) for column in weights.T]
         found = [process.left_out for process in self._processes]
         errors = np.column_stack([errors for errors, _ in found])
@@ -135,5 +134,31 @@ class Emulator:
         """Weights of the shapes and their variances at places (n, inputs), both (n, shapes)."""
         if not self._processes:
             return np.zeros((len(places), 0)), np.zeros((len(places), 0))
-        found = [process.at(places) for process in self._processes]
-        return np.column_stack([m for m, _ in found]), np.column_stack([v for _, v in found]) * self._wider
+        among, basis, trend, values = self._factors
+        lengths, nuggets, trends, scales = self._numbers
+        near = _correlation(places, self.places, lengths[:, None, None]) @ among.transpose(0, 2, 1)
+        terms = np.column_stack([np.ones(len(places)), places])
+        rest = terms - near @ basis
+        mean = (near @ values[..., None] + rest @ trends[..., None])[..., 0]
+        variance = 1.0 + nuggets - np.sum(near**2, axis=-1) + np.sum((rest @ trend) ** 2, axis=-1)
+        return mean.T, (scales * np.maximum(variance, 0.0)).T * self._wider
+
+    @cached_property
+    def _factors(self) -> list[FloatArray]:
+        """`GaussianProcess.factors` of all shapes, (shapes, …)."""
+        return [np.stack(some) for some in zip(*(p.factors for p in self._processes), strict=True)]
+
+    @cached_property
+    def _numbers(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Length scales (shapes, inputs), nuggets (shapes, 1), trends (shapes, terms), scales (shapes, 1)."""
+        found = self._processes
+        lengths, trends = (np.array([getattr(p, name) for p in found]) for name in ("lengths", "trend"))
+        nuggets, scales = (np.array([[getattr(p, name)] for p in found]) for name in ("nugget", "scale"))
+        return lengths, nuggets, trends, scales
+
+
+def _correlation(first: FloatArray, second: FloatArray, lengths: FloatArray) -> FloatArray:
+    """Return Matérn's correlations of places (n, inputs) and (m, inputs), (…, n, m)."""
+    apart = (first[:, None, :] - second[None, :, :]) / lengths
+    r = math.sqrt(5.0) * np.sqrt(np.sum(apart**2, axis=-1))
+    return np.asarray((1.0 + r + r**2 / 3.0) * np.exp(-r))

@@ -4,7 +4,8 @@ form.
 Residuals of a course of friction go together: r_{i+1} = r_i e^(−ΔL/ℓ) + noise, the first order autoregression
 of any spacing (Ornstein and Uhlenbeck). Repeated tests differ in their level too. What an emulator does not
 know, levels of repeats, and strengths with a normal prior are linear: they are integrated out (Woodbury's
-identity).
+identity). Areas of whole cells scatter on their own from point to point: with them the residuals are whitened
+by the innovations of Kalman's filter.
 """
 
 import itertools
@@ -20,6 +21,10 @@ from warpwear.inference.unknowns import Unknown
 
 #: Strengths that friction is linear in.
 LINEAR = ("friction.ploughing", "friction.shear_strength", "friction.film.shear_strength")
+#: Scatter of areas, as a part of them, that is rounding.
+EXACT = 1e-9
+#: Correlation lengths beyond which residuals are independent to the last digit.
+INDEPENDENT = 40.0
 
 
 @dataclass(eq=False)
@@ -39,7 +44,8 @@ class Posterior:
         """Unknowns that are found in closed form."""
         if not self.closed_form:
             return ()
-        exact = self.model.error == 0.0  # else the strength decides how uncertain an emulated area is
+        # else the strength decides how uncertain a coefficient is
+        exact = self.model.error == 0.0 and self.model.scatter <= EXACT
         return tuple(
             u
             for u in self.model.unknowns
@@ -129,16 +135,16 @@ class Posterior:
         residual = self.data.cof - np.asarray(mean)
         linear = [(friction.terms[u.key] * u.prior.second)[:, None] for u in self.linear]
         stacked = np.concatenate([residual[:, None], *linear, self._shared(values, friction.errors)], axis=1)
-        logarithm = self._divide(values, stacked)
+        logarithm = self._divide(values, stacked, friction.scatter)
         return stacked[:, 0], stacked[:, 1:], logarithm
 
     def whiten(self, values: dict[str, FloatArray], slopes: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return slopes of the coefficients (samples, unknowns, points), and what they share, with unit
         noise.
         """
-        errors = self.model.friction(values, self.data.distance).errors
-        stacked = np.concatenate([slopes, self._shared(values, errors)], axis=1)
-        self._divide(values, stacked)
+        friction = self.model.friction(values, self.data.distance)
+        stacked = np.concatenate([slopes, self._shared(values, friction.errors)], axis=1)
+        self._divide(values, stacked, friction.scatter)
         return stacked[:, : slopes.shape[1]], stacked[:, slopes.shape[1] :]
 
     def _shared(self, values: dict[str, FloatArray], errors: FloatArray) -> FloatArray:
@@ -150,42 +156,72 @@ class Posterior:
             levels[:, place, rows] = values["noise.repeat"][:, None]
         return np.concatenate([errors, levels], axis=1)
 
-    def _divide(self, values: dict[str, FloatArray], stacked: FloatArray) -> FloatArray:
+    def _divide(self, values: dict[str, FloatArray], stacked: FloatArray, scatter: FloatArray) -> FloatArray:
         """Give lines (samples, lines, points) unit noise, in place; return the logarithm of what divided
-        them.
-        """
-        logarithm = np.zeros(len(stacked))
-        for course, rows in zip(self.data.courses, self._rows, strict=True):
-            logarithm += _whiten(stacked[..., rows], course.distance, values)
-        for row, point in enumerate(self.data.points, self.data.distance.size - len(self.data.points)):
-            stacked[..., row] /= point.error
-        return logarithm
+        them, (samples,).
 
-    @property
+        scatter: of each point on its own, (samples, points).
+        """
+        count = self._gaps.size
+        errors = np.hypot([point.error for point in self.data.points], scatter[:, count:])
+        stacked[..., count:] /= errors[:, None]
+        alone = np.sum(np.log(errors), axis=1)
+        if not count:
+            return np.asarray(alone)
+        rows = stacked[..., :count]
+        gaps = np.minimum(self._gaps / values["noise.length"][:, None], INDEPENDENT)
+        kept = np.exp(-gaps)
+        left = values["noise.deviation"][:, None] * np.sqrt(np.maximum(1.0 - kept**2, 1e-15))
+        if scatter.any():
+            left = _innovations(rows, kept, left**2, scatter[:, :count] ** 2)
+        else:
+            rows[..., 1:] -= kept[:, None, 1:] * rows[..., :-1]
+            rows /= left[:, None]
+        return np.asarray(np.sum(np.log(left), axis=1) + alone)
+
+    @cached_property
+    def _gaps(self) -> FloatArray:
+        """Distances [mm] to the point before on the same course, infinite at its first, (course points,)."""
+        gaps = [np.diff(course.distance, prepend=-np.inf) for course in self.data.courses]
+        return np.concatenate([np.zeros(0), *gaps])
+
+    @cached_property
     def _rows(self) -> list[slice]:
         """Rows of each course."""
         ends = np.cumsum([0, *(course.distance.size for course in self.data.courses)])
         return [slice(int(start), int(end)) for start, end in itertools.pairwise(ends)]
 
 
+def _innovations(rows: FloatArray, kept: FloatArray, fresh: FloatArray, alone: FloatArray) -> FloatArray:
+    """Turn rows (samples, lines, points) into Kalman's innovations of unit variance, in place.
+
+    An autoregression keeps a part of the point before, `kept`, and gets a variance `fresh`, both (samples,
+    points); every point has the variance `alone` besides. Returns what divided the rows, (samples, points).
+    """
+    square = np.empty_like(kept)
+    gain = np.empty_like(kept)
+    variance = np.zeros(len(kept))
+    for place in range(kept.shape[1]):
+        variance = kept[:, place] ** 2 * variance + fresh[:, place]
+        square[:, place] = variance + alone[:, place]
+        gain[:, place] = variance / square[:, place]
+        variance = gain[:, place] * alone[:, place]
+    by_point = np.ascontiguousarray(rows.transpose(2, 0, 1))
+    expected = np.zeros(by_point.shape[1:])
+    keeps, gains = kept.T[..., None], gain.T[..., None]
+    for place, row in enumerate(by_point):
+        if place:
+            expected += gains[place - 1] * by_point[place - 1]
+            expected *= keeps[place]
+        row -= expected
+    root = np.sqrt(square)
+    rows[:] = by_point.transpose(1, 2, 0) / root[:, None]
+    return root
+
+
 def _products(lines: FloatArray, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return 1 + CCᵀ and Cr of lines (samples, lines, points) and residuals (samples, points)."""
     return np.eye(lines.shape[1]) + lines @ lines.transpose(0, 2, 1), lines @ residual[..., None]
-
-
-def _whiten(rows: FloatArray, distance: FloatArray, values: dict[str, FloatArray]) -> FloatArray:
-    """Make lines over the points of a course (samples, lines, points) independent with unit variance, in
-    place.
-
-    Returns the logarithm of what they were divided by, (samples,).
-    """
-    deviation, length = values["noise.deviation"][:, None], values["noise.length"][:, None]
-    kept = np.exp(-np.diff(distance) / length)
-    left = deviation * np.sqrt(np.maximum(1.0 - kept**2, 1e-15))
-    rows[..., 1:] -= kept[:, None] * rows[..., :-1]
-    rows[..., 0] /= deviation
-    rows[..., 1:] /= left[:, None]
-    return np.asarray(np.log(deviation[:, 0]) + np.sum(np.log(left), axis=1))
 
 
 def simulate(

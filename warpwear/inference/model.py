@@ -36,11 +36,13 @@ class Friction:
     """A coefficient of friction is a sum of terms: key of the strength -> its factor (samples, points).
 
     errors: the standard deviations of what the emulator adds, (samples, sources, points), for the given
-    strengths.
+    strengths. scatter: those of what is on its own at every point, (samples, points): areas are of whole
+    cells.
     """
 
     terms: dict[str, FloatArray]
     errors: FloatArray
+    scatter: FloatArray
 
 
 @dataclass(eq=False)
@@ -61,14 +63,16 @@ class Model:
     def __post_init__(self) -> None:
         area = f"area_{self.study.friction.area}"
         self._courses, self._ends = {}, {}
-        distance, size = self.runs.course(area)
+        distance, size, scatter = self.runs.smooth(area)
         if self.study.friction.film is None:
-            self._courses["friction.shear_strength"] = self._emulated(distance, size, "area")
+            self._courses["friction.shear_strength"] = self._emulated(distance, size, "area", scatter)
         else:
             bare = self.runs.course("bare_fraction")[1]
-            self._courses["friction.shear_strength"] = self._emulated(distance, size * bare, "bare area")
+            self._courses["friction.shear_strength"] = self._emulated(
+                distance, size * bare, "bare area", scatter
+            )
             self._courses["friction.film.shear_strength"] = self._emulated(
-                distance, size * (1.0 - bare), "area under a film"
+                distance, size * (1.0 - bare), "area under a film", scatter
             )
         if "diameter" in self.kinds:
             distance, along = self.runs.course("patch_along")
@@ -97,27 +101,35 @@ class Model:
         ]
         return max(found)
 
+    @property
+    def scatter(self) -> float:
+        """Largest scatter of areas about what is computed, as a part of them."""
+        found = [e.scatter for key, (_, e) in self._courses.items() if key.startswith("friction.")]
+        return max(float(scatter.max()) for scatter in found)
+
     def friction(self, values: Values, distance: FloatArray) -> Friction:
         """Return the terms of the coefficient of friction. values: key -> (samples,); distance [mm],
         (points,).
         """
         count = _count(values)
-        worn = self._worn(values, np.broadcast_to(distance, (count, distance.size)))
+        worn = self._worn(values, distance[None])
         terms = {"friction.ploughing": np.ones((count, distance.size))}
         errors = [np.zeros((count, 0, distance.size))]
+        square = np.zeros((count, distance.size))
         for key, (places, emulator) in self._courses.items():
             if not key.startswith("friction."):
                 continue
-            area, apart = self._looked_up(places, emulator, values, worn)
+            area, apart, scatter = self._looked_up(places, emulator, values, worn)
             factor = (
                 np.ones((1, 1))
                 if key == "friction.film.shear_strength"
                 else self._running_in(values, distance)
             )
             terms[key] = area * factor / self.study.contact.load
-            strength = self.number(values, key)[:, None, None]
-            errors.append(apart * (strength * (factor / self.study.contact.load)[:, None]))
-        return Friction(terms, np.concatenate(errors, axis=1))
+            each = self.number(values, key)[:, None] * factor / self.study.contact.load
+            errors.append(apart * each[:, None])
+            square += (scatter * each) ** 2
+        return Friction(terms, np.concatenate(errors, axis=1), np.sqrt(square))
 
     def cof(self, values: Values, distance: FloatArray) -> FloatArray:
         """Return the coefficient of friction itself, (samples, points)."""
@@ -137,11 +149,17 @@ class Model:
         rounding = (ROUNDING * self.study.grid.cell) ** 2 if kind == "diameter" else 0.0
         if kind in self._ends:
             places, emulator = np.zeros(1), self._ends[kind]
-            found, apart = self._looked_up(places, emulator, values, np.zeros((len(end), 1)))
+            found, apart, scatter = self._looked_up(places, emulator, values, np.zeros((len(end), 1)))
         else:
             places, emulator = self._courses[kind]
-            found, apart = self._looked_up(places, emulator, values, self._worn(values, end))
-        return found[:, 0], np.sum(apart[..., 0] ** 2, axis=1) + rounding
+            found, apart, scatter = self._looked_up(places, emulator, values, self._worn(values, end))
+        return found[:, 0], np.sum(apart[..., 0] ** 2, axis=1) + scatter[:, 0] ** 2 + rounding
+
+    def scar_of(self, volume: float) -> float:
+        """Return the diameter [mm] of a scar at rest from which a volume [mm³] has worn off both bodies."""
+        places, emulator = self._courses["diameter"]
+        found = float(np.interp(math.log(volume / self.study.contact.load), np.log(places), emulator.mean))
+        return math.exp(found) if emulator.logarithmic else found
 
     def allowed(self, values: Values) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
         """Tell where the run goes as far as these values wear, (samples,)."""
@@ -176,10 +194,17 @@ class Model:
         }
         return {key: math.nan if value is None else float(value) for key, value in known.items()}
 
-    def _emulated(self, distance: FloatArray, courses: FloatArray, what: str) -> tuple[FloatArray, Emulator]:
-        """Return the places of a course, worn depth a pressure [mm³/N] where it scales, and its emulator."""
+    def _emulated(
+        self, distance: FloatArray, courses: FloatArray, what: str, scatter: FloatArray | float = 0.0
+    ) -> tuple[FloatArray, Emulator]:
+        """Return the places of a course, worn depth a pressure [mm³/N] where it scales, and its emulator.
+
+        scatter: of the runs about the courses, (points,), beside what the emulator leaves out.
+        """
         places = distance * sum(self.runs.study.wear_coefficients) if self.runs.scaled else distance
-        return np.maximum(places, SMALLEST), self._checked(Emulator(self.runs.places, courses), what)
+        emulator = self._checked(Emulator(self.runs.places, courses), what)
+        emulator.scatter = np.hypot(emulator.scatter, scatter)
+        return np.maximum(places, SMALLEST), emulator
 
     def _end(self, values: FloatArray, what: str) -> Emulator:
         return self._checked(Emulator(self.runs.places, values[:, None]), what)
@@ -197,35 +222,35 @@ class Model:
 
     def _looked_up(
         self, places: FloatArray, emulator: Emulator, values: Values, at: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return a course at places (samples, points), and standard deviations (samples, shapes, points)."""
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return a course (samples, points) and its standard deviations: those that points share (samples,
+        shapes, points), and those of each point on its own (samples, points).
+
+        at: places asked for, (samples, points), or (1, points) where they are the same of all samples.
+        """
         inputs = [unknown.place_of(values[unknown.key]) for unknown in self.runs.inputs]
-        where = np.column_stack(inputs) if inputs else np.zeros((len(at), 0))
+        where = np.column_stack(inputs) if inputs else np.zeros((_count(values), 0))
         weights, variances = emulator.weights(where)
-        scale = np.log(places) if self.runs.scaled and places.size > 1 else places
-        asked = np.log(np.maximum(at, SMALLEST)) if self.runs.scaled and places.size > 1 else at
-
-        def between(line: FloatArray) -> FloatArray:
-            return (
-                np.interp(asked.ravel(), scale, line).reshape(asked.shape)
-                if places.size > 1
-                else np.full(at.shape, line[0])
+        lines = np.array([emulator.scatter, emulator.mean, *emulator.shapes])
+        if places.size == 1:
+            lines = lines[:, None]
+        else:
+            scale, asked = (
+                (np.log(places), np.log(np.maximum(at, SMALLEST))) if self.runs.scaled else (places, at)
             )
-
-        shapes = [between(shape) for shape in emulator.shapes]
-        found = between(emulator.mean)
-        for shape, weight in zip(shapes, weights.T, strict=True):
-            found = found + weight[:, None] * shape
-        apart = np.zeros((len(at), len(shapes), at.shape[1]))
-        for place, shape in enumerate(shapes):
-            apart[:, place] = np.sqrt(variances[:, place])[:, None] * shape
-        if emulator.logarithmic:
-            found = np.exp(found)
-            apart = apart * found[:, None]
-        return found, apart
+            lines = np.array([np.interp(asked, scale, line) for line in lines])
+        found = lines[1] + np.sum(weights.T[..., None] * lines[2:], axis=0)
+        apart = np.sqrt(variances)[..., None] * lines[2:].transpose(1, 0, 2)
+        if not emulator.logarithmic:
+            return found, apart, np.broadcast_to(lines[0], found.shape)
+        found = np.exp(found)
+        return found, apart * found[:, None], lines[0] * found
 
     def _worn(self, values: Values, distance: FloatArray) -> FloatArray:
-        """Return where a course is looked up: what a pressure has worn [mm³/N], or the distance [mm]."""
+        """Return where a course is looked up: what a pressure has worn [mm³/N], or the distance [mm].
+
+        distance: (1, points); the former is (samples, points).
+        """
         if not self.runs.scaled:
             return distance
         return self._removal(values, "sphere", distance) + self._removal(values, "disc", distance)
@@ -269,5 +294,5 @@ def _without_stairs(values: FloatArray) -> FloatArray:
         return values
     places = np.arange(values.size)
     middles = 0.5 * (values[rises - 1] + values[rises])
-    knots = np.concatenate([[0], rises, [values.size - 1 + (rises[-1] == values.size - 1)]])
+    knots = np.concatenate([[0], rises - 0.5, [values.size - 1]])  # a rise is between two places
     return np.interp(places, knots, np.concatenate([values[:1], middles, values[-1:]]))

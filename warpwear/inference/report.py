@@ -50,7 +50,7 @@ def write_report(found: Inference, folder: Path) -> list[Path]:
         fs.write_figure(figure, pictures[name])
     page = render(
         "inference.html",
-        {"number": lambda value: f"{value:.4g}" if isinstance(value, float) else str(value)},
+        {"number": _shown},
         title=found.study.study.name,
         rows=found.table,
         computed=found.computed(),
@@ -119,6 +119,14 @@ def calibrated(found: Inference) -> str:
         told = f"# The unknowns go together: {SAMPLES} joint draws of the posterior.\n"
     head = "# Calibrated by `warpwear calibrate bayes`: medians, and below their uncertainty for a sweep.\n"
     return head + study.to_toml() + "\n" + told + tomli_w.dumps({"sweep": section | {"vary": vary}})
+
+
+def _shown(value: float) -> str:
+    """Write a number of the page in three digits, a small or large one with its power of ten."""
+    if value == 0.0 or 1e-3 <= abs(value) < 1e5:
+        return f"{value:.3g}"
+    first, power = f"{value:.2e}".split("e")
+    return f"{first}·10{str(int(power)).translate(fs.RAISED)}"
 
 
 def _written(unknown: Unknown, value: float) -> str | float:

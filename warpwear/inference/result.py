@@ -101,7 +101,13 @@ class Inference:
         found = [*self.conflicts, *self.identified.sentences]
         found += [runs.cut] if runs.cut else []
         found += self._at_the_edge
-        if len(self.posterior.data.courses) == 1:
+        data, count = self.posterior.data, len(self.posterior.model.unknowns)
+        if not data.courses and len(data.values) + len(data.points) <= count:
+            found.append(
+                f"There are {count} unknowns for {len(data.values) + len(data.points)} measured values: that "
+                "the study agrees with them does not prove it; a course of friction or another value would."
+            )
+        if len(data.courses) == 1:
             found.append(
                 "One course of friction: scatter between tests is not in these uncertainties; repeated "
                 "tests would show it."
@@ -159,11 +165,12 @@ class Inference:
             made = f"{count} run{'s' if count > 1 else ''} of the study."
         if runs.inputs:
             made += (
-                f" Between them an emulator, off by {100.0 * self.posterior.model.error:.1f} % where it is "
-                "worst (each run predicted from the others); that is in the uncertainties."
+                " What lies between them is interpolated (Gaussian processes), off by "
+                f"{100.0 * self.posterior.model.error:.1f} % (each run predicted from the others), which the "
+                "uncertainties include."
             )
         quality = (
-            f" {samples.effective:.0f} independent samples, split-R̂ {samples.r_hat:.4f}."
+            f" {samples.effective:.0f} independent samples; two ensembles agree, split-R̂ {samples.r_hat:.4f}."
             if samples.steps
             else " All in closed form."
         )
@@ -238,7 +245,7 @@ class Inference:
                 [
                     row["what"],
                     f"{row['mean']:.4g} ± {row['sd']:.2g} {row['unit']}".rstrip(),
-                    f"{row['off']:.1f} u apart",
+                    f"{row['off']:.1f} standard uncertainties apart",
                 ]
                 for row in checks
             ]
@@ -303,19 +310,24 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
         off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
         if off > CONTRADICTION:
             found.append(
-                f"The study cannot bring all data together: {measured.text} was measured and "
-                f"{float(mean.mean()):.4g} is computed, {off:.0f} standard uncertainties apart."
+                f"The study cannot bring all data together: measured is {measured.text}; computed is "
+                f"{float(mean.mean()):.3g}, {off:.0f} standard uncertainties apart."
             )
+            found += _scar_by_volume(posterior)
     for point in posterior.data.points:
         mean = posterior.model.cof(some, np.array([point.at]))[:, 0]
         off = abs(float(mean.mean()) - point.value) / point.error
         if off > CONTRADICTION:
             found.append(
-                f"The study cannot bring all data together: {point.text} was measured and "
-                f"{float(mean.mean()):.3g} is computed, {off:.0f} standard uncertainties apart."
+                f"The study cannot bring all data together: measured is {point.text}; computed is "
+                f"{float(mean.mean()):.3g}, {off:.0f} standard uncertainties apart."
             )
     if found:
-        found.append("Uncertainties and bands are then too small: the study is not the test.")
+        found = list(dict.fromkeys(found))
+        found.append(
+            "So either a measurement or the study is wrong, and no value of the unknowns mends it: do not "
+            "use the unknowns found before the cause is known. Their uncertainties are too small."
+        )
     if posterior.data.courses:
         length, longest = (
             float(np.median(some["noise.length"])),
@@ -327,3 +339,19 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
                 "course has another shape than the computed one."
             )
     return found
+
+
+def _scar_by_volume(posterior: Posterior) -> list[str]:
+    """Say which scar the measured volumes make at rest, where a scar was measured, too."""
+    values, model = posterior.data.values, posterior.model
+    scars = [value for value in values if value.kind == "diameter"]
+    bodies = {value.kind: value for value in values if value.kind.startswith("volume")}
+    if not (scars and bodies and model.runs.scaled) or model.runs.inputs:
+        return []
+    volume = sum(value.value for value in bodies.values())
+    size = model.scar_of(volume)
+    which = " and ".join(KINDS[kind][1] for kind in bodies)
+    return [
+        f"The reason: at rest all that wears lies in the scar. The {which}, {volume:.3g} mm³, makes one of "
+        f"{size:.2f} mm or more, and measured is {scars[0].value:.2f} mm."
+    ]

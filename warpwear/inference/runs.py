@@ -1,22 +1,26 @@
 """Runs that an inference stands on: one where results only scale, else a Sobol design made by a sweep."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.unknowns import Unknown
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
+from warpwear.results.summary import course
 from warpwear.study.study import Study
 from warpwear.sweeps.points import name_of
 from warpwear.sweeps.run_one import Row, Task, run_one
 from warpwear.sweeps.sweep import sweep
 from warpwear.sweeps.table import RUNS
+
+ndimage, signal = lazy.module("scipy.ndimage"), lazy.module("scipy.signal")
 
 #: Unknowns of the wear laws: of a contact at rest they change only how fast the run goes.
 WEAR = (
@@ -37,6 +41,8 @@ MOST_CUTS = 40
 BODIES = ("sphere", "disc")
 #: Points of a course between runs.
 POINTS = 240
+#: Points along which a smooth course is a polynomial of this degree (Savitzky and Golay, 1964).
+WINDOW, DEGREE = 15, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +72,23 @@ class Runs:
             places = np.unique(np.append(np.geomspace(first, last, POINTS), last))
         values = [np.interp(places, row.courses["distance"], row.courses[name]) for row in self.rows]
         return places, np.array(values)
+
+    def smooth(self, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return distances [mm], a smooth course (runs, points), and how runs scatter about it, (points,).
+
+        Areas are of whole cells, which come and go ring by ring: what a finer grid would give lies between.
+        The scatter is relative, or in units of a course that is not positive; it is 0 where all steps are
+        kept as they are.
+        """
+        places, courses = self.course(name)
+        if min(row.courses["distance"].size for row in self.rows) <= POINTS:
+            return places, courses, np.zeros(places.size)
+        positive = bool((courses > 0.0).all())
+        rough = np.log(courses) if positive else courses
+        fit = signal.savgol_filter(rough, WINDOW, DEGREE, axis=1)
+        square = np.mean((rough - fit) ** 2, axis=0) * WINDOW / (WINDOW - DEGREE - 1)
+        scatter = np.sqrt(ndimage.uniform_filter1d(square, 2 * WINDOW, mode="nearest"))
+        return places, np.exp(fit) if positive else fit, scatter
 
 
 def scales(study: Study) -> bool:
@@ -140,10 +163,21 @@ def make_runs(
             number = found.numbers(unknown.key)
             assert number is not None
             columns.append(unknown.place_of(number[0]))
-        places, rows = np.column_stack(columns), found.rows
+        places, rows = np.column_stack(columns), list(found.rows)
         folders = [out / RUNS / point.run for point in found.plan.points]
+    whole = tuple(_whole(row, folder) for row, folder in zip(rows, folders, strict=True))
     rough = np.array([_roughness(folder) for folder in folders]) if roughness else None
-    return Runs(study, inputs, places, tuple(rows), scaled, cut, rough)
+    return Runs(study, inputs, places, whole, scaled, cut, rough)
+
+
+def _whole(row: Row, folder: Path) -> Row:
+    """Return a row with whole courses: those of a sweep keep few points of the first millimetres, where slow
+    wear is looked up.
+    """
+    with Result.open(folder) as result:
+        return replace(
+            row, courses={name: course(result, name)[int(name != "distance")] for name in row.courses}
+        )
 
 
 def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str) -> tuple[Study, str]:

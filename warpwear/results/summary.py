@@ -240,9 +240,10 @@ def course(result: ResultFile, name: str) -> tuple[FloatArray, FloatArray]:
     history, stroke = result.history, result.study.lap
     if stroke is None or history["distance"][-1] == 0.0:  # at rest, or a static contact
         return history["distance"], history[name]
-    passes = by_pass(result, name)
+    passes = by_pass(result, *(() if name == "distance" else (name,)))  # whose distances are its own
     slid = passes["distance"]
     places = np.cumsum(slid) - 0.5 * slid
+    passes["distance"] = places
     whole = slice(None, -1 if slid.size > 1 and slid[-1] < WHOLE * stroke else None)
     return places[whole], passes[name][whole]
 
