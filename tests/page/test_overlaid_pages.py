@@ -160,8 +160,9 @@ def test_differences_are_to_the_first_run(compared: Path) -> None:
     assert _than(1.0, None) == ""
 
 
-@pytest.mark.parametrize("width", [400, pytest.param(1280, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("kind", ["sweep", pytest.param("compare", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [400, 1280])
+@pytest.mark.parametrize("kind", ["sweep", "compare"])
 def test_they_fit_and_ask_for_nothing(
     browser: Any, swept: Any, compared: Path, kind: str, width: int
 ) -> None:

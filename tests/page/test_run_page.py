@@ -284,10 +284,9 @@ def test_slider_by_keyboard_and_bodies_by_mouse(browser: Any, page_of: Callable[
     page.close()
 
 
-@pytest.mark.parametrize("width", [400, pytest.param(1280, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(
-    "kind", ["measured", *(pytest.param(k, marks=pytest.mark.slow) for k in KINDS if k != "measured")]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [400, 1280])
+@pytest.mark.parametrize("kind", KINDS)
 def test_pages_fit_and_say_nothing_wrong(
     browser: Any, page_of: Callable[[str], Path], kind: str, width: int
 ) -> None:

@@ -42,6 +42,8 @@ from warpwear.runs.make import model_at_rest
 ROOT = Path(__file__).parents[2]
 KILLS = ROOT / "bench" / "kills.py"
 _kills = runpy.run_path(str(KILLS))
+#: Cases whose state others have, too: quick tests leave them out.
+COVERED = ("micro, implicit", "micro, many tiles", "bearing area", "two-scale, load")
 CASES, differences, study_of = _kills["CASES"], _kills["differences"], _kills["study_of"]
 
 #: What makes a step of a model that lies still, or of a contact that slides.
@@ -174,7 +176,9 @@ def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch)
     assert any(steps_of("bearing area", heights, increments, k)[0] != rows for k in range(1, 12))
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(c, marks=[pytest.mark.slow] if c in COVERED else []) for c in CASES]
+)
 def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path) -> None:
     """Stopped twice, before and after its first snapshot, on one thread and on two."""
     study = study_of(case, 0.0)
