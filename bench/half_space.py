@@ -134,23 +134,28 @@ class Contender:
 
     def __init__(self, name: str, interpreters: list[str], threads: int) -> None:
         self.name, self.threads, self.solves = name, threads, 0
-        ours = name == "warpwear"
+        ours, path, faults = name == "warpwear", os.environ.get("PYTHONPATH", ""), []
         environment = dict(os.environ, OMP_NUM_THREADS=str(threads), OPENBLAS_NUM_THREADS=str(threads))
-        environment["PYTHONPATH"] = str(HERE.parent) if ours else ""
-        for interpreter in [sys.executable] if ours else interpreters:
+        # packages may lie on this process's path alone, or be of another Python than a peer's
+        paths = [os.pathsep.join(filter(None, [str(HERE.parent), path]))] if ours else list(dict.fromkeys([path, ""]))
+        for interpreter, there in product([sys.executable] if ours else interpreters, paths):
+            environment["PYTHONPATH"] = there
+            self._said = tempfile.TemporaryFile("w+")
             self._process = subprocess.Popen(
                 [interpreter, str(HERE / "contenders" / "half_space.py"), name],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
+                stderr=self._said,
                 text=True,
                 env=environment,
             )
-            said = self._answer()
-            if said:
-                self.version = said["version"]
+            if answer := self._answer():
+                self.version = answer["version"]
                 return
-        raise OSError(f"{name}: not installed")
+            self._process.wait()
+            self._said.seek(0)
+            faults.append(f"{interpreter}: {(self._said.read().strip().splitlines() or ['no word'])[-1]}")
+        raise OSError(f"{name} cannot start ({'; '.join(faults)})")
 
     def __enter__(self) -> Self:
         return self
