@@ -137,10 +137,14 @@ class Contender:
         ours, path, faults = name == "warpwear", os.environ.get("PYTHONPATH", ""), []
         environment = dict(os.environ, OMP_NUM_THREADS=str(threads), OPENBLAS_NUM_THREADS=str(threads))
         # packages may lie on this process's path alone, or be of another Python than a peer's
-        paths = [os.pathsep.join(filter(None, [str(HERE.parent), path]))] if ours else list(dict.fromkeys([path, ""]))
+        paths = (
+            [os.pathsep.join(filter(None, [str(HERE.parent), path]))]
+            if ours
+            else list(dict.fromkeys([path, ""]))
+        )
         for interpreter, there in product([sys.executable] if ours else interpreters, paths):
             environment["PYTHONPATH"] = there
-            self._said = tempfile.TemporaryFile("w+")
+            self._said = tempfile.TemporaryFile("w+")  # noqa: SIM115 as long as the process
             self._process = subprocess.Popen(
                 [interpreter, str(HERE / "contenders" / "half_space.py"), name],
                 stdin=subprocess.PIPE,
