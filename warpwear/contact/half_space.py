@@ -384,7 +384,7 @@ class HalfSpace(BoundedPressure):
         self._searches_on_device = executor.device.is_cuda if on_device is None else on_device
 
     @cached_property
-    def on_device(self) -> DeviceSearch | None:  # type: ignore[override]
+    def on_device(self) -> DeviceSearch | None:
         """What makes whole solves at a load, where there is that; made after a start on wide cells.
 
         So its memory is not held beside theirs.

@@ -60,7 +60,8 @@ def download(executor: Executor, arrays: list[Any], take: Callable[..., T], pitc
 
     arrays: Warp's, of as many rows as the grid and so many numbers a row as `pitches` say. `take` must copy.
     """
-    grid, found = executor.grid, []
+    grid = executor.grid
+    found: list[T] = []
     sources = [_numbers(a, grid.nx * pitch, executor) for a, pitch in zip(arrays, pitches, strict=True)]
 
     def read(rows: slice, buffers: list[Any]) -> T:
