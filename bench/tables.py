@@ -111,7 +111,8 @@ def largest(folder: Path = RECORDED) -> str:
     for record in _records(folder, "largest*.json"):
         lines += [
             f"{row['cells']}² {row['case']:8s} to {row['tolerance']:.0e}, {row['device']}: "
-            f"{row['seconds']:.1f} s from array to array, {row['pairs']} pairs of transforms, share in contact {row['area']:.5f}, "
+            f"{row['seconds']:.1f} s from array to array, {row['pairs']} pairs of transforms, "
+            f"share in contact {row['area']:.5f}, "
             f"violation {row['violation']:.1e}, relative energy gap {row['relative_gap']:.1e}, "
             f"host at most {row['host_gib']:.0f} GiB"
             for row in record["rows"]
