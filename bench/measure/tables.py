@@ -1,4 +1,4 @@
-"""Tables of what the benchmarks of the half-space recorded, as text: python bench/tables.py [FOLDER].
+"""Tables of what the benchmarks of the half-space recorded, as text: python bench/measure/tables.py [FOLDER].
 
 FOLDER holds the records (default: bench/recorded): aspher_*.json and half_space*.json of `half_space.py`,
 alone_*.json of the same without contenders, capped_*.json of `cases/capped.py`, challenge.json of
@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-RECORDED = Path(__file__).parent / "recorded"
+RECORDED = Path(__file__).parents[1] / "recorded"
 
 
 def _records(folder: Path, pattern: str) -> list[dict[str, Any]]:
