@@ -31,19 +31,14 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any
 
 import numpy as np
+from cases.half_space import CASES, Case, judge
 from contenders.half_space import MODULUS
+from contenders.process import Contender
 from measure.machine import machine
 
-from warpwear.contact.influence import free_coefficients, periodic_spectrum
-from warpwear.grid import Grid
-from warpwear.surfaces.made.self_affine import SelfAffine
-
-HURST, SLOPE = 0.8, 0.1
-#: Radius of the ball, and rms slope of its roughness.
-RADIUS, BALL_SLOPE = 10.0, 0.003
 TARGETS = (1e-4, 1e-8)
 #: A peer's own tolerance over the residual asked of it: the first that gives it is taken.
 FACTORS = (1.0, 0.3, 0.1, 0.03, 0.01)
@@ -51,42 +46,12 @@ FACTORS = (1.0, 0.3, 0.1, 0.03, 0.01)
 LOAD = 1e-2
 #: Nobody waits longer for one solve of a peer [s].
 PATIENCE = 600.0
-HERE = Path(__file__).parent
 
 
-class Case(NamedTuple):
-    """cut: cells in the shortest wave; 0: none. load: mean pressure over E*. cap: over E*."""
-
-    cut: int
-    load: float = 0.005
-    cap: float = math.inf
-    ball: bool = False
-
-    @property
-    def boundary(self) -> str:
-        return "free" if self.ball else "periodic"
-
-    def heights(self, cells: int) -> Any:
-        """Heights on 1 × 1."""
-        grid = Grid(cells, cells, 1.0 / cells)
-        made = np.zeros(grid.shape)
-        if self.cut:
-            waves = SelfAffine(hurst=HURST, roll_off=0.999, cut_off=self.cut / cells, period=1.0, sq=1.0)
-            slope = BALL_SLOPE if self.ball else SLOPE
-            made = waves.heights(grid.x, grid.y) * (slope / waves.rms_slope)
-        if self.ball:
-            made -= ((grid.x[:, np.newaxis] - 0.5) ** 2 + (grid.y - 0.5) ** 2) / (2.0 * RADIUS)
-        return made
-
-
-CASES = {
-    "elastic": Case(2),
-    "resolved": Case(16),
-    "near full": Case(16, load=0.06),
-    "ball": Case(0, load=0.003, ball=True),
-    "rough ball": Case(16, load=0.003, ball=True),
-    "capped": Case(2, cap=0.05),
-}
+def knows(name: str, case: Case) -> bool:
+    """Whether a contender has what a case needs."""
+    peers = {"ASPHER": math.isinf(case.cap), "tamaas": not case.ball, "ContactMechanics": not case.ball}
+    return peers.get(name, True)
 
 
 def settings(name: str, case: Case, target: float) -> list[dict[str, Any]]:
@@ -101,82 +66,6 @@ def settings(name: str, case: Case, target: float) -> list[dict[str, Any]]:
         if target >= 1e-5:
             found.append({**found[-1], "backend": "h2", "active_set": True})
     return found
-
-
-def knows(name: str, case: Case) -> bool:
-    """Whether a contender has what a case needs."""
-    peers = {"ASPHER": math.isinf(case.cap), "tamaas": not case.ball, "ContactMechanics": not case.ball}
-    return peers.get(name, True)
-
-
-def judge(heights: Any, pressure: Any, case: Case) -> dict[str, float]:
-    """Residual, area and load of a pressure, by NumPy alone."""
-    n, cap = heights.shape[0], case.cap
-    pressure = np.clip(pressure, 0.0, cap)
-    if case.ball:
-        away = np.minimum(np.arange(2 * n), 2 * n - np.arange(2 * n))
-        coefficients = free_coefficients(1.0 / n, MODULUS, n + 1, n + 1)
-        spectrum = np.fft.rfft2(coefficients[np.ix_(away, away)]).real
-    else:
-        spectrum = periodic_spectrum(Grid(n, n, 1.0 / n), MODULUS)
-    shape = (2 * n, 2 * n) if case.ball else heights.shape
-    gap = np.fft.irfft2(np.fft.rfft2(pressure, s=shape) * spectrum, s=shape)[:n, :n] - heights
-    overlap = gap[pressure > 0.0].max() - gap[pressure < cap].min()
-    return {
-        "residual": max(0.5 * overlap / heights.std(), 0.0),
-        "area": float((pressure > 0.0).mean()),
-        "load_residual": pressure.mean() / (case.load * MODULUS) - 1.0,
-    }
-
-
-class Contender:
-    """A process that solves what it is asked. Raises OSError where it cannot start."""
-
-    def __init__(self, name: str, interpreters: list[str], threads: int) -> None:
-        self.name, self.threads, self.solves = name, threads, 0
-        ours = name == "warpwear"
-        environment = dict(os.environ, OMP_NUM_THREADS=str(threads), OPENBLAS_NUM_THREADS=str(threads))
-        environment["PYTHONPATH"] = str(HERE.parent) if ours else ""
-        for interpreter in [sys.executable] if ours else interpreters:
-            self._process = subprocess.Popen(
-                [interpreter, str(HERE / "contenders" / "half_space.py"), name],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                text=True,
-                env=environment,
-            )
-            said = self._answer()
-            if said:
-                self.version = said["version"]
-                return
-        raise OSError(f"{name}: not installed")
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._process.kill()
-        self._process.wait()
-
-    def solve(self, case: dict[str, Any]) -> dict[str, Any]:
-        """Record of a solve; empty where it failed."""
-        assert self._process.stdin is not None
-        self.solves += 1
-        self._process.stdin.write(json.dumps(case | {"threads": self.threads}) + "\n")
-        self._process.stdin.flush()
-        found = self._answer()
-        if "failed" in found:
-            print(f"{self.name}: {found['failed']}", file=sys.stderr)
-        return {} if "failed" in found else found
-
-    def _answer(self) -> dict[str, Any]:
-        assert self._process.stdout is not None
-        for line in self._process.stdout:
-            if line.startswith("{"):
-                found: dict[str, Any] = json.loads(line)
-                return found
-        return {}
 
 
 def ready(

@@ -15,9 +15,9 @@ from typing import Any
 
 sys.path[:0] = [str(Path(__file__).parents[n]) for n in (1, 2)]
 
-from half_space import CASES  # noqa: E402
 from measure.machine import machine  # noqa: E402
 
+from cases.half_space import CASES  # noqa: E402
 from warpwear.contact.half_space import HalfSpace  # noqa: E402
 from warpwear.engine.executor import Executor  # noqa: E402
 from warpwear.errors import ConvergenceError  # noqa: E402

@@ -19,7 +19,7 @@ import numpy as np
 
 sys.path[:0] = [str(Path(__file__).parents[n]) for n in (1, 2)]
 
-from half_space import Contender  # noqa: E402
+from contenders.process import Contender  # noqa: E402
 from measure.machine import machine  # noqa: E402
 
 from warpwear.contact.influence import periodic_spectrum  # noqa: E402

@@ -7,12 +7,13 @@ mean_pressure, tolerance (the contender's own), threads, device, setting (the co
 to time steps of wear as well).
 """
 
+import importlib
 import json
 import math
 import sys
 import time
 from collections.abc import Callable
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -122,6 +123,14 @@ CONTENDERS: dict[str, Callable[..., tuple[Any, int]]] = {
 }
 
 
+def version_of(name: str) -> str:
+    """The version of a contender, which may lie on the path without being installed."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return str(getattr(importlib.import_module(name), "__version__", "unknown"))
+
+
 def memory_mib(entry: str) -> float:
     """Return the memory of this process: VmRSS now, VmHWM at the peak since the last reset."""
     for line in Path("/proc/self/status").read_text().splitlines():
@@ -137,7 +146,7 @@ def main() -> None:
     rough = np.random.default_rng(0).normal(size=(128, 128)) * 1e-3
     small = {"boundary": "periodic", "cap": math.inf, "mean_pressure": 5e-3, "tolerance": 1e-2, "threads": 1}
     solve(rough, {**small, "device": "cpu", "setting": {}})
-    print(json.dumps({"version": version("warpwear" if name == "warpwear" else name)}), flush=True)
+    print(json.dumps({"version": version_of(name)}), flush=True)
     for line in sys.stdin:
         case = json.loads(line)
         heights = np.load(case["heights"])

@@ -5,6 +5,7 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,6 +17,7 @@ from warpwear.contact.half_space_passes import Iterate
 from warpwear.contact.half_space_search import Search
 from warpwear.contact.influence import Influence, Operator
 from warpwear.contact.on_gpu import DeviceSearch
+from warpwear.contact.transforms import release
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
@@ -102,8 +104,11 @@ class BoundedPressure:
         self._influence = influence
         self._iterate = Iterate(executor, influence, hardness)
         self._started = False
-        #: Makes whole solves at a load, where there is one.
-        self.on_device: DeviceSearch | None = None
+
+    @property
+    def on_device(self) -> DeviceSearch | None:
+        """What makes whole solves at a load, where there is that."""
+        return None
 
     @property
     def started(self) -> bool:
@@ -155,8 +160,9 @@ class BoundedPressure:
         transforms = 0 if self._started else self._start(gap, asked, approach, compliances, parts)
         iterations = 0
         for renewal in range(1 + RENEWALS):
-            if self.on_device is not None and asked is not None and self._iterate.parts == 1:
-                contact = self._solve_on(self.on_device, gap, float(asked.item()), compliances, parts)
+            search = None if asked is None or self._iterate.parts > 1 else self.on_device
+            if search is not None and asked is not None:
+                contact = self._solve_on(search, gap, float(asked.item()), compliances, parts)
             else:
                 rough = self._tolerance >= LOOSE and not renewal
                 contact = self._search(gap, asked, approach, compliances, rough)
@@ -197,18 +203,21 @@ class BoundedPressure:
         solve of the contact.
         """
         displaced = None
-        if self.on_device is not None and asked is not None and self._iterate.parts == 1:
+        if asked is not None and self._iterate.parts == 1 and self.on_device is not None:
             displaced = self.on_device.displacement()
         else:
             self._influence.set_compliance(*compliances)
         terms = {"approaches": contact.approaches, "scale": contact.scale, "allowed": contact.allowed}
         return self._iterate.certificate(gap, asked, displaced=displaced, **terms)
 
-    def displacement(self) -> FloatArray:
-        """Displacement under the pressure that was certified last [mm], shape (nx, ny); lost in a solve."""
-        if self.on_device is not None and self._iterate.parts == 1:
-            return np.asarray(self.on_device.displacement().numpy())
-        return self._executor.to_numpy(self._iterate.fields["response"])
+    def displacement(self) -> Any:
+        """Displacement under the pressure that was certified last [mm]; lost in a solve.
+
+        Where whole solves are made on a device it is an array of that, shape (nx, ny); else a field.
+        """
+        if self._iterate.parts == 1 and self.on_device is not None:
+            return self.on_device.made
+        return self._iterate.fields["response"]
 
     def _search(
         self,
@@ -371,16 +380,26 @@ class HalfSpace(BoundedPressure):
         super().__init__(
             executor, influence, hardness=hardness, tolerance=tolerance, max_iterations=max_iterations
         )
-        if executor.device.is_cuda if on_device is None else on_device:
-            self.on_device = DeviceSearch(
-                executor,
-                self._iterate,
-                influence,
-                hardness=hardness,
-                tolerance=tolerance,
-                rounding=ROUNDING,
-                max_iterations=max_iterations,
-            )
+        self._operator = influence
+        self._searches_on_device = executor.device.is_cuda if on_device is None else on_device
+
+    @cached_property
+    def on_device(self) -> DeviceSearch | None:
+        """What makes whole solves at a load, where there is that; made after a start on wide cells.
+
+        So its memory is not held beside theirs.
+        """
+        if not self._searches_on_device:
+            return None
+        return DeviceSearch(
+            self._executor,
+            self._iterate,
+            self._operator,
+            hardness=self._hardness,
+            tolerance=self._tolerance,
+            rounding=ROUNDING,
+            max_iterations=self._max_iterations,
+        )
 
     def _start(
         self,
@@ -419,7 +438,9 @@ class HalfSpace(BoundedPressure):
         except (ConvergenceError, InputError):
             return 0
         nested.spread(on, found.pressure_field, fine, self._iterate.pressure)
-        if fine.device.is_cpu:  # its memory is worth more than the little that making it anew takes
+        self._started, transforms = True, -(-found.transforms // 4)
+        if nested.is_short(fine):
             self._wide = None
-        self._started = True
-        return -(-found.transforms // 4)
+            del wide, on, found
+            release(fine.device)
+        return transforms

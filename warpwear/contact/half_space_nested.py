@@ -16,6 +16,8 @@ LEAST_SIDE = 256
 LEAST_SIDE_ON_GPU = 4096
 #: Fields of the fine grid that a solver on wide cells, and those that it starts from, take of a GPU.
 FIELDS_ON_GPU = 6.0
+#: Fields that a search on a GPU takes for itself afterwards.
+FIELDS_OF_SEARCH = 10.0
 #: Tolerance of the contact on wide cells, as of `half_space.BoundedPressure`.
 TOLERANCE = 1.0e-3
 MAX_ITERATIONS = 100
@@ -29,6 +31,12 @@ def pays(executor: Executor) -> bool:
     if device.is_cpu:
         return min(grid.shape) >= LEAST_SIDE
     return min(grid.shape) >= LEAST_SIDE_ON_GPU and device.free_memory > FIELDS_ON_GPU * 8 * grid.cells
+
+
+def is_short(executor: Executor) -> bool:
+    """Whether the memory of a solver on wide cells is worth more than the time that making it anew takes."""
+    device = executor.device
+    return device.is_cpu or device.free_memory < FIELDS_OF_SEARCH * 8 * executor.grid.cells
 
 
 def wider(grid: Grid) -> Grid:

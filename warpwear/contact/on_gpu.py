@@ -146,6 +146,12 @@ class DeviceSearch:
         with arrays_of(self._executor) as (xp, view):
             xp.asarray(self._far.given)[:nx, :ny] = view(self._pressure)
         self._respond()
+        return self.made
+
+    @property
+    def made(self) -> Any:
+        """The displacement that was asked for last, shape (nx, ny) [mm]."""
+        nx, ny = self._executor.grid.shape
         return self._far.made[:nx, :ny]
 
     def _take_parts(self, parts: Field | None) -> None:

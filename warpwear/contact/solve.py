@@ -7,6 +7,8 @@ the caller's: see `_Task`.
 
 import math
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Real
@@ -23,12 +25,14 @@ from warpwear.contact.half_space import ROUNDING as OF_DIGITS
 from warpwear.contact.half_space import TOLERANCE, HalfSpace
 from warpwear.contact.half_space_window import WindowedHalfSpace
 from warpwear.contact.influence import Influence
-from warpwear.engine.device import free_memory
+from warpwear.contact.transforms import release
+from warpwear.engine.device import check_threads, find_device, free_memory
 from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.staging import download, each, upload
 from warpwear.engine.tiles import Tiles
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels.cells import PADDING
+from warpwear.kernels.cells import LANES, PADDING
 from warpwear.kernels.contact import Law
 from warpwear.surfaces.sphere import sag
 
@@ -37,6 +41,8 @@ FIELDS_NEEDED = 24.0
 #: Beside a GPU, and on it, by the boundary of the half-space; measured likewise.
 FIELDS_BESIDE_GPU: dict[str | None, float] = {None: 12.0, "periodic": 10.0, "free": 17.0}
 FIELDS_ON_GPU: dict[str | None, float] = {None: 12.0, "periodic": 15.5, "free": 62.0}
+#: Cells from which a solve begins and ends with nothing kept on a GPU.
+LARGE = 2**22
 #: Relative rounding of a load: it may exceed as much what the hardness carries.
 ROUNDING = 1.0e-12
 #: Largest difference between the load carried and the load asked for, relatively.
@@ -156,7 +162,8 @@ def solve_contact(
     >>> warpwear.solve_contact(heights, cell=1.0, mean_pressure=0.01, modulus=1.0).residual < 1.0e-6
     True
     """
-    surface = _checked_heights(heights)
+    workers = check_threads(threads)
+    surface, lowest, highest, total = _checked_heights(heights, workers)
     cell = _number("cell", cell, optional=False)
     tolerance = _number("tolerance", tolerance, optional=False)
     load, mean_pressure = _number("load", load), _number("mean_pressure", mean_pressure)
@@ -172,16 +179,20 @@ def solve_contact(
     edge = _boundary_of(boundary, modulus, sphere_radius)
     nx, ny = surface.shape
     grid = Grid(nx, ny, cell)
-    gap = surface.mean() - surface
+    middle = total / surface.size
+    nearest, furthest, there = middle - highest, middle - lowest, surface.size
+    given = _Gap(surface, middle, grid, sphere_radius)
     if sphere_radius is not None:
-        gap += sag(grid.x, grid.y, radius=sphere_radius)
-        if not np.isfinite(gap).any():
+        extents = each(lambda rows: _extent(given(rows)), surface.shape, workers)
+        nearest, furthest = min(one[0] for one in extents), max(one[1] for one in extents)
+        there = sum(one[2] for one in extents)
+        if not there:
             raise InputError(
                 f"sphere_radius = {sphere_radius:g} is not possible; it must reach the middle of a cell."
             )
     mean = mean_pressure if load is None else load / grid.area
     if mean is not None and hardness is not None:
-        most = hardness * (1.0 if sphere_radius is None else float(np.isfinite(gap).mean()))
+        most = hardness * (there / surface.size)
         if mean > most * (1.0 + ROUNDING):
             name, area = ("mean_pressure", 1.0) if load is None else ("load", grid.area)
             raise InputError(
@@ -195,28 +206,57 @@ def solve_contact(
             "contact when the plane reaches the mean plane, so it must be negative."
         )
     response = cell / modulus if modulus else 1.0 / stiffness if stiffness else 0.0
-    task = _Task.scaled(gap, mean, approach, hardness, response=response, edge=edge)
+    task = _Task.scaled(
+        given, (nearest, furthest), mean, approach, hardness, response=response, edge=edge, threads=workers
+    )
     _check_memory(surface.shape, device, edge)
-    with Executor(Grid(nx, ny, 1.0), device=device, threads=threads) as executor:
+    with Executor(Grid(nx, ny, 1.0), device=device, threads=threads) as executor, _giving_back(executor):
         try:
             found = _solve_half_space(task, executor, tolerance) if edge else _solve_cells(task, executor)
-            contact = _contact_of(task, found, cell=cell, hardness=hardness, tolerance=tolerance)
+            contact, carried = _contact_of(
+                task, found, executor, cell=cell, hardness=hardness, tolerance=tolerance
+            )
+            del found
         except ConvergenceError as error:
             raise ConvergenceError(
                 f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "
                 f"{error}"
             ) from error
-    if sphere_radius is not None and _touches_edge(found.pressure):
+    if sphere_radius is not None and _touches_edge(contact.pressure):
         warnings.warn(
-            f"the contact with the sphere reaches the edge of heights, of the shape {surface.shape}, beyond "
+            f"the contact with the sphere reaches the edge of heights, of the shape {(nx, ny)}, beyond "
             "which nothing carries; a larger array is needed for the whole contact.",
             stacklevel=2,
         )
-    if mean is not None and not abs(contact.mean_pressure / mean - 1.0) <= LOAD_TOLERANCE:
+    if mean is not None and not abs(carried / contact.pressure.size / mean - 1.0) <= LOAD_TOLERANCE:
         raise ConvergenceError(
             f"solve_contact found a mean pressure of {contact.mean_pressure:g} instead of {mean:g}."
         )
     return contact
+
+
+@contextmanager
+def _giving_back(executor: Executor) -> Iterator[None]:
+    """Leave nothing of a large solve on a GPU."""
+    yield
+    if executor.grid.cells >= LARGE:
+        release(executor.device)
+
+
+class _Gap(NamedTuple):
+    """The gap before contact in the caller's units, from the heights' mean plane, block by block of rows."""
+
+    heights: FloatArray
+    middle: float  # of the mean plane
+    grid: Grid
+    sphere_radius: float | None
+
+    def __call__(self, rows: slice) -> FloatArray:
+        """The gap in some rows, infinite beyond the sphere's edge."""
+        gap = self.middle - self.heights[rows]
+        if self.sphere_radius is not None:
+            gap += sag(self.grid.x[rows], self.grid.y, radius=self.sphere_radius)
+        return gap
 
 
 @dataclass(frozen=True)
@@ -228,7 +268,7 @@ class _Task:
     where there is neither.
     """
 
-    gap: FloatArray  # from the mean planes, infinite beyond the sphere's edge, shape (nx, ny)
+    given: _Gap
     mean: float | None  # pressure; None at an approach
     approach: float | None
     cap: float
@@ -236,28 +276,32 @@ class _Task:
     edge: str | None  # boundary of the half-space; None: the cells do not feel each other
     length: float
     pressure: float
+    threads: int
 
     @classmethod
     def scaled(
         cls,
-        gap: FloatArray,
+        given: _Gap,
+        extent: tuple[float, float],
         mean: float | None,
         approach: float | None,
         hardness: float | None,
         *,
         response: float,
         edge: str | None,
+        threads: int,
     ) -> Self:
-        """Scale what is in the caller's units, in place. response: displacement under a unit of pressure."""
-        there = _there(gap)
+        """Scale what is in the caller's units.
+
+        extent: smallest and largest gap. response: displacement under a unit of pressure.
+        """
         # Heights may be next to nothing beside the displacements, or all the same.
-        pushed = max(0.0, (mean or 0.0) * response if approach is None else approach - float(there.min()))
-        length = max(float(np.ptp(there)), pushed) or 1.0
+        pushed = max(0.0, (mean or 0.0) * response if approach is None else approach - extent[0])
+        length = max(extent[1] - extent[0], pushed) or 1.0
         pressure = length / response if response else hardness
         assert pressure is not None
-        gap /= length
         return cls(
-            gap,
+            given,
             None if mean is None else mean / pressure,
             None if approach is None else approach / length,
             math.inf if hardness is None else hardness / pressure,
@@ -265,14 +309,36 @@ class _Task:
             edge,
             length,
             pressure,
+            threads,
         )
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Of all fields."""
+        return self.given.grid.shape
+
+    def gap_of(self, rows: slice) -> FloatArray:
+        """The gap in some rows, infinite beyond the sphere's edge."""
+        gap = self.given(rows)
+        return np.divide(gap, self.length, out=gap)
+
+    @cached_property
+    def gap(self) -> FloatArray:
+        """The gap of all cells, shape (nx, ny)."""
+        made = np.empty(self.shape)
+
+        def fill(rows: slice) -> None:
+            made[rows] = self.gap_of(rows)
+
+        each(fill, self.shape, self.threads)
+        return made
 
 
 class _Found(NamedTuple):
-    """A solved task, in its units."""
+    """A solved task, in its units. Its fields are arrays of NumPy, or of Warp on a GPU."""
 
-    pressure: FloatArray
-    displacement: FloatArray
+    pressure: Any
+    displacement: Any
     approach: float
     evaluations: int
     allowed: float = 0.0  # violation that its solver allowed itself
@@ -285,11 +351,12 @@ def _solve_half_space(task: _Task, executor: Executor, tolerance: float) -> _Fou
     options: dict[str, Any] = {"modulus": 1.0, "boundary": task.edge, "hardness": task.cap}
     options["tolerance"] = tolerance
     if task.mean is not None and task.edge == "periodic":
-        solver = HalfSpace(executor, **options)
-        found = solver.solve(_field(task.gap, executor), mean_pressure=task.mean)
+        solver, here = HalfSpace(executor, **options), executor.device.is_cpu
+        gap = _field(task.gap, executor) if here else upload(executor, task.gap_of, padding=PADDING)
+        found = solver.solve(gap, mean_pressure=task.mean)
         return _Found(
-            found.pressure,
-            solver.displacement(),
+            found.pressure if here else found.pressure_field,
+            executor.to_numpy(solver.displacement()) if here else solver.displacement(),
             found.approach,
             found.transforms + 1,
             certificate=found.certificate,
@@ -366,20 +433,41 @@ def _solve_cells(task: _Task, executor: Executor) -> _Found:
 
 
 def _contact_of(
-    task: _Task, found: _Found, *, cell: float, hardness: float | None, tolerance: float
-) -> ArrayContact:
-    """A solved task in the caller's units, certified. Raises ConvergenceError."""
+    task: _Task,
+    found: _Found,
+    executor: Executor,
+    *,
+    cell: float,
+    hardness: float | None,
+    tolerance: float,
+) -> tuple[ArrayContact, float]:
+    """A solved task in the caller's units, certified, and the sum of its pressures. May raise."""
     certificate = found.certificate or _certify(task, found, tolerance)
     if certificate.fault:
         raise ConvergenceError(f"the pressure cannot be certified: {certificate.fault}.")
-    left = np.add(task.gap, found.displacement, out=task.gap)
-    left -= found.approach
-    left *= task.length
-    pressure = found.pressure * task.pressure
-    if hardness is not None:
-        np.minimum(pressure, hardness, out=pressure)
-        pressure[found.pressure >= task.cap] = hardness
-    return ArrayContact(
+    here = isinstance(found.pressure, np.ndarray)
+    pressure = np.empty(task.shape)
+    left = task.gap if here else np.empty(task.shape)
+
+    def take(rows: slice, p: FloatArray, displaced: FloatArray) -> float:
+        gap = left[rows] if here else task.gap_of(rows)
+        np.add(gap, displaced, out=left[rows])
+        left[rows] -= found.approach
+        left[rows] *= task.length
+        np.multiply(p, task.pressure, out=pressure[rows])
+        if hardness is not None:
+            np.minimum(pressure[rows], hardness, out=pressure[rows])
+            pressure[rows][p >= task.cap] = hardness
+        return float(pressure[rows].sum())
+
+    if here:
+        sums = each(
+            lambda rows: take(rows, found.pressure[rows], found.displacement[rows]), task.shape, task.threads
+        )
+    else:
+        pitches = [executor.vectors * LANES, task.shape[1]]
+        sums = download(executor, [found.pressure, found.displacement], take, pitches)
+    contact = ArrayContact(
         pressure=pressure,
         gap=left,
         approach=found.approach * task.length,
@@ -388,6 +476,7 @@ def _contact_of(
         certificate=certificate.scaled(length=task.length, pressure=task.pressure, area=cell**2),
         evaluations=found.evaluations,
     )
+    return contact, sum(sums)
 
 
 def _certify(task: _Task, found: _Found, tolerance: float) -> Certificate:
@@ -417,7 +506,14 @@ def _field(gap: FloatArray, executor: Executor) -> Field:
     return executor.field(values, padding=PADDING)
 
 
-def _checked_heights(heights: npt.ArrayLike) -> FloatArray:
+def _extent(gap: FloatArray) -> tuple[float, float, int]:
+    """Smallest and largest gap where there is a surface, and how many cells those are."""
+    there = _there(gap)
+    return (float(there.min()), float(there.max()), there.size) if there.size else (math.inf, -math.inf, 0)
+
+
+def _checked_heights(heights: npt.ArrayLike, threads: int) -> tuple[FloatArray, float, float, float]:
+    """The heights as an array; the lowest, the highest and the sum of them."""
     try:
         given = np.asanyarray(heights)
         if np.ma.is_masked(given) or np.iscomplexobj(given):
@@ -432,14 +528,16 @@ def _checked_heights(heights: npt.ArrayLike) -> FloatArray:
         raise InputError(
             f"heights of shape {values.shape} are not possible; they must be (nx, ny), with a cell or more."
         )
-    if not (math.isfinite(values.min()) and math.isfinite(values.max())):
+    looks = each(lambda rows: [f(values[rows]) for f in (np.min, np.max, np.sum)], values.shape, threads)
+    lows, highs, sums = np.array(looks).T
+    if not (math.isfinite(lows.min()) and math.isfinite(highs.max())):
         wrong = np.argwhere(~np.isfinite(values))
         i, j = wrong[0].tolist()
         raise InputError(
             f"heights[{i}, {j}] = {values[i, j]:g} is not possible ({len(wrong)} of {values.size} are not "
             "finite); fill what is missing first."
         )
-    return values
+    return values, float(lows.min()), float(highs.max()), float(sums.sum())
 
 
 def _number(name: str, value: Any, *, any_sign: bool = False, optional: bool = True) -> Any:
@@ -483,6 +581,8 @@ def _boundary_of(boundary: str | None, modulus: float | None, sphere_radius: flo
 
 
 def _check_memory(shape: tuple[int, ...], device: str, edge: str | None) -> None:
+    if math.prod(shape) >= LARGE:
+        release(find_device(device))  # what is kept of earlier solves counts as free
     host, *gpu = free_memory(device).items()
     fields = [FIELDS_BESIDE_GPU[edge] if gpu else FIELDS_NEEDED, *(FIELDS_ON_GPU[edge] for _ in gpu)]
     for (place, there), count in zip([host, *gpu], fields, strict=True):

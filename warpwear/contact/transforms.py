@@ -1,6 +1,8 @@
 """Fourier transforms of fields by SciPy on a CPU and CuPy on a GPU, which work on Warp's own arrays."""
 
+import gc
 import math
+import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -351,6 +353,19 @@ def load_cupy(device: Any) -> Any:
             "transforms: pip install cupy-cuda12x (the extra gpu) or cupy-cuda13x (gpu13), for its CUDA, "
             "or use the device cpu."
         ) from error
+
+
+def release(device: Any) -> None:
+    """Give back to a GPU what nobody uses any more: the pools of Warp and CuPy keep it, and plans do."""
+    if device.is_cpu:
+        return
+    gc.collect()
+    if "cupy" in sys.modules:
+        cupy = load_cupy(device)
+        with cupy.cuda.Device(device.ordinal):
+            cupy.fft.config.get_plan_cache().clear()
+            cupy.get_default_memory_pool().free_all_blocks()
+    wp.synchronize_device(device)
 
 
 def _stream_of(cuda: Any, device: Any) -> Any:
