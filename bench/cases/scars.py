@@ -1,13 +1,16 @@
 """How often the volumes of a scar, after less before, are off by more than their errors.
 
     python bench/cases/scars.py [--cases 40] [--jobs 8] [--kinds self-affine turned rolled-off real]
+    python bench/cases/scars.py --wrong 20 [--jobs 8] [--kinds ...]
 
 cuts scars of known volume (bowls, bowls and grooves with pile-up, truncated asperities) into made and real
 measured surfaces, of which before and after are shifted by up to 6 % of the field, turned by up to 3°, tilted
 and have noise of their own. It prints, for each kind of surface and of scar, how many were refused, and for
 the volumes worn, piled up and net and the area the part of cases within one and two errors, the mean and
 the standard deviation in errors, and the median error; then pooled over all. The real ones lie in
-../shared/surfaces; without them that kind is left out. A case takes about two seconds.
+../shared/surfaces; without them that kind is left out. A case takes about two seconds. With --wrong it lays
+measurements of two places over each other, so many of each kind of surface, and prints how many are accepted
+as one place, and the correlations of these.
 """
 
 import argparse
@@ -23,7 +26,10 @@ for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 
-from cases_worn import SCARS, SHARED, Off, off_by_errors  # noqa: E402
+from cases_worn import PIXEL, SCARS, SHARED, Off, off_by_errors, pair  # noqa: E402
+
+from warpwear.errors import InputError  # noqa: E402
+from warpwear.surfaces.worn.registration import difference  # noqa: E402
 
 KINDS = ("self-affine", "turned", "rolled-off", "real")
 QUANTITIES = ("worn", "piled up", "net", "area", "profile")
@@ -33,6 +39,28 @@ def one(case: tuple[int, int, str, str]) -> Off | str:
     """Measure one case: seed, number, kind of surface, kind of scar."""
     seed, number, kind, worn = case
     return off_by_errors([seed, number], kind, worn)
+
+
+def wrong(case: tuple[int, int, str]) -> float | str:
+    """Lay two places over each other: seed, number, kind. Return the correlation, or why they are refused."""
+    seed, number, kind = case
+    here, there = (pair(np.random.default_rng([seed, number, k]), kind, "bowl") for k in (0, 1))
+    try:
+        size = (PIXEL, PIXEL)
+        return difference(here.after, there.before, pixel=size, earlier_pixel=size).correlation
+    except InputError as error:
+        return str(error)
+
+
+def wrong_pairs(pool: ProcessPoolExecutor, kinds: Sequence[str], count: int, seed: int) -> None:
+    """Print how many pairs of two places are accepted."""
+    every = 0
+    for kind in kinds:
+        found = list(pool.map(wrong, [(seed, number, kind) for number in range(count)]))
+        accepted = sorted(f for f in found if not isinstance(f, str))
+        every += len(accepted)
+        print(f"{kind:12} {len(accepted)} of {count} wrong pairs accepted", np.round(accepted, 2), flush=True)
+    print(f"together     {every} of {count * len(kinds)}")
 
 
 def told(name: str, found: Sequence[Off | str]) -> None:
@@ -55,11 +83,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--cases", type=int, default=40)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--kinds", nargs="+", default=KINDS, choices=KINDS)
+    parser.add_argument("--wrong", type=int, default=0, metavar="N", help="pairs of two places, a kind")
     parser.add_argument("--seed", type=int, default=23)
     asked = parser.parse_args(arguments)
     kinds = [kind for kind in asked.kinds if kind != "real" or SHARED.is_dir()]
     pairs = [(kind, worn) for kind in kinds for worn in SCARS]
     cases = [(asked.seed, n, kind, worn) for kind, worn in pairs for n in range(asked.cases)]
+    if asked.wrong:
+        with ProcessPoolExecutor(asked.jobs) as pool:
+            wrong_pairs(pool, kinds, asked.wrong, asked.seed)
+        return
     print("within 1 and 2 errors, mean ± standard deviation in errors (median error in % of the true value)")
     with ProcessPoolExecutor(asked.jobs) as pool:
         every = []

@@ -8,6 +8,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.waviness import waviness
 
@@ -155,15 +156,17 @@ def density_of(lost: FloatArray, unworn: BoolArray, *, area: float, terms: int) 
     """Return the variance of a mean over an area, times that area [mm⁴], from blocks of the unworn surface.
 
     area: of a pixel [mm²]; terms: of the fit, which the blocks have lost as degrees of freedom. Roughness
-    that is correlated over less than a block is counted in full.
+    that is correlated over less than a block is counted in full. It is that of the median block: pile-up that
+    is not yet told from unworn surface would else hide itself.
     """
     nx, ny = lost.shape
     block = np.add.outer(np.arange(nx) * BLOCKS // nx * BLOCKS, np.arange(ny) * BLOCKS // ny).ravel()
     count = np.bincount(block, weights=unworn.ravel())
     total = np.bincount(block, weights=np.where(unworn, lost, 0.0).ravel())
     used = count >= max(LEAST_BLOCK * nx * ny / BLOCKS**2, 1.0)
-    freedom = max(int(used.sum()) - terms, 1)
-    return float(np.sum(np.square(total[used]) / count[used])) * area / freedom
+    blocks = int(used.sum())
+    typical = TO_SIGMA * float(np.median(np.abs(total[used]) / np.sqrt(count[used])))
+    return typical**2 * area * blocks / max(blocks - terms, 1)
 
 
 def _errors(

@@ -100,6 +100,7 @@ class Inference:
         runs = self.posterior.model.runs
         found = [*self.conflicts, *self.identified.sentences]
         found += [runs.cut] if runs.cut else []
+        found += [f"Of the study: {notice}" for notice in self.study.notices()]
         found += self._at_the_edge
         data, count = self.posterior.data, len(self.posterior.model.unknowns)
         if not data.courses and len(data.values) + len(data.points) <= count:
