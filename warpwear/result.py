@@ -57,7 +57,11 @@ class Result(ResultFile):
 
     @cached_property
     def plot(self) -> Any:
-        """Figures: `result.plot.cof()` and so on return a matplotlib figure."""
+        """Figures: `result.plot.cof()` and so on return a matplotlib figure.
+
+        Those of lines go into axes that are there, over another run's: `result.plot.cof(ax, label="8 N",
+        color="C1")`; `help(result.plot)` says more.
+        """
         return resolve(PLOTTER)(self)
 
     def _repr_html_(self) -> str:
