@@ -66,7 +66,8 @@ def test_folder_has_tables_figures_and_a_page(swept: Any) -> None:
     there = {path.name for path in swept.folder.rglob("*") if path.is_file()}
     assert {"table.csv", "sweep.html", "courses.png", "scatter.png", "tornado.png"} <= there
     page = (swept.folder / "sweep.html").read_text(encoding="utf-8")
-    assert "http" not in page
+    assert "http:" not in page  # and no data spell it: base64 has no colon
+    assert "https:" not in page
     assert "load 8 N" in page
 
 

@@ -259,7 +259,7 @@ def _map(axes: Axes, values: FloatArray, size: Pair, *, label: str, colours: Any
         cmap=colours,
         vmin=low,
         vmax=high if high > low else low + 1.0,
-        interpolation="auto",
+        interpolation="antialiased",  # "auto" of Matplotlib 3.10 and later
         # a long track at its true proportions would be a line
         aspect="auto" if max(size) > LONG * min(size) else "equal",
     )
