@@ -314,7 +314,7 @@ class _Task:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Of all fields."""
+        """The shape of all fields, (nx, ny)."""
         return self.given.grid.shape
 
     def gap_of(self, rows: slice) -> FloatArray:
