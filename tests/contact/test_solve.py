@@ -15,6 +15,7 @@ import warpwear
 from warpwear import solve_contact
 from warpwear.contact import solve as solve_module
 from warpwear.contact.half_space_search import Search
+from warpwear.engine import staging
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 
@@ -465,3 +466,30 @@ def test_a_contact_at_the_edge_is_told() -> None:
     a = (0.75 * load * radius / modulus) ** (1.0 / 3.0)
     with pytest.warns(UserWarning, match=r"the edge of heights, of the shape \(16, 16\)"):
         solve_contact(np.zeros((16, 16)), cell=a / 20, load=load, modulus=modulus, sphere_radius=radius)
+
+
+def test_a_large_contact_says_what_memory_it_needs(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(solve_module, "free_memory", lambda device: {"the host": 100 * 2**30})
+    solve_module._check_memory((1024, 1024), "cpu", "periodic")
+    assert not capsys.readouterr().err
+    solve_module._check_memory((8192, 8192), "cpu", "periodic")
+    assert "8192 × 8192 cells need up to 12.0 GiB of the host (100.0 GiB free)" in capsys.readouterr().err
+    with pytest.raises(InputError, match=r"192\.0 GiB of memory; the host has 100\.0 GiB free"):
+        solve_module._check_memory((32768, 32768), "cpu", "periodic")
+
+
+@pytest.mark.parametrize("sphere_radius", [None, 30.0])
+def test_blocks_of_rows_change_nothing(
+    monkeypatch: pytest.MonkeyPatch, device: str, sphere_radius: float | None
+) -> None:
+    options: dict[str, Any] = {"cell": 0.5, "mean_pressure": 0.02, "modulus": 2.0, "hardness": 0.5}
+    options |= {"sphere_radius": sphere_radius, "tolerance": 1e-9, "device": device}
+    whole = solve_contact(HEIGHTS, **options)
+    monkeypatch.setattr(staging, "TOGETHER", 500)
+    blocks = solve_contact(HEIGHTS, **options)
+    largest = whole.pressure.max()
+    assert_allclose(blocks.pressure, whole.pressure, rtol=0.0, atol=1e-9 * largest)
+    assert_allclose(blocks.gap, whole.gap, rtol=0.0, atol=1e-9 * np.ptp(HEIGHTS))
+    assert blocks.load == pytest.approx(whole.load, rel=1e-12)

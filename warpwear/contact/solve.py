@@ -6,6 +6,7 @@ the caller's: see `_Task`.
 """
 
 import math
+import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -41,6 +42,8 @@ FIELDS_NEEDED = 24.0
 #: Beside a GPU, and on it, by the boundary of the half-space; measured likewise.
 FIELDS_BESIDE_GPU: dict[str | None, float] = {None: 12.0, "periodic": 10.0, "free": 17.0}
 FIELDS_ON_GPU: dict[str | None, float] = {None: 12.0, "periodic": 15.5, "free": 62.0}
+#: Memory from which a solve says on standard error what it needs before it starts [B].
+SAID = 2.0 * 2**30
 #: Cells from which a solve begins and ends with nothing kept on a GPU.
 LARGE = 2**22
 #: Relative rounding of a load: it may exceed as much what the hardness carries.
@@ -101,10 +104,7 @@ class ArrayContact:
 
     @cached_property
     def area_at_hardness(self) -> float:
-        """Area of the cells whose pressure is the hardness: a length²; 0 without a hardness.
-
-        Of a bearing area it may be a cell short of `area`: one cell carries what is left of the load.
-        """
+        """Area of the cells whose pressure is the hardness: a length²; 0 without a hardness."""
         if self.hardness is None:
             return 0.0
         return np.count_nonzero(self.pressure >= self.hardness) * self.cell**2
@@ -150,17 +150,11 @@ def solve_contact(
     the other laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every
     core; no result depends on it.
 
+    Says on standard error what memory is needed where that is 2 GiB or more, before it starts.
     Warns where the contact with a sphere reaches the edge of the array. Raises InputError for what is not
     possible, ConvergenceError where the tolerance is not met. Sources:
     Polonsky and Keer 1999, Wear 231, 206 and Almqvist et al. 2007, Tribol. Int. 40, 574 (half-space);
     Johnson, Contact Mechanics, 1985, section 4.3 (springs).
-
-    >>> heights = np.random.default_rng(0).normal(size=(64, 64))
-    >>> contact = warpwear.solve_contact(heights, cell=1.0, mean_pressure=0.25, hardness=1.0)
-    >>> print(contact.area / contact.nominal_area, contact.mean_pressure)
-    0.25 0.25
-    >>> warpwear.solve_contact(heights, cell=1.0, mean_pressure=0.01, modulus=1.0).residual < 1.0e-6
-    True
     """
     workers = check_threads(threads)
     surface, lowest, highest, total = _checked_heights(heights, workers)
@@ -314,7 +308,7 @@ class _Task:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """The shape of all fields, (nx, ny)."""
+        """The cells of all fields along both axes."""
         return self.given.grid.shape
 
     def gap_of(self, rows: slice) -> FloatArray:
@@ -585,6 +579,7 @@ def _check_memory(shape: tuple[int, ...], device: str, edge: str | None) -> None
         release(find_device(device))  # what is kept of earlier solves counts as free
     host, *gpu = free_memory(device).items()
     fields = [FIELDS_BESIDE_GPU[edge] if gpu else FIELDS_NEEDED, *(FIELDS_ON_GPU[edge] for _ in gpu)]
+    plan = []
     for (place, there), count in zip([host, *gpu], fields, strict=True):
         needed = count * 8.0 * math.prod(shape)
         if needed > there:
@@ -592,3 +587,8 @@ def _check_memory(shape: tuple[int, ...], device: str, edge: str | None) -> None
                 f"heights of shape {shape} need {needed / 2**30:.1f} GiB of memory; {place} has "
                 f"{there / 2**30:.1f} GiB free."
             )
+        plan.append(f"{needed / 2**30:.1f} GiB of {place} ({there / 2**30:.1f} GiB free)")
+    if max(fields) * 8.0 * math.prod(shape) >= SAID:
+        print(
+            f"solve_contact: {shape[0]} × {shape[1]} cells need up to {' and '.join(plan)}", file=sys.stderr
+        )

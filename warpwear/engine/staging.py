@@ -85,7 +85,7 @@ def download(executor: Executor, arrays: list[Any], take: Callable[..., T], pitc
 def _groups(
     executor: Executor, pitches: list[int]
 ) -> Iterator[tuple[ThreadPoolExecutor, list[list[Any]], list[slice]]]:
-    """Yield blocks, as many at a time as there are threads, with page-locked buffers of these pitches."""
+    """Give a block for each thread at a time, and page-locked buffers for rows of these lengths."""
     blocks = blocks_of(executor.grid.shape)
     threads, lines = min(executor.threads, len(blocks)), blocks[0].stop
     pinned = executor.device.is_cuda
