@@ -18,6 +18,7 @@ special = lazy.module("scipy.special")
 RINGS = 40  # around the patch, looked at for its edge; each is 3 % of its mean radius wide, or 2 pixels
 RING_WIDTH = 0.03  # of the patch's mean radius
 RIM = 0.15  # of the patch's mean radius: the width beside it that is neither worn nor fitted
+SURE = 3.0  # standard errors by which pile-up beyond the crossing ring stands out
 PILE_MARGIN = 0.4  # of the width of pile-up, added to it
 SMOOTHED = 5  # pixels along each side of the mean that tells a scar's edge
 BLOCKS = 8  # along each side of the field, whose means tell how far roughness averages out
@@ -132,6 +133,8 @@ def grown(
         edge += 1
     patch = near & (ring < edge)
     end = edge
+    if edge + 1 < last and mean[edge + 1] < -SURE * error[edge + 1]:
+        end += 1  # the ring where heights cross the form has as much above as below
     while end < last and mean[end] < -error[end]:
         end += 1
     crossed = inwards > 0 and end > edge
