@@ -104,7 +104,10 @@ class ArrayContact:
 
     @cached_property
     def area_at_hardness(self) -> float:
-        """Area of the cells whose pressure is the hardness: a length²; 0 without a hardness."""
+        """Area of the cells whose pressure is the hardness: a length²; 0 without a hardness.
+
+        Of a bearing area it may be a cell short of `area`: one cell carries what is left of the load.
+        """
         if self.hardness is None:
             return 0.0
         return np.count_nonzero(self.pressure >= self.hardness) * self.cell**2
@@ -155,6 +158,13 @@ def solve_contact(
     possible, ConvergenceError where the tolerance is not met. Sources:
     Polonsky and Keer 1999, Wear 231, 206 and Almqvist et al. 2007, Tribol. Int. 40, 574 (half-space);
     Johnson, Contact Mechanics, 1985, section 4.3 (springs).
+
+    >>> heights = np.random.default_rng(0).normal(size=(64, 64))
+    >>> contact = warpwear.solve_contact(heights, cell=1.0, mean_pressure=0.25, hardness=1.0)
+    >>> print(contact.area / contact.nominal_area, contact.mean_pressure)
+    0.25 0.25
+    >>> warpwear.solve_contact(heights, cell=1.0, mean_pressure=0.01, modulus=1.0).residual < 1.0e-6
+    True
     """
     workers = check_threads(threads)
     surface, lowest, highest, total = _checked_heights(heights, workers)
