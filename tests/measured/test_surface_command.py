@@ -136,7 +136,10 @@ def test_a_track_less_what_was_there_before(here: Path) -> None:
     assert record["track"]["width_mm"] == pytest.approx(0.3, rel=0.02)
     assert record["track"]["window_mm"] > 0.35
     assert record["before"]["correlation"] == pytest.approx(1.0)
-    for name, heights in (("after", after), ("before", np.random.default_rng(0).normal(size=(300, 300)))):
+    for name, heights in (
+        ("after", rough + 0.05 * groove),
+        ("before", np.random.default_rng(0).normal(size=(300, 300))),
+    ):
         np.save(here / f"../files/{name}.npy", heights[:60, :60])  # the search takes as long as it is large
     refused = surface(*asked, "--overwrite").exception
     assert isinstance(refused, InputError)
