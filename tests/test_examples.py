@@ -17,7 +17,13 @@ NAMES = [path.stem for path in EXAMPLES]
 LONGEST = 30.0
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=NAMES)
+#: Dear ones, which the site runs whenever it is made.
+DEAR = ("running_in", "scatter", "patch_loads", "hardness_cap", "area_against_load")
+
+
+@pytest.mark.parametrize(
+    "path", [pytest.param(p, id=p.stem, marks=[pytest.mark.slow] if p.stem in DEAR else []) for p in EXAMPLES]
+)
 def test_an_example_runs(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

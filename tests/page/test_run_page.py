@@ -83,9 +83,7 @@ def array_of(packed: Any) -> Any:
     return np.frombuffer(base64.b64decode(packed["data"]), kind).reshape(packed["shape"][::-1]).T
 
 
-@pytest.mark.parametrize(
-    "kind", ["rough", "track", *(pytest.param(k, marks=pytest.mark.slow) for k in KINDS if k != "track")]
-)
+@pytest.mark.parametrize("kind", ["rough", *(pytest.param(k, marks=pytest.mark.slow) for k in KINDS)])
 def test_a_run_leaves_a_page_that_needs_nothing(page_of: Callable[[str], Path], kind: str) -> None:
     path = page_of(kind)
     page = path.read_text(encoding="utf-8")

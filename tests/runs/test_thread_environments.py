@@ -88,6 +88,7 @@ warpwear.run(study, out=sys.argv[1], plots=False, resume=True).close()
 """
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_in_another_environment(tmp_path: Path) -> None:
     """Killed with several threads of BLAS, resumed with one: as if left alone."""
     in_environment(RUN, str(tmp_path / "alone"), **ONE)

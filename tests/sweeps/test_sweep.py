@@ -348,6 +348,7 @@ def processes(*commands: list[str]) -> Iterator[list["subprocess.Popen[str]"]]:
             process.wait()
 
 
+@pytest.mark.slow
 def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
     """A scheduler and three workers of their own; one is killed, one frozen for a while."""
     distributed = pytest.importorskip("distributed")

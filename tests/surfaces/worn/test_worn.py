@@ -146,10 +146,10 @@ def ball(flat, ra, *, middle=(0.02, -0.05), seed=2):
 @pytest.mark.parametrize(
     ("flat", "ra", "radius"),
     [
-        (0.0272, 1e-5, 3.0),
+        pytest.param(0.0272, 1e-5, 3.0, marks=pytest.mark.slow),
         (0.0272, 1e-5, None),
         (0.0272, 3e-4, 3.0),
-        (0.0272, 3e-4, None),
+        pytest.param(0.0272, 3e-4, None, marks=pytest.mark.slow),
         (0.01, 1e-4, 3.0),
         pytest.param(0.01, 1e-4, None, marks=pytest.mark.slow),
     ],
