@@ -22,7 +22,7 @@ from warpwear.cli.sweep import sweep
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.version import __version__
 
-#: Objects made before unreachable ones are looked for: imports make many, and all of them last.
+#: Objects made before unreachable ones are looked for: a run makes many, and nearly all of them last.
 GARBAGE = 50_000
 #: How long a thread keeps Python's lock from another [s]: steps wait for those that pack snapshots.
 SWITCH = 2.0e-4

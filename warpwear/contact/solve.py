@@ -241,10 +241,12 @@ def solve_contact(
 
 @contextmanager
 def _giving_back(executor: Executor) -> Iterator[None]:
-    """Leave nothing of a large solve on a GPU."""
-    yield
-    if executor.grid.cells >= LARGE:
-        release(executor.device)
+    """Leave nothing of a large solve on a GPU, of one that failed neither."""
+    try:
+        yield
+    finally:
+        if executor.grid.cells >= LARGE:
+            release(executor.device)
 
 
 class _Gap(NamedTuple):
