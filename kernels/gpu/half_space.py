@@ -11,7 +11,7 @@ from enum import IntEnum
 import warp as wp
 
 from warpwear.kernels.cells import ABSENT, NONE, ONE, ZERO
-from warpwear.kernels.half_space import clipped, free, shifted
+from warpwear.kernels.half_space.search import clipped, free, shifted
 
 wp.set_module_options({"enable_backward": False})
 

@@ -13,8 +13,8 @@ from warpwear.contact.transforms import arrays_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, IntArray
-from warpwear.kernels import half_space as passes
-from warpwear.kernels import half_space_setup
+from warpwear.kernels.half_space import extension, setup
+from warpwear.kernels.half_space import search as passes
 
 #: Stands for no cap: kernels compare with it.
 NO_CAP = 1.0e300
@@ -77,12 +77,17 @@ class Iterate:
         self._single = influence.of_one_grid and executor.device.is_cpu and influence.cells >= LEAST_SINGLE
         #: By how much the gradient may be off for that [mm], and what a whole step adds to it.
         self.drift = self._step_drift = 0.0
-        executor.foresee([passes.advance, half_space_setup.moments])
+        executor.foresee([passes.advance, setup.moments])
         names = "pressure", "gradient", "trial", "step", "response"
         made = [executor.zeros() for _ in names]
         self.pressure, self.gradient, self._trial, self._step, self._response = made
         self.fields = dict(zip(names, made, strict=True))
         self._fields = arguments(passes.Fields, cap=min(hardness, NO_CAP), **self.fields)
+        #: Where descents are gathered, and ranges of blocks of rows; none where rows are apart, or on a GPU.
+        self._gathered = executor.zeros() if influence.of_one_grid and executor.device.is_cpu else None
+        self._blocks = executor.split_rows(
+            np.full(-(-executor.grid.nx // extension.ROWS), extension.ROWS * executor.grid.ny)
+        )
         self._parts: Field | None = None
         self._sums = executor.partials(len(Products._fields) - 2)
         self._maxima = executor.partials(2)
@@ -117,7 +122,7 @@ class Iterate:
         for _ in range(2):  # about 0, then about the mean
             inputs = [self._executor.grid.ny, mean, gap]
             count, first, second, deepest, _unused = self._pass(
-                half_space_setup.moments, inputs, [], sums=3, maxima=2
+                setup.moments, inputs, [], sums=3, maxima=2
             )
             mean = mean + first / count
             variance, lowest = second / count - (first / count) ** 2, -deepest
@@ -125,17 +130,17 @@ class Iterate:
 
     def foundation(self, gap: Field, *, stiffness: float, level: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Trial pressure of a foundation [N/mm³] at an approach [mm]; what it carries, as `carried`."""
-        self._pass(half_space_setup.spring, [self._executor.grid.ny, stiffness, level, gap], [self._trial])
+        self._pass(setup.spring, [self._executor.grid.ny, stiffness, level, gap], [self._trial])
         return self.carried(np.zeros(self.parts))
 
     def begin(self, gap: Field, *, single: bool = False) -> SearchSums:
         """Make the gradient of the present pressure. single: in single precision, where responses may be."""
         if self._parts is not None:
-            self._pass(half_space_setup.bound, [self._fields.cap, self._parts], [self.pressure])
+            self._pass(setup.bound, [self._fields.cap, self._parts], [self.pressure])
         single = single and self._single
         self._influence.respond(self.pressure, self._response, single=single)
         inputs = [self._executor.grid.ny, gap, self._response]
-        (largest, _unused) = self._pass(half_space_setup.gradient, inputs, [self.gradient], maxima=2)
+        (largest, _unused) = self._pass(setup.gradient, inputs, [self.gradient], maxima=2)
         self.drift, self._step_drift = SINGLE_ROUNDING * single * float(largest.max()), 0.0
         return self._advance(whole=False, length=0.0, shift=np.zeros(self.parts))
 
@@ -187,9 +192,16 @@ class Iterate:
         """
         if plain:
             return self.gradient, approach
-        self._pass(passes.residual, [approach], [self._fields])
+        if self._gathered is None:
+            self._pass(passes.residual, [approach], [self._fields])
+            self._influence.invert(self._trial, self._trial)
+            return self._trial, np.zeros(self.parts)
+        columns, wraps, weights = self._executor.grid.ny, self._influence.wraps, self._influence.of_neighbours
+        inputs, blocks = [columns, wraps, weights, approach, self._fields], self._blocks
+        self._pass(extension.extend, inputs, [self._trial], chunks=blocks)
         self._influence.invert(self._trial, self._trial)
-        return self._trial, np.zeros(self.parts)
+        self._pass(extension.gather, [*inputs, self._trial], [self._gathered], chunks=blocks)
+        return self._gathered, np.zeros(self.parts)
 
     def products(self, approach: FloatArray, descent: Field, level: FloatArray) -> Products:
         """Sums and maxima over the free cells."""
@@ -258,7 +270,7 @@ class Iterate:
         slope, used, _unused = self._pass(passes.step, inputs, [], sums=1, maxima=2)
         self._influence.respond(self._step, self._response, single=self._single)
         outputs = self._step, self._response
-        products, largest, _unused = self._pass(half_space_setup.product, [*outputs], [], sums=1, maxima=2)
+        products, largest, _unused = self._pass(setup.product, [*outputs], [], sums=1, maxima=2)
         curvature, self._step_drift = float(products.sum()), 0.0
         if self._single:
             self._step_drift = SINGLE_ROUNDING * float(largest.max())
@@ -282,7 +294,14 @@ class Iterate:
         return self._influence.coefficients(rows, columns)
 
     def _pass(
-        self, kernel: Any, inputs: list[Any], outputs: list[Field], *, sums: int = 0, maxima: int = 0
+        self,
+        kernel: Any,
+        inputs: list[Any],
+        outputs: list[Field],
+        *,
+        sums: int = 0,
+        maxima: int = 0,
+        chunks: list[tuple[int, int]] | None = None,
     ) -> list[FloatArray]:
         """Launch a kernel and reduce what it leaves in its tables to a number for each part.
 
@@ -291,7 +310,7 @@ class Iterate:
         places = iter(self._arguments)
         inputs = [self._placed(v, *next(places)) if isinstance(v, np.ndarray) else v for v in inputs]
         tables = ([self._sums] if sums else []) + ([self._maxima] if maxima else [])
-        chunks = self._influence.chunks
+        chunks = self._influence.chunks if chunks is None else chunks
         self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables], chunks=chunks, often=True)
         slots = self._slots
         if self._folded is None:
@@ -301,7 +320,7 @@ class Iterate:
             width = self._folded.shape[1]
             spans = (1, width, slots) if self.parts == 1 else (of_row, 1, of_row)
             self._executor.launch(
-                half_space_setup.fold,
+                setup.fold,
                 inputs=[width, sums, slots, wp.vec3i(*spans), self._sums, self._maxima],
                 outputs=[self._folded],
                 chunks=[(0, both * width)],

@@ -14,8 +14,12 @@ from warpwear.contact.transforms import CupyTransforms, ScipyTransforms, Transfo
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid, IntArray
+from warpwear.kernels.half_space import extension
 
 fft = lazy.module("scipy.fft")
+
+#: Modes in each direction that tell the weights of neighbours.
+MODES_OF_WEIGHTS = 64
 
 
 class Operator(ABC):
@@ -32,8 +36,12 @@ class Operator(ABC):
     _nearby: Any
     #: Whether it is one convolution of all cells, so that there are `coefficients`.
     of_one_grid = False
+    #: Whether that repeats beyond the edges of the grid.
+    wraps = False
     #: A table of the response, and its coefficients by distance in cells.
     _coefficients: tuple[Any, Any] = None, None
+    #: A table of the inverse, and its weights.
+    _weights: tuple[Any, Any] = None, None
 
     @abstractmethod
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
@@ -71,6 +79,27 @@ class Operator(ABC):
         found: FloatArray = self._coefficients[1][along, across]
         return found
 
+    @property
+    def of_neighbours(self) -> extension.Weights:
+        """What a displacement of a cell takes off its own to need no pressure: of a neighbour along x, y, both.
+
+        Coefficients of the inverse over that of the cell itself, by modes that are far apart.
+        """
+        if self._weights[0] is not self._nearby:
+            table, shape = self._nearby, self._near.shape
+            steps = [max(1, size // MODES_OF_WEIGHTS) for size in shape]
+            few = table[:: steps[0], :: steps[1]]
+            few = few if isinstance(few, np.ndarray) else few.get()
+            inverse = np.divide(1.0, few, out=np.zeros_like(few), where=few > 0.0)
+            # A real transform holds half of the modes, without the other side of the first and the last.
+            inverse[:, 1 : (shape[1] - 1) // (2 * steps[1]) + 1] *= 2.0
+            angles = (2.0 * math.pi / n * s * np.arange(k) for n, s, k in zip(shape, steps, few.shape, strict=True))
+            along, across = (np.cos(angle) for angle in angles)
+            own, found = inverse.sum(), (along @ inverse, inverse @ across)
+            sums = found[0].sum(), found[1].sum(), found[0] @ across
+            self._weights = self._nearby, extension.Weights(*(-sum_ / own for sum_ in sums))
+        return self._weights[1]
+
     def invert(self, displacement: Field, pressure: Field) -> None:
         """About the pressure [MPa] of a displacement [mm]: |q| E*/2 without compliances. May be in place."""
         self._near.filter(displacement, self._nearby, pressure, divide=True)
@@ -96,6 +125,7 @@ class Influence(Operator):
                 f'contact.boundary = {boundary!r} is unknown; allowed are "periodic" and "free".'
             )
         self._streak_cells = grid.nx
+        self.wraps = boundary == "periodic"
         self.cells = grid.cells
         self.shortest_response = shortest_response(grid.cell, modulus)
         make: Any = ScipyTransforms if executor.device.is_cpu else CupyTransforms

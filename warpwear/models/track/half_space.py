@@ -15,8 +15,9 @@ from warpwear.contact.half_space_window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import contact, half_space, half_space_setup, wear_from_pressure
+from warpwear.kernels import contact, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
+from warpwear.kernels.half_space import search, setup
 from warpwear.kernels.sliding import Bodies
 from warpwear.kernels.wear_from_pressure import Increment
 from warpwear.kernels.wear_loops import Layout
@@ -84,7 +85,7 @@ class SlidingHalfSpace:
         track_fraction: float = 1.0,
         moves: bool = True,
     ) -> None:
-        executor.foresee([contact.gap, wear_from_pressure.gaps, half_space.advance, half_space_setup.moments])
+        executor.foresee([contact.gap, wear_from_pressure.gaps, search.advance, setup.moments])
         self.state = SlidingBodies.of(task, executor, disc)
         self.task = task
         self.periodic = periodic

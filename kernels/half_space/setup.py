@@ -1,6 +1,6 @@
 """The passes of the half-space solver before a search, and those that a search does without fields to change.
 
-Symbols as in `half_space`: p pressure, t = Gp + g its gradient.
+Symbols as in `search`: p pressure, t = Gp + g its gradient.
 """
 
 import warp as wp
