@@ -117,6 +117,8 @@ class Solve:
     made: wp.array(dtype=wp.float64)
     given_near: wp.array(dtype=wp.float32)  # of the preconditioner
     made_near: wp.array(dtype=wp.float32)
+    weights: wp.array(dtype=wp.float32)  # of neighbours along x, along y and across corners
+    wraps: wp.bool  # whether the surface repeats beyond its edges
     found: wp.array2d(dtype=wp.float64)  # a line a sum or maximum, a column a block
     rules: Rules
     asked: wp.array(dtype=wp.float64)  # Σ p [MPa], and stiffness of a foundation to begin with [N/mm³]
@@ -469,6 +471,86 @@ def residual(solve: Solve):
             is_free = free(solve.pressure[i], solve.gradient[i], level, cap_of(solve, i))
             place = i // solve.columns * solve.ny + column
             solve.given_near[place] = wp.float32(wp.where(is_free > ZERO, r, ZERO))
+
+
+@wp.func
+def around(
+    solve: Solve,
+    values: wp.array(dtype=wp.float32),
+    row: wp.int32,
+    column: wp.int32,
+    level: wp.float64,
+    bound: wp.bool,
+):
+    """Weighted sum of the neighbours of a cell. bound: of those alone that are not free at the level."""
+    rows = solve.pressure.shape[0] // solve.columns
+    total = wp.float32(0.0)
+    for di in range(-1, 2):
+        for dj in range(-1, 2):
+            i = row + di
+            j = column + dj
+            if solve.wraps:
+                i = wp.where(i < 0, rows - 1, wp.where(i == rows, 0, i))
+                j = wp.where(j < 0, solve.ny - 1, wp.where(j == solve.ny, 0, j))
+            if (di != 0 or dj != 0) and i >= 0 and j >= 0 and i < rows and j < solve.ny:
+                weight = solve.weights[2]
+                if dj == 0:
+                    weight = solve.weights[0]
+                if di == 0:
+                    weight = solve.weights[1]
+                counts = True
+                if bound:
+                    at = i * solve.columns + j
+                    counts = free(solve.pressure[at], solve.gradient[at], level, cap_of(solve, at)) == ZERO
+                if counts:
+                    total += weight * values[i * solve.ny + j]
+    return total
+
+
+@wp.kernel
+def extend(solve: Solve, values_in: wp.array(dtype=wp.float32), values_out: wp.array(dtype=wp.float32)):
+    """Values of free cells as they are, of others the weighted sum of their neighbours; see `extension`."""
+    thread = wp.tid()
+    level = solve.numbers[0].level
+    for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
+        row = i // solve.columns
+        column = i % solve.columns
+        if column < solve.ny:
+            value = values_in[row * solve.ny + column]
+            if free(solve.pressure[i], solve.gradient[i], level, cap_of(solve, i)) == ZERO:
+                value = around(solve, values_in, row, column, level, False)
+            values_out[row * solve.ny + column] = value
+
+
+@wp.kernel
+def gather(solve: Solve):
+    """What the cells that are not free give back, in the place of what was transformed; see `extension`."""
+    thread = wp.tid()
+    level = solve.numbers[0].level
+    for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
+        row = i // solve.columns
+        column = i % solve.columns
+        if column < solve.ny:
+            value = wp.float32(0.0)
+            if free(solve.pressure[i], solve.gradient[i], level, cap_of(solve, i)) == ZERO:
+                value = solve.made_near[row * solve.ny + column] + around(
+                    solve, solve.made_near, row, column, level, True
+                )
+            solve.given_near[row * solve.ny + column] = value
+
+
+@wp.kernel
+def give(solve: Solve):
+    """Add what `gather` found to the descent of the cells beside."""
+    thread = wp.tid()
+    for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
+        row = i // solve.columns
+        column = i % solve.columns
+        if column < solve.ny:
+            place = row * solve.ny + column
+            solve.made_near[place] = solve.made_near[place] + around(
+                solve, solve.given_near, row, column, ZERO, False
+            )
 
 
 @wp.func

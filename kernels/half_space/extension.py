@@ -1,10 +1,10 @@
-"""What the preconditioner of a search does beside its transforms: values of free cells extended to the others.
+"""What the preconditioner of a search does beside its transforms: it extends values of free cells to others.
 
 |q| E*/2 is the inverse of the whole surface. Of free cells alone it is the inverse of their own operator if
-their gradient is extended to the other cells so that no pressure is needed there. About that extension is made
-here, by two of Jacobi's iterations with the coefficients of next neighbours alone. Whatever extension E is
-made, Eᵀ |q| E is symmetric and positive as |q| is. On a CPU, in single precision as the transforms between.
-Symbols as in `search`.
+their gradient is extended to the other cells so that no pressure is needed there. About that extension is
+made here, by two of Jacobi's iterations with the coefficients of next neighbours alone. Whatever extension E
+is made, Eᵀ |q| E is symmetric and positive as |q| is. On a CPU, in single precision as the transforms
+between. Symbols as in `search`.
 """
 
 import warp as wp
@@ -157,5 +157,5 @@ def gather(
     values_in: wp.array2d(dtype=Cells),
     values_out: wp.array2d(dtype=Cells),
 ):
-    """The transpose of `extend`: to values of free cells what those of the others give back; others are lost."""
+    """The transpose of `extend`: adds to values of free cells what those of others give back."""
     gather_rows(first_slot + wp.tid(), columns, wraps, weights, approach_in, fields, values_in, values_out)

@@ -85,9 +85,8 @@ class Iterate:
         self._fields = arguments(passes.Fields, cap=min(hardness, NO_CAP), **self.fields)
         #: Where descents are gathered, and ranges of blocks of rows; none where rows are apart, or on a GPU.
         self._gathered = executor.zeros() if influence.of_one_grid and executor.device.is_cpu else None
-        self._blocks = executor.split_rows(
-            np.full(-(-executor.grid.nx // extension.ROWS), extension.ROWS * executor.grid.ny)
-        )
+        cells = np.full(-(-executor.grid.nx // extension.ROWS), extension.ROWS * executor.grid.ny)
+        self._blocks = [span for span in executor.split_rows(cells) if span[0] < span[1]]
         self._parts: Field | None = None
         self._sums = executor.partials(len(Products._fields) - 2)
         self._maxima = executor.partials(2)
@@ -121,9 +120,7 @@ class Iterate:
         mean = variance = lowest = np.zeros(self.parts)
         for _ in range(2):  # about 0, then about the mean
             inputs = [self._executor.grid.ny, mean, gap]
-            count, first, second, deepest, _unused = self._pass(
-                setup.moments, inputs, [], sums=3, maxima=2
-            )
+            count, first, second, deepest, _unused = self._pass(setup.moments, inputs, [], sums=3, maxima=2)
             mean = mean + first / count
             variance, lowest = second / count - (first / count) ** 2, -deepest
         return Moments(mean, np.sqrt(np.maximum(variance, 0.0)), lowest)

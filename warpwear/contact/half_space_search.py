@@ -21,7 +21,7 @@ from warpwear.kernels.cells import PADDING
 
 #: Where a smaller fraction of the cells in contact is below the cap, |q| is no guide: steps then follow the
 #: plain gradient.
-ELASTIC_FRACTION = 0.3
+ELASTIC_FRACTION = 0.1
 #: Plain steps of a solve; |q| leads on where so many have not led to its end.
 PATIENCE = 16
 #: A step is taken whole, bounds and all, if it is at least this fraction of the best length; else the best

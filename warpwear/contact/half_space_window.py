@@ -17,8 +17,8 @@ from warpwear.contact.half_space import TOLERANCE, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.state import Columns
 from warpwear.grid import Grid
-from warpwear.kernels.half_space import setup
 from warpwear.kernels.cells import LANES, Cells
+from warpwear.kernels.half_space import setup
 
 #: Sizes of windows along a side of the grid.
 SIZES = 8

@@ -38,10 +38,10 @@ class Operator(ABC):
     of_one_grid = False
     #: Whether that repeats beyond the edges of the grid.
     wraps = False
+    #: Weights with which next neighbours extend what the inverse is given; none where it is not extended.
+    of_neighbours: Any = None
     #: A table of the response, and its coefficients by distance in cells.
     _coefficients: tuple[Any, Any] = None, None
-    #: A table of the inverse, and its weights.
-    _weights: tuple[Any, Any] = None, None
 
     @abstractmethod
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
@@ -78,27 +78,6 @@ class Operator(ABC):
         along, across = (np.minimum(d, size - d) for d, size in zip(away, shape, strict=True))
         found: FloatArray = self._coefficients[1][along, across]
         return found
-
-    @property
-    def of_neighbours(self) -> extension.Weights:
-        """What a displacement of a cell takes off its own to need no pressure: of a neighbour along x, y, both.
-
-        Coefficients of the inverse over that of the cell itself, by modes that are far apart.
-        """
-        if self._weights[0] is not self._nearby:
-            table, shape = self._nearby, self._near.shape
-            steps = [max(1, size // MODES_OF_WEIGHTS) for size in shape]
-            few = table[:: steps[0], :: steps[1]]
-            few = few if isinstance(few, np.ndarray) else few.get()
-            inverse = np.divide(1.0, few, out=np.zeros_like(few), where=few > 0.0)
-            # A real transform holds half of the modes, without the other side of the first and the last.
-            inverse[:, 1 : (shape[1] - 1) // (2 * steps[1]) + 1] *= 2.0
-            angles = (2.0 * math.pi / n * s * np.arange(k) for n, s, k in zip(shape, steps, few.shape, strict=True))
-            along, across = (np.cos(angle) for angle in angles)
-            own, found = inverse.sum(), (along @ inverse, inverse @ across)
-            sums = found[0].sum(), found[1].sum(), found[0] @ across
-            self._weights = self._nearby, extension.Weights(*(-sum_ / own for sum_ in sums))
-        return self._weights[1]
 
     def invert(self, displacement: Field, pressure: Field) -> None:
         """About the pressure [MPa] of a displacement [mm]: |q| E*/2 without compliances. May be in place."""
@@ -143,6 +122,11 @@ class Influence(Operator):
             elastic[0, 0] = 3.0 * elastic.max()
             self.near_elastic = self._near.table(elastic)
             self.elastic = self._far.table(free_spectrum(grid, modulus, self.far_shape))
+        self._steps = [max(1, size // MODES_OF_WEIGHTS) for size in grid.shape]
+        few = self._near.on_device(lambda _: elastic[:: self._steps[0], :: self._steps[1]].copy())
+        #: Modes of the inverse far apart, on the host.
+        self._few: FloatArray = few if executor.device.is_cpu else few.get()
+        self._weights: tuple[Any, extension.Weights] | None = None
         self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)
 
@@ -172,6 +156,33 @@ class Influence(Operator):
             for table in (self.elastic, self.near_elastic)
         )
         return of_response, of_inverse
+
+    def weights(self, own: float, streak: float, window: int | None) -> extension.Weights:
+        """Weights of neighbours along x, along y and across corners, with which a cell needs no pressure.
+
+        They are coefficients of the inverse under compliances, as of `set_compliance`, over that of the cell
+        itself, by few modes.
+        """
+        if self._weights is None or self._weights[0] != (own, streak, window):
+            shape = self._near.shape
+            line = self.lines(own, streak, window)[1][:: self._steps[0], np.newaxis]
+            response = self._few + line
+            inverse = np.divide(1.0, response, out=np.zeros_like(response), where=response > 0.0)
+            # A real transform holds half of the modes, without the other side of the first and the last.
+            inverse[:, 1 : (shape[1] - 1) // (2 * self._steps[1]) + 1] *= 2.0
+            along, across = (
+                np.cos(2.0 * math.pi / size * step * np.arange(count))
+                for size, step, count in zip(shape, self._steps, inverse.shape, strict=True)
+            )
+            rows = inverse.sum(axis=1), inverse @ across
+            sums = along @ rows[0], rows[1].sum(), along @ rows[1]
+            self._weights = (own, streak, window), extension.Weights(*(-one / inverse.sum() for one in sums))
+        return self._weights[1]
+
+    @property
+    def of_neighbours(self) -> extension.Weights | None:
+        """The `weights` of the compliances as they are set."""
+        return None if self._compliance is None else self.weights(*self._compliance)
 
     def _mean_of(self, rows: int, window: int) -> FloatArray:
         """The spectrum of S S, which is that of its coefficients, of `rows` modes."""

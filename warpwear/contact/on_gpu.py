@@ -81,6 +81,8 @@ class DeviceSearch:
             made=self._far.made.flatten(),
             given_near=self._near.given.flatten(),
             made_near=self._near.made.flatten(),
+            weights=wp.zeros(3, dtype=wp.float32, device=self._device),
+            wraps=influence.wraps,
             found=wp.zeros((LINES, blocks), dtype=wp.float64, device=self._device),
             rules=self._rules,
             asked=wp.zeros(2, dtype=wp.float64, device=self._device),
@@ -125,6 +127,7 @@ class DeviceSearch:
             self._compliance = compliance
             for place, values in zip(self._lines, self._influence.lines(*compliance), strict=True):
                 place.assign(values)
+            self._solve.weights.assign(list(self._influence.weights(*compliance)))
         wp.copy(self._gap, gap)
         self._take_parts(parts)
         self._asked.numpy()[:] = asked, stiffness
@@ -204,8 +207,13 @@ class DeviceSearch:
         self._pass(passes.carried, passes.weigh)
 
     def _precondition(self) -> None:
+        near = self._solve.given_near, self._solve.made_near
         self._pass(passes.residual)
+        self._pass(passes.extend, inputs=near)
+        self._pass(passes.extend, inputs=near[::-1])
         self._filter(self._near, passes.divide_waves, self._tables[1], self._lines[1])
+        self._pass(passes.gather)
+        self._pass(passes.give)
 
     def _respond(self) -> None:
         self._filter(self._far, passes.pass_waves, self._tables[0], self._lines[0])
@@ -216,14 +224,13 @@ class DeviceSearch:
         wp.launch(kernel, dim=table.shape, inputs=inputs, outputs=[waves.waves], device=self._device)
         waves.back()
 
-    def _pass(self, kernel: Any, decision: Any = None) -> None:
-        """Launch a pass over the cells, and what decides by its sums and maxima."""
+    def _pass(self, kernel: Any, decision: Any = None, *, inputs: tuple[Field, ...] = ()) -> None:
+        """Launch a pass over the cells, and what decides by its sums and maxima. inputs: more of the pass."""
         block = 1 if self._device.is_cpu else BLOCK  # one thread on a CPU: for tests
-        for what, blocks in ((kernel, self._solve.found.shape[1]), (decision, 1)):
+        for what, blocks, more in ((kernel, self._solve.found.shape[1], inputs), (decision, 1, ())):
             if what is not None:
-                wp.launch(
-                    what, dim=blocks * block, inputs=[self._solve], device=self._device, block_dim=block
-                )
+                arguments = [self._solve, *more]
+                wp.launch(what, dim=blocks * block, inputs=arguments, device=self._device, block_dim=block)
 
     def _numbers_of(self, field: Field) -> Field:
         """A field seen as single numbers, shape (rows × columns,)."""
