@@ -1,6 +1,7 @@
 """The search of the half-space solver on a GPU without a word to the host, pass by pass.
 
-The rules are those of `half_space_search` and of `balance.newton_in_bracket`, symbols those of `half_space`.
+The rules are those of `half_space_search` and of `balance.newton_in_bracket`, symbols those of
+`half_space.search`.
 A thread visits single cells; fields are those of the other kernels, seen as numbers. What a pass finds is
 reduced block by block into `found`, a line each sum or maximum, and read by a kernel of one block that
 decides what follows. On a CPU, where only tests run it, a block is one thread.
@@ -53,6 +54,8 @@ class Rules:
     hopeless: wp.float64
     evaluations: wp.int32
     iterations: wp.int32
+    scattered: wp.float64
+    every: wp.int32
     cap: wp.float64  # H [MPa]
     cells: wp.float64  # of the surface
 
@@ -117,6 +120,7 @@ class Solve:
     made: wp.array(dtype=wp.float64)
     given_near: wp.array(dtype=wp.float32)  # of the preconditioner
     made_near: wp.array(dtype=wp.float32)
+    bound: wp.array(dtype=wp.uint8)  # 1 where a cell is not free, shape (rows × ny,)
     weights: wp.array(dtype=wp.float32)  # of neighbours along x, along y and across corners
     wraps: wp.bool  # whether the surface repeats beyond its edges
     found: wp.array2d(dtype=wp.float64)  # a line a sum or maximum, a column a block
@@ -127,6 +131,7 @@ class Solve:
     searching: wp.array(dtype=wp.int32)  # one number each, 1 while it goes on
     balancing: wp.array(dtype=wp.int32)
     near: wp.array(dtype=wp.int32)  # 1 where the step is preconditioned
+    extends: wp.array(dtype=wp.int32)  # 1 where that extends values
 
 
 @wp.func
@@ -471,86 +476,97 @@ def residual(solve: Solve):
             is_free = free(solve.pressure[i], solve.gradient[i], level, cap_of(solve, i))
             place = i // solve.columns * solve.ny + column
             solve.given_near[place] = wp.float32(wp.where(is_free > ZERO, r, ZERO))
+            solve.bound[place] = wp.uint8(wp.where(is_free > ZERO, 0, 1))
+
+
+@wp.kernel
+def scatter(solve: Solve):
+    """In some rows, sums of cells between the bounds and of the ends of their lines."""
+    thread = wp.tid()
+    cells = ZERO
+    ends = ZERO
+    for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
+        column = i % solve.columns
+        if column < solve.ny and i // solve.columns % solve.rules.every == 0:
+            between = solve.pressure[i] > ZERO and solve.pressure[i] < cap_of(solve, i)
+            cells += wp.where(between, ONE, ZERO)
+            if column + 1 < solve.ny:
+                beside = solve.pressure[i + 1] > ZERO and solve.pressure[i + 1] < cap_of(solve, i + 1)
+                ends += wp.where(between == beside, ZERO, ONE)
+    add(solve, thread, 0, cells)
+    add(solve, thread, 1, ends)
+
+
+@wp.kernel
+def judge_scatter(solve: Solve):
+    """Whether extending values pays, as `half_space_passes` says. One block."""
+    thread = wp.tid()
+    cells = sum_found(solve, thread, 0)
+    ends = sum_found(solve, thread, 1)
+    if thread == 0:
+        solve.extends[0] = wp.where(ends > solve.rules.scattered * cells, 1, 0)
 
 
 @wp.func
-def around(
-    solve: Solve,
-    values: wp.array(dtype=wp.float32),
-    row: wp.int32,
-    column: wp.int32,
-    level: wp.float64,
-    bound: wp.bool,
-):
-    """Weighted sum of the neighbours of a cell. bound: of those alone that are not free at the level."""
-    rows = solve.pressure.shape[0] // solve.columns
-    total = wp.float32(0.0)
-    for di in range(-1, 2):
-        for dj in range(-1, 2):
-            i = row + di
-            j = column + dj
-            if solve.wraps:
-                i = wp.where(i < 0, rows - 1, wp.where(i == rows, 0, i))
-                j = wp.where(j < 0, solve.ny - 1, wp.where(j == solve.ny, 0, j))
-            if (di != 0 or dj != 0) and i >= 0 and j >= 0 and i < rows and j < solve.ny:
-                weight = solve.weights[2]
-                if dj == 0:
-                    weight = solve.weights[0]
-                if di == 0:
-                    weight = solve.weights[1]
-                counts = True
-                if bound:
-                    at = i * solve.columns + j
-                    counts = free(solve.pressure[at], solve.gradient[at], level, cap_of(solve, at)) == ZERO
-                if counts:
-                    total += weight * values[i * solve.ny + j]
-    return total
+def counted(solve: Solve, values: wp.array(dtype=wp.float32), place: wp.int32, bound: wp.bool):
+    """A value; nothing of a free cell if those that are not are asked for."""
+    value = values[place]
+    if bound and solve.bound[place] == wp.uint8(0):
+        value = wp.float32(0.0)
+    return value
+
+
+@wp.func
+def around(solve: Solve, values: wp.array(dtype=wp.float32), place: wp.int32, bound: wp.bool):
+    """Weighted sum of the neighbours of a cell. bound: of those alone that are not free."""
+    row = place // solve.ny
+    column = place % solve.ny
+    rows = solve.bound.shape[0] // solve.ny
+    # Beyond the edges is the other side, which counts if the surface repeats.
+    up = wp.where(row > 0, place - solve.ny, place + (rows - 1) * solve.ny)
+    down = wp.where(row < rows - 1, place + solve.ny, column)
+    left = wp.where(column > 0, -1, solve.ny - 1)
+    right = wp.where(column < solve.ny - 1, 1, 1 - solve.ny)
+    is_up = wp.float32(wp.where(solve.wraps or row > 0, 1, 0))
+    is_down = wp.float32(wp.where(solve.wraps or row < rows - 1, 1, 0))
+    is_left = wp.float32(wp.where(solve.wraps or column > 0, 1, 0))
+    is_right = wp.float32(wp.where(solve.wraps or column < solve.ny - 1, 1, 0))
+    beside = is_left * counted(solve, values, place + left, bound)
+    beside += is_right * counted(solve, values, place + right, bound)
+    along = is_up * counted(solve, values, up, bound) + is_down * counted(solve, values, down, bound)
+    corner = is_up * is_left * counted(solve, values, up + left, bound)
+    corner += is_up * is_right * counted(solve, values, up + right, bound)
+    corner += is_down * is_left * counted(solve, values, down + left, bound)
+    corner += is_down * is_right * counted(solve, values, down + right, bound)
+    return solve.weights[0] * along + solve.weights[1] * beside + solve.weights[2] * corner
 
 
 @wp.kernel
 def extend(solve: Solve, values_in: wp.array(dtype=wp.float32), values_out: wp.array(dtype=wp.float32)):
     """Values of free cells as they are, of others the weighted sum of their neighbours; see `extension`."""
-    thread = wp.tid()
-    level = solve.numbers[0].level
-    for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
-        row = i // solve.columns
-        column = i % solve.columns
-        if column < solve.ny:
-            value = values_in[row * solve.ny + column]
-            if free(solve.pressure[i], solve.gradient[i], level, cap_of(solve, i)) == ZERO:
-                value = around(solve, values_in, row, column, level, False)
-            values_out[row * solve.ny + column] = value
+    for place in range(wp.tid(), solve.bound.shape[0], threads_of(solve)):
+        value = values_in[place]
+        if solve.bound[place] == wp.uint8(1):
+            value = around(solve, values_in, place, False)
+        values_out[place] = value
 
 
 @wp.kernel
 def gather(solve: Solve):
     """What the cells that are not free give back, in the place of what was transformed; see `extension`."""
-    thread = wp.tid()
-    level = solve.numbers[0].level
-    for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
-        row = i // solve.columns
-        column = i % solve.columns
-        if column < solve.ny:
-            value = wp.float32(0.0)
-            if free(solve.pressure[i], solve.gradient[i], level, cap_of(solve, i)) == ZERO:
-                value = solve.made_near[row * solve.ny + column] + around(
-                    solve, solve.made_near, row, column, level, True
-                )
-            solve.given_near[row * solve.ny + column] = value
+    for place in range(wp.tid(), solve.bound.shape[0], threads_of(solve)):
+        value = wp.float32(0.0)
+        if solve.bound[place] == wp.uint8(1):
+            value = solve.made_near[place] + around(solve, solve.made_near, place, True)
+        solve.given_near[place] = value
 
 
 @wp.kernel
 def give(solve: Solve):
-    """Add what `gather` found to the descent of the cells beside."""
-    thread = wp.tid()
-    for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
-        row = i // solve.columns
-        column = i % solve.columns
-        if column < solve.ny:
-            place = row * solve.ny + column
-            solve.made_near[place] = solve.made_near[place] + around(
-                solve, solve.given_near, row, column, ZERO, False
-            )
+    """Add what `gather` found to the descent of the free cells beside."""
+    for place in range(wp.tid(), solve.bound.shape[0], threads_of(solve)):
+        if solve.bound[place] == wp.uint8(0):
+            solve.made_near[place] = solve.made_near[place] + around(solve, solve.given_near, place, False)
 
 
 @wp.func

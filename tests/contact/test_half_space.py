@@ -13,7 +13,13 @@ import pytest
 import warp as wp
 from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense_streak, rough
 
-from warpwear.contact import half_space_few, half_space_nested, half_space_search
+from warpwear.contact import (
+    half_space_few,
+    half_space_nested,
+    half_space_passes,
+    half_space_search,
+    on_gpu,
+)
 from warpwear.contact.half_space import HalfSpace
 from warpwear.contact.half_space_passes import FOLDED
 from warpwear.contact.transforms import CupyTransforms, _stream_of
@@ -229,12 +235,14 @@ def test_no_convergence_is_an_error_with_its_residual() -> None:
 def test_a_solve_in_one_launch_makes_the_iterations_of_one_pass_by_pass(
     boundary: str, hardness: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """From nothing, from the last pressure, and where preconditioned steps are given up."""
+    """From nothing, from the last pressure, with values extended, and where preconditioned steps are given up."""
     grid = Grid(40, 37, 0.5)
     gap = rough(grid, shortest=9)
     monkeypatch.setattr(half_space_few, "FEW", 0)  # which a GPU does without
-    for elastic_fraction in (0.3, 0.9):
+    for elastic_fraction, scattered in ((0.3, 1.0), (0.9, 1.0), (0.1, 0.0)):
         monkeypatch.setattr(half_space_search, "ELASTIC_FRACTION", elastic_fraction)
+        for module in (half_space_passes, on_gpu):
+            monkeypatch.setattr(module, "SCATTERED", scattered)
         found = []
         with Executor(grid) as executor:
             for on_device in (False, True):

@@ -12,7 +12,7 @@ import warp as wp
 
 from warpwear.contact import half_space_search as search
 from warpwear.contact.balance import HOPELESS, MAX_EVALUATIONS, TOLERANCE
-from warpwear.contact.half_space_passes import NO_CAP, ROUGH_BALANCE, Iterate
+from warpwear.contact.half_space_passes import EVERY, NO_CAP, ROUGH_BALANCE, SCATTERED, Iterate
 from warpwear.contact.influence import Influence
 from warpwear.contact.transforms import Filter, arrays_of, filter_of
 from warpwear.engine.executor import Executor, Field, arguments
@@ -68,6 +68,8 @@ class DeviceSearch:
             hopeless=HOPELESS,
             evaluations=MAX_EVALUATIONS - 1,
             iterations=max_iterations,
+            scattered=SCATTERED,
+            every=EVERY,
             cap=min(hardness, NO_CAP),
             cells=float(influence.cells),
         )
@@ -81,6 +83,7 @@ class DeviceSearch:
             made=self._far.made.flatten(),
             given_near=self._near.given.flatten(),
             made_near=self._near.made.flatten(),
+            bound=wp.zeros(grid.cells, dtype=wp.uint8, device=self._device),
             weights=wp.zeros(3, dtype=wp.float32, device=self._device),
             wraps=influence.wraps,
             found=wp.zeros((LINES, blocks), dtype=wp.float64, device=self._device),
@@ -88,7 +91,7 @@ class DeviceSearch:
             asked=wp.zeros(2, dtype=wp.float64, device=self._device),
             told=wp.zeros(len(Told), dtype=wp.float64, device=self._device),
             numbers=wp.zeros(1, dtype=Numbers, device=self._device),
-            **{name: self._flag() for name in ("searching", "balancing", "near")},
+            **{name: self._flag() for name in ("searching", "balancing", "near", "extends")},
         )
         self._lines = [
             wp.zeros(n, dtype=wp.float64, device=self._device) for n in (self._far.shape[0], grid.nx)
@@ -189,6 +192,7 @@ class DeviceSearch:
         self._pass(passes.present)
         self._respond()
         self._pass(passes.begin)
+        self._pass(passes.scatter, passes.judge_scatter)
         self._pass(passes.advance, passes.judge)
         wp.capture_while(solve.searching, self._iterate)
         wp.copy(self._told, solve.told)
@@ -207,11 +211,17 @@ class DeviceSearch:
         self._pass(passes.carried, passes.weigh)
 
     def _precondition(self) -> None:
-        near = self._solve.given_near, self._solve.made_near
         self._pass(passes.residual)
+        wp.capture_if(self._solve.extends, self._extend)
+        self._filter(self._near, passes.divide_waves, self._tables[1], self._lines[1])
+        wp.capture_if(self._solve.extends, self._gather)
+
+    def _extend(self) -> None:
+        near = self._solve.given_near, self._solve.made_near
         self._pass(passes.extend, inputs=near)
         self._pass(passes.extend, inputs=near[::-1])
-        self._filter(self._near, passes.divide_waves, self._tables[1], self._lines[1])
+
+    def _gather(self) -> None:
         self._pass(passes.gather)
         self._pass(passes.give)
 
