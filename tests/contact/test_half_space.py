@@ -235,7 +235,7 @@ def test_no_convergence_is_an_error_with_its_residual() -> None:
 def test_a_solve_in_one_launch_makes_the_iterations_of_one_pass_by_pass(
     boundary: str, hardness: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """From nothing, from the last pressure, with values extended, and where preconditioned steps are given up."""
+    """From nothing, from the last pressure, with values extended, and where plain steps take over."""
     grid = Grid(40, 37, 0.5)
     gap = rough(grid, shortest=9)
     monkeypatch.setattr(half_space_few, "FEW", 0)  # which a GPU does without
