@@ -10,7 +10,7 @@ between. Symbols as in `search`.
 import warp as wp
 
 from warpwear.kernels.cells import Cells
-from warpwear.kernels.half_space.search import Fields
+from warpwear.kernels.half_space.search import Fields, SingleCells
 
 wp.set_module_options({"enable_backward": False})
 
@@ -26,7 +26,7 @@ _BEGIN = """
 {
     #pragma clang fp contract(fast)
     typedef double D __attribute__((ext_vector_type(8), aligned(8)));
-    typedef float F __attribute__((ext_vector_type(8), aligned(32)));
+    typedef float F __attribute__((ext_vector_type(8)));
     const int deep = DEEP, most = 128, ahead = 16, rows = fields.pressure.shape[0];
     const bool parted = fields.parts.shape[0] > 0;
     const D zero = 0.0, one = 1.0, level = wp::index(approach_in, 0), cap_of_all = fields.cap;
@@ -74,7 +74,7 @@ _BEGIN = """
                     + bound[i + 1][v] * around(begun[i] + v, begun[i + 1] + v, begun[i + 2] + v);
         for (int i = 0; i < height; ++i) {
             const int row = top + i;
-            D* const made = (D*)&wp::index(values_out, row, 0) + left / 8;
+            MADE_OF* const made = (MADE_OF*)&wp::index(values_out, row, 0) + left / 8;
             GIVEN
             for (int v = 0; v < vectors; ++v) {
                 const F given = around(within[i] + v + 2, within[i + 1] + v + 2, within[i + 2] + v + 2);
@@ -87,6 +87,7 @@ _BEGIN = """
 _EXTENDED = (
     _BEGIN.replace("DEEP", str(ROWS))
     .replace("GIVEN", "")
+    .replace("MADE_OF", "D")
     .replace("BEGINS", "free ? t - level : zero")
     .replace("MADE", "__builtin_convertvector(begun[i + 2][v + 2] + bound[i + 2][v + 2] * given, D)")
 )
@@ -94,7 +95,8 @@ _GATHERED = (
     _BEGIN.replace("DEEP", str(ROWS))
     .replace("GIVEN", "const D* const values = (const D*)&wp::index(values_in, row, 0);")
     .replace("BEGINS", "free ? zero : values[v]")
-    .replace("MADE", "values[left / 8 + v] + __builtin_convertvector(given, D)")
+    .replace("MADE_OF", "F")
+    .replace("MADE", "__builtin_convertvector(values[left / 8 + v], F) + given")
 )
 
 
@@ -139,7 +141,7 @@ def gather_rows(
     approach_in: wp.array(dtype=wp.float64),
     fields: Fields,
     values_in: wp.array2d(dtype=Cells),
-    values_out: wp.array2d(dtype=Cells),
+    values_out: wp.array2d(dtype=SingleCells),
 ):
     """Gathers the values of the rows of a slot; arguments as of `gather`."""
     ...
@@ -155,7 +157,7 @@ def gather(
     approach_in: wp.array(dtype=wp.float64),
     fields: Fields,
     values_in: wp.array2d(dtype=Cells),
-    values_out: wp.array2d(dtype=Cells),
+    values_out: wp.array2d(dtype=SingleCells),
 ):
     """The transpose of `extend`: adds to values of free cells what those of others give back."""
     gather_rows(first_slot + wp.tid(), columns, wraps, weights, approach_in, fields, values_in, values_out)

@@ -8,13 +8,17 @@ one a row. H is one for all cells, or a part of it of each.
 
 import warp as wp
 
-from warpwear.kernels.cells import ONE, ZERO, Cells
+from warpwear.kernels.cells import LANES, ONE, ZERO, Cells
 from warpwear.kernels.wear_loops import LANES_IN_C
 
 wp.set_module_options({"enable_backward": False})
 
 #: Rounding of a sum of two numbers, relatively.
 EPSILON = wp.constant(wp.float64(4.0e-16))
+
+
+#: Cells of a field in single precision.
+SingleCells = wp.types.vector(LANES, wp.float32)
 
 
 @wp.struct
@@ -57,9 +61,13 @@ _BEGIN = (
 {
 #if defined(__CUDA_ARCH__)
     const auto any = [](bool v) { return v; };
+    typedef float Single;
+    const auto doubled = [](Single v) { return double(v); };
 #else
     #pragma clang fp contract(fast)
     const auto any = [](auto v) { return __builtin_reduce_or(v) != 0; };
+    typedef float Single __attribute__((ext_vector_type(8), aligned(4)));
+    const auto doubled = [](Single v) { return __builtin_convertvector(v, Lanes); };
 #endif
     const auto free_of = [&](Lanes p, Lanes t, Lanes level, Lanes cap) {
         return ((p > zero) | (t < level)) & ((p < cap) | (t > level));
@@ -137,7 +145,10 @@ _RESIDUAL = (
 )
 _PRODUCTS = (
     """
-    const Stored* const descent = (const Stored*)&wp::index(descent_in, row, 0);
+    const bool is_single = gathered_in.shape[0] > 0;
+    const Single* const gathered = is_single ? (const Single*)&wp::index(gathered_in, row, 0) : nullptr;
+    const Stored* const given = (const Stored*)&wp::index(descent_in, row, 0);
+    const auto descent = [&](int i) { return is_single ? doubled(gathered[i]) : Lanes(given[i]); };
     const Lanes level = of(approach_in), descent_level = of(descent_level_in);
     Counts free_cells = 0;
     Lanes sum_z = 0.0, sum_r = 0.0, sum_y = 0.0, zy = 0.0, zr = 0.0, sr = 0.0;
@@ -148,7 +159,7 @@ _PRODUCTS = (
             const Lanes p = pressure[i], t = gradient[i];
             const auto may = free_of(p, t, level, cap);
             if (!any(may)) continue;  // the others are not read
-            const Lanes z = may ? descent[i] - descent_level : zero, r = may ? t - level : zero;
+            const Lanes z = may ? descent(i) - descent_level : zero, r = may ? t - level : zero;
             const Lanes y = may ? response[i] : zero, s = steps[i], of_z = size_of(z), of_r = size_of(r);
             free_cells += may ? yes : no;
             sum_z += z;
@@ -174,7 +185,10 @@ _PRODUCTS = (
 )
 _DIRECTION = (
     """
-    const Stored* const descent = (const Stored*)&wp::index(descent_in, row, 0);
+    const bool is_single = gathered_in.shape[0] > 0;
+    const Single* const gathered = is_single ? (const Single*)&wp::index(gathered_in, row, 0) : nullptr;
+    const Stored* const given = (const Stored*)&wp::index(descent_in, row, 0);
+    const auto descent = [&](int i) { return is_single ? doubled(gathered[i]) : Lanes(given[i]); };
     const Lanes level = of(approach_in), descent_level = of(descent_level_in), out = -outward;
     Lanes sum = 0.0;
     Counts between = 0;
@@ -184,7 +198,7 @@ _DIRECTION = (
             const Lanes p = pressure[i], t = gradient[i];
             const auto may = free_of(p, t, level, cap);
             Lanes d = out * (t - level);
-            if (any(may)) d = may ? memory * steps[i] - (descent[i] - descent_level) : d;
+            if (any(may)) d = may ? memory * steps[i] - (descent(i) - descent_level) : d;
             const Lanes x = p + length * d;
             trial[i] = x;
             sum += clip(x, cap);
@@ -300,6 +314,7 @@ def products_row(
     descent_level_in: wp.array(dtype=wp.float64),
     fields: Fields,
     descent_in: wp.array2d(dtype=Cells),
+    gathered_in: wp.array2d(dtype=SingleCells),
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
@@ -315,15 +330,28 @@ def products(
     descent_level_in: wp.array(dtype=wp.float64),
     fields: Fields,
     descent_in: wp.array2d(dtype=Cells),
+    gathered_in: wp.array2d(dtype=SingleCells),
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
     """Over the free cells, with z = descent − descent_level, r = t − λ, s, y the last step and its response.
 
+    gathered_in: the descent where there are such; no rows where it is descent_in.
+
     Sums: cells, z, r, y, z y, z r, s r. Maxima: |z|, |r|.
     """
     slot = first_slot + wp.tid()
-    products_row(slot, slots_per_row, approach_in, descent_level_in, fields, descent_in, sums_out, maxima_out)
+    products_row(
+        slot,
+        slots_per_row,
+        approach_in,
+        descent_level_in,
+        fields,
+        descent_in,
+        gathered_in,
+        sums_out,
+        maxima_out,
+    )
 
 
 @wp.func_native(_BEGIN + _DIRECTION)
@@ -337,6 +365,7 @@ def direction_row(
     outward: wp.float64,
     fields: Fields,
     descent_in: wp.array2d(dtype=Cells),
+    gathered_in: wp.array2d(dtype=SingleCells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
     """Makes the trial pressures of a slot; arguments as of `direction`."""
@@ -354,6 +383,7 @@ def direction(
     outward: wp.float64,
     fields: Fields,
     descent_in: wp.array2d(dtype=Cells),
+    gathered_in: wp.array2d(dtype=SingleCells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
     """Trial pressure p + length × d, with d = −z + memory × last step on the free cells (z as in `products`).
@@ -372,6 +402,7 @@ def direction(
         outward,
         fields,
         descent_in,
+        gathered_in,
         sums_out,
     )
 

@@ -44,7 +44,7 @@ class Drawn:
     def descent(self, executor: Executor) -> FloatArray:
         found, level = self.iterate.descent(np.full(1, LEVEL), plain=False)
         assert not level.any()
-        return np.array(executor.to_numpy(found))
+        return np.array(found.numpy().reshape(found.shape[0], -1)[:, : executor.grid.ny], dtype=float)
 
 
 def neighbours(influence: Influence) -> FloatArray:

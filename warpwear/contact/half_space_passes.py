@@ -89,7 +89,7 @@ class Iterate:
         self.fields = dict(zip(names, made, strict=True))
         self._fields = arguments(passes.Fields, cap=min(hardness, NO_CAP), **self.fields)
         #: Whether descents are extended, where they are gathered then, and ranges of blocks of rows.
-        self._extends, self._gathered = False, executor.zeros(0)
+        self._extends, self._gathered, self._none = False, self._singles(0), self._singles(0)
         cells = np.full(-(-executor.grid.nx // extension.ROWS), extension.ROWS * executor.grid.ny)
         self._blocks = [span for span in executor.split_rows(cells) if span[0] < span[1]]
         self._parts: Field | None = None
@@ -159,7 +159,17 @@ class Iterate:
         ends = np.count_nonzero(between[:, 1:] != between[:, :-1])
         self._extends = ends > SCATTERED * np.count_nonzero(between)
         if self._extends and not self._gathered.size:
-            self._gathered = self._executor.zeros()
+            self._gathered = self._singles(self._executor.grid.nx)
+
+    def _by_kind(self, descent: Field) -> tuple[Field, Field]:
+        """A descent as passes take it: in double and in single precision, of which one is not read."""
+        return (self._trial, descent) if descent is self._gathered else (descent, self._none)
+
+    def _singles(self, rows: int) -> Field:
+        """Zeros in single precision, with as many rows."""
+        return wp.zeros(
+            (rows, self._executor.vectors), dtype=passes.SingleCells, device=self._executor.device
+        )
 
     def certificate(
         self, gap: Field, asked: FloatArray | None, *, displaced: Any = None, **terms: FloatArray
@@ -203,7 +213,7 @@ class Iterate:
         return SearchSums._make([*values, -negative])
 
     def descent(self, approach: FloatArray, *, plain: bool) -> tuple[Field, FloatArray]:
-        """Field that says where to go, and levels to take off it; it may lie in the trial.
+        """Field that says where to go, and levels to take off it; it may lie in the trial, or be of singles.
 
         plain: whether to follow the gradient, not its preconditioned one.
         """
@@ -222,7 +232,7 @@ class Iterate:
 
     def products(self, approach: FloatArray, descent: Field, level: FloatArray) -> Products:
         """Sums and maxima over the free cells."""
-        inputs = [approach, level, self._fields, descent]
+        inputs = [approach, level, self._fields, *self._by_kind(descent)]
         return Products(*self._pass(passes.products, inputs, [], sums=7, maxima=2))
 
     def aim(
@@ -236,7 +246,7 @@ class Iterate:
         outward: float,
     ) -> tuple[FloatArray, FloatArray]:
         """Trial pressure along −descent + memory × last step; what it carries, as `carried`."""
-        inputs = [approach, level, memory, length, outward, self._fields, descent]
+        inputs = [approach, level, memory, length, outward, self._fields, *self._by_kind(descent)]
         total, between = self._pass(passes.direction, inputs, [], sums=2)
         return total, between
 
