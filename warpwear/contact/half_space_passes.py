@@ -157,7 +157,7 @@ class Iterate:
             caps = caps * values(self._parts)[::EVERY]
         between = (rows > 0.0) & (rows < caps)
         ends = np.count_nonzero(between[:, 1:] != between[:, :-1])
-        self._extends = ends > SCATTERED * np.count_nonzero(between)
+        self._extends = bool(ends > SCATTERED * np.count_nonzero(between))
         if self._extends and not self._gathered.size:
             self._gathered = self._singles(self._executor.grid.nx)
 
