@@ -485,9 +485,12 @@ def scatter(solve: Solve):
     thread = wp.tid()
     cells = ZERO
     ends = ZERO
-    for i in range(thread, solve.pressure.shape[0], threads_of(solve)):
-        column = i % solve.columns
-        if column < solve.ny and i // solve.columns % solve.rules.every == 0:
+    rows = solve.pressure.shape[0] // solve.columns
+    looked_at = (rows + solve.rules.every - 1) // solve.rules.every * solve.columns
+    for k in range(thread, looked_at, threads_of(solve)):
+        column = k % solve.columns
+        i = k + k // solve.columns * (solve.rules.every - 1) * solve.columns
+        if column < solve.ny:
             between = solve.pressure[i] > ZERO and solve.pressure[i] < cap_of(solve, i)
             cells += wp.where(between, ONE, ZERO)
             if column + 1 < solve.ny:

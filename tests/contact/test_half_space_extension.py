@@ -37,7 +37,6 @@ class Drawn:
             self.iterate.set_parts(executor.field(self.caps / CAP, padding=1.0))
         executor.to_numpy(self.iterate.pressure)[:] = p
         executor.to_numpy(self.iterate.gradient)[:] = t
-        self.iterate.look()
         self.free = ((p > 0.0) | (t < LEVEL)) & ((p < self.caps) | (t > LEVEL))
         self.asked = np.where(self.free, t - LEVEL, 0.0)
 

@@ -88,8 +88,8 @@ class Iterate:
         self.pressure, self.gradient, self._trial, self._step, self._response = made
         self.fields = dict(zip(names, made, strict=True))
         self._fields = arguments(passes.Fields, cap=min(hardness, NO_CAP), **self.fields)
-        #: Whether descents are extended, where they are gathered then, and ranges of blocks of rows.
-        self._extends, self._gathered, self._none = False, self._singles(0), self._singles(0)
+        #: Where descents are gathered that were extended, no such, and ranges of blocks of rows.
+        self._gathered, self._none = self._singles(0), self._singles(0)
         cells = np.full(-(-executor.grid.nx // extension.ROWS), extension.ROWS * executor.grid.ny)
         self._blocks = [span for span in executor.split_rows(cells) if span[0] < span[1]]
         self._parts: Field | None = None
@@ -144,22 +144,19 @@ class Iterate:
         inputs = [self._executor.grid.ny, gap, self._response]
         (largest, _unused) = self._pass(setup.gradient, inputs, [self.gradient], maxima=2)
         self.drift, self._step_drift = SINGLE_ROUNDING * single * float(largest.max()), 0.0
-        self.look()
         return self._advance(whole=False, length=0.0, shift=np.zeros(self.parts))
 
-    def look(self) -> None:
-        """See whether cells between the bounds lie in spots so small that extending their values pays."""
+    def _is_scattered(self) -> bool:
+        """Whether the cells between the bounds lie in spots so small that extending their values pays."""
         if not (self._influence.of_one_grid and self._executor.device.is_cpu):
-            return
+            return False
         values = self._executor.to_numpy
         rows, caps = values(self.pressure)[::EVERY], self._fields.cap
         if self._parts is not None:
             caps = caps * values(self._parts)[::EVERY]
         between = (rows > 0.0) & (rows < caps)
         ends = np.count_nonzero(between[:, 1:] != between[:, :-1])
-        self._extends = bool(ends > SCATTERED * np.count_nonzero(between))
-        if self._extends and not self._gathered.size:
-            self._gathered = self._singles(self._executor.grid.nx)
+        return bool(ends > SCATTERED * np.count_nonzero(between))
 
     def _by_kind(self, descent: Field) -> tuple[Field, Field]:
         """A descent as passes take it: in double and in single precision, of which one is not read."""
@@ -219,10 +216,12 @@ class Iterate:
         """
         if plain:
             return self.gradient, approach
-        if not self._extends:
+        if not self._is_scattered():
             self._pass(passes.residual, [approach], [self._fields])
             self._influence.invert(self._trial, self._trial)
             return self._trial, np.zeros(self.parts)
+        if not self._gathered.size:
+            self._gathered = self._singles(self._executor.grid.nx)
         columns, wraps, weights = self._executor.grid.ny, self._influence.wraps, self._influence.of_neighbours
         inputs, blocks = [columns, wraps, weights, approach, self._fields], self._blocks
         self._pass(extension.extend, inputs, [self._trial], chunks=blocks)

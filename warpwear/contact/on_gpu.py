@@ -192,7 +192,6 @@ class DeviceSearch:
         self._pass(passes.present)
         self._respond()
         self._pass(passes.begin)
-        self._pass(passes.scatter, passes.judge_scatter)
         self._pass(passes.advance, passes.judge)
         wp.capture_while(solve.searching, self._iterate)
         wp.copy(self._told, solve.told)
@@ -211,6 +210,7 @@ class DeviceSearch:
         self._pass(passes.carried, passes.weigh)
 
     def _precondition(self) -> None:
+        self._pass(passes.scatter, passes.judge_scatter)
         self._pass(passes.residual)
         wp.capture_if(self._solve.extends, self._extend)
         self._filter(self._near, passes.divide_waves, self._tables[1], self._lines[1])
