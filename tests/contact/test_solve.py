@@ -13,7 +13,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import solve_contact
-from warpwear.contact import solve as solve_module
+from warpwear.contact.array import memory
+from warpwear.contact.array import solve as solve_module
 from warpwear.contact.half_space_search import Search
 from warpwear.engine import staging
 from warpwear.errors import ConvergenceError, InputError
@@ -437,7 +438,7 @@ def test_misuse_is_told_in_a_sentence(case: str) -> None:
 
 
 def test_what_memory_cannot_hold_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(solve_module, "free_memory", lambda device: {"the host": 1000})
+    monkeypatch.setattr(memory, "free_memory", lambda device: {"the host": 1000})
     with pytest.raises(InputError, match=r"heights of shape \(64, 48\) need 0.0 GiB of memory; the host has"):
         solve_contact(HEIGHTS, cell=1.0, load=1.0, modulus=1.0)
 
@@ -471,13 +472,13 @@ def test_a_contact_at_the_edge_is_told() -> None:
 def test_a_large_contact_says_what_memory_it_needs(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(solve_module, "free_memory", lambda device: {"the host": 100 * 2**30})
-    solve_module._check_memory((1024, 1024), "cpu", "periodic")
+    monkeypatch.setattr(memory, "free_memory", lambda device: {"the host": 100 * 2**30})
+    memory.check_memory((1024, 1024), "cpu", "periodic")
     assert not capsys.readouterr().err
-    solve_module._check_memory((8192, 8192), "cpu", "periodic")
+    memory.check_memory((8192, 8192), "cpu", "periodic")
     assert "8192 × 8192 cells need up to 12.0 GiB of the host (100.0 GiB free)" in capsys.readouterr().err
     with pytest.raises(InputError, match=r"192\.0 GiB of memory; the host has 100\.0 GiB free"):
-        solve_module._check_memory((32768, 32768), "cpu", "periodic")
+        memory.check_memory((32768, 32768), "cpu", "periodic")
 
 
 @pytest.mark.parametrize("sphere_radius", [None, 30.0])
