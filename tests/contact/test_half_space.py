@@ -16,7 +16,7 @@ from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense
 from warpwear.contact import half_space_few, half_space_nested, half_space_search
 from warpwear.contact.half_space import HalfSpace
 from warpwear.contact.half_space_passes import FOLDED
-from warpwear.contact.transforms import CupyTransforms, _stream_of
+from warpwear.contact.transforms import CupyTransforms, stream_of
 from warpwear.engine import executor as execution
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError
@@ -308,7 +308,7 @@ def test_the_stream_is_shared_as_the_library_wants_it(is_new: bool) -> None:
     stream = SimpleNamespace(cuda_stream=77)
     old = SimpleNamespace(Stream=object(), ExternalStream=lambda pointer, device: ("old", pointer, device))
     new = SimpleNamespace(Stream=SimpleNamespace(from_external=lambda shared: ("new", shared)))
-    found = _stream_of(new if is_new else old, SimpleNamespace(stream=stream, ordinal=3))
+    found = stream_of(new if is_new else old, SimpleNamespace(stream=stream, ordinal=3))
     assert found == (("new", stream) if is_new else ("old", 77, 3))
 
 

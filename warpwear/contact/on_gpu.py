@@ -12,9 +12,10 @@ import warp as wp
 
 from warpwear.contact import half_space_search as search
 from warpwear.contact.balance import HOPELESS, MAX_EVALUATIONS, TOLERANCE
+from warpwear.contact.filters import Filter, filter_of
 from warpwear.contact.half_space_passes import NO_CAP, ROUGH_BALANCE, Iterate
 from warpwear.contact.influence import Influence
-from warpwear.contact.transforms import Filter, arrays_of, filter_of
+from warpwear.contact.transforms import arrays_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.kernels.cells import LANES

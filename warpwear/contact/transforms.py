@@ -33,8 +33,6 @@ COLUMNS = 128
 APART = 8
 #: Cells of a grid from which kernels make the convolutions in single precision.
 LEAST_CONVOLVED = 2**14
-#: Bytes at whose multiples arrays begin.
-ALIGNED = 256
 #: Below any response [mm/MPa].
 SMALLEST = 1.0e-300
 
@@ -219,7 +217,7 @@ class CupyTransforms(Transforms):
         device = executor.device
         self._device = self._cupy.cuda.Device(device.ordinal)
         with self._device:
-            self._stream = _stream_of(self._cupy.cuda, device)
+            self._stream = stream_of(self._cupy.cuda, device)
         #: The last table that was divided by, and its reciprocals in single precision.
         self._divisor: tuple[Any, Any] = None, None
 
@@ -262,110 +260,6 @@ class CupyTransforms(Transforms):
         return self._cupy.asarray(field).reshape(field.shape[0], -1)[:, : self._executor.grid.ny]
 
 
-class Filter:
-    """Transforms of a plan in fields of their own, so that a graph can hold them; `filter_of` makes them.
-
-    given, made: before and after, zero where nobody writes, shape `shape`. waves: between, by modes, shape
-    (n, m//2 + 1). scale: that takes off what forward and back together multiply by. within: a filter of
-    double precision and no smaller a shape, whose memory serves one of single precision.
-    """
-
-    def __init__(
-        self,
-        executor: Executor,
-        shape: tuple[int, int],
-        kind: type[np.floating[Any]],
-        within: "Filter | None" = None,
-    ) -> None:
-        device = executor.device
-        real, complex_ = (wp.float64, wp.vec2d) if kind is np.float64 else (wp.float32, wp.vec2f)
-        self.shape, self.scale = shape, 1.0
-        modes = shape[0], shape[1] // 2 + 1
-        if within is None:
-            self.given, self.made = (wp.zeros(shape, dtype=real, device=device) for _ in range(2))
-            self.waves = wp.zeros(modes, dtype=complex_, device=device)
-            return
-        assert kind is np.float32
-        half = within.waves.capacity // 2 // ALIGNED * ALIGNED
-        self._of = within  # whose memory must last
-        self.given = _lying(within.made, 0, shape, real)
-        self.waves = _lying(within.waves, 0, modes, complex_)
-        self.made = _lying(within.waves, half, shape, real)
-
-    def forward(self) -> None:
-        """Transform what is given."""
-        self._modes[:] = fft.rfft2(self.given.numpy())
-
-    def back(self) -> None:
-        """Transform the modes back; they are lost."""
-        self.made.numpy()[:] = fft.irfft2(self._modes, s=self.shape)
-
-    def transform(self) -> None:
-        """Do both."""
-        self.forward()
-        self.back()
-
-    @property
-    def _modes(self) -> Any:
-        values = self.waves.numpy()
-        return values.view(np.complex128 if values.dtype == np.float64 else np.complex64)[..., 0]
-
-
-class CupyFilter(Filter):
-    """On a GPU, by plans of CuPy in the stream of Warp's device."""
-
-    def __init__(
-        self,
-        executor: Executor,
-        shape: tuple[int, int],
-        kind: type[np.floating[Any]],
-        within: Filter | None = None,
-    ) -> None:
-        super().__init__(executor, shape, kind, within)
-        cupy = load_cupy(executor.device)
-        cufft = cupy.cuda.cufft
-        self.scale = 1.0 / (shape[0] * shape[1])
-        self._device = cupy.cuda.Device(executor.device.ordinal)
-        double = kind is np.float64
-        there = cufft.CUFFT_D2Z if double else cufft.CUFFT_R2C
-        back = cufft.CUFFT_Z2D if double else cufft.CUFFT_C2R
-        with self._device:
-            self._stream = _stream_of(cupy.cuda, executor.device)
-            self._plans = [
-                cufft.PlanNd(shape, None, 1, 0, None, 1, 0, way, 1, "C", 1, None) for way in (there, back)
-            ]
-            self._views = [cupy.asarray(values) for values in (self.given, self.waves, self.made)]
-
-    def forward(self) -> None:
-        """Transform what is given."""
-        with self._device, self._stream:
-            self._plans[0].fft(self._views[0], self._views[1], -1)
-
-    def back(self) -> None:
-        """Transform the modes back; they are lost."""
-        with self._device, self._stream:
-            self._plans[1].fft(self._views[1], self._views[2], 1)
-
-
-def filter_of(
-    executor: Executor,
-    shape: tuple[int, int],
-    kind: type[np.floating[Any]],
-    *,
-    within: Filter | None = None,
-) -> Filter:
-    """Transforms where the executor's fields are. kind: of number. within: where its memory lies."""
-    return (Filter if executor.device.is_cpu else CupyFilter)(executor, shape, kind, within)
-
-
-def _lying(place: Field, start: int, shape: tuple[int, int], dtype: Any) -> Field:
-    """An array in the memory of another, from a byte on; of its own where it does not fit."""
-    size = math.prod(shape) * wp.types.type_size_in_bytes(dtype)
-    if start + size > place.capacity:
-        return wp.zeros(shape, dtype=dtype, device=place.device)
-    return wp.array(ptr=place.ptr + start, dtype=dtype, shape=shape, device=place.device, copy=False)
-
-
 @contextmanager
 def arrays_of(executor: Executor) -> Iterator[tuple[Any, Callable[[Field], Any]]]:
     """NumPy, or CuPy in the stream of Warp's device; and what sees a field with it, shape (rows, ny)."""
@@ -377,7 +271,7 @@ def arrays_of(executor: Executor) -> Iterator[tuple[Any, Callable[[Field], Any]]
     def view(field: Field) -> Any:
         return cupy.asarray(field).reshape(field.shape[0], -1)[:, : executor.grid.ny]
 
-    with cupy.cuda.Device(executor.device.ordinal), _stream_of(cupy.cuda, executor.device):
+    with cupy.cuda.Device(executor.device.ordinal), stream_of(cupy.cuda, executor.device):
         yield cupy, view
 
 
@@ -406,7 +300,7 @@ def release(device: Any) -> None:
     wp.synchronize_device(device)
 
 
-def _stream_of(cuda: Any, device: Any) -> Any:
+def stream_of(cuda: Any, device: Any) -> Any:
     """The stream of Warp's device for CuPy, which leaves it to Warp."""
     if hasattr(cuda.Stream, "from_external"):  # since 14.0, which deprecates the other
         return cuda.Stream.from_external(device.stream)
