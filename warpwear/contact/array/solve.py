@@ -23,7 +23,7 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.staging import download, each
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels.cells import LANES
+from warpwear.kernels.cells import LANES, Cells
 
 #: Largest difference between the load carried and the load asked for, relatively.
 LOAD_TOLERANCE = 1.0e-9
@@ -123,7 +123,10 @@ def solve_contact(
         given, (nearest, furthest), mean, approach, hardness, response=response, edge=edge, threads=workers
     )
     check_memory(surface.shape, device, edge)
-    with Executor(Grid(nx, ny, 1.0), device=device, threads=threads) as executor, giving_back(executor):
+    with (
+        Executor(Grid(nx, ny, 1.0), device=device, threads=threads, fields_needed=0.0) as executor,
+        giving_back(executor),
+    ):
         try:
             found = solve_half_space(task, executor, tolerance) if edge else solve_cells(task, executor)
             contact, carried = _contact_of(
@@ -192,8 +195,9 @@ def _contact_of(
             lambda rows: take(rows, found.pressure[rows], found.displacement[rows]), task.shape, task.threads
         )
     else:
-        pitches = [executor.vectors * LANES, task.shape[1]]
-        sums = download(executor, [found.pressure, found.displacement], take, pitches)
+        fields = [found.pressure, found.displacement]
+        pitches = [executor.vectors * LANES if f.dtype is Cells else task.shape[1] for f in fields]
+        sums = download(executor, fields, take, pitches)
     contact = ArrayContact(
         pressure=pressure,
         gap=left,
@@ -207,10 +211,8 @@ def _contact_of(
 
 
 def _certify(task: Task, found: Found, tolerance: float) -> Certificate:
-    there = surface_of(task.gap)
     yielded = abs(found.approach) + float(found.pressure.mean())
-    # Of a flat, over what it yields.
-    scale = float(there.std()) if np.ptp(there) else yielded
+    scale = task.rms or yielded
     asked = None if task.mean is None else np.full(1, task.mean * task.gap.size)
     return certify(
         [cells_of(found.pressure, task.gap, found.displacement, task.cap)],

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from warpwear.contact.certificate import Certificate
+from warpwear.contact.certificate import TOGETHER, Certificate
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.staging import each
 from warpwear.grid import FloatArray, Grid
@@ -30,9 +30,9 @@ class Gap(NamedTuple):
     grid: Grid
     sphere_radius: float | None
 
-    def __call__(self, rows: slice) -> FloatArray:
-        """The gap in some rows, infinite beyond the sphere's edge."""
-        gap = self.middle - self.heights[rows]
+    def __call__(self, rows: slice, out: FloatArray | None = None) -> FloatArray:
+        """The gap in some rows, infinite beyond the sphere's edge. out: where it is to be laid."""
+        gap = np.subtract(self.middle, self.heights[rows], out=out)
         if self.sphere_radius is not None:
             gap += sag(self.grid.x[rows], self.grid.y, radius=self.sphere_radius)
         return gap
@@ -96,9 +96,9 @@ class Task:
         """The cells of all fields along both axes."""
         return self.given.grid.shape
 
-    def gap_of(self, rows: slice) -> FloatArray:
-        """The gap in some rows, infinite beyond the sphere's edge."""
-        gap = self.given(rows)
+    def gap_of(self, rows: slice, out: FloatArray | None = None) -> FloatArray:
+        """The gap in some rows, infinite beyond the sphere's edge. out: where it is to be laid."""
+        gap = self.given(rows, out)
         return np.divide(gap, self.length, out=gap)
 
     @cached_property
@@ -107,10 +107,15 @@ class Task:
         made = np.empty(self.shape)
 
         def fill(rows: slice) -> None:
-            made[rows] = self.gap_of(rows)
+            self.gap_of(rows, made[rows])
 
         each(fill, self.shape, self.threads)
         return made
+
+    @cached_property
+    def rms(self) -> float:
+        """The rms height of the gap."""
+        return rms_of(self.gap)
 
 
 class Found(NamedTuple):
@@ -127,6 +132,20 @@ class Found(NamedTuple):
 def surface_of(gap: FloatArray) -> FloatArray:
     """The gap where there is a surface; the array itself where there is one everywhere."""
     return gap if math.isfinite(gap.max()) else gap[np.isfinite(gap)]
+
+
+def rms_of(gap: FloatArray) -> float:
+    """The rms height of a gap where there is a surface, block by block of rows; 0 of a flat, to the digit."""
+    rows = max(TOGETHER // gap.shape[1], 1)
+    there = [surface_of(gap[first : first + rows]) for first in range(0, len(gap), rows)]
+    there = [block for block in there if block.size]
+    if max((block.max() for block in there), default=0.0) == min(
+        (block.min() for block in there), default=0.0
+    ):
+        return 0.0
+    count = sum(block.size for block in there)
+    mean = sum(block.sum() for block in there) / count
+    return math.sqrt(sum(float(np.square(block - mean).sum()) for block in there) / count)
 
 
 def gap_field(gap: FloatArray, executor: Executor) -> Field:
