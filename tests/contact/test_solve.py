@@ -478,9 +478,24 @@ def test_a_large_contact_says_what_memory_it_needs(
     memory.check_memory((1024, 1024), "cpu", "periodic")
     assert not capsys.readouterr().err
     memory.check_memory((8192, 8192), "cpu", "periodic")
-    assert "8192 × 8192 cells need up to 12.0 GiB of the host (100.0 GiB free)" in capsys.readouterr().err
-    with pytest.raises(InputError, match=r"192\.0 GiB of memory; the host has 100\.0 GiB free"):
-        memory.check_memory((32768, 32768), "cpu", "periodic")
+    assert "8192 × 8192 cells need up to 5.5 GiB of the host (100.0 GiB free)" in capsys.readouterr().err
+    with pytest.raises(InputError, match=r"112\.0 GiB of memory; the host has 100\.0 GiB free"):
+        memory.check_memory((32768, 32768), "cpu", "free")
+
+
+def test_the_largest_contact_of_a_gpu_needs_little_of_its_host(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Beside the heights, 8 GiB here, the pressure and the gap: measured were 26 GiB in all."""
+    there = {"the host": 26 * 2**30, "cuda:0": 130 * 2**30}
+    monkeypatch.setattr(memory, "free_memory", lambda device: there)
+    monkeypatch.setattr(memory, "find_device", lambda device: None)
+    monkeypatch.setattr(memory, "release", lambda device: None)
+    memory.check_memory((32768, 32768), "cuda:0", "periodic")
+    assert "24.0 GiB of the host (26.0 GiB free) and 124.0 GiB of cuda:0" in capsys.readouterr().err
+    there["the host"] = 18 * 2**30
+    with pytest.raises(InputError, match=r"24\.0 GiB of memory; the host has 18\.0 GiB free"):
+        memory.check_memory((32768, 32768), "cuda:0", "periodic")
 
 
 @pytest.mark.parametrize("sphere_radius", [None, 30.0])
