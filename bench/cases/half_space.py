@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from contenders.half_space import MODULUS
 
-from warpwear.contact.influence import free_coefficients, periodic_spectrum
+from warpwear.contact.half_space.influence import free_coefficients, periodic_spectrum
 from warpwear.grid import Grid
 from warpwear.surfaces.made.fourier import half_plane_draws
 from warpwear.surfaces.made.self_affine import SelfAffine

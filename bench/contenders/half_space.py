@@ -106,7 +106,7 @@ def warpwear(heights: Any, case: dict[str, Any]) -> tuple[Any, int]:
 
 
 def _ours(heights: Any, case: dict[str, Any]) -> tuple[Any, Any]:
-    from warpwear.contact.half_space import HalfSpace
+    from warpwear.contact.half_space.solver import HalfSpace
     from warpwear.engine.executor import Executor
     from warpwear.grid import Grid
 

@@ -5,8 +5,14 @@ import pytest
 from cases_half_space import MODULUS, dense_free
 from numpy.testing import assert_allclose, assert_array_equal
 
-from warpwear.contact.influence import Influence, apart_shape, displace, free_quarter, free_spectrum
-from warpwear.contact.transforms import ScipyTransforms, unfolded
+from warpwear.contact.half_space.influence import (
+    Influence,
+    apart_shape,
+    displace,
+    free_quarter,
+    free_spectrum,
+)
+from warpwear.contact.half_space.transforms import ScipyTransforms, unfolded
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 

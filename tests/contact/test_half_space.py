@@ -13,10 +13,12 @@ import pytest
 import warp as wp
 from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense_streak, rough
 
-from warpwear.contact import half_space_few, half_space_nested, half_space_search
-from warpwear.contact.half_space import HalfSpace
-from warpwear.contact.half_space_passes import FOLDED
-from warpwear.contact.transforms import CupyTransforms, stream_of
+from warpwear.contact.half_space import few as half_space_few
+from warpwear.contact.half_space import nested as half_space_nested
+from warpwear.contact.half_space import search as half_space_search
+from warpwear.contact.half_space.passes import FOLDED
+from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.contact.half_space.transforms import CupyTransforms, stream_of
 from warpwear.engine import executor as execution
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError

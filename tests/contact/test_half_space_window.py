@@ -9,9 +9,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy import fft
 
-from warpwear.contact import half_space_window
-from warpwear.contact.half_space import HalfSpace
-from warpwear.contact.half_space_window import Window, WindowedHalfSpace
+from warpwear.contact.half_space import window as half_space_window
+from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.contact.half_space.window import Window, WindowedHalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid

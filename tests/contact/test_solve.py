@@ -16,8 +16,8 @@ import warpwear
 from warpwear import solve_contact
 from warpwear.contact.array import elastic, memory
 from warpwear.contact.array import solve as solve_module
-from warpwear.contact.half_space import HalfSpace
-from warpwear.contact.half_space_search import Search
+from warpwear.contact.half_space.search import Search
+from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine import staging
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid

@@ -12,11 +12,11 @@ import numpy as np
 import numpy.typing as npt
 import warp as wp
 
-from warpwear.contact import half_space_nested as nested
 from warpwear.contact.array.task import Found, Task, gap_field, rms_of
-from warpwear.contact.half_space import HalfSpace
-from warpwear.contact.half_space_window import Window
-from warpwear.contact.influence import Box, displace
+from warpwear.contact.half_space import nested
+from warpwear.contact.half_space.influence import Box, displace
+from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.contact.half_space.window import Window
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.staging import upload
 from warpwear.errors import ConvergenceError, InputError

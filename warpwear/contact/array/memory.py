@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from warpwear.contact.transforms import release
+from warpwear.contact.half_space.transforms import release
 from warpwear.engine.device import find_device, free_memory
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError

@@ -16,8 +16,8 @@ from warpwear.contact.array.memory import check_memory, giving_back
 from warpwear.contact.array.springs import solve_cells
 from warpwear.contact.array.task import ROUNDING, Found, Gap, Task, surface_of
 from warpwear.contact.certificate import Certificate, cells_of, certify
-from warpwear.contact.half_space import ROUNDING as OF_DIGITS
-from warpwear.contact.half_space import TOLERANCE
+from warpwear.contact.half_space.solver import ROUNDING as OF_DIGITS
+from warpwear.contact.half_space.solver import TOLERANCE
 from warpwear.engine.device import check_threads
 from warpwear.engine.executor import Executor
 from warpwear.engine.staging import download, each

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
-from warpwear.contact.transforms import CupyTransforms, ScipyTransforms, Transforms, unfolded
+from warpwear.contact.half_space.transforms import CupyTransforms, ScipyTransforms, Transforms, unfolded
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid, IntArray

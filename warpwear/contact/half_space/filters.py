@@ -7,7 +7,7 @@ import numpy as np
 import warp as wp
 
 from warpwear import lazy
-from warpwear.contact.transforms import load_cupy, stream_of
+from warpwear.contact.half_space.transforms import load_cupy, stream_of
 from warpwear.engine.executor import Executor, Field
 
 fft = lazy.module("scipy.fft")

@@ -14,7 +14,7 @@ import numpy as np
 import warp as wp
 
 from warpwear import lazy
-from warpwear.contact import convolution
+from warpwear.contact.half_space import convolution
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray

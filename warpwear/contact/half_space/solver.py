@@ -1,6 +1,6 @@
 """The elastic–plastic half-space: contact of two bodies whose surfaces deform together, 0 ≤ p ≤ H.
 
-The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approach; see `half_space_search`.
+The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approach; see `search`.
 """
 
 import math
@@ -10,14 +10,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from warpwear.contact import half_space_nested as nested
 from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.contact.certificate import Certificate
-from warpwear.contact.half_space_passes import Iterate
-from warpwear.contact.half_space_search import Search
-from warpwear.contact.influence import Influence, Operator
-from warpwear.contact.on_gpu import DeviceSearch
-from warpwear.contact.transforms import release
+from warpwear.contact.half_space import nested
+from warpwear.contact.half_space.influence import Influence, Operator
+from warpwear.contact.half_space.on_gpu import DeviceSearch
+from warpwear.contact.half_space.passes import Iterate
+from warpwear.contact.half_space.search import Search
+from warpwear.contact.half_space.transforms import release
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray

@@ -14,7 +14,7 @@ import numpy as np
 import warp as wp
 
 from warpwear import lazy
-from warpwear.contact.half_space import TOLERANCE, HalfSpace, HalfSpaceContact
+from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.state import Columns
 from warpwear.grid import Grid
@@ -127,7 +127,7 @@ class WindowedHalfSpace:
     """Contacts of half-spaces on a large grid; each solve starts from the last one's pressure.
 
     modulus: E* of both bodies [MPa]. boundary: "periodic", whose window is the whole grid, or "free".
-    hardness: H [MPa]. tolerance: as of `half_space.BoundedPressure`.
+    hardness: H [MPa]. tolerance: as of `solver.BoundedPressure`.
     """
 
     STATE: ClassVar = {"_started": bool, "_window": Window, "_pressure": Columns}
@@ -196,7 +196,7 @@ class WindowedHalfSpace:
         least_part: float = 1.0,
         certified: bool | None = True,
     ) -> HalfSpaceContact:
-        """Solve the contact at a load [N], otherwise as `half_space.BoundedPressure.solve` does.
+        """Solve the contact at a load [N], otherwise as `solver.BoundedPressure.solve` does.
 
         Fields are of the whole grid; the gradient is NaN beyond the window. least_part: no smaller is among
         the parts.
