@@ -7,10 +7,11 @@
 Each contender solves in a process of its own, in turns with ours; one that is not installed is left out
 (PYTHON: interpreters that have tamaas, ContactMechanics or ASPHER). The residual is of everybody's pressure
 and made by NumPy: the largest violation of complementarity over the rms height, at the level that makes it
-least. A peer's own tolerance is the loosest of a few with which its residual is what is asked, and its
-setting the best of those given. Ratios are medians over the turns of the peer's time over ours; processor
-time is what counts on a machine that does other work. Memory is that of a first solve, above what was held
-before. Without contenders ours solves alone.
+least. Under a free boundary ours is `solve_contact`, whose iterations are pairs of transforms. A peer's own
+tolerance is the loosest of a few with which its residual is what is asked, and its setting the best of those
+given. Ratios are medians over the turns of the peer's time over ours; processor time is what counts on a
+machine that does other work. Memory is that of a first solve, above what was held before. Without contenders
+ours solves alone.
 
 On a machine with many cores rows may run side by side, each on cores of its own. With the record of another
 size a peer is given the setting and tolerance that were best there, or a stricter tolerance where that does

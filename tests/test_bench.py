@@ -148,6 +148,14 @@ def test_sliding_step() -> None:
     assert_allclose((unworn_track - track).sum() * 0.01**2, total * removals["removal_disc"], rtol=1e-9)
 
 
+@pytest.mark.parametrize(("cells", "cut"), [(64, 2), (64, 16), (30, 3), (25, 2)])
+def test_surfaces_of_more_waves_are_made_likewise(cells: int, cut: int) -> None:
+    """By transforms of the grid, where the package makes no more waves."""
+    from cases.half_space import fine_surface, surface
+
+    assert_allclose(fine_surface(cells, cut, 0.1), surface(cells, cut, 0.1), atol=1e-12)
+
+
 def test_places_and_extrapolation() -> None:
     """Steps looked at are spread over the run; costs that change in a line are summed exactly."""
     from cases.whole_runs import over_the_run, places_in

@@ -23,7 +23,7 @@ INSTALLED = {name: tree for name, tree in FILES.items() if name.startswith(PRODU
 MOST_FILES, MOST_PARAMETERS = 15, 10
 #: Functions that may have more parameters, and why; the list may only become shorter.
 LONG = {
-    "warpwear/contact/solve.py: solve_contact": "each is a number of the contact, named by who calls it",
+    "warpwear/contact/array/solve.py: solve_contact": "each is a number of the contact that is named",
 }
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

@@ -13,7 +13,7 @@ from warpwear.lazy import resolve
 from warpwear.version import __version__
 
 if TYPE_CHECKING:
-    from warpwear.contact.solve import solve_contact
+    from warpwear.contact.array.solve import solve_contact
     from warpwear.errors import ConvergenceError, InputError, StudyWarning
     from warpwear.inference.infer import infer
     from warpwear.result import Result
@@ -29,7 +29,7 @@ _PUBLIC = {
     "StudyWarning": "warpwear.errors:StudyWarning",
     "infer": "warpwear.inference.infer:infer",
     "run": "warpwear.runs.run:run",
-    "solve_contact": "warpwear.contact.solve:solve_contact",
+    "solve_contact": "warpwear.contact.array.solve:solve_contact",
     "steps": "warpwear.runs.run:steps",
     "sweep": "warpwear.sweeps.sweep:sweep",
 }

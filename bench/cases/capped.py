@@ -18,7 +18,7 @@ sys.path[:0] = [str(Path(__file__).parents[n]) for n in (1, 2)]
 from measure.machine import machine  # noqa: E402
 
 from cases.half_space import CASES  # noqa: E402
-from warpwear.contact.half_space import HalfSpace  # noqa: E402
+from warpwear.contact.half_space.solver import HalfSpace  # noqa: E402
 from warpwear.engine.executor import Executor  # noqa: E402
 from warpwear.errors import ConvergenceError  # noqa: E402
 from warpwear.grid import Grid  # noqa: E402

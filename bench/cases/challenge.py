@@ -22,7 +22,7 @@ sys.path[:0] = [str(Path(__file__).parents[n]) for n in (1, 2)]
 from contenders.process import Contender  # noqa: E402
 from measure.machine import machine  # noqa: E402
 
-from warpwear.contact.influence import periodic_spectrum  # noqa: E402
+from warpwear.contact.half_space.influence import periodic_spectrum  # noqa: E402
 from warpwear.grid import Grid  # noqa: E402
 from warpwear.surfaces.made.self_affine import SelfAffine  # noqa: E402
 

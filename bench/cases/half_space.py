@@ -6,13 +6,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from contenders.half_space import MODULUS
 
-from warpwear.contact.influence import free_coefficients, periodic_spectrum
+from warpwear.contact.half_space.influence import free_coefficients, periodic_spectrum
 from warpwear.grid import Grid
+from warpwear.surfaces.made.fourier import half_plane_draws
 from warpwear.surfaces.made.self_affine import SelfAffine
+from warpwear.surfaces.made.synthetic import LARGEST_MODE
 
-HURST, SLOPE = 0.8, 0.1
+HURST, SLOPE, ROLL_OFF = 0.8, 0.1, 0.999
 #: Radius of the ball, and rms slope of its roughness.
 RADIUS, BALL_SLOPE = 10.0, 0.003
+#: Rows that are transformed back together.
+ROWS = 256
 
 
 class Case(NamedTuple):
@@ -32,12 +36,42 @@ class Case(NamedTuple):
         grid = Grid(cells, cells, 1.0 / cells)
         made = np.zeros(grid.shape)
         if self.cut:
-            waves = SelfAffine(hurst=HURST, roll_off=0.999, cut_off=self.cut / cells, period=1.0, sq=1.0)
             slope = BALL_SLOPE if self.ball else SLOPE
-            made = waves.heights(grid.x, grid.y) * (slope / waves.rms_slope)
+            made = (surface if cells / self.cut <= LARGEST_MODE else fine_surface)(cells, self.cut, slope)
         if self.ball:
             made -= ((grid.x[:, np.newaxis] - 0.5) ** 2 + (grid.y - 0.5) ** 2) / (2.0 * RADIUS)
         return made
+
+
+def surface(cells: int, cut: int, slope: float) -> Any:
+    """A self-affine surface of the package, by its rms slope."""
+    waves = SelfAffine(hurst=HURST, roll_off=ROLL_OFF, cut_off=cut / cells, period=1.0, sq=1.0)
+    x = Grid(cells, cells, 1.0 / cells).x
+    return waves.heights(x, x) * (slope / waves.rms_slope)
+
+
+def fine_surface(cells: int, cut: int, slope: float) -> Any:
+    """Make `surface`, the digits aside, of more waves than the package allows, by transforms of this grid."""
+    largest = cells // cut
+    i, j = np.arange(-largest, largest + 1), np.arange(largest + 1)
+    radius = np.hypot(i[:, np.newaxis], j)
+    draws = half_plane_draws(largest, seed=0)
+    draws *= np.where(radius > cells / cut, 0.0, np.maximum(radius * ROLL_OFF, 1.0) ** (-1.0 - HURST))
+    draws *= slope / (2.0 * math.pi * math.sqrt(0.5 * float(np.sum((radius * np.abs(draws)) ** 2))))
+    del radius
+    start = np.exp(-1j * math.pi * (cells - 1) / cells * np.arange(-largest, largest + 1))  # the first cell's
+    draws *= start[:, np.newaxis]
+    draws *= start[largest:]
+    modes = np.zeros((cells, cells // 2 + 1), dtype=np.complex128)
+    for row, waves in zip(i % cells, draws, strict=True):  # the shortest waves either way are one
+        modes[row, : largest + 1] += waves
+    del draws
+    modes = np.fft.ifft(modes, axis=0, norm="forward")
+    modes[:, 1 : -1 if cells % 2 == 0 else None] *= 0.5
+    made = np.empty((cells, cells))
+    for first in range(0, cells, ROWS):
+        made[first : first + ROWS] = np.fft.irfft(modes[first : first + ROWS], n=cells, norm="forward")
+    return made
 
 
 CASES = {

@@ -1,6 +1,6 @@
 """The search of the half-space solver on a GPU without a word to the host, pass by pass.
 
-The rules are those of `half_space_search` and of `balance.newton_in_bracket`, symbols those of
+The rules are those of `contact.half_space.search` and `balance.newton_in_bracket`, symbols those of
 `half_space.search`.
 A thread visits single cells; fields are those of the other kernels, seen as numbers. What a pass finds is
 reduced block by block into `found`, a line each sum or maximum, and read by a kernel of one block that
@@ -39,7 +39,7 @@ class Told(IntEnum):
 
 @wp.struct
 class Rules:
-    """What a search goes by: constants of `half_space_search`, `half_space` and `balance`."""
+    """What a search goes by: constants of `contact.half_space` and `balance`."""
 
     elastic_fraction: wp.float64
     whole_step: wp.float64
@@ -502,7 +502,7 @@ def scatter(solve: Solve):
 
 @wp.kernel
 def judge_scatter(solve: Solve):
-    """Whether extending values pays, as `half_space_passes` says. One block."""
+    """Whether extending values pays, as `contact.half_space.passes` says. One block."""
     thread = wp.tid()
     cells = sum_found(solve, thread, 0)
     ends = sum_found(solve, thread, 1)
@@ -766,7 +766,7 @@ def go(solve: Solve):
                 n = gone(solve.rules, n, best, used)
             elif n.plain == 1 and not remembers:
                 # It leads up, which without memory and preconditioner it cannot, but for rounding; see
-                # `half_space_search`.
+                # `contact.half_space.search`.
                 if used < ONE:
                     n.status = LED_NOWHERE
                 else:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from warpwear.contact import convolution
-from warpwear.contact.convolution import Convolution
-from warpwear.contact.influence import padded_shape
+from warpwear.contact.half_space import convolution
+from warpwear.contact.half_space.convolution import Convolution
+from warpwear.contact.half_space.influence import padded_shape
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 

@@ -13,16 +13,13 @@ import pytest
 import warp as wp
 from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense_streak, rough
 
-from warpwear.contact import (
-    half_space_few,
-    half_space_nested,
-    half_space_passes,
-    half_space_search,
-    on_gpu,
-)
-from warpwear.contact.half_space import HalfSpace
-from warpwear.contact.half_space_passes import FOLDED
-from warpwear.contact.transforms import CupyTransforms, _stream_of
+from warpwear.contact.half_space import few as half_space_few
+from warpwear.contact.half_space import nested as half_space_nested
+from warpwear.contact.half_space import on_gpu, passes
+from warpwear.contact.half_space import search as half_space_search
+from warpwear.contact.half_space.passes import FOLDED
+from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.contact.half_space.transforms import CupyTransforms, stream_of
 from warpwear.engine import executor as execution
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError
@@ -241,7 +238,7 @@ def test_a_solve_in_one_launch_makes_the_iterations_of_one_pass_by_pass(
     monkeypatch.setattr(half_space_few, "FEW", 0)  # which a GPU does without
     for elastic_fraction, scattered in ((0.3, 1.0), (0.9, 1.0), (0.1, 0.0)):
         monkeypatch.setattr(half_space_search, "ELASTIC_FRACTION", elastic_fraction)
-        for module in (half_space_passes, on_gpu):
+        for module in (passes, on_gpu):
             monkeypatch.setattr(module, "SCATTERED", scattered)
         found = []
         with Executor(grid) as executor:
@@ -278,7 +275,7 @@ def test_partial_results_may_be_reduced_on_the_device() -> None:
         plain = solver.solve(executor.field(gap), mean_pressure=0.3)
         pressure, approach = plain.pressure.copy(), plain.approach
         solver = HalfSpace(executor, modulus=MODULUS, hardness=1.5, tolerance=1e-9)
-        solver._iterate._folded = wp.zeros((9, FOLDED), dtype=wp.float64)
+        solver._iterate._folded = wp.zeros((9, FOLDED), dtype=wp.float64, device="cpu")
         folded = solver.solve(executor.field(gap), mean_pressure=0.3)
         np.testing.assert_allclose(folded.pressure, pressure, atol=1e-7)
         assert folded.approach == pytest.approx(approach, abs=1e-9)
@@ -316,7 +313,7 @@ def test_the_stream_is_shared_as_the_library_wants_it(is_new: bool) -> None:
     stream = SimpleNamespace(cuda_stream=77)
     old = SimpleNamespace(Stream=object(), ExternalStream=lambda pointer, device: ("old", pointer, device))
     new = SimpleNamespace(Stream=SimpleNamespace(from_external=lambda shared: ("new", shared)))
-    found = _stream_of(new if is_new else old, SimpleNamespace(stream=stream, ordinal=3))
+    found = stream_of(new if is_new else old, SimpleNamespace(stream=stream, ordinal=3))
     assert found == (("new", stream) if is_new else ("old", 77, 3))
 
 

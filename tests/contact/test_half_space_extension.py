@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy import fft, ndimage
 
-from warpwear.contact.half_space import HalfSpace
-from warpwear.contact.half_space_passes import Iterate
-from warpwear.contact.influence import Influence
+from warpwear.contact.half_space.influence import Influence
+from warpwear.contact.half_space.passes import Iterate
+from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 

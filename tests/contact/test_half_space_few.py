@@ -7,9 +7,9 @@ import pytest
 from cases_half_space import MODULUS, rough
 from numpy.testing import assert_allclose
 
-from warpwear.contact import half_space_few
-from warpwear.contact.half_space import HalfSpace
-from warpwear.contact.half_space_few import best_of_few
+from warpwear.contact.half_space import few as half_space_few
+from warpwear.contact.half_space.few import best_of_few
+from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy import fft
 
-from warpwear.contact import half_space_window
-from warpwear.contact.half_space import HalfSpace
-from warpwear.contact.half_space_window import Window, WindowedHalfSpace
+from warpwear.contact.half_space import window as half_space_window
+from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.contact.half_space.window import Window, WindowedHalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
@@ -135,3 +136,32 @@ def test_windows_lie_on_whole_vectors_and_hold_what_they_are_made_for() -> None:
         assert part.nx == window.end_row - window.first_row
         assert 8 * (window.end - window.first - 1) < part.ny <= 8 * (window.end - window.first)
         assert window.first * 8 + part.ny <= grid.ny
+
+
+def test_close_windows_hold_their_box_and_little_more() -> None:
+    """Of lengths without large factors, unless they end where the grid does; on whole vectors."""
+    dice = np.random.default_rng(6)
+    for _ in range(2000):
+        grid = Grid(*dice.integers(1, 700, 2).tolist(), 1.0)
+        rows, columns = (sorted(dice.integers(0, n, 2).tolist()) for n in grid.shape)
+        window = Window.close_to((*rows, *columns), grid)
+        assert window.holds((*rows, *columns))
+        assert 0 <= window.first_row < window.end_row <= grid.nx
+        assert 0 <= window.first < window.end <= math.ceil(grid.ny / 8)
+        part = window.grid(grid)
+        for length, (first, last), size in zip(part.shape, (rows, columns), grid.shape, strict=True):
+            assert length <= 1.25 * (last - first + 22) + 8
+            assert length in (size, fft.next_fast_len(length)) or size % 8
+    assert Window.close_to((300, 700, 310, 690), Grid(1024, 1024, 1.0)).grid(Grid(1024, 1024, 1.0)).shape == (
+        432,
+        400,
+    )
+
+
+def test_what_lies_in_a_window_is_seen() -> None:
+    with Executor(GRID) as executor:
+        gap = executor.field(ball())
+        window = Window.close_to((10, 40, 17, 60), GRID)
+        assert_array_equal(
+            window.of(gap).numpy().reshape(window.end_row - window.first_row, -1), ball()[window.cells]
+        )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from warpwear.contact.half_space import HalfSpace
+from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 from warpwear.laws.elastic import SpectralMoments, greenwood_williamson_area, persson_area

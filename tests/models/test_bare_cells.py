@@ -17,8 +17,8 @@ import warpwear
 from warpwear import Study
 from warpwear.contact.balance import Balancer, Foundation
 from warpwear.contact.bearing_area import BearingArea
-from warpwear.contact.half_space import HalfSpace
-from warpwear.contact.half_space_window import WindowedHalfSpace
+from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.tiles import Tiles
 from warpwear.errors import InputError

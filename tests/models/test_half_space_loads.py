@@ -20,7 +20,7 @@ from cases_half_space_patches import (
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import InputError
-from warpwear.contact.half_space import BoundedPressure, HalfSpace
+from warpwear.contact.half_space.solver import BoundedPressure, HalfSpace
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray

@@ -14,8 +14,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.contact import transforms
-from warpwear.contact.half_space import HalfSpace
+from warpwear.contact.half_space import transforms
+from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray

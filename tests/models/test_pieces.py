@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.contact.half_space import HalfSpace
+from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING

@@ -5,7 +5,7 @@ Every patch is a half-space of its own, behind which the bulk yields to its mean
     u_k + p_k / K_N = δ,   A Σ p_k = F
 
 with u_k the patch's approach from its own mean plane. All patches are one convex problem for the pressures of
-all cells, whose one multiplier is δ: see `patch_influence` for its operator and `half_space` for the search.
+all cells, whose one multiplier is δ: see `influence` for its operator and `half_space.search` for the search.
 Where a smooth contact prescribes each p_k, on springs K_N of its own, each u_k is a multiplier of its own.
 """
 
@@ -15,8 +15,8 @@ from typing import ClassVar
 import numpy as np
 
 from warpwear.contact.certificate import columns_of
-from warpwear.contact.half_space import BoundedPressure, HalfSpaceContact
-from warpwear.contact.half_space_passes import NO_CAP
+from warpwear.contact.half_space.passes import NO_CAP
+from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step

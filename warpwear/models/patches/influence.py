@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
-from warpwear.contact.influence import (
+from warpwear.contact.half_space.influence import (
     Operator,
     free_spectrum,
     padded_shape,
     periodic_spectrum,
     shortest_response,
 )
-from warpwear.contact.transforms import CupyTransforms, Transforms, for_each, pool_for
+from warpwear.contact.half_space.transforms import CupyTransforms, Transforms, for_each, pool_for
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid

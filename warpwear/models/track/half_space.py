@@ -9,9 +9,9 @@ import warp as wp
 
 from warpwear.contact.balance import Balance, residual_of
 from warpwear.contact.certificate import Certificate, columns_of
-from warpwear.contact.half_space import HalfSpaceContact
-from warpwear.contact.half_space_passes import NO_CAP
-from warpwear.contact.half_space_window import WindowedHalfSpace
+from warpwear.contact.half_space.passes import NO_CAP
+from warpwear.contact.half_space.solver import HalfSpaceContact
+from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step

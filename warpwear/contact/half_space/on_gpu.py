@@ -1,6 +1,6 @@
 """The search of the half-space solver on a GPU as one captured graph: a solve is a launch and a reading.
 
-The rules are those of `half_space_search`; what follows from a pass is decided on the device, as a word to
+The rules are those of `search`; what follows from a pass is decided on the device, as a word to
 the host and back takes longer than a pass. Of one part: rows with loads of their own go pass by pass.
 """
 
@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warpwear.contact import half_space_search as search
 from warpwear.contact.balance import HOPELESS, MAX_EVALUATIONS, TOLERANCE
-from warpwear.contact.half_space_passes import EVERY, NO_CAP, ROUGH_BALANCE, SCATTERED, Iterate
-from warpwear.contact.influence import Influence
-from warpwear.contact.transforms import Filter, arrays_of, filter_of
+from warpwear.contact.half_space import search
+from warpwear.contact.half_space.filters import Filter, filter_of
+from warpwear.contact.half_space.influence import Influence
+from warpwear.contact.half_space.passes import EVERY, NO_CAP, ROUGH_BALANCE, SCATTERED, Iterate
+from warpwear.contact.half_space.transforms import arrays_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.kernels.cells import LANES
@@ -31,7 +32,7 @@ BLOCKS_ON_CPU = 3
 class DeviceSearch:
     """Solves contacts of one part at a load, on the fields of an iterate.
 
-    tolerance, rounding, max_iterations: as of `half_space.BoundedPressure`.
+    tolerance, rounding, max_iterations: as of `solver.BoundedPressure`.
     """
 
     def __init__(

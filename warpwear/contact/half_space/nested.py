@@ -5,7 +5,7 @@ pressure is that of all four. A pair of transforms costs a quarter there, and wh
 waves, which decide where load goes, it then need not spend on the fine grid.
 """
 
-from warpwear.contact.transforms import arrays_of
+from warpwear.contact.half_space.transforms import arrays_of
 from warpwear.engine.executor import Executor, Field
 from warpwear.grid import Grid
 from warpwear.kernels.cells import PADDING
@@ -18,7 +18,7 @@ LEAST_SIDE_ON_GPU = 4096
 FIELDS_ON_GPU = 6.0
 #: Fields that a search on a GPU takes for itself afterwards.
 FIELDS_OF_SEARCH = 10.0
-#: Tolerance of the contact on wide cells, as of `half_space.BoundedPressure`.
+#: Tolerance of the contact on wide cells, as of `solver.BoundedPressure`.
 TOLERANCE = 1.0e-3
 MAX_ITERATIONS = 100
 #: Beyond it there is no surface [mm]: a mean with a cell that has none lies beyond.

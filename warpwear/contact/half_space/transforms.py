@@ -7,13 +7,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
 import warp as wp
 
 from warpwear import lazy
-from warpwear.contact import convolution
+from warpwear.contact.half_space import convolution
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
@@ -32,16 +33,15 @@ COLUMNS = 128
 APART = 8
 #: Cells of a grid from which kernels make the convolutions in single precision.
 LEAST_CONVOLVED = 2**14
-#: Bytes at whose multiples arrays begin.
-ALIGNED = 256
 #: Below any response [mm/MPa].
 SMALLEST = 1.0e-300
 
 
 class Transforms(ABC):
-    """Real transforms of the fields of one executor, zero-padded to a given shape.
+    """Real transforms of the fields of one executor, zero-padded to a given shape (n, m).
 
-    transforms: pairs (one forward and one inverse) done so far.
+    Tables are even along axis 0, as all responses are: rows 0 … n//2 tell the others. transforms: pairs (one
+    forward and one inverse) done so far.
     """
 
     def __init__(self, executor: Executor, shape: tuple[int, int]) -> None:
@@ -50,7 +50,7 @@ class Transforms(ABC):
         self.transforms = 0
 
     def table(self, values: FloatArray) -> Any:
-        """A table for `filter` where the transforms are done, from one of shape (n, m//2 + 1)."""
+        """A table for `filter` where the transforms are done, from one of n rows or of n//2 + 1."""
         return values
 
     def on_device(self, make: Callable[[Any], Any]) -> Any:
@@ -70,6 +70,12 @@ class Transforms(ABC):
         divide: ÷ instead of ×; modes where the table is 0 are left out. For a preconditioner, so single
         precision will do. single: whether it may do for × as well; not all transforms have it.
         """
+
+
+def unfolded(table: Any, rows: int, xp: Any = np) -> Any:
+    """All rows of a table that is even along axis 0, from those up to the middle or from all of them."""
+    places = xp.arange(rows)
+    return table if len(table) == rows else table[xp.minimum(places, rows - places)]
 
 
 def pool_for(executor: Executor, modes: int) -> ThreadPoolExecutor | None:
@@ -103,24 +109,49 @@ class ScipyTransforms(Transforms):
         nx, modes = executor.grid.nx, shape[1] // 2 + 1
         #: Columns of modes that lie in the cells of the result; without padding all but the last.
         self._held = min(modes - 1, executor.grid.ny // 2)
-        self._spectrum = np.empty((nx, modes - self._held), dtype=np.complex128)
         blocks = min(max(nx * modes // MODES_PER_BLOCK, 1), ROW_BLOCKS)
         self._rows = _blocks(0, nx, -(-nx // blocks))
         self._columns = _blocks(0, self._held, COLUMNS) + _blocks(self._held, modes, COLUMNS)
         self._pool = pool_for(executor, nx * modes)
-        large = executor.grid.cells >= LEAST_CONVOLVED and convolution.fits(shape)
-        place: convolution.Convolution | None = None if within is None else within._convolution
-        self._convolution: convolution.Convolution | None = (
-            convolution.Convolution(executor, shape, place) if large else None
-        )
+        self._convolves = executor.grid.cells >= LEAST_CONVOLVED and convolution.fits(shape)
+        self._within = within
+        self._own_place: Any = None
         #: The last table in single precision, and the reciprocals of the last one that was divided by.
         self._single: dict[bool, tuple[Any, Any]] = {}
+
+    @cached_property
+    def _convolution(self) -> convolution.Convolution:
+        """The kernels of single precision; made where they are asked for, as their memory is a field's."""
+        place = self._within._convolution if self._within and self._within._convolves else None
+        return convolution.Convolution(self._executor, self.shape, place)
+
+    @property
+    def _spectrum(self) -> Any:
+        """Where the modes lie that the result does not hold: if possible where those kernels work."""
+        shape = self._executor.grid.nx, self.shape[1] // 2 + 1 - self._held
+        if "_convolution" in vars(self):
+            place = self._convolution.memory.view(np.complex128)
+            if place.size >= math.prod(shape):
+                return place[: math.prod(shape)].reshape(shape)
+        if self._own_place is None:
+            self._own_place = np.empty(shape, np.complex128)
+        return self._own_place
+
+    def table(self, values: FloatArray) -> Any:
+        half = self.shape[0] // 2 + 1
+        return values[:half].copy() if len(values) > half else values
+
+    def added(self, table: Any, own: float, line: FloatArray) -> Any:
+        if not line.any():
+            return table + own
+        return unfolded(table, self.shape[0]) + (own + line[:, np.newaxis])  # alike but for rounding
 
     def filter(
         self, field_in: Field, table: Any, field_out: Field, *, divide: bool = False, single: bool = False
     ) -> None:
         self.transforms += 1
-        if self._convolution is not None and (divide or single):
+        if self._convolves and (divide or single):
+            self._own_place = None
             self._convolution.apply(field_in, self._in_single(table, divide), field_out)
             return
         held = self._held
@@ -130,7 +161,9 @@ class ScipyTransforms(Transforms):
         nx, ny = self._executor.grid.shape
         values, result = self._executor.to_numpy(field_in), self._executor.to_numpy(field_out)
         first: Any = result[:, : 2 * held].view(kind)[:, :held]
-        rest: Any = self._spectrum.view(kind)[:, : self._spectrum.shape[1]]
+        spectrum = self._spectrum
+        rest: Any = spectrum.view(kind)[:, : spectrum.shape[1]]
+        length, half = self.shape[0], len(factors)
 
         def forward(rows: slice) -> None:
             lines = fft.rfft(values[rows].astype(real, copy=False), n=self.shape[1], axis=1)
@@ -141,10 +174,13 @@ class ScipyTransforms(Transforms):
             start = columns.start if columns.start < held else columns.start - held
             width = columns.stop - columns.start
             block = part[:, start : start + width]
-            lines = np.empty((self.shape[0], width + APART), kind)[:, :width]
+            lines = np.empty((length, width + APART), kind)[:, :width]
             lines[:nx], lines[nx:] = block, 0.0
             lines = fft.fft(lines, axis=0, overwrite_x=True)
-            lines *= factors[:, columns]
+            of_block = factors[:, columns]
+            lines[:half] *= of_block
+            if half < length:
+                lines[half:] *= of_block[length - half : 0 : -1]
             block[:] = fft.ifft(lines, axis=0, overwrite_x=True)[:nx]
 
         def back(rows: slice) -> None:
@@ -165,7 +201,7 @@ class ScipyTransforms(Transforms):
                 if divide:
                     values = np.divide(1.0, values, out=np.zeros_like(values), where=values > 0.0)
                 factors[rows] = values
-            made = factors if self._convolution is None else self._convolution.table(factors)
+            made = self._convolution.table(factors) if self._convolves else factors
             kept = self._single[divide] = table, made
         return kept[1]
 
@@ -181,13 +217,13 @@ class CupyTransforms(Transforms):
         device = executor.device
         self._device = self._cupy.cuda.Device(device.ordinal)
         with self._device:
-            self._stream = _stream_of(self._cupy.cuda, device)
+            self._stream = stream_of(self._cupy.cuda, device)
         #: The last table that was divided by, and its reciprocals in single precision.
         self._divisor: tuple[Any, Any] = None, None
 
     def table(self, values: FloatArray) -> Any:
         with self._device, self._stream:
-            return self._cupy.asarray(values)
+            return unfolded(self._cupy.asarray(values), self.shape[0], self._cupy)
 
     def on_device(self, make: Callable[[Any], Any]) -> Any:
         with self._device, self._stream:
@@ -224,110 +260,6 @@ class CupyTransforms(Transforms):
         return self._cupy.asarray(field).reshape(field.shape[0], -1)[:, : self._executor.grid.ny]
 
 
-class Filter:
-    """Transforms of a plan in fields of their own, so that a graph can hold them; `filter_of` makes them.
-
-    given, made: before and after, zero where nobody writes, shape `shape`. waves: between, by modes, shape
-    (n, m//2 + 1). scale: that takes off what forward and back together multiply by. within: a filter of
-    double precision and no smaller a shape, whose memory serves one of single precision.
-    """
-
-    def __init__(
-        self,
-        executor: Executor,
-        shape: tuple[int, int],
-        kind: type[np.floating[Any]],
-        within: "Filter | None" = None,
-    ) -> None:
-        device = executor.device
-        real, complex_ = (wp.float64, wp.vec2d) if kind is np.float64 else (wp.float32, wp.vec2f)
-        self.shape, self.scale = shape, 1.0
-        modes = shape[0], shape[1] // 2 + 1
-        if within is None:
-            self.given, self.made = (wp.zeros(shape, dtype=real, device=device) for _ in range(2))
-            self.waves = wp.zeros(modes, dtype=complex_, device=device)
-            return
-        assert kind is np.float32
-        half = within.waves.capacity // 2 // ALIGNED * ALIGNED
-        self._of = within  # whose memory must last
-        self.given = _lying(within.made, 0, shape, real)
-        self.waves = _lying(within.waves, 0, modes, complex_)
-        self.made = _lying(within.waves, half, shape, real)
-
-    def forward(self) -> None:
-        """Transform what is given."""
-        self._modes[:] = fft.rfft2(self.given.numpy())
-
-    def back(self) -> None:
-        """Transform the modes back; they are lost."""
-        self.made.numpy()[:] = fft.irfft2(self._modes, s=self.shape)
-
-    def transform(self) -> None:
-        """Do both."""
-        self.forward()
-        self.back()
-
-    @property
-    def _modes(self) -> Any:
-        values = self.waves.numpy()
-        return values.view(np.complex128 if values.dtype == np.float64 else np.complex64)[..., 0]
-
-
-class CupyFilter(Filter):
-    """On a GPU, by plans of CuPy in the stream of Warp's device."""
-
-    def __init__(
-        self,
-        executor: Executor,
-        shape: tuple[int, int],
-        kind: type[np.floating[Any]],
-        within: Filter | None = None,
-    ) -> None:
-        super().__init__(executor, shape, kind, within)
-        cupy = load_cupy(executor.device)
-        cufft = cupy.cuda.cufft
-        self.scale = 1.0 / (shape[0] * shape[1])
-        self._device = cupy.cuda.Device(executor.device.ordinal)
-        double = kind is np.float64
-        there = cufft.CUFFT_D2Z if double else cufft.CUFFT_R2C
-        back = cufft.CUFFT_Z2D if double else cufft.CUFFT_C2R
-        with self._device:
-            self._stream = _stream_of(cupy.cuda, executor.device)
-            self._plans = [
-                cufft.PlanNd(shape, None, 1, 0, None, 1, 0, way, 1, "C", 1, None) for way in (there, back)
-            ]
-            self._views = [cupy.asarray(values) for values in (self.given, self.waves, self.made)]
-
-    def forward(self) -> None:
-        """Transform what is given."""
-        with self._device, self._stream:
-            self._plans[0].fft(self._views[0], self._views[1], -1)
-
-    def back(self) -> None:
-        """Transform the modes back; they are lost."""
-        with self._device, self._stream:
-            self._plans[1].fft(self._views[1], self._views[2], 1)
-
-
-def filter_of(
-    executor: Executor,
-    shape: tuple[int, int],
-    kind: type[np.floating[Any]],
-    *,
-    within: Filter | None = None,
-) -> Filter:
-    """Transforms where the executor's fields are. kind: of number. within: where its memory lies."""
-    return (Filter if executor.device.is_cpu else CupyFilter)(executor, shape, kind, within)
-
-
-def _lying(place: Field, start: int, shape: tuple[int, int], dtype: Any) -> Field:
-    """An array in the memory of another, from a byte on; of its own where it does not fit."""
-    size = math.prod(shape) * wp.types.type_size_in_bytes(dtype)
-    if start + size > place.capacity:
-        return wp.zeros(shape, dtype=dtype, device=place.device)
-    return wp.array(ptr=place.ptr + start, dtype=dtype, shape=shape, device=place.device, copy=False)
-
-
 @contextmanager
 def arrays_of(executor: Executor) -> Iterator[tuple[Any, Callable[[Field], Any]]]:
     """NumPy, or CuPy in the stream of Warp's device; and what sees a field with it, shape (rows, ny)."""
@@ -339,7 +271,7 @@ def arrays_of(executor: Executor) -> Iterator[tuple[Any, Callable[[Field], Any]]
     def view(field: Field) -> Any:
         return cupy.asarray(field).reshape(field.shape[0], -1)[:, : executor.grid.ny]
 
-    with cupy.cuda.Device(executor.device.ordinal), _stream_of(cupy.cuda, executor.device):
+    with cupy.cuda.Device(executor.device.ordinal), stream_of(cupy.cuda, executor.device):
         yield cupy, view
 
 
@@ -368,7 +300,7 @@ def release(device: Any) -> None:
     wp.synchronize_device(device)
 
 
-def _stream_of(cuda: Any, device: Any) -> Any:
+def stream_of(cuda: Any, device: Any) -> Any:
     """The stream of Warp's device for CuPy, which leaves it to Warp."""
     if hasattr(cuda.Stream, "from_external"):  # since 14.0, which deprecates the other
         return cuda.Stream.from_external(device.stream)

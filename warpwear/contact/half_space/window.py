@@ -13,12 +13,15 @@ from typing import ClassVar, Self
 import numpy as np
 import warp as wp
 
-from warpwear.contact.half_space import TOLERANCE, HalfSpace, HalfSpaceContact
+from warpwear import lazy
+from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.state import Columns
 from warpwear.grid import Grid
 from warpwear.kernels.cells import LANES, Cells
 from warpwear.kernels.half_space import setup
+
+fft = lazy.module("scipy.fft")
 
 #: Sizes of windows along a side of the grid.
 SIZES = 8
@@ -49,6 +52,12 @@ class Window:
         across = _placed(box[2], box[3], grid.ny, step=LANES, least=1, pieces=pieces)
         return cls(*along, across[0] // LANES, -(-across[1] // LANES))
 
+    @classmethod
+    def close_to(cls, box: Sequence[int], grid: Grid) -> Self:
+        """The smallest window that holds a box and is quick to transform."""
+        along, across = (_quick(box[2 * n], box[2 * n + 1], grid.shape[n]) for n in range(2))
+        return cls(*along, across[0] // LANES, -(-across[1] // LANES))
+
     @property
     def area(self) -> int:
         """In vectors."""
@@ -63,6 +72,15 @@ class Window:
         """Whether a box of rows and columns lies inside."""
         rows = self.first_row <= box[0] and box[1] < self.end_row
         return rows and self.first * LANES <= box[2] and box[3] < self.end * LANES
+
+    @property
+    def cells(self) -> tuple[slice, slice]:
+        """Its rows and columns, where it does not reach the end of the grid; there it may go over."""
+        return slice(self.first_row, self.end_row), slice(self.first * LANES, self.end * LANES)
+
+    def of(self, field: Field) -> Field:
+        """What a field of the whole grid holds there, seen where it lies."""
+        return field[self.first_row : self.end_row, self.first : self.end]
 
     def take(self, field: Field, part: Field) -> None:
         """Copy what a field of the whole grid holds there."""
@@ -97,11 +115,19 @@ def _placed(first: int, last: int, size: int, *, step: int, least: int, pieces: 
     return 0, size
 
 
+def _quick(first: int, last: int, size: int) -> tuple[int, int]:
+    """Begin and end of a stretch around first … last, on multiples of LANES, of a length of small factors."""
+    wanted = last + 1 - first + 2 * (LANES - 1)
+    length = LANES * int(fft.next_fast_len(-(-wanted // LANES), real=True))
+    begin = max(min((first + last + 1 - length) // 2, size - length), 0) // LANES * LANES
+    return begin, begin + length if begin + length <= size - LANES else size
+
+
 class WindowedHalfSpace:
     """Contacts of half-spaces on a large grid; each solve starts from the last one's pressure.
 
     modulus: E* of both bodies [MPa]. boundary: "periodic", whose window is the whole grid, or "free".
-    hardness: H [MPa]. tolerance: as of `half_space.BoundedPressure`.
+    hardness: H [MPa]. tolerance: as of `solver.BoundedPressure`.
     """
 
     STATE: ClassVar = {"_started": bool, "_window": Window, "_pressure": Columns}
@@ -170,7 +196,7 @@ class WindowedHalfSpace:
         least_part: float = 1.0,
         certified: bool | None = True,
     ) -> HalfSpaceContact:
-        """Solve the contact at a load [N], otherwise as `half_space.BoundedPressure.solve` does.
+        """Solve the contact at a load [N], otherwise as `solver.BoundedPressure.solve` does.
 
         Fields are of the whole grid; the gradient is NaN beyond the window. least_part: no smaller is among
         the parts.

@@ -7,7 +7,7 @@ problem, to which conjugate steps take one transform after another.
 
 import numpy as np
 
-from warpwear.contact.half_space_passes import Iterate
+from warpwear.contact.half_space.passes import Iterate
 from warpwear.grid import FloatArray
 
 #: Cells that are moved at once, at most.

@@ -1,6 +1,6 @@
 """The elastic–plastic half-space: contact of two bodies whose surfaces deform together, 0 ≤ p ≤ H.
 
-The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approach; see `half_space_search`.
+The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approach; see `search`.
 """
 
 import math
@@ -10,14 +10,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from warpwear.contact import half_space_nested as nested
 from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.contact.certificate import Certificate
-from warpwear.contact.half_space_passes import Iterate
-from warpwear.contact.half_space_search import Search
-from warpwear.contact.influence import Influence, Operator
-from warpwear.contact.on_gpu import DeviceSearch
-from warpwear.contact.transforms import release
+from warpwear.contact.half_space import nested
+from warpwear.contact.half_space.influence import Influence, Operator
+from warpwear.contact.half_space.on_gpu import DeviceSearch
+from warpwear.contact.half_space.passes import Iterate
+from warpwear.contact.half_space.search import Search
+from warpwear.contact.half_space.transforms import release
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
@@ -104,6 +104,8 @@ class BoundedPressure:
         self._influence = influence
         self._iterate = Iterate(executor, influence, hardness)
         self._started = False
+        #: Displacement under the pressure that was certified last, where a device has made it.
+        self._displaced: Any = None
 
     @property
     def on_device(self) -> DeviceSearch | None:
@@ -202,9 +204,9 @@ class BoundedPressure:
         asked: Σ p of each part [MPa]; None at an approach. compliances: own, streak and window, as of the
         solve of the contact.
         """
-        displaced = None
+        displaced = self._displaced = None
         if asked is not None and self._iterate.parts == 1 and self.on_device is not None:
-            displaced = self.on_device.displacement()
+            displaced = self._displaced = self.on_device.displacement()
         else:
             self._influence.set_compliance(*compliances)
         terms = {"approaches": contact.approaches, "scale": contact.scale, "allowed": contact.allowed}
@@ -213,11 +215,9 @@ class BoundedPressure:
     def displacement(self) -> Any:
         """Displacement under the pressure that was certified last [mm]; lost in a solve.
 
-        Where whole solves are made on a device it is an array of that, shape (nx, ny); else a field.
+        Where a device made the whole solve it is an array of that, shape (nx, ny); else a field.
         """
-        if self._iterate.parts == 1 and self.on_device is not None:
-            return self.on_device.made
-        return self._iterate.fields["response"]
+        return self._iterate.fields["response"] if self._displaced is None else self._displaced
 
     def _search(
         self,

@@ -8,8 +8,8 @@ import warp as wp
 
 from warpwear.contact.balance import PART, TOLERANCE, Carried, find_offsets, newton_in_bracket
 from warpwear.contact.certificate import TOGETHER, TOGETHER_ON_GPU, Certificate, cells_of, certify
-from warpwear.contact.influence import Operator
-from warpwear.contact.transforms import arrays_of
+from warpwear.contact.half_space.influence import Operator
+from warpwear.contact.half_space.transforms import arrays_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, IntArray

@@ -13,9 +13,9 @@ import math
 
 import numpy as np
 
-from warpwear.contact import half_space_few as few
 from warpwear.contact.balance import TOLERANCE
-from warpwear.contact.half_space_passes import NO_CAP, Iterate, Products, SearchSums
+from warpwear.contact.half_space import few
+from warpwear.contact.half_space.passes import NO_CAP, Iterate, Products, SearchSums
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import PADDING
 

@@ -68,8 +68,13 @@ class Convolution:
         else:
             self._scratch, self._modes = within._scratch, within._modes[: self._groups]
 
+    @property
+    def memory(self) -> FloatArray:
+        """Where it works, as one line of numbers; free for others between convolutions."""
+        return np.asarray(self._modes.numpy().reshape(-1))
+
     def table(self, values: FloatArray) -> Any:
-        """A table to apply, from an even one of shape (n, m//2 + 1) for a transform that is scaled back."""
+        """A table to apply, from rows 0 … n//2 of an even one, for a transform that is scaled back."""
         half, lines = self._order.size, self.shape[0] // 2 + 1
         columns = np.resize(np.append(self._order, half), self._groups * LINES)
         made = np.empty((self._groups, lines, LINES), dtype=np.float32)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
-from warpwear.contact.transforms import CupyTransforms, ScipyTransforms, Transforms
+from warpwear.contact.half_space.transforms import CupyTransforms, ScipyTransforms, Transforms, unfolded
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid, IntArray
@@ -20,6 +20,8 @@ fft = lazy.module("scipy.fft")
 
 #: Modes in each direction that tell the weights of neighbours.
 MODES_OF_WEIGHTS = 64
+#: First and last row, first and last column.
+Box = tuple[int, int, int, int]
 
 
 class Operator(ABC):
@@ -107,21 +109,21 @@ class Influence(Operator):
         self.wraps = boundary == "periodic"
         self.cells = grid.cells
         self.shortest_response = shortest_response(grid.cell, modulus)
-        make: Any = ScipyTransforms if executor.device.is_cpu else CupyTransforms
+        make = _transforms_of(executor)
         #: Shape of what is transformed for the response.
         self.far_shape = grid.shape if boundary == "periodic" else padded_shape(grid)
         self._far = make(executor, self.far_shape)
         if boundary == "periodic":
             self._near = self._far
             elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
-            self.elastic = self.near_elastic = self._near.table(elastic)
+            self._elastic = self._near_elastic = self._near.table(elastic)
         else:
             self._near = make(executor, grid.shape, within=self._far)
             elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
             # The mean that a periodic surface leaves out: that of a uniform pressure, about.
             elastic[0, 0] = 3.0 * elastic.max()
-            self.near_elastic = self._near.table(elastic)
-            self.elastic = self._far.table(free_spectrum(grid, modulus, self.far_shape))
+            self._near_elastic = self._near.table(elastic)
+            self._elastic = self._far.table(free_quarter(grid, modulus, self.far_shape))
         self._steps = [max(1, size // MODES_OF_WEIGHTS) for size in grid.shape]
         few = self._near.on_device(lambda _: elastic[:: self._steps[0], :: self._steps[1]].copy())
         #: Modes of the inverse far apart, on the host.
@@ -130,6 +132,16 @@ class Influence(Operator):
         self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)
 
+    @property
+    def elastic(self) -> Any:
+        """The table of the response without compliances, all rows of it."""
+        return unfolded(self._elastic, self._far.shape[0])
+
+    @property
+    def near_elastic(self) -> Any:
+        """The table of what the inverse divides by, likewise."""
+        return unfolded(self._near_elastic, self._near.shape[0])
+
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
         """Add to the elastic response, as `Operator.set_compliance` says."""
         line = self._streak_cells
@@ -137,23 +149,23 @@ class Influence(Operator):
         if self._compliance == asked:
             return
         self._compliance = asked
-        self._response = self._with(self._far, self.elastic, *asked)
+        self._response = self._with(self._far, self._elastic, *asked)
         self._nearby = self._response
         if self._near is not self._far:
-            self._nearby = self._with(self._near, self.near_elastic, *asked)
+            self._nearby = self._with(self._near, self._near_elastic, *asked)
 
     def _with(self, transforms: Transforms, elastic: Any, own: float, streak: float, window: int) -> Any:
         if own == 0.0 and streak == 0.0:
             return elastic
-        return transforms.added(elastic, own, streak * self._mean_of(elastic.shape[0], window))
+        return transforms.added(elastic, own, streak * self._mean_of(transforms.shape[0], window))
 
     def lines(self, own: float, streak: float, window: int | None) -> tuple[FloatArray, FloatArray]:
         """What compliances, as of `set_compliance`, add to the response and its inverse, by row."""
         line = self._streak_cells
         window = line if window is None else min(window, line)
         of_response, of_inverse = (
-            own + (streak * self._mean_of(table.shape[0], window) if streak else np.zeros(table.shape[0]))
-            for table in (self.elastic, self.near_elastic)
+            own + (streak * self._mean_of(rows, window) if streak else np.zeros(rows))
+            for rows in (self._far.shape[0], self._near.shape[0])
         )
         return of_response, of_inverse
 
@@ -193,6 +205,35 @@ class Influence(Operator):
         return np.asarray(np.fft.fft(inside / window).real ** 2)
 
 
+def _transforms_of(executor: Executor) -> Any:
+    """The kind of transforms that works on the executor's fields."""
+    return ScipyTransforms if executor.device.is_cpu else CupyTransforms
+
+
+def displace(executor: Executor, pressure: Field, displacement: Field, *, modulus: float, box: Box) -> None:
+    """Displacement [mm] of all cells of a free half-space under pressures [MPa] in a box of them, in float64.
+
+    The convolution is padded no further than cells of the box and of the grid lie apart.
+    """
+    grid = executor.grid
+    shape = apart_shape(grid, box)
+    far = _transforms_of(executor)(executor, shape)
+    far.filter(pressure, far.table(free_quarter(grid, modulus, shape)), displacement)
+
+
+def apart_shape(grid: Grid, box: Box) -> tuple[int, int]:
+    """An even shape on which the convolution of a box with the grid does not wrap, quick to transform.
+
+    Two cells are no further apart than half of it, so that they feel each other one way round only.
+    """
+    furthest = (max(box[2 * n + 1], grid.shape[n] - 1 - box[2 * n]) for n in range(2))
+    along, across = (
+        2 * fft.next_fast_len(max(far, -(-size // 2)), real=True)
+        for far, size in zip(furthest, grid.shape, strict=True)
+    )
+    return along, across
+
+
 def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np) -> Any:
     """2/(E*|q|) of the modes of a real transform [mm/MPa], shape (nx, ny//2 + 1), 0 for the mean.
 
@@ -218,15 +259,17 @@ def padded_shape(grid: Grid) -> tuple[int, int]:
 
 
 def free_spectrum(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
-    """Response of the modes of a real transform [mm/MPa], on an even shape: (shape[0], shape[1]//2 + 1).
+    """Response of the modes of a real transform [mm/MPa], on an even shape: (shape[0], shape[1]//2 + 1)."""
+    return np.asarray(unfolded(free_quarter(grid, modulus, shape), shape[0]))
+
+
+def free_quarter(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
+    """Its rows up to the middle, which the others repeat: (shape[0]//2 + 1, shape[1]//2 + 1).
 
     The coefficients are even in both directions: a cosine transform of a quarter of them is their spectrum.
     """
-    quarter = fft.dctn(
-        free_coefficients(grid.cell, modulus, shape[0] // 2 + 1, shape[1] // 2 + 1), type=1, overwrite_x=True
-    )
-    rows = np.arange(shape[0])
-    return np.asarray(quarter[np.minimum(rows, shape[0] - rows)])
+    coefficients = free_coefficients(grid.cell, modulus, shape[0] // 2 + 1, shape[1] // 2 + 1)
+    return np.asarray(fft.dctn(coefficients, type=1, overwrite_x=True))
 
 
 def free_coefficients(cell: float, modulus: float, rows: int, columns: int) -> FloatArray:
@@ -236,8 +279,18 @@ def free_coefficients(cell: float, modulus: float, rows: int, columns: int) -> F
     """
     corners_x, corners_y = ((np.arange(n + 1) - 0.5)[:, np.newaxis] * cell for n in (rows, columns))
     x, y = corners_x, corners_y.T
-    # by inverse hyperbolic sines: the logarithms differ by what cancels between the corners
-    corner = x * np.arcsinh(y / np.abs(x))
-    corner += corner.T if rows == columns else y * np.arcsinh(x / np.abs(y))
-    total = corner[1:, 1:] - corner[1:, :-1] - corner[:-1, 1:] + corner[:-1, :-1]
-    return np.asarray(total / (math.pi * modulus))
+
+    def by_hyperbolic_sine(factor: Any, over: Any, under: Any) -> FloatArray:
+        """Terms by inverse hyperbolic sines: the logarithms differ by what cancels between the corners."""
+        term = over / np.abs(under)
+        np.arcsinh(term, out=term)
+        term *= factor
+        return np.asarray(term)
+
+    corner = by_hyperbolic_sine(x, y, x)
+    corner += corner.T if rows == columns else by_hyperbolic_sine(y, x, y)
+    total = corner[1:, 1:] - corner[1:, :-1]
+    total -= corner[:-1, 1:]
+    total += corner[:-1, :-1]
+    total /= math.pi * modulus
+    return total

@@ -1,0 +1,80 @@
+"""Checks of what is handed to `solve_contact`, and the sentences for what is not possible."""
+
+import math
+from numbers import Real
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from warpwear.engine.staging import each
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+
+
+def checked_heights(heights: npt.ArrayLike, threads: int) -> tuple[FloatArray, float, float, float]:
+    """The heights as an array; the lowest, the highest and the sum of them."""
+    try:
+        given = np.asanyarray(heights)
+        if np.ma.is_masked(given) or np.iscomplexobj(given):
+            raise TypeError("masked or complex")
+        values = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"heights of type {type(heights).__name__} are not possible ({error}); "
+            "they must be real numbers, none of them masked."
+        ) from error
+    if values.ndim != 2 or values.size == 0:
+        raise InputError(
+            f"heights of shape {values.shape} are not possible; they must be (nx, ny), with a cell or more."
+        )
+    looks = each(lambda rows: [f(values[rows]) for f in (np.min, np.max, np.sum)], values.shape, threads)
+    lows, highs, sums = np.array(looks).T
+    if not (math.isfinite(lows.min()) and math.isfinite(highs.max())):
+        wrong = np.argwhere(~np.isfinite(values))
+        i, j = wrong[0].tolist()
+        raise InputError(
+            f"heights[{i}, {j}] = {values[i, j]:g} is not possible ({len(wrong)} of {values.size} are not "
+            "finite); fill what is missing first."
+        )
+    return values, float(lows.min()), float(highs.max()), float(sums.sum())
+
+
+def number(name: str, value: Any, *, any_sign: bool = False, optional: bool = True) -> Any:
+    """An argument as a float, None where it is left out. Raises InputError for what is not allowed."""
+    if value is None and optional:
+        return None
+    is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+    if not is_number or not math.isfinite(value) or not (any_sign or value > 0.0):
+        shown = f"{float(value):g}" if is_number else repr(value)
+        allowed = f"{'' if any_sign else 'positive, '}finite number{', or left out' if optional else ''}"
+        raise InputError(f"{name} = {shown} is not possible; it must be a {allowed}.")
+    return float(value)
+
+
+def check_choice(how_many: str, **choice: float | None) -> None:
+    """InputError where more are given than may be, or none where one must be."""
+    given = [f"{name} = {value:g}" for name, value in choice.items() if value is not None]
+    if len(given) > 1 or (how_many == "exactly one" and not given):
+        names = " and ".join([", ".join(list(choice)[:-1]), list(choice)[-1]])
+        raise InputError(f"{' and '.join(given) or 'nothing'} is given; {how_many} of {names} must be.")
+
+
+def boundary_of(boundary: str | None, modulus: float | None, sphere_radius: float | None) -> str | None:
+    """The boundary of the half-space; None where there is no half-space."""
+    if modulus is None:
+        if boundary is not None:
+            raise InputError(
+                f"boundary = {boundary!r} is only for a half-space; leave it out, or give a modulus."
+            )
+        return None
+    if boundary not in (None, "periodic", "free"):
+        raise InputError(f'boundary = {boundary!r} is unknown; allowed are "periodic" and "free".')
+    if sphere_radius is None:
+        return boundary or "periodic"
+    if boundary == "periodic":
+        raise InputError(
+            f'boundary = "periodic" is not possible with sphere_radius = {sphere_radius:g}; '
+            'it must be "free".'
+        )
+    return "free"

@@ -1,0 +1,73 @@
+"""A solved contact of an array of heights."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from warpwear.contact.certificate import Certificate
+from warpwear.grid import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ArrayContact:
+    """A solved contact of an array of heights. Units are the caller's; fields have the shape of the heights.
+
+    approach: how far the plane, or the sphere's apex, lies below the heights' mean plane; negative while it
+    lies above. gap: distance between the bodies after elastic deformation; 0 under a pressure below the
+    hardness, negative where the hardness is reached (how deep the material has to flow), infinite beyond the
+    sphere's edge. residual: the largest violation of (gap = 0 under pressure, gap ≥ 0 elsewhere, gap ≤ 0 at
+    the hardness) over the rms height of the gap before contact. certificate: that and more, reckoned anew
+    from the pressure: by how much its energy can exceed the least, above all. evaluations: pairs of Fourier
+    transforms on a half-space, else passes over the cells that a trial approach took.
+    """
+
+    pressure: FloatArray  # pressure, shape (nx, ny)
+    gap: FloatArray  # length, shape (nx, ny)
+    approach: float  # length
+    cell: float  # length
+    hardness: float | None  # pressure
+    certificate: Certificate
+    evaluations: int
+
+    @property
+    def residual(self) -> float:
+        """Largest violation of the contact conditions over the rms height of the gap before contact."""
+        return self.certificate.violation
+
+    @cached_property
+    def load(self) -> float:
+        """Sum of the pressures, each times the area of a cell: a force."""
+        return float(self.pressure.sum()) * self.cell**2
+
+    @property
+    def mean_pressure(self) -> float:
+        """Load over the nominal area."""
+        return self.load / self.nominal_area
+
+    @property
+    def nominal_area(self) -> float:
+        """Area of all cells of the array: a length²."""
+        return self.pressure.size * self.cell**2
+
+    @cached_property
+    def area(self) -> float:
+        """Real area of contact, of the cells that carry a pressure: a length²."""
+        return np.count_nonzero(self.pressure) * self.cell**2
+
+    @cached_property
+    def area_at_hardness(self) -> float:
+        """Area of the cells whose pressure is the hardness: a length²; 0 without a hardness.
+
+        Of a bearing area it may be a cell short of `area`: one cell carries what is left of the load.
+        """
+        if self.hardness is None:
+            return 0.0
+        return np.count_nonzero(self.pressure >= self.hardness) * self.cell**2
+
+    def __repr__(self) -> str:
+        return (
+            f"<contact: area {self.area:.4g} of {self.nominal_area:.4g}, "
+            f"mean pressure {self.mean_pressure:.4g}, approach {self.approach:.4g}, "
+            f"{self.evaluations} evaluations>"
+        )

@@ -1,0 +1,224 @@
+"""The contact of a rigid plane or sphere with heights in an array, without a study.
+
+Numbers are in consistent units of the caller's choice; the solvers work in units of their own, see `Task`.
+"""
+
+import math
+import warnings
+
+import numpy as np
+import numpy.typing as npt
+
+from warpwear.contact.array.arguments import boundary_of, check_choice, checked_heights, number
+from warpwear.contact.array.contact import ArrayContact
+from warpwear.contact.array.elastic import solve_half_space
+from warpwear.contact.array.memory import check_memory, giving_back
+from warpwear.contact.array.springs import solve_cells
+from warpwear.contact.array.task import ROUNDING, Found, Gap, Task, surface_of
+from warpwear.contact.certificate import Certificate, cells_of, certify
+from warpwear.contact.half_space.solver import ROUNDING as OF_DIGITS
+from warpwear.contact.half_space.solver import TOLERANCE
+from warpwear.engine.device import check_threads
+from warpwear.engine.executor import Executor
+from warpwear.engine.staging import download, each
+from warpwear.errors import ConvergenceError, InputError
+from warpwear.grid import FloatArray, Grid
+from warpwear.kernels.cells import LANES, Cells
+
+#: Largest difference between the load carried and the load asked for, relatively.
+LOAD_TOLERANCE = 1.0e-9
+
+
+def solve_contact(
+    heights: npt.ArrayLike,
+    *,
+    cell: float,
+    load: float | None = None,
+    mean_pressure: float | None = None,
+    approach: float | None = None,
+    hardness: float | None = None,
+    modulus: float | None = None,
+    stiffness: float | None = None,
+    boundary: str | None = None,
+    sphere_radius: float | None = None,
+    tolerance: float = TOLERANCE,
+    device: str = "cpu",
+    threads: int | None = None,
+) -> ArrayContact:
+    """Press a rigid plane, or a sphere, on heights and return the pressure and the gap of every cell.
+
+    All numbers are in consistent units of the caller's choice (mm, N and MPa, say, or m, N and Pa).
+
+    heights: of the surface, positive out of the material, shape (nx, ny), axis 0 = x; of any mean plane.
+    cell: width of the square cells. load, mean_pressure (load over the area of the array) or approach: one of
+    the three. hardness: largest pressure of a cell; None for no such limit.
+    modulus: E*, of an elastic half-space (two elastic bodies have 1/E* = Σ (1 − ν²)/E); or
+    stiffness: pressure over length, of independent springs under the cells (a Winkler foundation). Without
+    both every cell that is touched carries the hardness: the bearing area.
+    boundary: of the half-space; "periodic", where the surface repeats without end (by default under a
+    plane), or "free", where nothing lies beside the array (by default, and always, under a sphere).
+    sphere_radius: of the sphere, whose apex comes down on the middle of the array; None for a plane.
+    tolerance: largest violation of the contact conditions of the half-space over the rms height of the gap;
+    the other laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every
+    core; no result depends on it.
+
+    Says on standard error what memory is needed where that is 2 GiB or more, before it starts.
+    Warns where the contact with a sphere reaches the edge of the array. Raises InputError for what is not
+    possible, ConvergenceError where the tolerance is not met. Sources:
+    Polonsky and Keer 1999, Wear 231, 206 and Almqvist et al. 2007, Tribol. Int. 40, 574 (half-space);
+    Johnson, Contact Mechanics, 1985, section 4.3 (springs).
+
+    >>> heights = np.random.default_rng(0).normal(size=(64, 64))
+    >>> contact = warpwear.solve_contact(heights, cell=1.0, mean_pressure=0.25, hardness=1.0)
+    >>> print(contact.area / contact.nominal_area, contact.mean_pressure)
+    0.25 0.25
+    >>> warpwear.solve_contact(heights, cell=1.0, mean_pressure=0.01, modulus=1.0).residual < 1.0e-6
+    True
+    """
+    workers = check_threads(threads)
+    surface, lowest, highest, total = checked_heights(heights, workers)
+    cell = number("cell", cell, optional=False)
+    tolerance = number("tolerance", tolerance, optional=False)
+    load, mean_pressure = number("load", load), number("mean_pressure", mean_pressure)
+    approach = number("approach", approach, any_sign=True)
+    modulus, stiffness = number("modulus", modulus), number("stiffness", stiffness)
+    hardness, sphere_radius = number("hardness", hardness), number("sphere_radius", sphere_radius)
+    check_choice("exactly one", load=load, mean_pressure=mean_pressure, approach=approach)
+    check_choice("at most one", modulus=modulus, stiffness=stiffness)
+    if hardness is modulus is stiffness is None:
+        raise InputError(
+            "hardness = None is not possible without modulus or stiffness; the bearing area needs a hardness."
+        )
+    edge = boundary_of(boundary, modulus, sphere_radius)
+    nx, ny = surface.shape
+    grid = Grid(nx, ny, cell)
+    middle = total / surface.size
+    nearest, furthest, there = middle - highest, middle - lowest, surface.size
+    given = Gap(surface, middle, grid, sphere_radius)
+    if sphere_radius is not None:
+        extents = each(lambda rows: _extent(given(rows)), surface.shape, workers)
+        nearest, furthest = min(one[0] for one in extents), max(one[1] for one in extents)
+        there = sum(one[2] for one in extents)
+        if not there:
+            raise InputError(
+                f"sphere_radius = {sphere_radius:g} is not possible; it must reach the middle of a cell."
+            )
+    mean = mean_pressure if load is None else load / grid.area
+    if mean is not None and hardness is not None:
+        most = hardness * (there / surface.size)
+        if mean > most * (1.0 + ROUNDING):
+            name, area = ("mean_pressure", 1.0) if load is None else ("load", grid.area)
+            raise InputError(
+                f"{name} = {mean * area:g} is not possible; with all cells at the hardness it is "
+                f"{most * area:g}."
+            )
+        mean = min(mean, most)  # larger by rounding
+    if approach is not None and approach >= 0.0 and edge == "periodic" and hardness is None:
+        raise InputError(
+            f"approach = {approach:g} is not possible; a periodic half-space without a hardness is in full "
+            "contact when the plane reaches the mean plane, so it must be negative."
+        )
+    response = cell / modulus if modulus else 1.0 / stiffness if stiffness else 0.0
+    task = Task.scaled(
+        given, (nearest, furthest), mean, approach, hardness, response=response, edge=edge, threads=workers
+    )
+    check_memory(surface.shape, device, edge)
+    with (
+        Executor(Grid(nx, ny, 1.0), device=device, threads=threads, fields_needed=0.0) as executor,
+        giving_back(executor),
+    ):
+        try:
+            found = solve_half_space(task, executor, tolerance) if edge else solve_cells(task, executor)
+            contact, carried = _contact_of(
+                task, found, executor, cell=cell, hardness=hardness, tolerance=tolerance
+            )
+            del found
+        except ConvergenceError as error:
+            raise ConvergenceError(
+                f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "
+                f"{error}"
+            ) from error
+    if sphere_radius is not None and _touches_edge(contact.pressure):
+        warnings.warn(
+            f"the contact with the sphere reaches the edge of heights, of the shape {(nx, ny)}, beyond "
+            "which nothing carries; a larger array is needed for the whole contact.",
+            stacklevel=2,
+        )
+    if mean is not None and not abs(carried / contact.pressure.size / mean - 1.0) <= LOAD_TOLERANCE:
+        raise ConvergenceError(
+            f"solve_contact found a mean pressure of {contact.mean_pressure:g} instead of {mean:g}."
+        )
+    return contact
+
+
+def _extent(gap: FloatArray) -> tuple[float, float, int]:
+    """Smallest and largest gap where there is a surface, and how many cells those are."""
+    there = surface_of(gap)
+    return (float(there.min()), float(there.max()), there.size) if there.size else (math.inf, -math.inf, 0)
+
+
+def _touches_edge(pressure: FloatArray) -> bool:
+    """Whether a cell at the rim of the array carries a pressure."""
+    return bool(pressure[[0, -1]].any() or pressure[:, [0, -1]].any())
+
+
+def _contact_of(
+    task: Task,
+    found: Found,
+    executor: Executor,
+    *,
+    cell: float,
+    hardness: float | None,
+    tolerance: float,
+) -> tuple[ArrayContact, float]:
+    """A solved task in the caller's units, certified, and the sum of its pressures. May raise."""
+    certificate = found.certificate or _certify(task, found, tolerance)
+    if certificate.fault:
+        raise ConvergenceError(f"the pressure cannot be certified: {certificate.fault}.")
+    here = isinstance(found.pressure, np.ndarray)
+    pressure = np.empty(task.shape)
+    left = task.gap if here else np.empty(task.shape)
+
+    def take(rows: slice, p: FloatArray, displaced: FloatArray) -> float:
+        gap = left[rows] if here else task.gap_of(rows)
+        np.add(gap, displaced, out=left[rows])
+        left[rows] -= found.approach
+        left[rows] *= task.length
+        np.multiply(p, task.pressure, out=pressure[rows])
+        if hardness is not None:
+            np.minimum(pressure[rows], hardness, out=pressure[rows])
+            pressure[rows][p >= task.cap] = hardness
+        return float(pressure[rows].sum())
+
+    if here:
+        sums = each(
+            lambda rows: take(rows, found.pressure[rows], found.displacement[rows]), task.shape, task.threads
+        )
+    else:
+        fields = [found.pressure, found.displacement]
+        pitches = [executor.vectors * LANES if f.dtype is Cells else task.shape[1] for f in fields]
+        sums = download(executor, fields, take, pitches)
+    contact = ArrayContact(
+        pressure=pressure,
+        gap=left,
+        approach=found.approach * task.length,
+        cell=cell,
+        hardness=hardness,
+        certificate=certificate.scaled(length=task.length, pressure=task.pressure, area=cell**2),
+        evaluations=found.evaluations,
+    )
+    return contact, sum(sums)
+
+
+def _certify(task: Task, found: Found, tolerance: float) -> Certificate:
+    yielded = abs(found.approach) + float(found.pressure.mean())
+    scale = task.rms or yielded
+    asked = None if task.mean is None else np.full(1, task.mean * task.gap.size)
+    return certify(
+        [cells_of(found.pressure, task.gap, found.displacement, task.cap)],
+        approaches=np.full(1, found.approach),
+        asked=asked,
+        scale=np.full(1, scale),
+        allowed=np.full(1, max(tolerance * scale, OF_DIGITS * yielded, found.allowed)),
+        cell_area=1.0,
+    )
