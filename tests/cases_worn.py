@@ -207,9 +207,9 @@ class Off:
     relative: dict
 
 
-def off_by_errors(seed, kind, worn):
+def off_by_errors(seed, number, kind, worn):
     """Measure a case: volumes, area, mean profile at every tenth place. Return the sentence of a refusal."""
-    case = pair(np.random.default_rng(seed), kind, worn)
+    case = pair(np.random.default_rng([seed, number, list(KINDS).index(kind), SCARS.index(worn)]), kind, worn)
     try:
         both = difference(case.after, case.before, pixel=(PIXEL, PIXEL), earlier_pixel=(PIXEL, PIXEL))
         found = find_scar(both.heights, pixel=(PIXEL, PIXEL))

@@ -18,7 +18,7 @@ SIZE = (PIXEL, PIXEL)
     ("kind", "worn"), [("self-affine", "piled"), ("turned", "stadium"), ("real", "asperities")]
 )
 def test_volumes_are_within_their_errors(kind, worn):
-    found = off_by_errors([11, 0], kind, worn)
+    found = off_by_errors(11, 0, kind, worn)
     assert not isinstance(found, str), found
     for name in ("worn", "piled up", "net"):
         assert abs(found.off[name]) < 4, name
@@ -28,9 +28,9 @@ def test_volumes_are_within_their_errors(kind, worn):
 
 @pytest.mark.slow
 def test_coverage_of_scars():
-    kinds = enumerate(("self-affine", "turned", "real"))
-    found = [off_by_errors([23, n, k, s], kind, worn)
-             for k, kind in kinds for s, worn in enumerate(SCARS) for n in range(6)]  # fmt: skip
+    """The first of `python bench/cases/scars.py`: 90 cases in about four minutes."""
+    found = [off_by_errors(23, n, kind, worn) for kind in ("self-affine", "turned", "real")
+             for worn in SCARS for n in range(6)]  # fmt: skip
     known = [f for f in found if not isinstance(f, str)]
     assert len(known) > 0.9 * len(found)
     for name in ("worn", "piled up", "net"):
