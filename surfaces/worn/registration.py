@@ -31,7 +31,7 @@ APART = 3.0  # coarse steps, or steps of the angle, by which two places differ
 CERTAIN = 0.8  # correlation from which no other place is tried
 FIRST_ROUNDS = 5  # of the fit of each of these places
 FITTED = 3  # of these places, the best after the first rounds, that are fitted to the end
-LEAST_COARSE = 0.3  # correlation of coarse maps below which fine heights are not tried
+LEAST_COARSE = 0.3  # correlation of coarse maps, after the first rounds and in the end, to go on
 KEPT = 4.0  # robust standard deviations: what differs more is worn and not fitted to
 FORM_POINTS = 5_000  # that the first form is fitted to
 FORM_ROUNDS = 20  # of weighted fits that find the form of least absolute deviations
@@ -162,6 +162,8 @@ def _coarse_place(
             break
     # the right place stands out after a few rounds, in which the others do not settle
     begun.sort(key=lambda found: -found[1])
+    if begun[0][1] < LEAST_COARSE:
+        return begun[0]
     return max((fit(place) for place, _ in begun[:FITTED]), key=lambda found: found[1])
 
 
