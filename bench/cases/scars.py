@@ -7,8 +7,9 @@ cuts scars of known volume (bowls, bowls and grooves with pile-up, truncated asp
 measured surfaces, of which before and after are shifted by up to 6 % of the field, turned by up to 3°, tilted
 and have noise of their own. It prints, for each kind of surface and of scar, how many were refused, and for
 the volumes worn, piled up and net and the area the part of cases within one and two errors, the mean and
-the standard deviation in errors, and the median error; then pooled over all. The real ones lie in
-../shared/surfaces; without them that kind is left out. A case takes about two seconds. With --wrong it lays
+the standard deviation in errors, and the median error; then pooled over a kind of surface, and over all. The
+real ones are read from ../shared/surfaces and kept in the file of --surfaces, from which they are taken where
+it is there already; with neither that kind is left out. A case takes about two seconds. With --wrong it lays
 measurements of two places over each other, so many of each kind of surface, and prints how many are accepted
 as one place, and the correlations of these.
 """
@@ -18,6 +19,7 @@ import os
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,25 +28,34 @@ for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 
-from cases_worn import PIXEL, SCARS, SHARED, Off, off_by_errors, pair  # noqa: E402
+from cases_worn import FIELDS, KINDS, PIXEL, SCARS, SHARED, Off, measured_fields, off_by_errors, pair  # noqa: E402
 
 from warpwear.errors import InputError  # noqa: E402
 from warpwear.surfaces.worn.registration import difference  # noqa: E402
 
-KINDS = ("self-affine", "turned", "rolled-off", "real")
-QUANTITIES = ("worn", "piled up", "net", "area", "profile")
+QUANTITIES = ("worn", "piled up", "net", "track", "area", "profile")
+
+
+def take_surfaces(file: Path | None) -> None:
+    """Take the real surfaces from a file; write it first where it is not there."""
+    if file is None:
+        return
+    if not file.is_file():
+        fields = {f"field{n}": np.float32(z) for n, z in enumerate(measured_fields())}
+        np.savez_compressed(file, **fields)
+    with np.load(file) as kept:
+        FIELDS[:] = [np.float64(kept[name]) for name in kept.files]
 
 
 def one(case: tuple[int, int, str, str]) -> Off | str:
     """Measure one case: seed, number, kind of surface, kind of scar."""
-    seed, number, kind, worn = case
-    return off_by_errors([seed, number], kind, worn)
+    return off_by_errors(*case)
 
 
 def wrong(case: tuple[int, int, str]) -> float | str:
     """Lay two places over each other: seed, number, kind. Return the correlation, or why they are refused."""
     seed, number, kind = case
-    here, there = (pair(np.random.default_rng([seed, number, k]), kind, "bowl") for k in (0, 1))
+    here, there = (pair(np.random.default_rng([seed, number, k]), kind, "bowl", half=k) for k in (0, 1))
     try:
         size = (PIXEL, PIXEL)
         return difference(here.after, there.before, pixel=size, earlier_pixel=size).correlation
@@ -82,25 +93,31 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--cases", type=int, default=40)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--kinds", nargs="+", default=KINDS, choices=KINDS)
+    parser.add_argument("--kinds", nargs="+", default=list(KINDS), choices=list(KINDS))
     parser.add_argument("--wrong", type=int, default=0, metavar="N", help="pairs of two places, a kind")
     parser.add_argument("--seed", type=int, default=23)
+    parser.add_argument("--surfaces", type=Path, metavar="FILE.npz", help="real surfaces, to keep or to take")
     asked = parser.parse_args(arguments)
-    kinds = [kind for kind in asked.kinds if kind != "real" or SHARED.is_dir()]
+    take_surfaces(asked.surfaces)
+    kinds = [kind for kind in asked.kinds if kind != "real" or FIELDS or SHARED.is_dir()]
+    workers = partial(ProcessPoolExecutor, asked.jobs, initializer=take_surfaces, initargs=(asked.surfaces,))
     pairs = [(kind, worn) for kind in kinds for worn in SCARS]
     cases = [(asked.seed, n, kind, worn) for kind, worn in pairs for n in range(asked.cases)]
     if asked.wrong:
-        with ProcessPoolExecutor(asked.jobs) as pool:
+        with workers() as pool:
             wrong_pairs(pool, kinds, asked.wrong, asked.seed)
         return
     print("within 1 and 2 errors, mean ± standard deviation in errors (median error in % of the true value)")
-    with ProcessPoolExecutor(asked.jobs) as pool:
-        every = []
+    every: list[Off | str] = []
+    with workers() as pool:
         found = pool.map(one, cases)
-        for kind, worn in pairs:
-            part = [next(found) for _ in range(asked.cases)]
-            told(f"{kind}, {worn}", part)
-            every += part
+        for kind in kinds:
+            first = len(every)
+            for worn in SCARS:
+                part = [next(found) for _ in range(asked.cases)]
+                told(f"{kind}, {worn}", part)
+                every += part
+            told(f"{kind}, all", every[first:])
     told("pooled", every)
     for text in sorted({f for f in every if isinstance(f, str)}):
         print(f"refused: {text}")

@@ -22,6 +22,7 @@ ndimage = lazy.module("scipy.ndimage")
 THRESHOLD = 4.0  # robust standard deviations of the unworn surface, smoothed, by which a scar lies below
 JOINED = 1.0 / 40.0  # of the shorter side: worn asperities closer than this belong together
 PIECE = 0.05  # of the largest worn region: a smaller one beside it is no part of the scar
+BESIDE = 0.5  # of the scar's shorter extent, within which worn asperities that stand alone belong to it
 INWARDS = 3  # rings within the edge of the smoothed scar at which it may end already: smoothing spreads it
 ROUNDS = 15  # in which the scar is found
 LEAST_UNWORN = 0.2  # of the field
@@ -46,9 +47,10 @@ def find_scar(heights: FloatArray, *, pixel: tuple[float, float], degree: int = 
     heights: of the worn surface, or better how they changed; pixel: (px, py) [mm]. A polynomial of the total
     degree goes through what is not worn, found in rounds. The scar is the region that lies below it by four
     times the scatter of the unworn surface, both smoothed; worn asperities next to each other are one
-    region, and the valleys between them belong to it. It reaches to where rings about it no longer lie lower
-    on average, beside pile-up to where the heights cross the form. Raises InputError
-    where nothing is worn, or too little is unworn to level by.
+    region, and the valleys between them belong to it. Asperities that have worn alone, within half the
+    scar's shorter extent beside it, belong to it where they are deeper than anything farther off. It reaches
+    to where rings about it no longer lie lower on average, beside pile-up to where the heights cross the
+    form. Raises InputError where nothing is worn, or too little is unworn to level by.
     """
     nx, ny = heights.shape
     measured = ~np.isnan(heights)
@@ -90,8 +92,7 @@ def find_scar(heights: FloatArray, *, pixel: tuple[float, float], degree: int = 
     # a ragged scar ends at its outermost worn asperities, not at the rings about them
     smooth = ndimage.uniform_filter(lost, SMOOTHED, mode="nearest")
     sharp = patch & (smooth > THRESHOLD * _scatter(smooth[unworn]))
-    ends = [np.flatnonzero(sharp.any(axis=1 - axis)) for axis in (0, 1)]
-    along, across = (float(e[-1] - e[0] + 1) * d if e.size else 0.0 for e, d in zip(ends, pixel, strict=True))
+    along, across = _extents(sharp, pixel)
     return replace(found, along=along or found.along, across=across or found.across)
 
 
@@ -126,6 +127,13 @@ def _scatter(values: FloatArray) -> float:
     return TO_SIGMA * float(np.median(np.abs(values)))
 
 
+def _extents(region: BoolArray, pixel: tuple[float, float]) -> tuple[float, float]:
+    """Return how far a region, shape (nx, ny), extends along and across [mm], 0 where it is empty."""
+    ends = [np.flatnonzero(region.any(axis=1 - axis)) for axis in (0, 1)]
+    along, across = (float(e[-1] - e[0] + 1) * d if e.size else 0.0 for e, d in zip(ends, pixel, strict=True))
+    return along, across
+
+
 def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tuple[float, float]) -> BoolArray:
     """Return the region that stands out as worn, shape (nx, ny): the largest of those connected.
 
@@ -143,6 +151,11 @@ def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tupl
     seed, width = sharp & region, max(n * d for n, d in zip(coarse, pixel, strict=True))
     if not seed.any():
         seed = region
+    reach = BESIDE * min(_extents(seed, pixel))
+    beside = ndimage.distance_transform_edt(~seed, sampling=pixel) <= reach
+    far = fine[unworn & ~beside]
+    if far.size:  # what the unworn surface has elsewhere is no wear beside the scar, either
+        seed |= sharp & beside & (fine > far.max())
     margin = [(n, n) for n in coarse]
     padded = np.pad(seed, margin, mode="edge")
     near = ndimage.distance_transform_edt(~padded, sampling=pixel) <= 0.5 * width

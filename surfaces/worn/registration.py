@@ -3,6 +3,7 @@
 import itertools
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,9 @@ CANDIDATES = 5  # places, of each whitening, that are fitted to coarse maps
 WHITENED = (1.0, 0.5)  # power of a wave's strength that is taken off: a lay of few waves needs some left
 APART = 3.0  # coarse steps, or steps of the angle, by which two places differ
 CERTAIN = 0.8  # correlation from which no other place is tried
+FIRST_ROUNDS = 5  # of the fit of each of these places
+FITTED = 3  # of these places, the best after the first rounds, that are fitted to the end
+LEAST_COARSE = 0.3  # correlation of coarse maps, after the first rounds and in the end, to go on
 KEPT = 4.0  # robust standard deviations: what differs more is worn and not fitted to
 FORM_POINTS = 5_000  # that the first form is fitted to
 FORM_ROUNDS = 20  # of weighted fits that find the form of least absolute deviations
@@ -88,8 +92,9 @@ def difference(
     # a spline rings beside a hole
     missing = ndimage.binary_dilation(absent, iterations=2).astype(np.float64)
     sampled = _Earlier(splines, missing, earlier_pixel)
-    place = _coarse_place(later, earlier, pixel=pixel, earlier_pixel=earlier_pixel)
-    place, correlation = _fitted(later, sampled, place, pixel=pixel)
+    place, correlation = _coarse_place(later, earlier, pixel=pixel, earlier_pixel=earlier_pixel)
+    if correlation >= LEAST_COARSE:
+        place, correlation = _fitted(later, sampled, place, pixel=pixel)
     if not correlation >= LEAST_CORRELATION:
         raise InputError(
             "--before does not show the place of FILE, or too little of that is unworn: laid over each other "
@@ -116,8 +121,8 @@ def difference(
 
 def _coarse_place(
     later: FloatArray, earlier: FloatArray, *, pixel: tuple[float, float], earlier_pixel: tuple[float, float]
-) -> FloatArray:
-    """Return shift x, y [mm] and rotation [rad] by phase correlation of coarse maps, shape (3,).
+) -> tuple[FloatArray, float]:
+    """Return shift x, y [mm] and rotation [rad] by phase correlation of coarse maps, and their correlation.
 
     Of the places with the highest peaks over all angles it is the one about which the maps, fitted to each
     other, correlate best.
@@ -148,14 +153,18 @@ def _coarse_place(
             turned_place = [cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle]
             found.append((float(peak.max()), np.array(turned_place)))
     near = np.array([APART * step, APART * step, APART * turns])
-    best, place = -math.inf, here
+    fit = partial(_fitted, unworn, there, pixel=(step, step), points=COARSE_POINTS)
+    begun: list[tuple[FloatArray, float]] = []
     for start in _alternating(*(_distinct(found, near) for found in peaks.values())):
-        fitted, correlation = _fitted(unworn, there, start, pixel=(step, step), points=COARSE_POINTS)
-        if correlation > best:
-            best, place = correlation, fitted
-        if best > CERTAIN:
+        begun.append(fit(start, rounds=FIRST_ROUNDS))
+        if begun[-1][1] > CERTAIN:
+            begun = begun[-1:]
             break
-    return place
+    # the right place stands out after a few rounds, in which the others do not settle
+    begun.sort(key=lambda found: -found[1])
+    if begun[0][1] < LEAST_COARSE:
+        return begun[0]
+    return max((fit(place) for place, _ in begun[:FITTED]), key=lambda found: found[1])
 
 
 def _distinct(peaks: list[tuple[float, FloatArray]], near: FloatArray) -> list[FloatArray]:
@@ -232,29 +241,32 @@ def _fitted(
     *,
     pixel: tuple[float, float],
     points: int = FIT_POINTS,
+    rounds: int = ROUNDS,
 ) -> tuple[FloatArray, float]:
     """Return the place (shift x, y [mm], rotation [rad]) fitted from a first one, and the correlation.
 
-    points: to which it is fitted, about. Gauss-Newton steps fit place and tilt to the points that did not
-    change; which these are is found anew in each round.
+    points: to which it is fitted, about; rounds: at most. Gauss-Newton steps fit place and tilt to the points
+    that did not change; which these are is found anew in each round. The correlation is 0 where too little is
+    known.
     """
     stride = max(1, math.ceil(math.sqrt(later.size / points)))
     x, y = (p[::stride] for p in places((later.shape[0], later.shape[1]), pixel))
     x, y = (p.ravel() for p in np.meshgrid(x, y, indexing="ij"))
     known = later[::stride, ::stride].ravel()
     reach, small = 0.5 * math.hypot(float(np.ptp(x)), float(np.ptp(y))), 0.5 * min(pixel)
-    changes = np.diag([small, small, small / reach])
-    for _ in range(ROUNDS):
+    changes = small * np.eye(3)[:2]
+    for _ in range(rounds):
         below = earlier.at(x, y, place)
         slopes = [
-            (earlier.at(x, y, place + c) - earlier.at(x, y, place - c)) / (2.0 * float(c.sum()))
-            for c in changes
+            (earlier.at(x, y, place + c) - earlier.at(x, y, place - c)) / (2.0 * small) for c in changes
         ]
-        design = np.stack([*slopes, np.ones_like(x), x, y], axis=1)
+        cosine, sine = math.cos(place[2]), math.sin(place[2])
+        turning = (cosine * x - sine * y) * slopes[1] - (sine * x + cosine * y) * slopes[0]
+        design = np.stack([*slopes, turning, np.ones_like(x), x, y], axis=1)
         rest = known - below
         kept = ~np.isnan(rest) & ~np.isnan(design).any(axis=1)
         if kept.sum() < 10 * design.shape[1]:
-            return place, math.nan
+            return place, 0.0
         kept[kept] = unchanged(rest[kept], design[kept][:, 3:])
         found = np.linalg.lstsq(design[kept], rest[kept], rcond=None)[0][:3]
         place = place + found
@@ -264,7 +276,7 @@ def _fitted(
     tilt = design[kept][:, 3:]
     rough = [z[kept] - tilt @ np.linalg.lstsq(tilt, z[kept], rcond=None)[0] for z in (known, below)]
     if min(float(np.ptp(z)) for z in rough) == 0.0:
-        return place, math.nan
+        return place, 0.0
     whole = float(np.corrcoef(*rough)[0, 1])
     # long waves of any two surfaces can be laid over each other: what is left of both must agree, too
     shape = later[::stride, ::stride].shape

@@ -102,6 +102,8 @@ def test_a_scar_on_a_track(tmp_path: Path) -> None:
     assert computed["profile_rms_um"] < 2.0 * computed["profile_error_um"]
     true = float(lost.sum()) * 4e-4
     assert computed["volume_mm3"] == pytest.approx(true / 1.1, rel=0.01)
+    measured = found["measured"]  # with the asperities that have worn alone beside the rest
+    assert abs(measured["net_mm3"] - true) < 2.5 * measured["net_error_mm3"]
 
 
 @pytest.mark.parametrize("off", [(0.0, 0.0), (0.031, -0.018)])

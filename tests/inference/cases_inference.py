@@ -1,18 +1,25 @@
 """Small tests of the laboratory that several test files infer from."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from warpwear import Study
 from warpwear.inference.data import Data, MeasuredCourse
+from warpwear.inference.identify import identify
 from warpwear.inference.infer import noise_for
-from warpwear.inference.likelihood import Posterior
+from warpwear.inference.likelihood import Posterior, simulate
 from warpwear.inference.model import Model
+from warpwear.inference.result import Inference, conflicts_of
 from warpwear.inference.runs import Runs
+from warpwear.inference.sampler import Samples
 from warpwear.inference.unknowns import unknowns_of
 from warpwear.sweeps.run_one import Row
 
 #: Wear that the course of `worn_paraboloid` goes to, as a multiple of the study's.
 BEYOND = 12.0
+#: Priors under which the coefficient of friction is a linear problem.
+NORMAL = {"friction.ploughing": "normal 0.2 +- 0.02", "friction.shear_strength": "normal 3 +- 0.3 MPa"}
 
 
 def smooth_study(**changes: str) -> Study:
@@ -51,3 +58,64 @@ def course_like(study: Study, *, points: int = 40, name: str = "test") -> Measur
     """Places of a course over the whole test; its coefficients are to be drawn."""
     distance = np.linspace(study.sliding.total / points, study.sliding.total, points)
     return MeasuredCourse(name, distance, np.zeros(points))
+
+
+def found_for(posterior: Posterior) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Samples of a posterior by weighing many draws of the prior, apart from any sampler."""
+    return posterior.complete(weighed(posterior).z, np.random.default_rng(0))
+
+
+def weighed(posterior: Posterior) -> Samples:
+    """Draws of the prior by their likelihood."""
+    random = np.random.default_rng(0)
+    z = random.standard_normal((200_000 if posterior.sampled else 4000, len(posterior.sampled)))
+    logs = posterior.log_likelihood(z)
+    weights = np.exp(logs - logs.max())
+    return Samples(z[random.choice(len(z), 4000, p=weights / weights.sum())], 0, 1.0, 1.0, 4000.0)
+
+
+def drawn(study: Study, truth: dict[str, float], data: Data, seed: int) -> Data:
+    """The data of a simulated test."""
+    random = np.random.default_rng(seed)
+    keys = {key: None for key in truth if not key.startswith("noise")}
+    model = posterior_of(study, keys, data).model
+    cof, values = simulate(model, {key: np.array([value]) for key, value in truth.items()}, data, random)
+    ends = np.cumsum([0, *(course.distance.size for course in data.courses)])
+    return Data(
+        tuple(replace(c, cof=cof[0, a:b]) for c, a, b in zip(data.courses, ends[:-1], ends[1:], strict=True)),
+        tuple(replace(p, value=float(v)) for p, v in zip(data.points, cof[0, ends[-1] :], strict=True)),
+        tuple(replace(v, value=float(m[0])) for v, m in zip(data.values, values, strict=True)),
+    )
+
+
+def exact(data: Data) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and covariance of μ_p and τ0 by the normal equations."""
+    study = smooth_study()
+    runs = worn_paraboloid(study)
+    worn = np.array([p.at for p in data.points]) / 12.0
+    distance, area = runs.course("area_contact")
+    columns = np.column_stack(
+        [np.ones(worn.size), np.exp(np.interp(np.log(worn), np.log(distance), np.log(area[0]))) / 8.0]
+    )
+    spread = np.linalg.inv(columns.T @ columns / 0.02**2 + np.diag([0.02**-2.0, 0.3**-2.0]))
+    cof = np.array([p.value for p in data.points])
+    return spread @ (columns.T @ cof / 0.02**2 + np.array([0.2 / 0.02**2, 3.0 / 0.3**2])), spread
+
+
+def result_of(posterior: Posterior) -> Inference:
+    """An inference without its runs."""
+    samples = weighed(posterior)
+    values, z = posterior.complete(samples.z, np.random.default_rng(0))
+    conflicts = tuple(conflicts_of(posterior, values))
+    return Inference(
+        posterior=posterior,
+        samples=samples,
+        values=values,
+        z=z,
+        identified=identify(posterior, values, z),
+        conflicts=conflicts,
+        target=None,
+        tests=(),
+        repeats={},
+        seed=0,
+    )

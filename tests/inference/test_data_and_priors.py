@@ -1,0 +1,61 @@
+"""What data and priors are made into: repeats, thinned courses, quantiles."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cases_inference import course_like, posterior_of, smooth_study
+
+from warpwear import InputError
+from warpwear.inference.data import Data, Measured, data_of
+from warpwear.inference.infer import check_priors
+from warpwear.inference.unknowns import unknowns_of
+from warpwear.measured.course import Experiment
+
+
+def test_repeats_that_scatter_widen_their_uncertainty() -> None:
+    data = data_of(smooth_study(), [], {"volume_disc": ["0.020 +- 0.001 mm^3", "0.028 +- 0.001 mm^3"]})
+    assert [value.error for value in data.values] == pytest.approx([0.001 * 32**0.5] * 2)
+    assert "scatter 5.7 times as much" in data.notes[0]
+
+
+def test_a_course_is_thinned_by_means() -> None:
+    distance = np.linspace(1.0, 2400.0, 5000)
+    data = data_of(smooth_study(), [Experiment("long", distance, 0.3 + 1e-4 * distance)], {})
+    (course,) = data.courses
+    assert course.distance.size == 100
+    np.testing.assert_allclose(course.cof, 0.3 + 1e-4 * course.distance)
+
+
+def test_priors_have_their_quantiles() -> None:
+    """z of an unknown is standard normal before the data, and `normal` is its inverse."""
+    asked = {
+        "wear.sphere": "log-normal 9e-4 +- 2e-4 mm^3/N/m",
+        "wear.disc": "log-uniform 1e-4 .. 1e-3 mm^3/N/m",
+        "friction.ploughing": "normal 0.02 +- 0.02",
+        "friction.shear_strength": "uniform 1 .. 5 MPa",
+    }
+    unknowns = unknowns_of(smooth_study(), asked)
+    z = np.random.default_rng(0).standard_normal(200_000)
+    first = unknowns[0].values(z)
+    assert first.mean() == pytest.approx(9e-4, rel=0.01)
+    assert first.std() == pytest.approx(2e-4, rel=0.02)
+    cut = unknowns[2]
+    assert not cut.is_normal
+    assert cut.values(z).min() >= 0.0
+    for unknown in unknowns:
+        np.testing.assert_allclose(unknown.normal(unknown.values(z[:1000])), z[:1000], atol=1e-6)
+
+
+def test_priors_that_exclude_the_data_are_refused() -> None:
+    data = Data(values=(Measured("volume_sphere", 0.18, 0.01),))
+    posterior = posterior_of(smooth_study(), {"wear.sphere": "uniform 8e-4 .. 1e-3 mm^3/N/m"}, data)
+    with pytest.raises(
+        InputError,
+        match=r"the priors exclude the data: .* 0\.0154 to 0\.0192 mm³, and measured is worn volume",
+    ):
+        check_priors(posterior, seed=0)
+    course = Data((replace(course_like(smooth_study()), cof=np.full(40, 1.8)),))
+    posterior = posterior_of(smooth_study(), {"friction.shear_strength": "uniform 2 .. 3 MPa"}, course)
+    with pytest.raises(InputError, match="the priors exclude the data"):
+        check_priors(posterior, seed=0)

@@ -1,0 +1,116 @@
+"""What an inference computes by: one run and its scaling, areas of whole cells, emulators of many runs."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases_inference import smooth_study, worn_paraboloid
+
+import warpwear
+from warpwear import InputError
+from warpwear.inference.data import Data, data_of
+from warpwear.inference.emulator import Emulator
+from warpwear.inference.infer import infer_from
+from warpwear.inference.likelihood import Posterior
+from warpwear.inference.model import Model
+from warpwear.inference.runs import Runs, scales
+from warpwear.inference.unknowns import unknowns_of
+from warpwear.sweeps.run_one import Row
+
+pytest.importorskip("emcee")
+
+
+def test_areas_of_whole_cells_carry_their_scatter() -> None:
+    """Steps of whole cells are smoothed, and the error that is told is that of a finer grid's area."""
+    study = smooth_study()
+    exact = worn_paraboloid(study)
+    distance = np.linspace(0.3, study.sliding.total, 8000)
+    first = exact.rows[0].courses
+    area = np.exp(np.interp(np.log(distance), np.log(first["distance"]), np.log(first["area_contact"])))
+    x = np.arange(-60, 61) * 0.02
+    cells = np.sort(np.add.outer(x**2, x**2).ravel())
+    counted = 0.02**2 * np.searchsorted(cells, area / np.pi)
+    courses = {"distance": distance, "area_contact": counted, "patch_along": area, "patch_across": area}
+    runs = replace(exact, rows=(Row("done", courses=courses),))
+    places, smooth, scatter = runs.smooth("area_contact")
+    late = places > 200.0
+    wanted = np.interp(places, distance, area)
+    off = np.log(smooth[0] / wanted)[late]
+    raw = np.log(np.interp(places, distance, counted) / wanted)[late]
+    assert np.sqrt(np.mean(off**2)) < 0.7 * np.sqrt(np.mean(raw**2))
+    assert scatter[late].mean() == pytest.approx(np.sqrt(np.mean(raw**2)), rel=0.25)
+    asked: dict[str, str | None] = {"friction.shear_strength": "normal 3 +- 0.3 MPa"}
+    made = Model(study, tuple(unknowns_of(study, asked)), runs)
+    assert not Posterior(made, (), Data()).linear  # the strength decides how uncertain friction is
+
+
+def test_one_run_serves_all_wear_coefficients(tmp_path: Path) -> None:
+    """Area, scar and volumes of a run at other wear coefficients are those of the scaled run."""
+    study = smooth_study(**{"sliding.distance": "300 mm"})
+    assert scales(study)
+    like = data_of(study, [], {"diameter": "0.72 +- 0.02 mm", "cof": "0.2 +- 0.02"})
+    asked = {
+        "wear.sphere": "log-uniform 2e-4 .. 9.4e-4 mm^3/N/m",
+        "friction.shear_strength": "normal 4 +- 0.4 MPa",
+    }
+    found = infer_from(study, asked, like, out=tmp_path / "found")
+    model = found.posterior.model
+    assert len(model.runs.rows) == 1
+    other = study.replace({"wear.sphere": "3e-4 mm^3/N/m"})
+    with warpwear.run(other, device="cpu") as result:
+        one = {"wear.sphere": np.array([3e-4]), "friction.shear_strength": np.array([3.83])}
+        history = result.history
+        some = history["distance"] > 100.0  # before, an area of whole cells of 20 µm is too coarse a stair
+        expected = 3.83 * history["area_contact"][some] / 8.0
+        np.testing.assert_allclose(model.cof(one, history["distance"][some])[0], expected, rtol=0.05)
+        assert model.cof(one, history["distance"][-1:])[0, 0] == pytest.approx(expected[-1], rel=0.03)
+        scar = 0.5 * (history["patch_along"][-1] + history["patch_across"][-1])
+        assert model.value(one, "diameter")[0][0] == pytest.approx(scar, abs=0.02)
+        assert model.value(one, "volume_sphere")[0][0] == pytest.approx(
+            history["wear_volume_sphere"][-1], rel=1e-9
+        )
+    page = (tmp_path / "found" / "inference.html").read_text(encoding="utf-8")
+    assert "unknowns after the test" in page
+    assert "https://" not in page
+
+
+def test_an_emulator_interpolates_and_knows_how_well() -> None:
+    """A smooth function of two inputs, predicted from 32 places; its errors are as large as it says."""
+    random = np.random.default_rng(0)
+    places = random.uniform(-1.7, 1.7, (32, 2))
+    x = np.linspace(0.1, 1.0, 20)
+
+    def course(at: np.ndarray) -> np.ndarray:
+        return np.exp(0.4 * at[:, :1] + 0.2 * np.sin(1.5 * at[:, 1:]) * x) * x
+
+    emulator = Emulator(places, course(places))
+    assert emulator.logarithmic
+    assert emulator.error < 0.01
+    new = random.uniform(-1.5, 1.5, (200, 2))
+    weights, variances = emulator.weights(new)
+    off = np.log(course(new)) - emulator.mean - weights @ emulator.shapes
+    assert np.sqrt(np.mean(off**2)) < 0.01
+    sizes = np.sqrt(np.maximum(variances @ emulator.shapes**2, 1e-20))
+    assert 0.2 < np.sqrt(np.mean((off / sizes) ** 2)) < 2.0
+
+
+def test_an_emulator_that_is_off_is_refused() -> None:
+    """Values that do not follow from the inputs cannot be predicted from each other."""
+    study = smooth_study()
+    asked = unknowns_of(study, {"contact.hardness": "uniform 300 .. 900 MPa"})
+    random = np.random.default_rng(1)
+    distance = np.geomspace(1.0, 2400.0, 50)
+    rows = tuple(
+        Row(
+            "done",
+            courses={
+                "distance": distance,
+                "area_contact": np.full(50, float(np.exp(random.standard_normal()))),
+            },
+        )
+        for _ in range(16)
+    )
+    runs = Runs(study, tuple(asked), random.standard_normal((16, 1)), rows, True)
+    with pytest.raises(InputError, match="the emulator of the area is off by"):
+        Model(study, tuple(asked), runs)

@@ -1,0 +1,126 @@
+"""Wrong data, courses, unknowns and sections end in one sentence."""
+
+from pathlib import Path
+
+import pytest
+from cases_inference import smooth_study
+from click.testing import CliRunner
+
+import warpwear
+from warpwear import InputError
+from warpwear.cli.calibrate_bayes import bayes
+
+pytest.importorskip("emcee")
+
+
+STRENGTH = {"friction.shear_strength": "log-uniform 1 .. 20 MPa"}
+
+
+@pytest.mark.parametrize(
+    ("measured", "sentence"),
+    [
+        ({"diameter": "2.2 +- 0.1 mm"}, "the scar is larger than the field of the study, 1.5 mm"),
+        ({"volume_disc": "-0.01 +- 0.001 mm^3"}, "must be greater than 0"),
+        ({"volume_disc": "0.01 mm^3"}, "a value with its standard uncertainty is expected"),
+        ({"volume_disc": "0.01 +- 0 mm^3"}, "the uncertainty must be greater than 0"),
+        ({"volume_disc": "0.01 +- 0.001 mm"}, "volume_disc = '0.01 \\+- 0.001 mm': it"),
+        ({"cof": "60 +- 1"}, "as if in percent"),
+        ({"cof": "0.6 +- 0.01 at 9000 mm"}, "the study slides 2400 mm"),
+        ({"weight": "3 +- 1 mm"}, "nothing that can be measured here"),
+        ({}, "nothing was measured"),
+    ],
+)
+def test_wrong_data_end_in_one_sentence(measured: dict[str, str], sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        warpwear.infer(smooth_study(), unknown=STRENGTH, measured=measured)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        (
+            "Distance [mm],CoF\n" + "".join(f"{100 * n},{20 + n}\n" for n in range(1, 20)),
+            "as if in percent: 20 instead of 0.20",
+        ),
+        (
+            "Distance [mm],CoF,Normal force [N]\n" + "".join(f"{100 * n},0.3,4.1\n" for n in range(1, 20)),
+            "the normal force is 4.1 N",
+        ),
+        (
+            "Distance [mm],Temperature [C]\n" + "".join(f"{100 * n},20\n" for n in range(1, 20)),
+            "no column for the coefficient",
+        ),
+        (
+            "Distance [mm],CoF\n" + "".join(f"{5000 + n},0.3\n" for n in range(1, 20)),
+            "has 0 points from 0 to 2400 mm",
+        ),
+    ],
+)
+def test_a_wrong_course_ends_in_one_sentence(tmp_path: Path, text: str, sentence: str) -> None:
+    path = tmp_path / "test.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=sentence):
+        warpwear.infer(smooth_study(), unknown=STRENGTH, experiments=[path])
+
+
+@pytest.mark.parametrize(
+    ("unknown", "sentence"),
+    [
+        ({}, "no unknown is named"),
+        ({"wear.spere": None}, "wear.spere"),
+        ({"contact.law": None}, "it is no number"),
+        ({"wear.sphere": "normal 1 +- 0.1 mm"}, "has the unit mm"),
+        ({"wear.sphere": "normal 1 +- 0.1"}, "needs its unit"),
+        ({"wear.sphere": "between 1 and 2"}, "the prior of 'wear.sphere' = 'between 1 and 2'"),
+        ({"wear.sphere": "uniform -1e-4 .. 1e-3 mm^3/N/m"}, "goes beyond what is allowed: from 0"),
+        ({"friction.initial_ratio": "uniform 0.1 .. 1"}, "need each other"),
+        ({"wear.decay": "uniform 0.1 .. 1 1/m"}, "belongs to 'exponential'"),
+    ],
+)
+def test_wrong_unknowns_end_in_one_sentence(unknown: dict[str, str | None], sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        warpwear.infer(smooth_study(), unknown=unknown, measured={"volume_sphere": "0.018 +- 0.001 mm^3"})
+
+
+@pytest.mark.parametrize(
+    ("section", "sentence"),
+    [
+        ("infer = 3", "[infer] is a section, and 3 is none"),
+        ("[infer]\nmeasured = 'x'", "[infer.measured] is a section, and 'x' is none"),
+        ("[infer]\nmesured = {}", "infer.mesured is not known; allowed: unknown, measured, experiments"),
+        ("[infer]\nexperiments = 'a.csv'", "infer.experiments = 'a.csv' is not allowed: a list such as"),
+        ("[infer]\ntarget = 3", "infer.target = 3 is not allowed: text in quotes is expected"),
+        ("[infer.measured]\ndiameter = 0.8", "infer.measured.diameter = 0.8 is not allowed: text in quotes"),
+        ("[infer.measured]\nweight = '3 +- 1 mm'", "infer.measured.weight is nothing that can be measured"),
+        ("[infer.unknown]\nwear.sphere = 3", "infer.unknown.wear.sphere = 3: a prior such as"),
+    ],
+)
+def test_a_wrong_section_is_one_sentence(tmp_path: Path, section: str, sentence: str) -> None:
+    study = smooth_study().to_toml()
+    path = tmp_path / "study.toml"
+    path.write_text(f"{section}\n{study}" if section.startswith("infer") else f"{study}\n{section}\n")
+    assert sentence in refused(path)
+
+
+def refused(study: Path | str, *more: str) -> str:
+    """The sentence that the command ends in."""
+    done = CliRunner().invoke(bayes, [str(study), *more])
+    assert isinstance(done.exception, InputError), done.output
+    assert "\n" not in str(done.exception)
+    return str(done.exception)
+
+
+def test_wrong_data_end_the_command_in_one_sentence(tmp_path: Path) -> None:
+    """A course in percent, a load that is off, a scar larger than the field."""
+    given = ("v1", "--set", "stepping.scheme=implicit", "--unknown")
+    given = (*given, "friction.shear_strength=log-uniform 1 .. 20 MPa")
+    percent, heavy = tmp_path / "percent.csv", tmp_path / "heavy.csv"
+    percent.write_text("Distance [mm],CoF [%]\n" + "".join(f"{100 * n},{20 + n}\n" for n in range(1, 20)))
+    heavy.write_text("Distance [mm],CoF,Fn [N]\n" + "".join(f"{100 * n},0.3,10\n" for n in range(1, 20)))
+    assert "as if in percent: 20 instead of 0.20" in refused(*given, "--experiment", str(percent))
+    assert "the normal force is 10 N in the middle, the study has contact.load = 8 N" in refused(
+        *given, "--experiment", str(heavy)
+    )
+    assert "the scar is larger than the field of the study, 1.5 mm" in refused(
+        *given, "--diameter", "1.8 +- 0.02 mm"
+    )
