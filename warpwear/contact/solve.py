@@ -150,7 +150,8 @@ def solve_contact(
     plane), or "free", where nothing lies beside the array (by default, and always, under a sphere).
     sphere_radius: of the sphere, whose apex comes down on the middle of the array; None for a plane.
     tolerance: largest violation of the contact conditions of the half-space over the rms height of the gap;
-    the other laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every
+    one that rounding hides is raised to what it shows, `certificate.allowed`. The other laws are solved to
+    rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every
     core; no result depends on it.
 
     Says on standard error what memory is needed where that is 2 GiB or more, before it starts.
