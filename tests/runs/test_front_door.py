@@ -1,5 +1,6 @@
 """The package as NumPy users hold it: heights as arrays in, steps and tables out."""
 
+import ast
 import inspect
 import logging
 import pickle
@@ -473,6 +474,14 @@ def test_public_names_are_listed() -> None:
     with pytest.raises(AttributeError, match="no attribute 'runn'"):
         warpwear.runn  # type: ignore[attr-defined] # noqa: B018
     assert len(inspect.signature(warpwear.run).parameters) <= 10
+
+
+def test_a_type_checker_sees_the_public_names_and_no_others() -> None:
+    body = ast.parse(Path(warpwear.__file__).read_text(encoding="utf-8")).body
+    assert not any(isinstance(node, ast.FunctionDef) and node.name == "__getattr__" for node in body)
+    (typed,) = (n for n in body if isinstance(n, ast.If) and ast.unparse(n.test) == "TYPE_CHECKING")
+    names = {name.name for node in typed.body if isinstance(node, ast.ImportFrom) for name in node.names}
+    assert names | {"__version__"} == set(warpwear.__all__)
 
 
 def test_a_log_gets_what_its_level_asks_for(caplog: pytest.LogCaptureFixture) -> None:
