@@ -104,3 +104,22 @@ def test_the_licences_of_what_is_needed_are_told() -> None:
         )
         word = re.split(r"[-\d ]", licence)[0]
         assert word in says, f"{name}: {says[:200]}"
+
+
+def test_each_argument_that_a_docstring_explains_has_a_line() -> None:
+    spec = importlib.util.spec_from_file_location("arguments", DOCS / "extensions" / "arguments.py")
+    assert spec is not None
+    assert spec.loader is not None
+    arguments = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(arguments)
+    text = "load, gap: one of\nthem, as a: b says; here. out: folder. And so on."
+    assert arguments.listed(text, {"load", "gap", "out"}) == [
+        "- **load, gap**: one of them, as a: b says; here.",
+        "- **out**: folder. And so on.",
+    ]
+    assert arguments.listed("Raises it.\nload: no.", {"load"}) == ["Raises it.", "load: no."]
+    assert arguments.listed("load: no.", set()) == ["load: no."]
+    given = "(heights: _Buffer | _SupportsArray[dtype[Any]] | x._NestedSequence[complex | bytes | str])"
+    array = "~numpy.ndarray[tuple[~typing.Any, ...], ~numpy.dtype[~numpy.float64]]"
+    found = arguments._signature(None, "function", "f", None, None, given, f"{array} | None")
+    assert found == ("(heights: ArrayLike)", "ndarray | None")

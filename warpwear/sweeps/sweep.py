@@ -54,6 +54,7 @@ def sweep(
     out: folder of the sweep; runs that it holds are not made again, and without it nothing is kept.
     executor: anything like concurrent.futures.Executor, such as `Client(address).get_executor(pure=False)`
     of dask.distributed or mpi4py's MPIPoolExecutor; by default `workers` processes here, one a core.
+
     `logging.basicConfig(level=logging.INFO)` shows a line for each run that is done, and the time left.
 
     Raises InputError for what makes no sweep. A run that fails is a row whose status says why, and a
