@@ -25,6 +25,7 @@ extensions = [
     "sphinx_design",
     "sphinx_copybutton",
     "mathml",
+    "arguments",
     "gallery",
     "streams",
 ]
@@ -41,6 +42,7 @@ html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sphinx = False
+html_search_scorer = str(DOCS / "static" / "scorer.js")
 html_show_search_summary = False  # browsers do not let pages from the file system read each other
 html_math_renderer = "mathml"
 copybutton_prompt_text = "$ "

@@ -13,20 +13,33 @@ from warpwear.lazy import resolve
 from warpwear.version import __version__
 
 if TYPE_CHECKING:
+    from warpwear.contact.array.contact import ArrayContact
     from warpwear.contact.array.solve import solve_contact
-    from warpwear.errors import ConvergenceError, InputError, StudyWarning
+    from warpwear.contact.certificate import Certificate
+    from warpwear.errors import ConvergenceError, InputError, InvariantError, StudyWarning
+    from warpwear.history.snapshot import Snapshot
     from warpwear.inference.infer import infer
+    from warpwear.inference.result import Inference
     from warpwear.result import Result
     from warpwear.runs.run import run, steps
+    from warpwear.runs.step import RunStep
     from warpwear.study.study import Study
     from warpwear.sweeps.sweep import sweep
+    from warpwear.sweeps.table import SweepResult
 
 _PUBLIC = {
+    "ArrayContact": "warpwear.contact.array.contact:ArrayContact",
+    "Certificate": "warpwear.contact.certificate:Certificate",
     "ConvergenceError": "warpwear.errors:ConvergenceError",
+    "Inference": "warpwear.inference.result:Inference",
     "InputError": "warpwear.errors:InputError",
+    "InvariantError": "warpwear.errors:InvariantError",
     "Result": "warpwear.result:Result",
+    "RunStep": "warpwear.runs.step:RunStep",
+    "Snapshot": "warpwear.history.snapshot:Snapshot",
     "Study": "warpwear.study.study:Study",
     "StudyWarning": "warpwear.errors:StudyWarning",
+    "SweepResult": "warpwear.sweeps.table:SweepResult",
     "infer": "warpwear.inference.infer:infer",
     "run": "warpwear.runs.run:run",
     "solve_contact": "warpwear.contact.array.solve:solve_contact",
@@ -35,11 +48,18 @@ _PUBLIC = {
 }
 
 __all__ = [
+    "ArrayContact",
+    "Certificate",
     "ConvergenceError",
+    "Inference",
     "InputError",
+    "InvariantError",
     "Result",
+    "RunStep",
+    "Snapshot",
     "Study",
     "StudyWarning",
+    "SweepResult",
     "__version__",
     "infer",
     "run",
@@ -67,10 +87,12 @@ for _wing in ("kernels", "surfaces"):
         _register(_wing)
 
 
-def __getattr__(name: str) -> Any:
-    if name in _PUBLIC:
-        return resolve(_PUBLIC[name])
-    raise AttributeError(f"module 'warpwear' has no attribute {name!r}")
+if not TYPE_CHECKING:  # a type checker would let every name pass
+
+    def __getattr__(name: str) -> Any:
+        if name in _PUBLIC:
+            return resolve(_PUBLIC[name])
+        raise AttributeError(f"module 'warpwear' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

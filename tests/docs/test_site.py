@@ -2,7 +2,9 @@
 
 import importlib.util
 import re
+import tomllib
 import zipfile
+from importlib.metadata import PackageNotFoundError, metadata
 from itertools import pairwise
 from pathlib import Path
 
@@ -82,3 +84,42 @@ def test_the_made_surface_says_that_it_is_made() -> None:
     with zipfile.ZipFile(DOCS / "files" / "ground-disc.x3p") as file:
         assert b"not measured" in file.read("main.xml")
     assert sum(path.stat().st_size for path in (DOCS / "files").iterdir()) < 400_000
+
+
+def test_the_licences_of_what_is_needed_are_told() -> None:
+    """Each package, with words that its own metadata has where it is installed."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needed = project["dependencies"] + project["optional-dependencies"]["io"]
+    page = (DOCS / "how-to" / "pipeline.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([\w, -]+) \| ([^|]+) \|$", page.partition("| package | licence |")[2], re.M)
+    told = {name: licence for names, licence in rows for name in names.split(", ")}
+    assert set(told) == {re.split(r"[<>=~]", need)[0] for need in needed}
+    for name, licence in told.items():
+        try:
+            about = metadata(name)
+        except PackageNotFoundError:
+            continue
+        says = " ".join(
+            [about["License-Expression"] or "", about["License"] or "", *about.get_all("Classifier", [])]
+        )
+        word = re.split(r"[-\d ]", licence)[0]
+        assert word in says, f"{name}: {says[:200]}"
+
+
+def test_each_argument_that_a_docstring_explains_has_a_line() -> None:
+    spec = importlib.util.spec_from_file_location("arguments", DOCS / "extensions" / "arguments.py")
+    assert spec is not None
+    assert spec.loader is not None
+    arguments = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(arguments)
+    text = "load, gap: one of\nthem, as a: b says; here. out: folder. And so on."
+    assert arguments.listed(text, {"load", "gap", "out"}) == [
+        "- **load, gap**: one of them, as a: b says; here.",
+        "- **out**: folder. And so on.",
+    ]
+    assert arguments.listed("Raises it.\nload: no.", {"load"}) == ["Raises it.", "load: no."]
+    assert arguments.listed("load: no.", set()) == ["load: no."]
+    given = "(heights: _Buffer | _SupportsArray[dtype[Any]] | x._NestedSequence[complex | bytes | str])"
+    array = "~numpy.ndarray[tuple[~typing.Any, ...], ~numpy.dtype[~numpy.float64]]"
+    found = arguments._signature(None, "function", "f", None, None, given, f"{array} | None")
+    assert found == ("(heights: ArrayLike)", "ndarray | None")

@@ -1,6 +1,8 @@
 """The package as NumPy users hold it: heights as arrays in, steps and tables out."""
 
+import ast
 import inspect
+import logging
 import pickle
 import shutil
 import tomllib
@@ -472,6 +474,27 @@ def test_public_names_are_listed() -> None:
     with pytest.raises(AttributeError, match="no attribute 'runn'"):
         warpwear.runn  # type: ignore[attr-defined] # noqa: B018
     assert len(inspect.signature(warpwear.run).parameters) <= 10
+
+
+def test_a_type_checker_sees_the_public_names_and_no_others() -> None:
+    body = ast.parse(Path(warpwear.__file__).read_text(encoding="utf-8")).body
+    assert not any(isinstance(node, ast.FunctionDef) and node.name == "__getattr__" for node in body)
+    (typed,) = (n for n in body if isinstance(n, ast.If) and ast.unparse(n.test) == "TYPE_CHECKING")
+    names = {name.name for node in typed.body if isinstance(node, ast.ImportFrom) for name in node.names}
+    assert names | {"__version__"} == set(warpwear.__all__)
+
+
+def test_a_log_gets_what_its_level_asks_for(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.WARNING)
+    coarse = Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "0.03 mm"})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        warpwear.run(coarse)
+        assert {record.levelno for record in caplog.records} == {logging.WARNING}
+        caplog.set_level(logging.INFO)
+        warpwear.run(coarse)
+    assert any(record.getMessage().startswith("finished: ") for record in caplog.records)
+    assert {record.name for record in caplog.records} == {"warpwear.run"}
 
 
 # --- pandas and xarray ---

@@ -1,6 +1,7 @@
 """Sweeps through the public door: rows, folders that are the truth, workers that die, bands."""
 
 import json
+import logging
 import math
 import os
 import signal
@@ -423,3 +424,30 @@ def test_one_run_through_a_thread_pool_of_the_library(tmp_path: Path) -> None:
     assert row.status == "done"
     assert isinstance(pool, Executor)
     assert issubclass(Workers, Executor)
+
+
+def test_a_sweep_from_python_tells_the_log_how_far_it_is(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO, logger="warpwear")
+    found = warpwear.sweep(small(), vary={"contact.load": ["4 N", "8 N"]}, executor=Here())
+    told = [record.getMessage() for record in caplog.records if " of 2 runs, " in record.getMessage()]
+    assert [line.partition(";")[0] for line in told] == [f"{n} of 2 runs, the last done" for n in (1, 2)]
+    assert told[1].endswith("about 0 s left")
+    assert repr(found) == "<sweep over contact.load: 2 of 2 runs done>"
+
+
+def test_a_sweep_in_a_log_tells_how_far_it_is(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("warpwear.sweeps.command.EVERY_SECONDS", 0.0)
+    study = tmp_path / "s.toml"
+    study.write_text(small().to_toml(), encoding="utf-8")
+    command = ["sweep", str(study), "--out", str(tmp_path / "out"), "--workers", "1", "--vary"]
+    with pytest.raises(SystemExit):
+        main([*command, "contact.load=4 N,8 N"])
+    assert "1 of 2 runs, the last done; " in capfd.readouterr().err
+    with pytest.raises(SystemExit) as ended:
+        main([*command, "contact.load=4 N,8 N"])
+    assert ended.value.code == 2
+    told = capfd.readouterr().err
+    assert "already holds a sweep; resume it (--resume), or give another folder (--out)." in told
+    assert "overwrite" not in told  # the command has no such option

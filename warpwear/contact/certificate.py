@@ -29,6 +29,12 @@ class Certificate:
     t is the gap after deformation, from the mean planes, so that t − λ is what lies between the bodies. The
     conditions are t = λ where 0 < p < H, t ≥ λ where p = 0 and t ≤ λ where p = H.
 
+    violation: largest breach of these, over the rms height of the gap before contact; allowed: what may be
+    left of it, the tolerance or, where that is more, what rounding shows. penetration: of the bodies where
+    p < H, deepest, a length. load_residual: load over the one asked for, − 1; 0 at an approach.
+    beyond_bounds: by how much a pressure is negative or exceeds H. relative_gap: energy_gap over load times
+    rms height. level: the λ' below, the largest of several parts.
+
     energy_gap: Σ p max(t − λ', 0) + (H − p) max(λ' − t, 0), times the area of a cell, with the λ' that makes
     it least (without a hardness the smallest t, and the first term alone). No other pressure between the
     bounds under the same load has an energy that is lower by more. For the energy ½ p·Ap + p·g is convex and
@@ -37,14 +43,14 @@ class Certificate:
     −(H − p)(λ' − t) where t < λ'. There is no factor ½, as the bound uses the tangent and not the parabola.
     """
 
-    violation: float  # of the conditions, largest, over the rms height of the gap before contact
-    penetration: float  # of the bodies where p < H, deepest: a length
-    load_residual: float  # load over the one asked for, − 1; 0 at an approach
-    beyond_bounds: float  # by how much a pressure is negative or exceeds its bound: a pressure
-    energy_gap: float  # bound on the energy above the least: a force times a length
-    relative_gap: float  # that bound over load times rms height
-    allowed: float  # violation that may be left, over the rms height
-    level: float  # largest λ' of the parts
+    violation: float
+    penetration: float
+    load_residual: float
+    beyond_bounds: float
+    energy_gap: float
+    relative_gap: float
+    allowed: float
+    level: float
 
     def scaled(self, *, length: float, pressure: float, area: float) -> Self:
         """Give the certificate in other units. length, pressure, area: what those here are worth there."""

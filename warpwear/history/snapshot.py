@@ -14,19 +14,25 @@ from warpwear.surfaces.base import BoolArray
 class Snapshot:
     """Fields at one sliding distance, each of shape (nx, ny), axis 0 along the sliding direction.
 
+    distance [mm]. pressure [MPa], solved in the step that ends here. wear_sphere, wear_disc: depths worn off
+    [mm]. gap [mm], after the step's wear, without elastic deformation. plastic_disc: depth displaced for good
+    [mm], of a swept disc that keeps its dents. bare: 1 where a cell was bare of film as the step began, else
+    0. load_on_filled: share of the load on points that the disc's file lacks. The last three are None where
+    a run has none.
+
     Of a swept run the fields of the disc cover the track, shape (rows, ny), whose row number `row` lies under
     the first row of the others.
     """
 
-    distance: float  # [mm]
-    pressure: FloatArray  # [MPa], solved in the step that ends here
-    wear_sphere: FloatArray  # [mm]
-    wear_disc: FloatArray  # [mm]
-    gap: FloatArray  # [mm], after the step's wear
-    plastic_disc: FloatArray | None = None  # [mm], displaced for good, of a swept disc that keeps its dents
-    bare: FloatArray | None = None  # 1 where a cell was bare of film as the step began, else 0
-    row: int | None = None  # of the track, under the sphere's first row
-    load_on_filled: float | None = None  # share of the load, see `share_on`; None where all was measured
+    distance: float
+    pressure: FloatArray
+    wear_sphere: FloatArray
+    wear_disc: FloatArray
+    gap: FloatArray
+    plastic_disc: FloatArray | None = None
+    bare: FloatArray | None = None
+    row: int | None = None
+    load_on_filled: float | None = None  # see `share_on`
     fresh: frozenset[str] = frozenset()  # names of fields that no later step changes
 
     @property

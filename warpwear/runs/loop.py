@@ -33,7 +33,7 @@ from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
 from warpwear.surfaces.base import Surface
 
-LOG = logging.getLogger("warpwear")
+LOG = logging.getLogger("warpwear.run")
 
 #: A coefficient of friction beyond this is a mistake, not a result.
 ABSURD_COEFFICIENT = 3.0

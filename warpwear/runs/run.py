@@ -41,10 +41,24 @@ if TYPE_CHECKING:
 process = lazy.module("warpwear.figures.process")
 pages = lazy.module("warpwear.page.content")
 
-LOG = logging.getLogger("warpwear")
+LOG, WIDER = logging.getLogger("warpwear.run"), logging.getLogger("warpwear")
 
 #: What may be drawn of a run.
 PLOTS = ("essential", "all", "none")
+
+
+class _Onward(logging.Handler):
+    """Hands what log.txt has in full on to the logger "warpwear", at the level that its user has set."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if WIDER.isEnabledFor(record.levelno):
+            WIDER.handle(record)
+
+
+LOG.setLevel(logging.INFO)
+LOG.propagate = False
+LOG.addHandler(_Onward())
+WIDER.addHandler(logging.NullHandler())  # warnings are warned and errors raised: none is printed unasked
 
 
 def run(
@@ -334,7 +348,6 @@ def _log_to(work: Path | None) -> Iterator[None]:
     handler = logging.FileHandler(work / run_folder.LOG, encoding="utf-8") if work else logging.NullHandler()
     handler.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
     LOG.addHandler(handler)
-    LOG.setLevel(logging.INFO)
     try:
         yield
     finally:

@@ -2,6 +2,7 @@
 
 import signal
 import sys
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -13,12 +14,13 @@ from tqdm import tqdm
 
 from warpwear.errors import InputError
 from warpwear.measured.course import read_experiment
+from warpwear.runs.console import EVERY_SECONDS
 from warpwear.study.loading import value_of_text
 from warpwear.sweeps.cluster import connected
 from warpwear.sweeps.plan import Plan, read_plan
 from warpwear.sweeps.report import failed_sentence, summary_text, write_report
 from warpwear.sweeps.run_one import Row
-from warpwear.sweeps.sweep import check_folder, estimate, local_executor, make_runs, share_runs
+from warpwear.sweeps.sweep import Count, check_folder, estimate, local_executor, make_runs, share_runs
 from warpwear.sweeps.table import RUNS, SweepResult
 
 
@@ -84,11 +86,17 @@ def command(
         if dry_run:
             return 0
         with tqdm(total=len(plan.points), unit="run", disable=not sys.stderr.isatty(), leave=False) as bar:
+            counted, said = Count(len(plan.points)), time.monotonic()
 
             def told(number: int, row: Row) -> None:
+                nonlocal said
                 bar.update()
                 if row.status.startswith("failed"):
                     bar.write(f"run {number}: {row.status}", file=sys.stderr)
+                line = counted.one(row)
+                if bar.disable and time.monotonic() - said > EVERY_SECONDS:  # a log shows no bar
+                    said = time.monotonic()
+                    bar.write(line, file=sys.stderr)
 
             def warned(sentence: str) -> None:
                 bar.write(f"warning: {sentence}", file=sys.stderr)

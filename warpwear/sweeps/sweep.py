@@ -1,5 +1,6 @@
 """A sweep: many runs of one study, made once each, in a folder that is the truth about them."""
 
+import logging
 import shutil
 import tempfile
 import time
@@ -11,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.engine.device import gpu_count, usable_cores
-from warpwear.errors import OTHER_FOLDER, RESUME_IT, InputError
+from warpwear.errors import InputError
 from warpwear.runs.console import warn
 from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
@@ -27,6 +28,8 @@ LOOK = 5.0
 MANY, SILENCE = 10.0, 60.0
 #: A file that every finished sweep has.
 TABLE = "table.csv"
+#: Tells at the level INFO how far a sweep from Python is.
+LOG = logging.getLogger("warpwear")
 
 
 def sweep(
@@ -52,6 +55,8 @@ def sweep(
     executor: anything like concurrent.futures.Executor, such as `Client(address).get_executor(pure=False)`
     of dask.distributed or mpi4py's MPIPoolExecutor; by default `workers` processes here, one a core.
 
+    `logging.basicConfig(level=logging.INFO)` shows a line for each run that is done, and the time left.
+
     Raises InputError for what makes no sweep. A run that fails is a row whose status says why, and a
     StudyWarning at the end names it.
     """
@@ -63,8 +68,11 @@ def sweep(
             f"executor = {executor!r}: an object with submit(), as in concurrent.futures, is expected."
         )
     local = nullcontext((executor, 1, 1)) if executor is not None else local_executor(plan, workers=workers)
+    counted = Count(len(plan.points))
     with _folder(out) as folder, local as (pool, threads, _):
-        rows = make_runs(plan, folder, pool, threads=threads)
+        rows = make_runs(
+            plan, folder, pool, threads=threads, told=lambda _, row: LOG.info(counted.one(row)), warned=warn
+        )
         found = SweepResult(plan, rows, None if out is None else folder)
         if out is not None:
             write_report(found, folder)
@@ -72,6 +80,24 @@ def sweep(
     if failed is not None:
         warn(f"{failed}.")
     return found
+
+
+class Count:
+    """Counts the runs that are done, and foresees when the others will be."""
+
+    def __init__(self, runs: int) -> None:
+        self._runs, self._done = runs, 0
+        self._began = time.monotonic()
+
+    def one(self, row: Row) -> str:
+        """Count a run and say how many are done, how it ended and how long the others may take."""
+        self._done += 1
+        gone = time.monotonic() - self._began
+        left = gone / self._done * (self._runs - self._done)
+        return (
+            f"{self._done} of {self._runs} runs, the last {row.status}; {_duration(gone)} gone, "
+            f"about {_duration(left)} left"
+        )
 
 
 def make_runs(
@@ -194,7 +220,9 @@ def check_folder(folder: Path, *, resume: bool) -> None:
     if not (folder / RUNS).is_dir():
         raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
     if not resume:
-        raise InputError(f"out = {folder} already holds a sweep; {RESUME_IT}, or {OTHER_FOLDER}.")
+        raise InputError(
+            f"out = {folder} already holds a sweep; resume it (--resume), or give another folder (--out)."
+        )
 
 
 def share_runs(folder: Path, store: Path) -> None:

@@ -27,7 +27,7 @@ RUNS = "runs"
 MEANINGS = {quantity.name: quantity for quantity in QUANTITIES}
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class SweepResult:
     """The runs of a sweep, in the order of its plan: their table, their courses, bands over groups of them.
 
@@ -40,9 +40,17 @@ class SweepResult:
     folder: Path | None = None
     _courses: dict[str, FloatArray] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        done = sum(row.status == "done" for row in self.rows)
+        return f"<sweep over {', '.join(self.plan.keys)}: {done} of {len(self.rows)} runs done>"
+
     @property
     def table(self) -> dict[str, list[Any]]:
-        """Column -> a value a run: `run`, `status`, `seconds`, keys by dotted names, end values."""
+        """Column -> a value a run: `run`, `status`, `seconds` [s], keys by dotted names, end values.
+
+        A key varied is as it was given, text with its unit; `numbers` has it as numbers. The unit of an end
+        value stands in its name: "area_contact [mm^2]".
+        """
         points = self.plan.points
         found: dict[str, list[Any]] = {
             "run": [point.run for point in points],

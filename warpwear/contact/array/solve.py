@@ -50,17 +50,17 @@ def solve_contact(
     All numbers are in consistent units of the caller's choice (mm, N and MPa, say, or m, N and Pa).
 
     heights: of the surface, positive out of the material, shape (nx, ny), axis 0 = x; of any mean plane.
-    cell: width of the square cells. load, mean_pressure (load over the area of the array) or approach: one of
-    the three. hardness: largest pressure of a cell; None for no such limit.
-    modulus: E*, of an elastic half-space (two elastic bodies have 1/E* = Σ (1 − ν²)/E); or
-    stiffness: pressure over length, of independent springs under the cells (a Winkler foundation). Without
-    both every cell that is touched carries the hardness: the bearing area.
+    cell: width of the square cells. load, mean_pressure, approach: one of the three; a mean pressure is the
+    load over the area of the array. hardness: largest pressure of a cell; None for no such limit.
+    modulus: E*, of an elastic half-space (two elastic bodies have 1/E* = Σ (1 − ν²)/E). stiffness: instead of
+    it, pressure over length, of independent springs under the cells (a Winkler foundation). Without both
+    every cell that is touched carries the hardness: the bearing area.
     boundary: of the half-space; "periodic", where the surface repeats without end (by default under a
     plane), or "free", where nothing lies beside the array (by default, and always, under a sphere).
     sphere_radius: of the sphere, whose apex comes down on the middle of the array; None for a plane.
     tolerance: largest violation of the contact conditions of the half-space over the rms height of the gap;
-    the other laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every
-    core; no result depends on it.
+    one that rounding hides is raised to what it shows, `certificate.allowed`. The other laws are solved to
+    rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no result depends on it.
 
     Says on standard error what memory is needed where that is 2 GiB or more, before it starts.
     Warns where the contact with a sphere reaches the edge of the array. Raises InputError for what is not
