@@ -189,7 +189,8 @@ _DIRECTION = (
     const Single* const gathered = is_single ? (const Single*)&wp::index(gathered_in, row, 0) : nullptr;
     const Stored* const given = (const Stored*)&wp::index(descent_in, row, 0);
     const auto descent = [&](int i) { return is_single ? doubled(gathered[i]) : Lanes(given[i]); };
-    const Lanes level = of(approach_in), descent_level = of(descent_level_in), out = -outward;
+    const Lanes level = of(approach_in), descent_level = of(descent_level_in);
+    const Lanes memory = way[0], length = way[1], out = -way[2];
     Lanes sum = 0.0;
     Counts between = 0;
 """
@@ -360,9 +361,7 @@ def direction_row(
     slots_per_row: wp.int32,
     approach_in: wp.array(dtype=wp.float64),
     descent_level_in: wp.array(dtype=wp.float64),
-    memory: wp.float64,
-    length: wp.float64,
-    outward: wp.float64,
+    way: wp.vec3d,
     fields: Fields,
     descent_in: wp.array2d(dtype=Cells),
     gathered_in: wp.array2d(dtype=SingleCells),
@@ -378,9 +377,7 @@ def direction(
     slots_per_row: wp.int32,
     approach_in: wp.array(dtype=wp.float64),
     descent_level_in: wp.array(dtype=wp.float64),
-    memory: wp.float64,
-    length: wp.float64,
-    outward: wp.float64,
+    way: wp.vec3d,
     fields: Fields,
     descent_in: wp.array2d(dtype=Cells),
     gathered_in: wp.array2d(dtype=SingleCells),
@@ -388,6 +385,7 @@ def direction(
 ):
     """Trial pressure p + length × d, with d = −z + memory × last step on the free cells (z as in `products`).
 
+    way: memory, length and outward.
     Elsewhere d = −outward × (t − λ), which points out of the bounds: such a cell moves only if the shift that
     restores the load is larger. Sums: the clipped trial, and cells between the bounds.
     """
@@ -397,9 +395,7 @@ def direction(
         slots_per_row,
         approach_in,
         descent_level_in,
-        memory,
-        length,
-        outward,
+        way,
         fields,
         descent_in,
         gathered_in,

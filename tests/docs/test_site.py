@@ -100,7 +100,7 @@ def test_the_licences_of_what_is_needed_are_told() -> None:
         except PackageNotFoundError:
             continue
         says = " ".join(
-            [about["License-Expression"] or "", about["License"] or "", *about.get_all("Classifier", [])]
+            [about.get("License-Expression", ""), about.get("License", ""), *about.get_all("Classifier", [])]
         )
         word = re.split(r"[-\d ]", licence)[0]
         assert word in says, f"{name}: {says[:200]}"

@@ -245,7 +245,8 @@ class Iterate:
         outward: float,
     ) -> tuple[FloatArray, FloatArray]:
         """Trial pressure along −descent + memory × last step; what it carries, as `carried`."""
-        inputs = [approach, level, memory, length, outward, self._fields, *self._by_kind(descent)]
+        way = wp.vec3d(memory, length, outward)
+        inputs = [approach, level, way, self._fields, *self._by_kind(descent)]
         total, between = self._pass(passes.direction, inputs, [], sums=2)
         return total, between
 
