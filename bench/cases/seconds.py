@@ -81,7 +81,6 @@ FIGURES: tuple[tuple[str, str], ...] = (
     ("v3-fine, figures", rf"and in {NUMBER} with figures"),
     ("steps", rf"steps alone take {NUMBER}\."),
     ("steps in NumPy", rf"algorithm takes {NUMBER} in NumPy"),
-    ("steps in C", rf"and {NUMBER} in C"),
     ("steps on a GPU", rf"GPU the\s+steps take {NUMBER}"),
 )
 
@@ -89,7 +88,8 @@ FIGURES: tuple[tuple[str, str], ...] = (
 def told(row: str, seconds: Sequence[float]) -> str:
     """Say what the README says of a row: the median, or for a ratio of steps the range."""
     if row == "patches over one scale":
-        return f"{min(seconds):.1f} to {max(seconds):.1f} times"
+        ends = dict.fromkeys(f"{end(seconds):.1f}" for end in (min, max))  # once if they are the same
+        return f"{' to '.join(ends)} times"
     middle = median(seconds)
     if row == "contact on a track":
         return f"{1e3 * middle:.2g} ms"

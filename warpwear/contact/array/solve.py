@@ -64,7 +64,7 @@ def solve_contact(
 
     Says on standard error what memory is needed where that is 2 GiB or more, before it starts.
     Warns where the contact with a sphere reaches the edge of the array. Raises InputError for what is not
-    possible, ConvergenceError where the tolerance is not met. Sources:
+    possible, ConvergenceError where the tolerance is not met, MemoryError where memory runs out. Sources:
     Polonsky and Keer 1999, Wear 231, 206 and Almqvist et al. 2007, Tribol. Int. 40, 574 (half-space);
     Johnson, Contact Mechanics, 1985, section 4.3 (springs).
 

@@ -125,9 +125,9 @@ class Influence(Operator):
             self._near_elastic = self._near.table(elastic)
             self._elastic = self._far.table(free_quarter(grid, modulus, self.far_shape))
         self._steps = [max(1, size // MODES_OF_WEIGHTS) for size in grid.shape]
-        few = self._near.on_device(lambda _: elastic[:: self._steps[0], :: self._steps[1]].copy())
+        few = elastic[:: self._steps[0], :: self._steps[1]]
         #: Modes of the inverse far apart, on the host.
-        self._few: FloatArray = few if executor.device.is_cpu else few.get()
+        self._few: FloatArray = self._near.on_device(lambda xp: few.copy() if xp is np else few.get())
         self._weights: tuple[Any, extension.Weights] | None = None
         self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)
