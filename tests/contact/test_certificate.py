@@ -14,7 +14,8 @@ import pytest
 from warpwear import ConvergenceError, solve_contact
 from warpwear.contact.certificate import Certificate
 from warpwear.contact.half_space import solver as half_space
-from warpwear.contact.half_space.solver import BoundedPressure, HalfSpace, HalfSpaceContact
+from warpwear.contact.half_space.contact import HalfSpaceContact
+from warpwear.contact.half_space.solver import BoundedPressure, HalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING

@@ -4,7 +4,7 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -13,6 +13,7 @@ import numpy as np
 from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.contact.certificate import Certificate
 from warpwear.contact.half_space import nested
+from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.influence import Influence, Operator
 from warpwear.contact.half_space.on_gpu import DeviceSearch
 from warpwear.contact.half_space.passes import Iterate
@@ -34,46 +35,6 @@ DRIFT = 0.2
 LOOSE = 1.0e-5
 #: Times that a search goes on from its own result where that cannot be certified.
 RENEWALS = 3
-
-
-@dataclass(frozen=True)
-class HalfSpaceContact:
-    """A solved contact. The fields are the solver's own and last until its next solve."""
-
-    approaches: FloatArray  # rigid, from the mean planes: of all cells, or row by row [mm]
-    mean_pressure: float  # [MPa]
-    violation: float  # largest violation of complementarity, over the rms height
-    load_residual: float  # mean pressure over the one asked for, − 1, furthest from 0; 0 at an approach
-    cells_in_contact: int  # with p > 0
-    iterations: int
-    transforms: int  # pairs of Fourier transforms of the search; a certificate takes one more
-    pressure_field: Field
-    gradient_field: Field  # gap after deformation and wear, from the mean planes [mm]
-    executor: Executor
-    cells: int  # of the surface
-    scale: FloatArray  # that violations count over, of each part [mm]
-    allowed: FloatArray  # violation that may be left, of each part [mm]
-    certificate: Certificate | None = None
-
-    @property
-    def approach(self) -> float:
-        """The one approach that all cells share [mm]."""
-        return float(self.approaches.item())
-
-    @property
-    def pressure(self) -> FloatArray:
-        """[MPa], shape (nx, ny)."""
-        return self.executor.to_numpy(self.pressure_field)
-
-    @property
-    def area_fraction(self) -> float:
-        """Contact area over the nominal one."""
-        return self.cells_in_contact / self.cells
-
-    @property
-    def separation(self) -> FloatArray:
-        """Gap left after deformation (and implicit wear) [mm], shape (nx, ny); negative where p = H."""
-        return np.asarray(self.executor.to_numpy(self.gradient_field) - self.approach)
 
 
 class BoundedPressure:

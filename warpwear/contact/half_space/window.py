@@ -14,7 +14,8 @@ import numpy as np
 import warp as wp
 
 from warpwear import lazy
-from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace, HalfSpaceContact
+from warpwear.contact.half_space.contact import HalfSpaceContact
+from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.state import Columns
 from warpwear.grid import Grid

@@ -15,8 +15,9 @@ from typing import ClassVar
 import numpy as np
 
 from warpwear.contact.certificate import columns_of
+from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.passes import NO_CAP
-from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
+from warpwear.contact.half_space.solver import BoundedPressure
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step

@@ -1,0 +1,49 @@
+"""What a solver of the half-space found."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear.contact.certificate import Certificate
+from warpwear.engine.executor import Executor, Field
+from warpwear.grid import FloatArray
+
+
+@dataclass(frozen=True)
+class HalfSpaceContact:
+    """A solved contact. The fields are the solver's own and last until its next solve."""
+
+    approaches: FloatArray  # rigid, from the mean planes: of all cells, or row by row [mm]
+    mean_pressure: float  # [MPa]
+    violation: float  # largest violation of complementarity, over the rms height
+    load_residual: float  # mean pressure over the one asked for, − 1, furthest from 0; 0 at an approach
+    cells_in_contact: int  # with p > 0
+    iterations: int
+    transforms: int  # pairs of Fourier transforms of the search; a certificate takes one more
+    pressure_field: Field
+    gradient_field: Field  # gap after deformation and wear, from the mean planes [mm]
+    executor: Executor
+    cells: int  # of the surface
+    scale: FloatArray  # that violations count over, of each part [mm]
+    allowed: FloatArray  # violation that may be left, of each part [mm]
+    certificate: Certificate | None = None
+
+    @property
+    def approach(self) -> float:
+        """The one approach that all cells share [mm]."""
+        return float(self.approaches.item())
+
+    @property
+    def pressure(self) -> FloatArray:
+        """[MPa], shape (nx, ny)."""
+        return self.executor.to_numpy(self.pressure_field)
+
+    @property
+    def area_fraction(self) -> float:
+        """Contact area over the nominal one."""
+        return self.cells_in_contact / self.cells
+
+    @property
+    def separation(self) -> FloatArray:
+        """Gap left after deformation (and implicit wear) [mm], shape (nx, ny); negative where p = H."""
+        return np.asarray(self.executor.to_numpy(self.gradient_field) - self.approach)
