@@ -143,12 +143,15 @@ _RESIDUAL = (
 }
 """
 )
-_PRODUCTS = (
-    """
+_DESCENT = """
     const bool is_single = gathered_in.shape[0] > 0;
     const Single* const gathered = is_single ? (const Single*)&wp::index(gathered_in, row, 0) : nullptr;
     const Stored* const given = (const Stored*)&wp::index(descent_in, row, 0);
     const auto descent = [&](int i) { return is_single ? doubled(gathered[i]) : Lanes(given[i]); };
+"""
+_PRODUCTS = (
+    _DESCENT
+    + """
     const Lanes level = of(approach_in), descent_level = of(descent_level_in);
     Counts free_cells = 0;
     Lanes sum_z = 0.0, sum_r = 0.0, sum_y = 0.0, zy = 0.0, zr = 0.0, sr = 0.0;
@@ -184,11 +187,8 @@ _PRODUCTS = (
 """
 )
 _DIRECTION = (
-    """
-    const bool is_single = gathered_in.shape[0] > 0;
-    const Single* const gathered = is_single ? (const Single*)&wp::index(gathered_in, row, 0) : nullptr;
-    const Stored* const given = (const Stored*)&wp::index(descent_in, row, 0);
-    const auto descent = [&](int i) { return is_single ? doubled(gathered[i]) : Lanes(given[i]); };
+    _DESCENT
+    + """
     const Lanes level = of(approach_in), descent_level = of(descent_level_in);
     const Lanes memory = way[0], length = way[1], out = -way[2];
     Lanes sum = 0.0;

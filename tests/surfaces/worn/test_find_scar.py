@@ -27,23 +27,19 @@ def test_volumes_are_within_their_errors(kind, worn):
 
 
 @pytest.mark.slow
+@pytest.mark.xfail(reason="the errors of scars are wider than due: 78 of 88 within one", strict=True)
 def test_coverage_of_scars():
-    """The first of `python bench/cases/scars.py`: 90 cases in about four minutes.
-
-    As many as are due lie within an error and two, but for chance (one of a thousand such tables, were the
-    errors Gaussian). And errors are at most twice as large as need be: within half of one lie no more than
-    are due within one.
-    """
+    """The first of `python bench/cases/scars.py`: 90 cases in four to six minutes."""
     found = [off_by_errors(23, n, kind, worn) for kind in ("self-affine", "turned", "real")
              for worn in SCARS for n in range(6)]  # fmt: skip
     known = [f for f in found if not isinstance(f, str)]
     assert len(known) > 0.9 * len(found)
     for name in ("worn", "piled up", "net"):
         off = np.abs([f.off[name] for f in known])
-        due = {errors: math.erf(errors / math.sqrt(2.0)) for errors in (1, 2)}
-        for errors, share in due.items():
-            assert np.sum(off < errors) >= stats.binom.interval(0.999, off.size, share)[0], (name, errors)
-        assert np.sum(off < 0.5) <= stats.binom.interval(0.999, off.size, due[1])[1], name
+        for errors in (1, 2):
+            # beyond chance is what one of a thousand such tables has, were the errors Gaussian
+            least, most = stats.binom.interval(0.999, off.size, math.erf(errors / math.sqrt(2.0)))
+            assert least <= np.sum(off < errors) <= most, (name, errors)
 
 
 def test_pile_up_does_not_hide_in_the_scatter_of_the_unworn_part():
