@@ -20,9 +20,10 @@ from warpwear.surfaces.worn.registration import unchanged
 ndimage = lazy.module("scipy.ndimage")
 
 THRESHOLD = 4.0  # robust standard deviations of the unworn surface, smoothed, by which a scar lies below
+CERTAIN = 5.5  # of these, by which it does so somewhere: less is chance in one of a field's many places
 JOINED = 1.0 / 40.0  # of the shorter side: worn asperities closer than this belong together
 PIECE = 0.05  # of the largest worn region: a smaller one beside it is no part of the scar
-BESIDE = 0.5  # of the scar's shorter extent, within which worn asperities that stand alone belong to it
+BESIDE = 1.0  # of the scar's mean extent, within which worn asperities that stand alone belong to it
 INWARDS = 3  # rings within the edge of the smoothed scar at which it may end already: smoothing spreads it
 ROUNDS = 15  # in which the scar is found
 LEAST_UNWORN = 0.2  # of the field
@@ -46,9 +47,10 @@ def find_scar(heights: FloatArray, *, pixel: tuple[float, float], degree: int = 
 
     heights: of the worn surface, or better how they changed; pixel: (px, py) [mm]. A polynomial of the total
     degree goes through what is not worn, found in rounds. The scar is the region that lies below it by four
-    times the scatter of the unworn surface, both smoothed; worn asperities next to each other are one
-    region, and the valleys between them belong to it. Asperities that have worn alone, within half the
-    scar's shorter extent beside it, belong to it where they are deeper than anything farther off. It reaches
+    times the scatter of the unworn surface, both smoothed, and by five and a half somewhere; worn asperities
+    next to each other are one region, and the valleys between them belong to it. Asperities that have worn
+    alone, within the scar's mean extent beside it, belong to it where they are deeper than anything farther
+    off. It reaches
     to where rings about it no longer lie lower on average, beside pile-up to where the heights cross the
     form. Raises InputError where nothing is worn, or too little is unworn to level by.
     """
@@ -143,22 +145,30 @@ def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tupl
     fine, wide = (ndimage.uniform_filter(lost, size, mode="nearest") for size in (SMOOTHED, coarse))
     region, sharp = (z > max(THRESHOLD * _scatter(z[unworn]), floor) for z in (wide, fine))
     labels, pieces = ndimage.label(region)
-    if not pieces:
-        raise InputError("no scar was found: nothing lies below the rest of the surface")
-    sums = ndimage.sum_labels(np.maximum(lost, 0.0), labels, np.arange(1, pieces + 1))
-    region = np.isin(labels, 1 + np.flatnonzero(sums >= PIECE * sums.max()))
+    # means over fewer points, at the field's edges, scatter more
+    inner = tuple(slice(n // 2, size - n // 2) for n, size in zip(coarse, lost.shape, strict=True))
+    known = np.arange(1, pieces + 1)
+    peaks = ndimage.maximum(wide[inner], labels[inner], known) if pieces else np.zeros(0)
+    certain = [max(CERTAIN * _scatter(z[unworn]), floor) for z in (wide, fine)]
+    known = known[peaks > certain[0]]
+    if not known.size:
+        raise InputError("no scar was found: nothing lies below the rest of the surface by more than chance")
+    sums = ndimage.sum_labels(np.maximum(lost, 0.0), labels, known)
+    region = np.isin(labels, known[sums >= PIECE * sums.max()])
     # closed, so that the gaps between worn asperities belong to the scar
     seed, width = sharp & region, max(n * d for n, d in zip(coarse, pixel, strict=True))
     if not seed.any():
         seed = region
-    reach = BESIDE * min(_extents(seed, pixel))
+    reach = BESIDE * math.sqrt(math.prod(_extents(seed, pixel)))
     beside = ndimage.distance_transform_edt(~seed, sampling=pixel) <= reach
     far = fine[unworn & ~beside]
     if far.size:  # what the unworn surface has elsewhere is no wear beside the scar, either
-        seed |= sharp & beside & (fine > far.max())
+        # nor is what lies above the form by half as much, as a steep pit does that is laid a little off
+        above = ndimage.uniform_filter(np.maximum(-lost, 0.0), SMOOTHED, mode="nearest")
+        seed |= beside & (fine > np.maximum(max(far.max(), certain[1]), above))
     margin = [(n, n) for n in coarse]
     padded = np.pad(seed, margin, mode="edge")
     near = ndimage.distance_transform_edt(~padded, sampling=pixel) <= 0.5 * width
     closed = ndimage.distance_transform_edt(np.pad(near, 1, mode="edge"), sampling=pixel)[1:-1, 1:-1]
-    inner = tuple(slice(n, -n) for n in coarse)
-    return np.asarray(ndimage.binary_fill_holes(seed | (closed[inner] > 0.5 * width)))
+    field = tuple(slice(n, -n) for n in coarse)
+    return np.asarray(ndimage.binary_fill_holes(seed | (closed[field] > 0.5 * width)))

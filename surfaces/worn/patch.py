@@ -13,7 +13,6 @@ from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.waviness import waviness
 
 ndimage = lazy.module("scipy.ndimage")
-special = lazy.module("scipy.special")
 
 RINGS = 40  # around the patch, looked at for its edge; each is 3 % of its mean radius wide, or 2 pixels
 RING_WIDTH = 0.03  # of the patch's mean radius
@@ -76,8 +75,7 @@ def measured_patch(
     """
     patch, rim, area = reach.patch, reach.rim, pixel[0] * pixel[1]
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
-    # where within the rim the patch ends is not known any better: half of the rim, on average
-    weights = [np.asarray(w, dtype=np.float64) for w in (patch + 0.5 * rim, rim, patch | rim)]
+    weights = [np.asarray(w, dtype=np.float64) for w in (patch, rim, patch | rim)]
     errors = _errors(weights, lost, unworn, pixel=pixel, terms=terms)
     worn, piled_up = float(lost[patch].sum()) * area, -float(lost[rim].sum()) * area
     return Patch(
@@ -137,22 +135,32 @@ def grown(
         end += 1  # the ring where heights cross the form has as much above as below
     while end < last and mean[end] < -error[end]:
         end += 1
-    crossed = inwards > 0 and end > edge
+    crossed = inwards > 0 and bool((mean[edge:end] < -SURE * error[edge:end]).any())
+    other = patch
     if crossed:  # the ends of pile-up are low
         end += max(2, math.ceil(PILE_MARGIN * (end - edge)))
         # beside pile-up the outline is where heights cross the form, which no ring follows everywhere
         crossing = np.abs(ring - edge + 0.5) < inwards
-        patch = np.where(crossing, ndimage.uniform_filter(lost, SMOOTHED, mode="nearest") > 0.0, patch)
+        patch, other = (np.where(crossing, _mostly(lost > 0.0, size), patch) for size in (SMOOTHED, 3))
     whole = math.sqrt(float(patch.sum()) * area / math.pi)
     outer = min(edge, count.size - 1)
     steps = float(error[outer]) / max(float(mean[edge - 1] - mean[outer]), float(error[outer]) + 1e-300)
     last_ring = float(count[edge - 1]) * area if edge > 1 else 2.0 * math.pi * whole * width
+    # an outline that is crossed is told to a pixel, which a straight side of it, as of four, is wrong by as a
+    # whole, and by how many points about it are asked; elsewhere any part of the last ring may be worn
+    side = 0.5 / math.sqrt(12.0) * last_ring / (width * max(pixel))
+    outlines = math.hypot(float(patch.sum()) - float(other.sum()), side) * area
     return Reach(
         patch=patch,
         rim=~patch & (ring < max(end, edge + math.ceil(RIM * whole / width))),
         doubtful=0.0 if crossed else last_ring,
-        blur=last_ring * math.hypot(0.5, steps),
+        blur=math.hypot(outlines if crossed else 0.5 * last_ring, steps * last_ring),
     )
+
+
+def _mostly(chosen: BoolArray, size: int) -> BoolArray:
+    """Return where most points of a square of so many pixels are chosen, shape (nx, ny)."""
+    return np.asarray(ndimage.uniform_filter(chosen * 1.0, size, mode="nearest") > 0.5)
 
 
 def density_of(lost: FloatArray, unworn: BoolArray, *, area: float, terms: int) -> float:
@@ -205,7 +213,7 @@ def _errors(
         unworn=known >= LEAST_CELL * size,
         terms=np.stack([by_cell(term) / size for term in terms], axis=1),
         spacing=spacing,
-        wave=special.j0,
+        plane=True,
     )
     area = pixel[0] * pixel[1]
     fit = terms[:, unworn]

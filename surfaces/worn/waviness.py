@@ -4,11 +4,11 @@ Levelling and sum are one weighted sum of heights, so its scatter over all place
 follows from the spectrum of that surface. The spectrum is taken in bands from the heights that are unworn, by
 restricted likelihood: that counts correlated neighbours for what they are, needs no window that fits beside
 the worn part, and knows what the levelling took off. Waves that the unworn part is too small to show are tied
-to the neighbouring bands, and how badly the bands are known widens the error.
+to the neighbouring bands, whose density they have but for a factor. How badly the bands are known widens the
+error.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,13 +25,15 @@ special = lazy.module("scipy.special")
 BANDS = 1.5  # per octave
 SPREAD = 0.3  # width of a band over its wave number, so that neighbours overlap
 LONGEST = 4.0  # wavelengths, in extents of the field: levelling leaves nothing of longer ones
-TIE = math.log(
-    8.0
-)  # standard deviation of log power between octaves: a density falls by 8 at Hurst exponent 1
+# standard deviation of log density between octaves: that of a profile falls by 8 at Hurst exponent 1
+TIE = math.log(8.0)
 LOOSE = 100.0  # standard deviation of the log power of all bands together, which is not known beforehand
 LINE = 3.0  # standard deviation of the log power of a regular wave: it may be missing
 WAVES = 4.0  # in the field, at least, of a regular wave; fewer may be chance
-DRAWS = 400  # of spectra that the heights allow, and as many mirrored
+DRAWS = 250  # of spectra, in each of the rounds in which those that the heights allow are found
+ROUNDS = 2
+FREEDOM = 6.0  # degrees, of Student's t: spectra far from the likeliest are drawn, too
+NARROWEST = 0.03  # standard deviation of the log power of a band that is drawn in a second round
 STEPS = 60  # of the search for the most likely spectrum
 LONGEST_STEP = 2.0  # of the search, in log power
 SETTLED = 0.01  # gain in log likelihood below which the search ends
@@ -48,6 +50,7 @@ class Waviness:
         FloatArray  # of bands between n places for a variance of 1, (bands, n, n); first the shortest
     )
     spectra: FloatArray  # variances [mm²] of the bands, one spectrum a row, shape (draws, bands)
+    chances: FloatArray  # of each spectrum, with the sum 1, shape (draws,)
 
     def error(self, weights: FloatArray, alone: float) -> float:
         """Return the standard error of the sum of heights times weights, shape (n,), over unworn surface.
@@ -65,7 +68,8 @@ class Waviness:
         sigma = np.maximum(sigma, least)
 
         def lacks(log_width: float) -> float:
-            return float(special.erf(math.exp(log_width) / (math.sqrt(2.0) * sigma)).mean()) - ONE_SIGMA
+            inside = special.erf(math.exp(log_width) / (math.sqrt(2.0) * sigma))
+            return float(self.chances @ inside) - ONE_SIGMA
 
         # at the ends every spectrum has more, or less, than its standard deviation
         return math.exp(optimize.brentq(lacks, math.log(0.9 * least), math.log(1.1 * most), rtol=1e-9))
@@ -78,15 +82,15 @@ def waviness(
     unworn: BoolArray,
     terms: FloatArray,
     spacing: float,
-    wave: Callable[[FloatArray], FloatArray] = np.cos,
+    plane: bool = False,
     regular: float | None = None,
 ) -> Waviness:
     """Find the waviness of heights [mm], shape (n,), where they are unworn, shape (n,).
 
     distances: between all places [mm], (n, n); terms: what the levelling takes off, (n, p); spacing: of the
-    places [mm]; wave: correlation of a wave over a phase, `np.cos` along a line, `scipy.special.j0` in a
-    plane; regular: wave number [rad/mm] of a wave that keeps its phase, such as a feed, see `regular_wave`.
-    Raises InputError where too few heights are unworn.
+    places [mm]; plane: whether they lie in a plane, whose waves run in all directions, or along a line;
+    regular: wave number [rad/mm] of a wave that keeps its phase, such as a feed, see `regular_wave`. Raises
+    InputError where too few heights are unworn.
     """
     known = np.flatnonzero(unworn)
     if known.size < terms.shape[1] + FEWEST:
@@ -95,22 +99,29 @@ def waviness(
         )
     low, high = 2.0 * math.pi / (LONGEST * float(distances.max())), math.pi / spacing
     count = max(3, math.ceil(BANDS * math.log2(high / low)) + 1)
-    phases = [number * distances for number in np.geomspace(high, low, count)]
+    numbers = np.geomspace(high, low, count)
+    wave = special.j0 if plane else np.cos  # correlation over a phase, of all directions
     shorter = np.eye(heights.size)  # than the spacing
-    bands = [shorter, *(wave(phase) * np.exp(-0.5 * np.square(SPREAD * phase)) for phase in phases)]
+    bands = [
+        shorter,
+        *(wave(p) * np.exp(-0.5 * np.square(SPREAD * p)) for p in np.multiply.outer(numbers, distances)),
+    ]
+    # a band of one density has a variance as its width, or as its area
+    level = np.concatenate([[0.0], (2.0 if plane else 1.0) * np.log(numbers / high)])
     step = np.diff(np.eye(len(bands)), axis=0)
     tie = step.T @ step / (TIE**2 / BANDS) + np.eye(len(bands)) / LOOSE**2
     if regular is not None:
-        bands.append(wave(regular * distances))
+        bands.append(np.cos(regular * distances))
+        level = np.append(level, 0.0)
         tie = linalg.block_diag(tie, 1.0 / LINE**2)
     covariances = np.stack(bands)
     # contrasts that no term of the levelling changes
     contrasts = linalg.qr(terms[known])[0][:, terms.shape[1] :]
     seen = contrasts.T @ heights[known]
     if np.abs(seen).max() <= ROUNDING * max(float(np.abs(heights).max()), ROUNDING):
-        return Waviness(covariances, np.zeros((1, len(bands))))
+        return Waviness(covariances, np.zeros((1, len(bands))), np.ones(1))
     seen_bands = contrasts.T @ covariances[:, known][:, :, known] @ contrasts
-    return Waviness(covariances, _likely_spectra(seen, seen_bands, tie))
+    return Waviness(covariances, *_likely_spectra(seen, seen_bands, level, tie))
 
 
 def regular_wave(heights: FloatArray, *, places: FloatArray, unworn: BoolArray) -> float | None:
@@ -126,21 +137,25 @@ def regular_wave(heights: FloatArray, *, places: FloatArray, unworn: BoolArray) 
     return float(numbers[strongest]) if waves[strongest] >= WAVES else None
 
 
-def _likely_spectra(seen: FloatArray, bands: FloatArray, tie: FloatArray) -> FloatArray:
-    """Return variances of bands that contrasts allow, shape (draws, bands): the likeliest and those about it.
+def _likely_spectra(
+    seen: FloatArray, bands: FloatArray, level: FloatArray, tie: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return variances of bands that contrasts allow, shape (draws, bands), and the chance of each, (draws,).
 
-    seen: contrasts [mm], (m,); bands: their covariances for a variance of 1, (bands, m, m); tie: precision of
-    the log variances beforehand, (bands, bands). The likeliest is found by Fisher's scoring, and the log
-    variances are taken as Gaussian about it (Laplace's approximation).
+    seen: contrasts [mm], (m,); bands: their covariances for a variance of 1, (bands, m, m); level, tie: mean
+    of the log variances beforehand, but for the size of the contrasts, (bands,), and precision, (bands,
+    bands). About the likeliest, found by Fisher's scoring, spectra are drawn. Each counts by how likely it is
+    over how likely it was drawn (importance sampling, whose second round draws as the first found). Log
+    variances are far from Gaussian: heights that show no long waves allow none as well as few.
     """
     scale = float(seen @ seen) / seen.size
-    start = np.full(len(bands), math.log(scale / len(bands)))
+    start = math.log(scale / len(bands)) + level
     rounding = 1e-9 * scale * np.eye(seen.size)
 
     def likelihood(log: FloatArray) -> tuple[float, FloatArray]:
         whole = np.tensordot(np.exp(log), bands, 1) + rounding
         factor = np.linalg.cholesky(whole)
-        rest = linalg.solve_triangular(factor, seen, lower=True)
+        rest = linalg.solve_triangular(factor, seen, lower=True, check_finite=False)
         apart = log - start
         value = -np.log(np.diag(factor)).sum() - 0.5 * (rest @ rest) - 0.5 * (apart @ tie @ apart)
         return float(value), whole
@@ -168,7 +183,18 @@ def _likely_spectra(seen: FloatArray, bands: FloatArray, tie: FloatArray) -> Flo
         log, value, whole = log + move, tried, tried_whole
         if gain < SETTLED:
             break
-    normal = np.random.default_rng(0).normal(size=(DRAWS, len(bands)))
-    factor = np.linalg.cholesky(information)
-    about = linalg.solve_triangular(factor.T, np.concatenate([normal, -normal]).T, lower=False).T
-    return np.asarray(np.exp(log + about))
+    random = np.random.default_rng(0)
+    middle, covariance, count = log, np.linalg.inv(information), len(bands)
+    for _ in range(ROUNDS):
+        normal = random.normal(size=(DRAWS, count))
+        drawn = normal / np.sqrt(random.chisquare(FREEDOM, size=DRAWS) / FREEDOM)[:, None]
+        logs = middle + drawn @ np.linalg.cholesky(covariance).T
+        tails = 0.5 * (FREEDOM + count) * np.log1p(np.square(drawn).sum(axis=1) / FREEDOM)
+        weights = np.array([likelihood(log)[0] for log in logs]) + tails
+        chances = np.exp(weights - weights.max())
+        chances /= chances.sum()
+        # the roots, as few of the first draws may have most of the chances
+        roots = np.sqrt(chances) / np.sqrt(chances).sum()
+        middle = roots @ logs
+        covariance = (logs - middle).T @ ((logs - middle) * roots[:, None]) + NARROWEST**2 * np.eye(count)
+    return np.exp(logs), chances
