@@ -163,9 +163,10 @@ def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tupl
     beside = ndimage.distance_transform_edt(~seed, sampling=pixel) <= reach
     far = fine[unworn & ~beside]
     if far.size:  # what the unworn surface has elsewhere is no wear beside the scar, either
-        # nor is what lies above the form by half as much, as a steep pit does that is laid a little off
+        # nor is what has half as much above the form next to it, as a steep pit that is laid a little off
         above = ndimage.uniform_filter(np.maximum(-lost, 0.0), SMOOTHED, mode="nearest")
-        seed |= beside & (fine > np.maximum(max(far.max(), certain[1]), above))
+        next_to = ndimage.maximum_filter(above, SMOOTHED)
+        seed |= beside & (fine > np.maximum(max(far.max(), certain[1]), 2.0 * next_to))
     margin = [(n, n) for n in coarse]
     padded = np.pad(seed, margin, mode="edge")
     near = ndimage.distance_transform_edt(~padded, sampling=pixel) <= 0.5 * width

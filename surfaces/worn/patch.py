@@ -75,7 +75,9 @@ def measured_patch(
     """
     patch, rim, area = reach.patch, reach.rim, pixel[0] * pixel[1]
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
-    weights = [np.asarray(w, dtype=np.float64) for w in (patch, rim, patch | rim)]
+    # without pile-up, where within the rim the patch ends is not known any better: half of it, on average
+    ending = 0.5 * rim if reach.doubtful else 0.0
+    weights = [np.asarray(w, dtype=np.float64) for w in (patch + ending, rim, patch | rim)]
     errors = _errors(weights, lost, unworn, pixel=pixel, terms=terms)
     worn, piled_up = float(lost[patch].sum()) * area, -float(lost[rim].sum()) * area
     return Patch(

@@ -4,8 +4,7 @@ Levelling and sum are one weighted sum of heights, so its scatter over all place
 follows from the spectrum of that surface. The spectrum is taken in bands from the heights that are unworn, by
 restricted likelihood: that counts correlated neighbours for what they are, needs no window that fits beside
 the worn part, and knows what the levelling took off. Waves that the unworn part is too small to show are tied
-to the neighbouring bands, whose density they have but for a factor. How badly the bands are known widens the
-error.
+to the neighbouring bands. How badly the bands are known widens the error.
 """
 
 import math
@@ -106,8 +105,8 @@ def waviness(
         shorter,
         *(wave(p) * np.exp(-0.5 * np.square(SPREAD * p)) for p in np.multiply.outer(numbers, distances)),
     ]
-    # a band of one density has a variance as its width, or as its area
-    level = np.concatenate([[0.0], (2.0 if plane else 1.0) * np.log(numbers / high)])
+    # the density of rough surfaces falls with the wave number, about as its inverse
+    level = np.concatenate([[0.0], (1.0 if plane else 0.0) * np.log(numbers / high)])
     step = np.diff(np.eye(len(bands)), axis=0)
     tie = step.T @ step / (TIE**2 / BANDS) + np.eye(len(bands)) / LOOSE**2
     if regular is not None:
@@ -149,11 +148,12 @@ def _likely_spectra(
     variances are far from Gaussian: heights that show no long waves allow none as well as few.
     """
     scale = float(seen @ seen) / seen.size
-    start = math.log(scale / len(bands)) + level
-    rounding = 1e-9 * scale * np.eye(seen.size)
+    start, diagonal = math.log(scale / len(bands)) + level, np.diag_indices(seen.size)
 
     def likelihood(log: FloatArray) -> tuple[float, FloatArray]:
-        whole = np.tensordot(np.exp(log), bands, 1) + rounding
+        whole = np.tensordot(np.exp(log), bands, 1)
+        # long waves alone are the same everywhere, but for rounding
+        whole[diagonal] += 1e-9 * scale + 1e-12 * whole[diagonal].sum()
         factor = np.linalg.cholesky(whole)
         rest = linalg.solve_triangular(factor, seen, lower=True, check_finite=False)
         apart = log - start

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from cases_worn import PIXEL, SCARS, off_by_errors, pair, seen, self_affine
-from scipy import stats
+from scipy import ndimage, stats
 
 from warpwear.errors import InputError
 from warpwear.surfaces.worn.find_scar import find_scar
@@ -27,7 +27,6 @@ def test_volumes_are_within_their_errors(kind, worn):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="the errors of scars are wider than due: 78 of 88 within one", strict=True)
 def test_coverage_of_scars():
     """The first of `python bench/cases/scars.py`: 90 cases in four to six minutes."""
     found = [off_by_errors(23, n, kind, worn) for kind in ("self-affine", "turned", "real")
@@ -119,6 +118,41 @@ def test_a_scar_larger_than_the_field_is_refused():
         said = refusal(clean - gone, clean + 3e-5 * np.random.default_rng(3).normal(size=clean.shape))
         assert any(words in said for words in ("scar is larger", "scar fills", "too little of that is unworn",
                                                "no scar was found"))  # fmt: skip
+
+
+@pytest.mark.parametrize("wide", [0.0, 1.5])
+def test_chance_is_no_scar(wide):
+    """In a third of such fields the deepest place was taken for one."""
+    for seed in range(8):
+        noise = np.random.default_rng([9, seed]).normal(size=(130, 170))
+        with pytest.raises(InputError, match=r"no scar was found.*by more than chance"):
+            find_scar(6e-5 * (ndimage.gaussian_filter(noise, wide) if wide else noise), pixel=SIZE)
+
+
+def test_a_thin_ridge_that_has_worn_belongs_to_the_scar_and_a_pit_laid_a_little_off_does_not():
+    x, y = np.arange(160) - 79.5, np.arange(160) - 79.5
+    scar = 3e-3 * np.maximum(1.0 - np.add.outer(np.square(x / 10.0), np.square(y / 25.0)), 0.0)
+    noise = 5e-5 * np.random.default_rng(1).normal(size=scar.shape)
+    ridge = 1e-3 * np.multiply.outer(np.abs(x - 22.0) < 1.0, np.abs(y) < 9.0)
+    found = find_scar(noise - scar - ridge, pixel=SIZE)
+    assert abs(found.net - float((scar + ridge).sum()) * PIXEL**2) < 3.0 * found.net_error
+    assert found.net_error < 0.01 * found.net
+    pit = 5e-3 * np.exp(-np.add.outer(np.square(x - 22.0), np.square(y)) / 3.0)
+    alone = find_scar(noise - scar, pixel=SIZE)
+    both = find_scar(noise - scar - pit + 0.95 * np.roll(pit, 1, axis=0), pixel=SIZE)
+    assert both.volume == pytest.approx(alone.volume, abs=0.5 * alone.volume_error)
+
+
+def test_the_outline_beside_steep_pile_up_is_where_the_surface_crosses_the_form():
+    """A mean over the points about it was drawn inwards by the pile-up, and both volumes were low."""
+    x = np.arange(160) - 79.5
+    r = np.hypot.outer(x, x) / 25.0
+    scar = 3e-3 * np.maximum(1.0 - np.square(r), 0.0)
+    pile = np.where(r > 1.0, 1.2e-3 * np.exp(-np.square((r - 1.15) / 0.12)), 0.0)
+    found = find_scar(pile - scar + 2e-5 * np.random.default_rng(2).normal(size=r.shape), pixel=SIZE)
+    for volume, true in ((found.volume, scar.sum()), (found.piled_up, pile.sum())):
+        assert volume == pytest.approx(float(true) * PIXEL**2, rel=1e-3)
+    assert abs(found.area - float((scar > 0.0).sum()) * PIXEL**2) < found.area_error < 0.02 * found.area
 
 
 def test_nothing_worn_is_refused():
