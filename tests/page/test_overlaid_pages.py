@@ -11,6 +11,8 @@ from urllib.parse import unquote
 import numpy as np
 import pytest
 from cases_pages import EVIL, EVIL_FILE, check_page, visit
+from cases_pictures import quick_pictures
+from cases_sweeps import Here
 from click.testing import CliRunner
 
 import warpwear
@@ -46,14 +48,15 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Any:
     disc = {"disc.pixel": "20 um", "disc.height_unit": "mm", "disc.surface": names[0]}
     study = Study.load("v3-fine").replace(SMALL | disc | {"study.description": EVIL})
     vary = {"disc.surface": names, "contact.load": ["4 N", "8 N", "-8 N"]}
-    return warpwear.sweep(study, vary=vary, band_over="disc.surface", out=folder / EVIL_FILE, workers=1)
+    return warpwear.sweep(study, vary=vary, band_over="disc.surface", out=folder / EVIL_FILE, executor=Here())
 
 
 @pytest.fixture(scope="module")
 def compared(swept: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A comparison of hostile names: the runs of the sweep, a run with a page, and a measured course."""
     folder = tmp_path_factory.mktemp("compared")
-    warpwear.run(Study.load("v3-fine").replace(SMALL), out=folder / f"run {EVIL_FILE}").close()
+    with quick_pictures(blank=True):
+        warpwear.run(Study.load("v3-fine").replace(SMALL), out=folder / f"run {EVIL_FILE}").close()
     (folder / f"{EVIL_FILE}.csv").write_text("Distance [mm],COF\n0.1,0.2\n1,0.3\n3,0.4\n", encoding="utf-8")
     asked = [
         "compare",
@@ -91,9 +94,11 @@ def test_a_sweep_shows_what_it_found(swept: Any) -> None:
 
 def test_a_sweep_leads_to_pages_that_are_there(swept: Any) -> None:
     run = swept.plan.points[0].run
-    made = CliRunner().invoke(commands, ["report", str(swept.folder / "runs" / run)], catch_exceptions=False)
-    assert made.exit_code == 0, made.output
-    from_sweep = write_report(swept, swept.folder)
+    asked = ["report", str(swept.folder / "runs" / run)]
+    with quick_pictures(blank=True):
+        made = CliRunner().invoke(commands, asked, catch_exceptions=False)
+        assert made.exit_code == 0, made.output
+        from_sweep = write_report(swept, swept.folder)
     assert swept.folder / "sweep.html" in from_sweep
     assert f"runs/{run}/report.html" in check_page(swept.folder / "sweep.html")[1].links
 
@@ -118,7 +123,8 @@ def test_indices_of_a_sampled_design(tmp_path: Path) -> None:
 def test_a_heat_map_has_its_values_in_place(tmp_path: Path) -> None:
     vary = {"contact.load": ["4 N", "8 N"], "contact.hardness": ["400 MPa", "590 MPa", "800 MPa"]}
     study = Study.load("v3-fine").replace(SMALL | {"sliding.distance": "0 mm", "output.snapshots": []})
-    found = warpwear.sweep(study, vary=vary, out=tmp_path / "grid", workers=1)
+    with quick_pictures():
+        found = warpwear.sweep(study, vary=vary, out=tmp_path / "grid", executor=Here())
     grid = next(p for p in plots_of(check_page(tmp_path / "grid/sweep.html")[0]) if p["kind"] == "grid")
     assert (grid["across"], grid["down"]) == (["4", "8"], ["400", "590", "800"])
     ends = found.ends("cof").reshape(2, 3)  # the first key varies slowest
