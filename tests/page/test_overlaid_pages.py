@@ -4,6 +4,7 @@ import base64
 import json
 import re
 import zlib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -11,8 +12,6 @@ from urllib.parse import unquote
 import numpy as np
 import pytest
 from cases_pages import EVIL, EVIL_FILE, check_page, visit
-from cases_pictures import quick_pictures
-from cases_sweeps import Here
 from click.testing import CliRunner
 
 import warpwear
@@ -48,11 +47,14 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Any:
     disc = {"disc.pixel": "20 um", "disc.height_unit": "mm", "disc.surface": names[0]}
     study = Study.load("v3-fine").replace(SMALL | disc | {"study.description": EVIL})
     vary = {"disc.surface": names, "contact.load": ["4 N", "8 N", "-8 N"]}
-    return warpwear.sweep(study, vary=vary, band_over="disc.surface", out=folder / EVIL_FILE, executor=Here())
+    with ThreadPoolExecutor(1) as pool:
+        return warpwear.sweep(
+            study, vary=vary, band_over="disc.surface", out=folder / EVIL_FILE, executor=pool
+        )
 
 
 @pytest.fixture(scope="module")
-def compared(swept: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def compared(swept: Any, tmp_path_factory: pytest.TempPathFactory, quick_pictures: Any) -> Path:
     """A comparison of hostile names: the runs of the sweep, a run with a page, and a measured course."""
     folder = tmp_path_factory.mktemp("compared")
     with quick_pictures(blank=True):
@@ -92,7 +94,7 @@ def test_a_sweep_shows_what_it_found(swept: Any) -> None:
     assert all((swept.folder / link).is_dir() for link in runs)
 
 
-def test_a_sweep_leads_to_pages_that_are_there(swept: Any) -> None:
+def test_a_sweep_leads_to_pages_that_are_there(swept: Any, quick_pictures: Any) -> None:
     run = swept.plan.points[0].run
     asked = ["report", str(swept.folder / "runs" / run)]
     with quick_pictures(blank=True):
@@ -120,11 +122,11 @@ def test_indices_of_a_sampled_design(tmp_path: Path) -> None:
     assert "5 to 95 % of the runs" in page
 
 
-def test_a_heat_map_has_its_values_in_place(tmp_path: Path) -> None:
+def test_a_heat_map_has_its_values_in_place(tmp_path: Path, quick_pictures: Any) -> None:
     vary = {"contact.load": ["4 N", "8 N"], "contact.hardness": ["400 MPa", "590 MPa", "800 MPa"]}
     study = Study.load("v3-fine").replace(SMALL | {"sliding.distance": "0 mm", "output.snapshots": []})
-    with quick_pictures():
-        found = warpwear.sweep(study, vary=vary, out=tmp_path / "grid", executor=Here())
+    with quick_pictures(), ThreadPoolExecutor(1) as pool:
+        found = warpwear.sweep(study, vary=vary, out=tmp_path / "grid", executor=pool)
     grid = next(p for p in plots_of(check_page(tmp_path / "grid/sweep.html")[0]) if p["kind"] == "grid")
     assert (grid["across"], grid["down"]) == (["4", "8"], ["400", "590", "800"])
     ends = found.ends("cof").reshape(2, 3)  # the first key varies slowest

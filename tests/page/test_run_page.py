@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 from cases_pages import EVIL, visit
-from cases_pictures import quick_pictures
 from cases_track import small
 from click.testing import CliRunner
 
@@ -53,7 +52,7 @@ def study_of(kind: str) -> Study:
 
 
 @pytest.fixture(scope="module")
-def page_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+def page_of(tmp_path_factory: pytest.TempPathFactory, quick_pictures: Any) -> Callable[..., Path]:
     """Makes a run of a kind once, and its page, whole or with `quick_pictures`; gives the page's path."""
     made: dict[tuple[str, bool], Path] = {}
 
@@ -196,7 +195,7 @@ def test_limits_follow_the_run() -> None:
     assert "smooth" in said("smooth")
 
 
-def test_no_plots_no_page_and_an_old_one_goes(tmp_path: Path) -> None:
+def test_no_plots_no_page_and_an_old_one_goes(tmp_path: Path, quick_pictures: Any) -> None:
     study = study_of("static")
     with quick_pictures(blank=True):
         warpwear.run(study, out=tmp_path / "run").close()
@@ -224,7 +223,7 @@ def test_a_second_process_makes_the_same_page(tmp_path: Path, monkeypatch: pytes
     assert pages[0] == pages[1]
 
 
-def test_the_command_makes_it_again(tmp_path: Path) -> None:
+def test_the_command_makes_it_again(tmp_path: Path, quick_pictures: Any) -> None:
     path = tmp_path / "run" / "report.html"
     warpwear.run(study_of("track"), out=path.parent, plots=False).close()
     written = []

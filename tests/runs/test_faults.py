@@ -71,7 +71,7 @@ def test_a_disk_that_fills(count: int, tmp_path: Path) -> None:
     """From 1 MiB to more than enough: full at the start, a snapshot, a checkpoint, a table, a figure."""
     if not small_disks():
         pytest.skip("no file system of our own can be mounted here")
-    script = ROOT / "tests" / "small_disk.py"
+    script = ROOT / "tests" / "runs" / "small_disk.py"
     disk = tmp_path / "disk"
     disk.mkdir()
     done = subprocess.run(

@@ -179,8 +179,9 @@ def test_every_figure_has_labels_with_units(folder: Path) -> None:
                 assert "," in label, f"{name}: an axis without a unit"
 
 
-def test_a_static_contact_has_one_row(tmp_path: Path) -> None:
-    result = warpwear.run(quick(sliding__distance="0 mm"), out=tmp_path / "static")
+def test_a_static_contact_has_one_row(tmp_path: Path, quick_pictures: Any) -> None:
+    with quick_pictures():
+        result = warpwear.run(quick(sliding__distance="0 mm"), out=tmp_path / "static")
     history = result.history
     assert history["distance"].tolist() == [0.0]
     assert history["wear_volume_disc"].tolist() == [0.0]

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_sweeps import Here
 
 import warpwear
 from warpwear import InputError, Study
@@ -33,6 +32,15 @@ ROOT = Path(__file__).parents[2]
 #: A rough contact that takes a tenth of a second.
 SMALL = {"grid.cell": "10 um", "grid.extent": "1 mm", "sliding.distance": "3 mm", "output.snapshots": []}
 VARY = {"contact.load": ["4 N", "8 N"], "disc.synthetic.seed": "1:3"}
+
+
+class Here(Executor):
+    """An executor that calls at once, in this thread."""
+
+    def submit(self, function: Any, /, *arguments: Any, **named: Any) -> "Future[Any]":
+        future: Future[Any] = Future()
+        future.set_result(function(*arguments))
+        return future
 
 
 def small(**changes: Any) -> Study:
