@@ -1,12 +1,12 @@
 """A run that was stopped goes on as if it had not been, or says in one sentence why it cannot."""
 
 import json
+import math
 import os
 import platform
 import runpy
 import shutil
 import signal
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -58,9 +58,9 @@ SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
 
 
 def short(**changes: Any) -> Study:
-    """A study of 43 steps with a checkpoint after each."""
+    """A study of 43 steps."""
     dotted = {k.replace("__", "."): v for k, v in changes.items()}
-    return study_of("micro, implicit", 0.0).replace(SHORT | dotted)
+    return study_of("micro, implicit", math.inf).replace(SHORT | dotted)
 
 
 def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], None]) -> None:
@@ -86,7 +86,8 @@ def killed() -> None:
 
 
 def run_stopped(study: Study, out: Path, after: int, **options: Any) -> None:
-    """Leaves the checkpoint of so many steps."""
+    """Leaves the checkpoint of so many steps, with one after each of them."""
+    study = study.replace({"run.checkpoint": "0 s"})
     with pytest.MonkeyPatch.context() as patch:
         stop(patch, after, killed)
         with pytest.raises(SystemExit):
@@ -181,7 +182,7 @@ def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch)
 )
 def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path) -> None:
     """Stopped twice, before and after its first snapshot, on one thread and on two."""
-    study = study_of(case, 0.0)
+    study = study_of(case, math.inf)
     distance = "0.2 mm" if case.startswith(("micro", "two-scale", "half-space")) else "3 mm"
     study = study.replace({"sliding.distance": distance, "output.snapshots": ["0.06 mm"]})
     one, other = tmp_path / "alone", tmp_path / "stopped"
@@ -238,17 +239,13 @@ def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
         pytest.param(200, [], marks=pytest.mark.slow),
     ],
 )
-def test_runs_killed_at_random(count: int, options: list[str]) -> None:
+def test_runs_killed_at_random(count: int, options: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
-    done = subprocess.run(
-        [sys.executable, KILLS, "--kills", str(count), *options],
-        env=os.environ | {"PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        timeout=60 + 10 * count,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    monkeypatch.setenv("PYTHONPATH", path)
+    monkeypatch.setattr(sys, "argv", [str(KILLS), "--kills", str(count), *options])
+    with pytest.raises(SystemExit) as ended:
+        _kills["main"]()
+    assert ended.value.code == 0
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -385,7 +382,7 @@ def test_a_full_disk_costs_the_checkpoint_and_not_the_run(
         raise OSError(28, f"{nbytes / 2**20:.0f} MiB are needed, 0 MiB are free")
 
     monkeypatch.setattr("warpwear.runs.checkpoint.require_free_space", full)
-    with warpwear.run(short(), out=tmp_path / "out", plots=False) as result:
+    with warpwear.run(short(run__checkpoint="0 s"), out=tmp_path / "out", plots=False) as result:
         told = [w for w in result.record["warnings"] if "checkpoint" in w]
         assert len(told) == 1
         assert "No checkpoint could be written: 2 MiB are needed, 0 MiB are free." in told[0]
@@ -406,7 +403,7 @@ def test_the_last_checkpoint_stays_until_the_next_is_whole(
         patch.setattr(os, "fsync", full)
         stop(patch, 5, killed)
         with pytest.raises(SystemExit):
-            warpwear.run(short(), out=out, plots=False, resume=True)
+            warpwear.run(short(run__checkpoint="0 s"), out=out, plots=False, resume=True)
     assert (out / FILE_NAME).read_bytes() == good
     warpwear.run(short(), out=out, plots=False, resume=True).close()
     assert differences(alone, out) == []
