@@ -53,12 +53,12 @@ BLANK = base64.b64decode(
 def quick_pictures() -> Callable[..., AbstractContextManager[None]]:
     """A context for tests that ask which pictures there are and not how they look: they have few dots.
 
-    Those of a run are drawn in its own process: a second one takes long to start. blank: figures are made,
-    but not laid out and drawn: each PNG file is a white dot.
+    Those of a run are drawn in its own process: a second one takes long to start, and is there only for
+    second_process. blank: figures are made, but not laid out and drawn: each PNG file is a white dot.
     """
 
     @contextmanager
-    def quick(*, blank: bool = False) -> Iterator[None]:
+    def quick(*, blank: bool = False, second_process: bool = False) -> Iterator[None]:
         start, write = process.Painter.__init__, style.bytes_of
 
         def few_dots(figure: Any, file_format: str = "png", **_: Any) -> bytes:
@@ -66,7 +66,8 @@ def quick_pictures() -> Callable[..., AbstractContextManager[None]]:
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("warpwear.figures.style.bytes_of", few_dots)
-            patch.setattr(process.Painter, "__init__", lambda painter, cores: start(painter, 0))
+            if not second_process:
+                patch.setattr(process.Painter, "__init__", lambda painter, cores: start(painter, 0))
             yield
 
     return quick

@@ -1,7 +1,6 @@
 """Figures: all of them drawn of several kinds of run, legible, with units, or left out with a reason."""
 
 import base64
-import io
 import re
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from PIL import Image
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import main
+from warpwear.figures import film
 from warpwear.figures.data import FigureData
 from warpwear.figures.film import FFMpegWriter, animate
 from warpwear.figures.style import legend_above, new_figure, short, with_scatter
@@ -79,10 +79,13 @@ def check_figures(result: Result, run: str, names: set[str]) -> None:
     assert not faults, "\n".join(faults)
 
 
-def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Result], tmp_path: Path) -> None:
+def test_what_makes_no_sense_is_left_out_with_its_reason(
+    results: dict[str, Result], tmp_path: Path, quick_pictures: Any
+) -> None:
     plot = results["static"].plot
     assert set(plot.NAMES) - set(plot.left_out) == STATIC
-    written = plot.save_all(tmp_path)
+    with quick_pictures(blank=True):
+        written = plot.save_all(tmp_path)
     assert {path.stem for path in written} == STATIC
     with pytest.raises(InputError, match="there is no figure 'cof': the run has one step"):
         plot.cof()
@@ -98,7 +101,9 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Resu
     assert "sliding.speed" in str(no_speed.plot.reason("cof_time"))
 
 
-def test_an_interrupted_run_without_snapshots_still_plots(results: dict[str, Result], tmp_path: Path) -> None:
+def test_an_interrupted_run_without_snapshots_still_plots(
+    results: dict[str, Result], tmp_path: Path, quick_pictures: Any
+) -> None:
     source = results["end only"].folder
     assert source is not None
     with h5py.File(source / "result.h5") as old, h5py.File(tmp_path / "result.h5", "w") as new:
@@ -108,7 +113,7 @@ def test_an_interrupted_run_without_snapshots_still_plots(results: dict[str, Res
         new.attrs.update(old.attrs)
         new["history/cof"][...] = np.nan
         new.attrs["finished"] = False
-    with Result.open(tmp_path) as result:
+    with quick_pictures(), Result.open(tmp_path) as result:
         names = {path.stem for path in result.plot.save_all(tmp_path / "figures")}
         assert names == {"areas", "pressure", "contact_radius", "volumes"}
         assert "interrupted" in result._repr_html_()
@@ -207,10 +212,13 @@ def test_a_deviation_has_the_digits_of_its_mean() -> None:
     assert told == ["540 ± 120", "12.83 ± 0.33", "6.423 ± 0.089", "589"]
 
 
-def test_captions_lie_beside_the_figures(results: dict[str, Result], tmp_path: Path) -> None:
+def test_captions_lie_beside_the_figures(
+    results: dict[str, Result], tmp_path: Path, quick_pictures: Any
+) -> None:
     """One a figure; those of others are left alone."""
     plot = results["rough"].plot
-    drawn_there = plot.save_all(tmp_path, plots="essential")
+    with quick_pictures(blank=True):
+        drawn_there = plot.save_all(tmp_path, plots="essential")
     text = (tmp_path / "captions.md").read_text(encoding="utf-8")
     assert re.findall(r"^\*\*(\w+)\*\*: ", text, re.MULTILINE) == [
         name for name in plot.NAMES if name in {path.stem for path in drawn_there}
@@ -239,27 +247,30 @@ def test_ticks_are_plain_numbers(results: dict[str, Result]) -> None:
     ]  # fmt: skip
 
 
-def test_what_goes_into_a_paper_is_drawn_by_default(results: dict[str, Result], tmp_path: Path) -> None:
+def test_what_goes_into_a_paper_is_drawn_by_default(
+    results: dict[str, Result], tmp_path: Path, quick_pictures: Any
+) -> None:
     plot = results["rough"].plot
     essential = {"setup", "pressure_map", "contact_map", "areas", "cof", "profiles", "volumes", "roughness"}
     assert set(plot.names("essential")) == essential
     assert set(plot.names()) == set(plot.NAMES) - set(plot.left_out) > essential
     assert set(results["smooth"].plot.names("essential")) == essential - {"roughness"} | {"hertz"}
-    assert {path.stem for path in plot.save_all(tmp_path, plots="essential")} == essential
+    with quick_pictures(blank=True):
+        assert {path.stem for path in plot.save_all(tmp_path, plots="essential")} == essential
     assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES, *OF_FILMS} == essential | {"hertz", "pieces"}
 
 
 def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:
     plot = results["rough"].plot
     for kind, start in (("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")):
-        path = plot.save("disc_3d", tmp_path, file_format=kind)
-        assert path.name == f"disc_3d.{kind}"
+        path = plot.save("profiles", tmp_path, file_format=kind)
+        assert path.name == f"profiles.{kind}"
         assert path.read_bytes().startswith(start)
-    with Image.open(tmp_path / "disc_3d.png") as image:
+    with Image.open(tmp_path / "profiles.png") as image:
         assert image.width == 7 * 300
-    assert b"Type3" not in (tmp_path / "disc_3d.pdf").read_bytes()
-    first = (tmp_path / "disc_3d.pdf").read_bytes()
-    assert plot.save("disc_3d", tmp_path, file_format="pdf").read_bytes() == first
+    assert b"Type3" not in (tmp_path / "profiles.pdf").read_bytes()
+    first = (tmp_path / "profiles.pdf").read_bytes()
+    assert plot.save("profiles", tmp_path, file_format="pdf").read_bytes() == first
     with pytest.raises(InputError, match=r"'pressure_mpa' is no figure \(did you mean 'pressure_map'"):
         plot.save("pressure_mpa", tmp_path)
     with pytest.raises(InputError, match="format = 'eps' is not known; allowed: png, pdf, svg"):
@@ -276,15 +287,15 @@ LINES |= dict.fromkeys(("sphere_profiles", "disc_profiles", "hertz"), 2)
 
 def test_lines_are_drawn_into_axes_that_are_there(results: dict[str, Result]) -> None:
     """The lines of the figure of its own, in the axes given and no others, with a legend inside them."""
-    plot = results["rough"].plot
+    plot, nowhere = results["rough"].plot, Figure().subplots()
     for name in sorted(set(plot.NAMES) - set(plot.left_out)):
-        figure = Figure(figsize=(6.0, 3.0))
-        *given, other = figure.subplots(1, LINES.get(name, 1) + 1)
         if name not in LINES:
-            for asked in ({"ax": given[0]}, {"label": "a"}, {"color": "C1"}):
+            for asked in ({"ax": nowhere}, {"label": "a"}, {"color": "C1"}):
                 with pytest.raises(InputError, match=f"'{name}' is a map or drawn in three dimensions"):
                     getattr(plot, name)(**asked)
             continue
+        figure = Figure(figsize=(6.0, 3.0))
+        *given, other = figure.subplots(1, LINES[name] + 1)
         with pytest.raises(InputError, match=f"'{name}' needs as many axes as it has panels: ax has 3"):
             getattr(plot, name)([other] * 3)
         assert getattr(plot, name)(given if len(given) > 1 else given[0]) is figure
@@ -297,7 +308,7 @@ def test_lines_are_drawn_into_axes_that_are_there(results: dict[str, Result]) ->
         assert figure.legends == []
         labelled = [axes for axes in figure.axes if axes.get_legend()]
         assert len(labelled) == (0 if name in {"cof", "cof_time"} else 1)
-        figure.savefig(io.BytesIO())
+        figure.draw_without_rendering()
 
 
 @pytest.mark.parametrize("name", [name for name in LINES if name not in {"hertz"}])
@@ -322,7 +333,7 @@ def test_two_runs_on_one_axis_are_told_apart(results: dict[str, Result], name: s
     (legend,) = [panel.get_legend() for panel in panels if panel.get_legend()]
     told = [text.get_text().partition(":")[0] for text in legend.get_texts()]
     assert set(told) == {"rough", "published"}
-    figure.savefig(io.BytesIO())
+    figure.draw_without_rendering()
 
 
 def test_titles_of_two_runs_do_not_mislead(results: dict[str, Result]) -> None:
@@ -426,13 +437,17 @@ def test_a_notebook_shows_a_result(results: dict[str, Result]) -> None:
     assert len(re.findall("data:image", results["static"]._repr_html_())) == 1
 
 
-def test_a_film_has_a_frame_a_snapshot(results: dict[str, Result], tmp_path: Path) -> None:
+def test_a_film_has_a_frame_a_snapshot(
+    results: dict[str, Result], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     result = results["rough"]
+    assert [round(film.DPI * inches) % 2 for inches in film.SIZE] == [0, 0]  # pixels, which H.264 asks for
+    monkeypatch.setattr(film, "DPI", 40)
     path = animate(result, tmp_path / "wear.gif", frames_per_second=4.0)
-    with Image.open(path) as film:
-        assert film.n_frames == result.snapshot_distances.size == 4
-        assert film.info["duration"] == 250
-        assert film.width % 2 == film.height % 2 == 0
+    with Image.open(path) as shown:
+        assert shown.n_frames == result.snapshot_distances.size == 4
+        assert shown.info["duration"] == 250
+        assert shown.size == (40 * film.SIZE[0], 40 * film.SIZE[1])
     assert [p.name for p in tmp_path.iterdir()] == ["wear.gif"]
     with pytest.raises(
         InputError,
@@ -468,6 +483,7 @@ def test_a_film_needs_snapshots_and_an_encoder(
     monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
     with pytest.raises(InputError, match=r"needs ffmpeg, which is not installed"):
         animate(results["rough"], tmp_path / "wear.mp4")
+    monkeypatch.setattr(film, "DPI", 40)
     folder = results["flat"].folder
     assert folder is not None
     with pytest.raises(SystemExit) as ended:
