@@ -6,6 +6,11 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
+# Before anything loads NumPy: threads of BLAS that wait for each other take a fifth of the tests' time. No
+# result depends on them, as tests/runs/test_thread_environments.py and bench/kills.py see.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
 import pytest
 import warp as wp
 

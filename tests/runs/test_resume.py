@@ -242,6 +242,7 @@ def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
 def test_runs_killed_at_random(count: int, options: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     monkeypatch.setenv("PYTHONPATH", path)
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)  # its processes have one, several and none
     monkeypatch.setattr(sys, "argv", [str(KILLS), "--kills", str(count), *options])
     with pytest.raises(SystemExit) as ended:
         _kills["main"]()
