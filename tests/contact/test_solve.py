@@ -5,6 +5,7 @@ import math
 import pickle
 import tracemalloc
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -248,6 +249,12 @@ def test_above_the_highest_point_nothing_is_carried(name: str, device: str) -> N
     assert found.gap.min() > 0.0
 
 
+@cache
+def loaded(name: str) -> Any:
+    """The contact by a law under a load."""
+    return solve_contact(HEIGHTS, cell=GRID.cell, load=0.031 * AREA, **LAWS[name])
+
+
 @pytest.mark.parametrize("length", [1e-9, 1e-3, 1e3, 1e6])
 @pytest.mark.parametrize("pressure", [1e-9, 1e6])
 @pytest.mark.parametrize("name", LAWS)
@@ -260,8 +267,7 @@ def test_units_change_nothing(name: str, length: float, pressure: float) -> None
     }
     law = LAWS[name]
     scaled = {key: value * units.get(key, 1.0) if key in units else value for key, value in law.items()}
-    load = 0.031 * AREA
-    one = solve_contact(HEIGHTS, cell=GRID.cell, load=load, **law)
+    load, one = 0.031 * AREA, loaded(name)
     other = solve_contact(
         HEIGHTS * length, cell=GRID.cell * length, load=load * pressure * length**2, **scaled
     )
@@ -524,6 +530,18 @@ GUESSES: dict[str, Any] = {
 }
 
 
+OF_PARTS: dict[str, Any] = {"modulus": 1.0, "boundary": "free", "tolerance": 1e-9, "cell": 0.25}
+
+
+@cache
+def wholly_solved(width: int, hardness: float | None, device: str) -> Any:
+    """The contact where all cells are looked at from the start."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(elastic, "_guess", lambda *_: (0, 159, 0, width - 1))
+        options = OF_PARTS | {"hardness": hardness, "device": device}
+        return solve_contact(TOP[:, :width], mean_pressure=0.002, **options)
+
+
 @pytest.mark.parametrize("guess", GUESSES)
 @pytest.mark.parametrize("hardness", [None, 0.05])
 @pytest.mark.parametrize("width", [152, 149])
@@ -532,14 +550,10 @@ def test_a_contact_of_a_part_is_that_of_all_cells(
 ) -> None:
     """Wherever it is looked for first."""
     heights = TOP[:, :width]
-    options: dict[str, Any] = {"modulus": 1.0, "boundary": "free", "hardness": hardness, "tolerance": 1e-9}
-    options |= {"cell": 0.25, "device": device}
-    monkeypatch.setattr(elastic, "_guess", lambda *_: (0, 159, 0, width - 1))
-    whole = solve_contact(heights, mean_pressure=0.002, **options)
+    options = OF_PARTS | {"hardness": hardness, "device": device}
+    whole = wholly_solved(width, hardness, device)
     assert 0 < np.count_nonzero(whole.pressure) < 0.3 * heights.size
-    if GUESSES[guess] is None:
-        monkeypatch.undo()
-    else:
+    if GUESSES[guess] is not None:
         monkeypatch.setattr(elastic, "_guess", GUESSES[guess])
     for asked in ({"mean_pressure": 0.002}, {"approach": whole.approach}):
         found = solve_contact(heights, **asked, **options)
