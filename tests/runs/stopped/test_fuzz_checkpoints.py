@@ -27,7 +27,7 @@ from warpwear.results.seal import seal
 from warpwear.runs import loop
 from warpwear.runs.checkpoint import FILE_NAME, FORMAT, MAGIC
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 #: Longest time of the processor on one file [s].
 LONGEST = 10.0
 SMALL = {
