@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from cases_formats import EVIL, needs, read_x3p
+from cases_formats import EVIL, needs, read_x3p, result, swept
 from click.testing import CliRunner
 
 import warpwear
@@ -19,6 +19,8 @@ from warpwear.history.quantities import FIELDS
 from warpwear.results import export as exporting
 from warpwear.results.export import FORMATS, export
 from warpwear.results.formats.bodies import NO_SURFACE, worn_heights
+
+__all__ = ["result", "swept"]  # the fixtures
 
 
 @pytest.fixture(scope="module")

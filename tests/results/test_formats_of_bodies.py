@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_formats import needs, read_x3p
+from cases_formats import needs, read_x3p, result, swept
 
 from warpwear import Result
 from warpwear.results.export import export
 from warpwear.results.formats.bodies import worn_heights
+
+__all__ = ["result", "swept"]  # the fixtures
 
 
 @pytest.mark.parametrize("body", ["sphere", "disc"])
