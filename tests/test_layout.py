@@ -37,6 +37,10 @@ def functions_in(tree: ast.AST, prefix: str = "") -> Iterator[tuple[str, Functio
         yield from functions_in(node, inner)
 
 
+#: Every function of what is installed with its dotted name, by file.
+FUNCTIONS = {name: list(functions_in(tree)) for name, tree in INSTALLED.items()}
+
+
 def is_command(function: Function) -> bool:
     """Whether click calls it: its parameters are the options of a command."""
     decorators = [ast.unparse(decorator) for decorator in function.decorator_list]
@@ -64,8 +68,8 @@ def test_no_folder_is_full() -> None:
 
 def test_signatures_are_short() -> None:
     long = {}
-    for name, tree in INSTALLED.items():
-        for dotted, function in functions_in(tree):
+    for name, functions in FUNCTIONS.items():
+        for dotted, function in functions:
             given = function.args
             count = len(given.posonlyargs + given.args + given.kwonlyargs)
             count -= bool(given.args) and given.args[0].arg in ("self", "cls")
@@ -104,8 +108,8 @@ def test_nothing_of_ours_is_imported_inside_functions() -> None:
     """Slow packages of others are late by `lazy.module`; ours only in the tables of names."""
     found = [
         f"{name}: line {node.lineno}"
-        for name, tree in INSTALLED.items()
-        for _, function in functions_in(tree)
+        for name, functions in FUNCTIONS.items()
+        for _, function in functions
         for node in ast.walk(function)
         if isinstance(node, ast.Import | ast.ImportFrom)
     ]
