@@ -96,7 +96,7 @@ class Iterate:
         self._sums = executor.partials(len(Products._fields) - 2)
         self._maxima = executor.partials(2)
         #: On a CPU, their own memory: asking for it anew each time is felt on small grids.
-        self._tables = (self._sums.numpy(), self._maxima.numpy()) if executor.device.is_cpu else None
+        self._tables = [t.numpy() for t in (self._sums, self._maxima)] if executor.device.is_cpu else []
         #: On a GPU, where tables of many slots are reduced before they are read.
         self._folded = (
             None
@@ -342,7 +342,7 @@ class Iterate:
         chunks = self._influence.chunks if chunks is None else chunks
         self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables], chunks=chunks, often=True)
         slots = self._slots
-        if self._tables is not None:
+        if self._folded is None:
             table, largest = self._tables[0][:sums, :slots], self._tables[1][:maxima, :slots]
         else:  # one short table to read back
             both, of_row = sums + maxima, self._executor.slots_per_row
