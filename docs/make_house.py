@@ -2,6 +2,7 @@
 
 import ast
 import tomllib
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -20,6 +21,7 @@ def storeys() -> list[list[str]]:
     return [layer.split(" | ") for layer in layers]
 
 
+@cache
 def imports() -> dict[str, set[str]]:
     """Return for each wing the wings that its files import."""
     wings = {wing for storey in storeys() for wing in storey}
@@ -42,6 +44,7 @@ def imports() -> dict[str, set[str]]:
 def shortest(found: dict[str, set[str]]) -> list[tuple[str, str]]:
     """Return the imports that no longer way through other wings already tells of."""
 
+    @cache
     def below(wing: str) -> set[str]:
         return found[wing].union(*(below(other) for other in found[wing]))
 

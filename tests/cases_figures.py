@@ -20,7 +20,7 @@ OF_FILMS = {"bare_map", "bare_fraction"}
 def drawn(result: Result, name: str) -> tuple[Figure, Any]:
     """A figure of a result, laid out, and the renderer that knows where its texts are."""
     figure: Figure = getattr(result.plot, name)()
-    figure.canvas.draw()
+    figure.draw_without_rendering()
     return figure, figure.canvas.get_renderer()  # type: ignore[attr-defined]
 
 

@@ -1,6 +1,7 @@
 """The half-space by dense matrices, and a bound-constrained least-squares solve; shared by tests."""
 
 import math
+from functools import cache
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -24,6 +25,11 @@ def rough(grid: Grid, *, seed: int = 1, rms: float = 1.0, shortest: int = 4) -> 
 
 def dense_free(grid: Grid) -> FloatArray:
     """Influence of every cell on every other, by the logarithms of Johnson's eq. 3.25."""
+    return _of_squares(grid).copy()
+
+
+@cache
+def _of_squares(grid: Grid) -> FloatArray:
     x, y = (c.ravel() for c in np.meshgrid(grid.x, grid.y, indexing="ij"))
     dx, dy = np.subtract.outer(x, x), np.subtract.outer(y, y)
     h = 0.5 * grid.cell
@@ -42,6 +48,11 @@ def dense_periodic(grid: Grid) -> FloatArray:
 
     The mean of the displacement is left out.
     """
+    return _sum_over_waves(grid).copy()
+
+
+@cache
+def _sum_over_waves(grid: Grid) -> FloatArray:
     x, y = (c.ravel() for c in np.meshgrid(grid.x, grid.y, indexing="ij"))
     total = np.zeros((grid.cells, grid.cells))
     for i in range(-(grid.nx // 2), (grid.nx + 1) // 2):

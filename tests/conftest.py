@@ -1,11 +1,23 @@
 """What every test may ask for: a device and a number of threads."""
 
+import base64
 import os
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any
+
+# Before anything loads NumPy: threads of BLAS that wait for each other take a fifth of the tests' time. No
+# result depends on them, as tests/runs/test_thread_environments.py and bench/kills.py see.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 
 import pytest
 import warp as wp
 
+from warpwear import lazy
 from warpwear.engine import executor as execution
+
+process, style = lazy.module("warpwear.figures.process"), lazy.module("warpwear.figures.style")
 
 wp.config.log_level = wp.LOG_ERROR
 
@@ -33,3 +45,34 @@ def threads(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
         pytest.skip("one core")
     monkeypatch.setattr(execution, "CELLS_PER_THREAD", 1)
     return count
+
+
+#: Dots per inch that are soon drawn, and a PNG file of one white dot.
+DOTS = 50.0
+BLANK = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGP4DwABAQEAG7buVgAAAABJRU5ErkJggg=="
+)
+
+
+@pytest.fixture(scope="session")
+def quick_pictures() -> Callable[..., AbstractContextManager[None]]:
+    """A context for tests that ask which pictures there are and not how they look: they have few dots.
+
+    Those of a run are drawn in its own process: a second one takes long to start, and is there only for
+    second_process. blank: figures are made, but not laid out and drawn: each PNG file is a white dot.
+    """
+
+    @contextmanager
+    def quick(*, blank: bool = False, second_process: bool = False) -> Iterator[None]:
+        start, write = process.Painter.__init__, style.bytes_of
+
+        def few_dots(figure: Any, file_format: str = "png", **_: Any) -> bytes:
+            return BLANK if blank and file_format == "png" else write(figure, file_format, dpi=DOTS)
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("warpwear.figures.style.bytes_of", few_dots)
+            if not second_process:
+                patch.setattr(process.Painter, "__init__", lambda painter, cores: start(painter, 0))
+            yield
+
+    return quick

@@ -4,6 +4,7 @@ import ast
 import re
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 from warpwear.version import __version__
@@ -13,12 +14,6 @@ PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 #: Folders of what is installed, and of what is not.
 PRODUCT, BESIDE = ("warpwear", "kernels", "surfaces"), ("bench", "tests")
-FILES = {
-    path.relative_to(ROOT).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
-    for top in (*PRODUCT, *BESIDE)
-    for path in sorted((ROOT / top).rglob("*.py"))
-}
-INSTALLED = {name: tree for name, tree in FILES.items() if name.startswith(PRODUCT)}
 #: Most files in a folder, `__init__.py` aside, and most parameters of a function.
 MOST_FILES, MOST_PARAMETERS = 15, 10
 #: Functions that may have more parameters, and why; the list may only become shorter.
@@ -37,6 +32,31 @@ def functions_in(tree: ast.AST, prefix: str = "") -> Iterator[tuple[str, Functio
         yield from functions_in(node, inner)
 
 
+# Each is read when a test asks for it: every process that runs tests imports this file.
+
+
+@cache
+def files() -> dict[str, ast.Module]:
+    """What every file says, by its path in the checkout."""
+    return {
+        path.relative_to(ROOT).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
+        for top in (*PRODUCT, *BESIDE)
+        for path in sorted((ROOT / top).rglob("*.py"))
+    }
+
+
+@cache
+def installed() -> dict[str, ast.Module]:
+    """Those of the files that are installed."""
+    return {name: tree for name, tree in files().items() if name.startswith(PRODUCT)}
+
+
+@cache
+def functions() -> dict[str, list[tuple[str, Function]]]:
+    """Every function of what is installed with its dotted name, by file."""
+    return {name: list(functions_in(tree)) for name, tree in installed().items()}
+
+
 def is_command(function: Function) -> bool:
     """Whether click calls it: its parameters are the options of a command."""
     decorators = [ast.unparse(decorator) for decorator in function.decorator_list]
@@ -45,13 +65,13 @@ def is_command(function: Function) -> bool:
 
 def test_every_package_is_installed() -> None:
     setuptools = PYPROJECT["tool"]["setuptools"]
-    folders = {Path(name).parent.as_posix().replace("/", ".") for name in INSTALLED}
+    folders = {Path(name).parent.as_posix().replace("/", ".") for name in installed()}
     folders = {name if name.startswith("warpwear") else f"warpwear.{name}" for name in folders}
     assert folders | set(setuptools["package-data"]) == set(setuptools["packages"])
 
 
 def test_no_folder_is_full() -> None:
-    folders = {path.parent for name in FILES for path in [ROOT / name]}
+    folders = {path.parent for name in files() for path in [ROOT / name]}
     counts = {
         folder.relative_to(ROOT).as_posix(): sum(
             path.is_file() and path.name != "__init__.py" for path in folder.iterdir()
@@ -64,8 +84,8 @@ def test_no_folder_is_full() -> None:
 
 def test_signatures_are_short() -> None:
     long = {}
-    for name, tree in INSTALLED.items():
-        for dotted, function in functions_in(tree):
+    for name, found_in in functions().items():
+        for dotted, function in found_in:
             given = function.args
             count = len(given.posonlyargs + given.args + given.kwonlyargs)
             count -= bool(given.args) and given.args[0].arg in ("self", "cls")
@@ -80,7 +100,7 @@ def test_kernels_are_launched_by_the_executor() -> None:
     """And by the steppers of a GPU."""
     found = [
         name
-        for name, tree in INSTALLED.items()
+        for name, tree in installed().items()
         if not name.endswith(("engine/executor.py", "/on_gpu.py"))
         and any(
             isinstance(node, ast.Attribute) and node.attr == "launch" and ast.unparse(node.value) == "wp"
@@ -92,11 +112,11 @@ def test_kernels_are_launched_by_the_executor() -> None:
 
 def test_wings_import_nothing_by_themselves() -> None:
     """All but `warpwear/__init__.py`, which gives the public names."""
-    inits = [name for name in INSTALLED if name.endswith("__init__.py") and name != "warpwear/__init__.py"]
+    inits = [name for name in installed() if name.endswith("__init__.py") and name != "warpwear/__init__.py"]
     assert inits
     for name in inits:
-        assert ast.get_docstring(FILES[name]), f"{name} says nothing"
-        imports = [node for node in ast.walk(FILES[name]) if isinstance(node, ast.Import | ast.ImportFrom)]
+        assert ast.get_docstring(files()[name]), f"{name} says nothing"
+        imports = [node for node in ast.walk(files()[name]) if isinstance(node, ast.Import | ast.ImportFrom)]
         assert not imports, f"{name} imports something"
 
 
@@ -104,8 +124,8 @@ def test_nothing_of_ours_is_imported_inside_functions() -> None:
     """Slow packages of others are late by `lazy.module`; ours only in the tables of names."""
     found = [
         f"{name}: line {node.lineno}"
-        for name, tree in INSTALLED.items()
-        for _, function in functions_in(tree)
+        for name, found_in in functions().items()
+        for _, function in found_in
         for node in ast.walk(function)
         if isinstance(node, ast.Import | ast.ImportFrom)
     ]
@@ -117,7 +137,7 @@ def test_nobody_imports_the_face_of_the_package() -> None:
     allowed = {"lazy"}  # `from warpwear import lazy`
     found = [
         f"{name}: line {node.lineno}"
-        for name, tree in INSTALLED.items()
+        for name, tree in installed().items()
         for node in ast.walk(tree)
         if (isinstance(node, ast.Import) and any(alias.name == "warpwear" for alias in node.names))
         or (
@@ -133,7 +153,7 @@ def test_docstrings_can_be_read_alone() -> None:
     nodes = (ast.Module, ast.ClassDef, *Function.__args__)
     found = [
         f"{name}: {docstring.partition(chr(10))[0]}"
-        for name, tree in FILES.items()
+        for name, tree in files().items()
         if not name.startswith("tests/")
         for node in ast.walk(tree)
         if isinstance(node, nodes)
@@ -145,7 +165,7 @@ def test_docstrings_can_be_read_alone() -> None:
 def test_test_files_do_not_import_each_other() -> None:
     found = [
         f"{name}: line {node.lineno}"
-        for name, tree in FILES.items()
+        for name, tree in files().items()
         if name.startswith("tests/")
         for node in ast.walk(tree)
         if (isinstance(node, ast.ImportFrom) and (node.module or "").startswith("test_"))

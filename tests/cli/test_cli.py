@@ -11,8 +11,10 @@ from pathlib import Path
 import click
 import pytest
 import warp as wp
+from click.testing import CliRunner
 
 from warpwear.cli.main import commands, main
+from warpwear.errors import InputError
 
 ROOT = Path(__file__).parent.parent.parent
 QUICK = ["--set", "grid.cell=20 um", "--set", "sliding.distance=3 mm"]
@@ -39,7 +41,9 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, subprocess.Comp
     return place, warpwear(*command, cwd=place)
 
 
-def test_a_run_from_the_command_line(ran: tuple[Path, subprocess.CompletedProcess[str]]) -> None:
+def test_a_run_from_the_command_line(
+    ran: tuple[Path, subprocess.CompletedProcess[str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
     place, done = ran
     assert done.returncode == 0, done.stderr
     drawn = {p.stem for p in (place / "v3-fine" / "figures").iterdir()}
@@ -50,12 +54,13 @@ def test_a_run_from_the_command_line(ran: tuple[Path, subprocess.CompletedProces
     # Plain lines where there is no terminal, and nothing of Warp's own talk.
     assert "\r" not in done.stderr
     assert "CUDA" not in done.stderr + done.stdout
-    again = warpwear("run", "v3-fine", *QUICK, cwd=place)
-    assert again.returncode == 2
-    assert "already holds a run" in again.stderr
-    again = warpwear("plot", "v3-fine", "--only", "cof", cwd=place)
-    assert again.returncode == 0
-    assert again.stdout.splitlines() == ["v3-fine/figures/cof.png"]
+    monkeypatch.chdir(place)
+    again = CliRunner().invoke(commands, ["run", "v3-fine", *QUICK])
+    assert isinstance(again.exception, InputError)
+    assert "already holds a run" in str(again.exception)
+    again = CliRunner().invoke(commands, ["plot", "v3-fine", "--only", "cof"])
+    assert again.exit_code == 0
+    assert again.output.splitlines() == ["v3-fine/figures/cof.png"]
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import json
 import math
 import re
 import shutil
-from concurrent.futures import Executor, Future
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -68,9 +68,10 @@ def refusal(*arguments: str | Path) -> str:
     return str(done.exception)
 
 
-def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path) -> None:
+def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path, quick_pictures: Any) -> None:
     out = tmp_path / "new" / "out"
-    done = warpwear_compare(runs / "a", "--experiment", measured, "--out", out)
+    with quick_pictures():
+        done = warpwear_compare(runs / "a", "--experiment", measured, "--out", out)
     assert done.exit_code == 0, done.output
     assert sorted(path.name for path in out.iterdir()) == sorted(
         [
@@ -121,10 +122,11 @@ def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path) -> 
     assert "Unlike tests" not in done.output
 
 
-def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path) -> None:
+def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path, quick_pictures: Any) -> None:
     out = tmp_path / "out"
     arguments = (runs / "a", runs / "light", runs / "soft", runs / "still", "--out", out)
-    done = warpwear_compare(*arguments, "--format", "svg")
+    with quick_pictures(blank=True):  # the pictures of its page
+        done = warpwear_compare(*arguments, "--format", "svg")
     assert done.exit_code == 0, done.output
     document = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
     assert list(document["comparison"]) == ["a", "light", "soft", "still"]
@@ -303,13 +305,14 @@ def test_what_is_refused_leaves_nothing_behind(runs: Path, measured: Path, tmp_p
 
 
 def test_a_comparison_is_replaced_only_when_asked(
-    runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, quick_pictures: Any
 ) -> None:
     for name in FIGURES.keys() - {"cof", "area"}:  # the others are drawn elsewhere
         monkeypatch.delitem(FIGURES, name)
     out = tmp_path / "out"
     arguments = (runs / "a", runs / "soft", "--out", out)
-    assert warpwear_compare(*arguments).exit_code == 0
+    with quick_pictures():
+        assert warpwear_compare(*arguments).exit_code == 0
     (out / "mine.txt").write_text("kept")
     before = (out / "cof.png").read_bytes()
     told = (
@@ -317,7 +320,8 @@ def test_a_comparison_is_replaced_only_when_asked(
     )
     assert f"{told}." in refusal(*arguments)
     assert (out / "cof.png").read_bytes() == before
-    done = warpwear_compare(*arguments, "--overwrite", "--format", "svg")
+    with quick_pictures(blank=True):
+        done = warpwear_compare(*arguments, "--overwrite", "--format", "svg")
     assert done.exit_code == 0, done.output
     assert (out / "mine.txt").read_text() == "kept"
     assert sorted(path.suffix for path in out.iterdir()) == [".csv", ".html", ".json", ".svg", ".svg", ".txt"]
@@ -328,7 +332,8 @@ def test_a_comparison_is_replaced_only_when_asked(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("warpwear.comparison.folder.write_json", full)
-    assert "could not be written: No space left on device." in refusal(*arguments, "--overwrite")
+    with quick_pictures(blank=True):
+        assert "could not be written: No space left on device." in refusal(*arguments, "--overwrite")
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
@@ -371,11 +376,14 @@ def test_shape_of_a_noisy_square_root_and_of_too_few_points() -> None:
     assert shape_of(Experiment("few", distance[::2000], np.sqrt(distance[::2000]))) == {}
 
 
-def test_names_that_a_spreadsheet_would_compute(runs: Path, measured: Path, tmp_path: Path) -> None:
+def test_names_that_a_spreadsheet_would_compute(
+    runs: Path, measured: Path, tmp_path: Path, quick_pictures: Any
+) -> None:
     """Names of files are text; numbers, negative ones too, stay numbers."""
     record = shutil.copy(measured, tmp_path / "=1+1.csv")
     out = tmp_path / "out"
-    done = warpwear_compare(runs / "a", "--experiment", record, "--out", out)
+    with quick_pictures(blank=True):
+        done = warpwear_compare(runs / "a", "--experiment", record, "--out", out)
     assert done.exit_code == 0, done.output
     with (out / "table.csv").open(encoding="utf-8") as file:
         _, header, *rows = "", *csv.reader(file)
@@ -394,27 +402,20 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     study = study.replace({"grid.extent": "1 mm", "output.snapshots": []})
     out = tmp_path_factory.mktemp("swept") / "loads"
     plan = Plan(study, section_of({"vary": vary}, {}))
-    SweepResult(plan, make_runs(plan, out, _Here())).write_tables(out)
+    with ThreadPoolExecutor(1) as pool:
+        SweepResult(plan, make_runs(plan, out, pool)).write_tables(out)
     return out
 
 
-class _Here(Executor):
-    """An executor that calls at once, in this thread."""
-
-    def submit(self, function: Any, /, *arguments: Any, **named: Any) -> "Future[Any]":
-        future: Future[Any] = Future()
-        future.set_result(function(*arguments))
-        return future
-
-
 def test_runs_that_differ_in_a_seed_are_one_line_with_a_band(
-    swept: Path, runs: Path, measured: Path, tmp_path: Path
+    swept: Path, runs: Path, measured: Path, tmp_path: Path, quick_pictures: Any
 ) -> None:
     """And one column: mean ± standard deviation of them."""
     out = tmp_path / "out"
-    done = warpwear_compare(
-        *(swept, "--band-over", "disc.synthetic.seed", "--experiment", measured, "--out", out)
-    )
+    with quick_pictures():
+        done = warpwear_compare(
+            *(swept, "--band-over", "disc.synthetic.seed", "--experiment", measured, "--out", out)
+        )
     assert done.exit_code == 0, done.output
     cofs: dict[str, list[float]] = {"load 4 N": [], "load 8 N": []}
     for folder in swept.glob("runs/*/result.h5"):

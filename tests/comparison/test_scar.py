@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from click.testing import CliRunner, Result
 import warpwear
 from warpwear import Study
 from warpwear.cli.compare import compare
+from warpwear.comparison.figures import FIGURES
 from warpwear.comparison.scar import _shift
 from warpwear.errors import InputError
 from warpwear.results.track import blocks
@@ -37,11 +39,19 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture
+def of_scars(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only the figures of scars: the others are drawn elsewhere."""
+    for name in FIGURES.keys() - {"scar", "groove"}:
+        monkeypatch.delitem(FIGURES, name)
+
+
 def warpwear_compare(here: Path, *more: str, out: str = "out") -> Result:
     arguments = [here / "run", "--out", here / out, "--pixel", "10 um", "--height-unit", "mm", *more]
     return CliRunner().invoke(compare, [*map(str, arguments)])
 
 
+@pytest.mark.usefixtures("of_scars")
 def test_a_scar_beside_its_run(here: Path) -> None:
     done = warpwear_compare(here, "--scar", str(here / "after.npy"), "--before", str(here / "before.npy"))
     assert done.exit_code == 0, done.output
@@ -77,7 +87,8 @@ def test_wrong_data_are_one_sentence(here: Path) -> None:
     assert "does not exist" in refusal(here, "--scar", str(here / "none.npy"))
 
 
-def test_a_scar_on_a_track(tmp_path: Path) -> None:
+@pytest.mark.usefixtures("of_scars")
+def test_a_scar_on_a_track(tmp_path: Path, quick_pictures: Any) -> None:
     """A swept run has its scar on the track; the two lie on each other to a part of a cell."""
     changes = {"grid.cell": "20 um", "grid.extent": "1.6 mm", "sliding.track": "2.4 mm", "sliding.shift": 2}
     disc = {"disc.synthetic.cut_off": "80 um", "disc.synthetic.roll_off": "300 um"}
@@ -93,7 +104,8 @@ def test_a_scar_on_a_track(tmp_path: Path) -> None:
     np.save(tmp_path / "after.npy", seen(field, lost.shape) - lost + noise[0])
     np.save(tmp_path / "before.npy", seen(field, lost.shape, shift=(0.02, -0.03), angle=0.02) + noise[1])
     files = ("--scar", str(tmp_path / "after.npy"), "--before", str(tmp_path / "before.npy"))
-    done = warpwear_compare(tmp_path, *files, "--pixel", "20 um")
+    with quick_pictures():
+        done = warpwear_compare(tmp_path, *files, "--pixel", "20 um")
     assert done.exit_code == 0, done.output
     found = json.loads((tmp_path / "out/comparison.json").read_text(encoding="utf-8"))["scar"]
     (computed,) = found["computed"].values()

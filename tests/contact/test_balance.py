@@ -1,6 +1,7 @@
 """Load balance and worn runs against the independent NumPy reference, on every device and thread count."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -118,6 +119,20 @@ def loads(cells: int, hardness: float) -> list[float]:
     return [0.5 * reach, 0.037 * cells * reach, 0.61 * cells * reach, 0.99 * cells * reach]
 
 
+@cache
+def expected_of(
+    make: Callable[..., FloatArray],
+    seed: int,
+    shape: tuple[int, int],
+    *,
+    compliance: float,
+    load: float,
+    hardness: float,
+) -> reference.Contact:
+    """The reference's contact, for every device and number of threads."""
+    return reference.foundation(make(shape, seed), compliance, load, hardness, CELL)
+
+
 @pytest.mark.parametrize("make", GAPS)
 @pytest.mark.parametrize("hardness", [HARDNESS, np.inf])
 @pytest.mark.parametrize("compliance", [1.0e-10, 3.0e-8, 1.0e-5])
@@ -130,7 +145,8 @@ def test_foundation_equals_reference(
         with Executor(Grid(*shape, CELL), device=device, threads=threads) as executor:
             solver = Solver(executor, gap)
             for load in loads(gap.size, hardness):
-                expected = reference.foundation(gap, compliance, load, hardness, CELL)
+                asked = {"compliance": compliance, "load": load, "hardness": hardness}
+                expected = expected_of(make, seed, shape, **asked)
                 balance = solver.foundation(compliance, load, hardness)
                 _assert_same_contact(solver.pressures(balance), balance, expected, load)
                 assert_allclose(balance.approach, expected.approach, rtol=1e-12, atol=1e-15)
@@ -229,6 +245,35 @@ RUNS: dict[str, dict[str, object]] = {
 GROWING = {"stepping.first": "3 um", "stepping.growth": 1.2, "stepping.largest": "3 mm"}
 
 
+def worn_study(kind: str, factor: str) -> Study:
+    changes = RUNS[kind] | {"wear.distance_factor": factor}
+    return study(**(changes if "stepping.increment" in changes else changes | GROWING))
+
+
+def increments_of(this: Study) -> FloatArray:
+    first, growth, largest = this.stepping.plan
+    return np.minimum(first * growth ** np.arange(40), largest)
+
+
+@cache
+def worn_as_expected(kind: str, factor: str, shape: tuple[int, int]) -> reference.Run:
+    """The reference's run, for every device and number of threads."""
+    this, grid = worn_study(kind, factor), Grid(*shape, CELL)
+    d2 = grid.y[None, :] ** 2 + (grid.x[:, None] ** 2 if factor == "radial" else 0.0)
+    return reference.wear_run(
+        reference.sphere_gap(grid.x, grid.y, 3.0, rough(shape, 3)),
+        load=this.contact.load,
+        hardness=this.hardness,
+        cell=CELL,
+        wear=(9.4e-7, 12.7e-7),
+        increments=increments_of(this),
+        implicit=this.stepping.scheme == "implicit",
+        stiffness=this.contact.stiffness,
+        factor=1.0 if factor == "none" else np.sqrt(1.0 - d2 / 9.0),
+        tolerance=this.load_tolerance,
+    )
+
+
 @pytest.mark.parametrize("factor", ["none", "across", "radial"])
 @pytest.mark.parametrize("kind", RUNS)
 @pytest.mark.parametrize("shape", [(64, 64), (61, 75)], ids=str)
@@ -236,25 +281,8 @@ def test_worn_run_equals_reference(
     kind: str, factor: str, shape: tuple[int, int], device: str, threads: int
 ) -> None:
     """40 steps: areas identical, volumes to 1e-12, fields to 1e-10."""
-    changes = RUNS[kind] | {"wear.distance_factor": factor}
-    this = study(**(changes if "stepping.increment" in changes else changes | GROWING))
-    heights = rough(shape, 3)
-    first, growth, largest = this.stepping.plan
-    increments = np.minimum(first * growth ** np.arange(40), largest)
-    grid = Grid(*shape, CELL)
-    d2 = grid.y[None, :] ** 2 + (grid.x[:, None] ** 2 if factor == "radial" else 0.0)
-    expected = reference.wear_run(
-        reference.sphere_gap(grid.x, grid.y, 3.0, heights),
-        load=this.contact.load,
-        hardness=this.hardness,
-        cell=CELL,
-        wear=(9.4e-7, 12.7e-7),
-        increments=increments,
-        implicit=this.stepping.scheme == "implicit",
-        stiffness=this.contact.stiffness,
-        factor=1.0 if factor == "none" else np.sqrt(1.0 - d2 / 9.0),
-        tolerance=this.load_tolerance,
-    )
+    this, grid, heights = worn_study(kind, factor), Grid(*shape, CELL), rough(shape, 3)
+    increments, expected = increments_of(this), worn_as_expected(kind, factor, shape)
     with Executor(grid, device=device, threads=threads) as executor:
         model = model_at_rest(this.contact_task, heights.copy(), executor)
         steps = list(model.steps((d, True) for d in increments.tolist()))

@@ -1,6 +1,7 @@
 """Visiting listed tiles only gives what visiting every tile gives."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -25,22 +26,29 @@ def run(law: str, heights: FloatArray, increments: list[float], threads: int) ->
     return steps, fields
 
 
+def drawn(make: Callable[[np.random.Generator], FloatArray]) -> tuple[FloatArray, list[float]]:
+    """Heights, and a random sequence of short and long steps."""
+    rng = np.random.default_rng(5)
+    return make(rng), (10.0 ** rng.uniform(-3.0, 1.0, 40)).tolist()
+
+
+@cache
+def of_every_tile(make: Callable[[np.random.Generator], FloatArray], law: str) -> tuple[list, list]:
+    """The run that visits every tile, on one thread."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Tiles, "begin", lambda self: None)
+        patch.setattr(Tiles, "reach", lambda self, approach, *, margin=0.0: None)
+        return run(law, *drawn(make), 1)
+
+
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("make", SURFACES)
 def test_listed_tiles_give_what_every_tile_gives(
-    make: Callable[[np.random.Generator], FloatArray],
-    law: str,
-    threads: int,
-    monkeypatch: pytest.MonkeyPatch,
+    make: Callable[[np.random.Generator], FloatArray], law: str, threads: int
 ) -> None:
-    """Over a random sequence of short and long steps: the same cells, approaches and volumes to 1e-12."""
-    rng = np.random.default_rng(5)
-    heights = make(rng)
-    increments = (10.0 ** rng.uniform(-3.0, 1.0, 40)).tolist()
-    some, some_fields = run(law, heights, increments, threads)
-    monkeypatch.setattr(Tiles, "begin", lambda self: None)
-    monkeypatch.setattr(Tiles, "reach", lambda self, approach, *, margin=0.0: None)
-    every, every_fields = run(law, heights, increments, threads)
+    """The same cells, approaches and volumes to 1e-12, on one thread and on two."""
+    some, some_fields = run(law, *drawn(make), threads)
+    every, every_fields = of_every_tile(make, law)
     for one, other in zip(some, every, strict=True):
         assert_array_equal(one.pressure > 0.0, other.pressure > 0.0)
         for name in ("area_contact", "area_plastic", "area_touched", "patch_along", "patch_across"):

@@ -1,7 +1,6 @@
 """Figures: all of them drawn of several kinds of run, legible, with units, or left out with a reason."""
 
 import base64
-import io
 import re
 from pathlib import Path
 from typing import Any
@@ -9,51 +8,20 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from cases_figures import OF_FILMS, OF_PATCHES, OF_TRACKS, axes_lines, drawn, faults_of, is_empty, shown_ticks
+from cases_drawn import RUNS, SMALL
+from cases_figures import OF_FILMS, OF_PATCHES, OF_TRACKS, axes_lines, drawn, faults_of, shown_ticks
 from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 from PIL import Image
 
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import main
 from warpwear.figures.data import FigureData
-from warpwear.figures.film import FFMpegWriter, animate
 from warpwear.figures.style import legend_above, new_figure, short, with_scatter
 from warpwear.figures.table import ESSENTIAL
 from warpwear.figures.view import State, last_at_hardness
 
-SMALL = {"grid.cell": "20 um", "sliding.distance": "30 mm"}
-RUNS: dict[str, dict[str, Any]] = {
-    "rough": {"output.snapshots": ["0.3 mm", "3 mm", "10 mm"]},
-    "end only": {"output.snapshots": []},
-    "static": {"sliding.distance": "0 mm", "output.snapshots": []},
-    "flat": {"sphere.radius": "inf mm", "sliding.distance": "3 mm", "output.snapshots": ["1 mm"]},
-    "smooth": {
-        "study.model": "macro",
-        "wear.distance_factor": "across",
-        "output.snapshots": ["0.3 mm", "3 mm"],
-    },
-    "published": {
-        "stepping.scheme": "explicit",
-        "stepping.load_tolerance": "0.5 N",
-        "friction.area": "cumulative",
-        "output.snapshots": ["1 mm", "10 mm"],
-    },
-}
 STATIC = {"setup", "pressure_map", "pressure_3d", "pressure_profiles", "contact_map", "profiles", "junctions"}
-
-
-@pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
-    """A finished run of each kind, in a folder without figures."""
-    where = tmp_path_factory.mktemp("runs")
-    return {
-        name: warpwear.run(
-            Study.load("v3-fine").replace(SMALL | changes), out=where / name.replace(" ", "-"), plots=False
-        )
-        for name, changes in RUNS.items()
-    }
 
 
 @pytest.mark.parametrize("run", ["rough", "static", "smooth"])
@@ -79,10 +47,13 @@ def check_figures(result: Result, run: str, names: set[str]) -> None:
     assert not faults, "\n".join(faults)
 
 
-def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Result], tmp_path: Path) -> None:
+def test_what_makes_no_sense_is_left_out_with_its_reason(
+    results: dict[str, Result], tmp_path: Path, quick_pictures: Any
+) -> None:
     plot = results["static"].plot
     assert set(plot.NAMES) - set(plot.left_out) == STATIC
-    written = plot.save_all(tmp_path)
+    with quick_pictures(blank=True):
+        written = plot.save_all(tmp_path)
     assert {path.stem for path in written} == STATIC
     with pytest.raises(InputError, match="there is no figure 'cof': the run has one step"):
         plot.cof()
@@ -98,7 +69,9 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(results: dict[str, Resu
     assert "sliding.speed" in str(no_speed.plot.reason("cof_time"))
 
 
-def test_an_interrupted_run_without_snapshots_still_plots(results: dict[str, Result], tmp_path: Path) -> None:
+def test_an_interrupted_run_without_snapshots_still_plots(
+    results: dict[str, Result], tmp_path: Path, quick_pictures: Any
+) -> None:
     source = results["end only"].folder
     assert source is not None
     with h5py.File(source / "result.h5") as old, h5py.File(tmp_path / "result.h5", "w") as new:
@@ -108,7 +81,7 @@ def test_an_interrupted_run_without_snapshots_still_plots(results: dict[str, Res
         new.attrs.update(old.attrs)
         new["history/cof"][...] = np.nan
         new.attrs["finished"] = False
-    with Result.open(tmp_path) as result:
+    with quick_pictures(), Result.open(tmp_path) as result:
         names = {path.stem for path in result.plot.save_all(tmp_path / "figures")}
         assert names == {"areas", "pressure", "contact_radius", "volumes"}
         assert "interrupted" in result._repr_html_()
@@ -207,10 +180,13 @@ def test_a_deviation_has_the_digits_of_its_mean() -> None:
     assert told == ["540 ± 120", "12.83 ± 0.33", "6.423 ± 0.089", "589"]
 
 
-def test_captions_lie_beside_the_figures(results: dict[str, Result], tmp_path: Path) -> None:
+def test_captions_lie_beside_the_figures(
+    results: dict[str, Result], tmp_path: Path, quick_pictures: Any
+) -> None:
     """One a figure; those of others are left alone."""
     plot = results["rough"].plot
-    drawn_there = plot.save_all(tmp_path, plots="essential")
+    with quick_pictures(blank=True):
+        drawn_there = plot.save_all(tmp_path, plots="essential")
     text = (tmp_path / "captions.md").read_text(encoding="utf-8")
     assert re.findall(r"^\*\*(\w+)\*\*: ", text, re.MULTILINE) == [
         name for name in plot.NAMES if name in {path.stem for path in drawn_there}
@@ -239,132 +215,36 @@ def test_ticks_are_plain_numbers(results: dict[str, Result]) -> None:
     ]  # fmt: skip
 
 
-def test_what_goes_into_a_paper_is_drawn_by_default(results: dict[str, Result], tmp_path: Path) -> None:
+def test_what_goes_into_a_paper_is_drawn_by_default(
+    results: dict[str, Result], tmp_path: Path, quick_pictures: Any
+) -> None:
     plot = results["rough"].plot
     essential = {"setup", "pressure_map", "contact_map", "areas", "cof", "profiles", "volumes", "roughness"}
     assert set(plot.names("essential")) == essential
     assert set(plot.names()) == set(plot.NAMES) - set(plot.left_out) > essential
     assert set(results["smooth"].plot.names("essential")) == essential - {"roughness"} | {"hertz"}
-    assert {path.stem for path in plot.save_all(tmp_path, plots="essential")} == essential
+    with quick_pictures(blank=True):
+        assert {path.stem for path in plot.save_all(tmp_path, plots="essential")} == essential
     assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES, *OF_FILMS} == essential | {"hertz", "pieces"}
 
 
 def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:
     plot = results["rough"].plot
     for kind, start in (("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")):
-        path = plot.save("disc_3d", tmp_path, file_format=kind)
-        assert path.name == f"disc_3d.{kind}"
+        path = plot.save("profiles", tmp_path, file_format=kind)
+        assert path.name == f"profiles.{kind}"
         assert path.read_bytes().startswith(start)
-    with Image.open(tmp_path / "disc_3d.png") as image:
+    with Image.open(tmp_path / "profiles.png") as image:
         assert image.width == 7 * 300
-    assert b"Type3" not in (tmp_path / "disc_3d.pdf").read_bytes()
-    first = (tmp_path / "disc_3d.pdf").read_bytes()
-    assert plot.save("disc_3d", tmp_path, file_format="pdf").read_bytes() == first
+    assert b"Type3" not in (tmp_path / "profiles.pdf").read_bytes()
+    first = (tmp_path / "profiles.pdf").read_bytes()
+    assert plot.save("profiles", tmp_path, file_format="pdf").read_bytes() == first
     with pytest.raises(InputError, match=r"'pressure_mpa' is no figure \(did you mean 'pressure_map'"):
         plot.save("pressure_mpa", tmp_path)
     with pytest.raises(InputError, match="format = 'eps' is not known; allowed: png, pdf, svg"):
         plot.save("cof", tmp_path, file_format="eps")
     with pytest.raises(AttributeError):
         _ = plot.nothing
-
-
-#: Figures of lines, and their panels.
-LINES = dict.fromkeys(("cof", "cof_time", "areas", "pressure", "contact_radius", "roughness", "junctions"), 1)
-LINES |= dict.fromkeys(("volumes", "texture", "spectrum", "islands", "pressure_profiles", "profiles"), 2)
-LINES |= dict.fromkeys(("sphere_profiles", "disc_profiles", "hertz"), 2)
-
-
-def test_lines_are_drawn_into_axes_that_are_there(results: dict[str, Result]) -> None:
-    """The lines of the figure of its own, in the axes given and no others, with a legend inside them."""
-    plot = results["rough"].plot
-    for name in sorted(set(plot.NAMES) - set(plot.left_out)):
-        figure = Figure(figsize=(6.0, 3.0))
-        *given, other = figure.subplots(1, LINES.get(name, 1) + 1)
-        if name not in LINES:
-            for asked in ({"ax": given[0]}, {"label": "a"}, {"color": "C1"}):
-                with pytest.raises(InputError, match=f"'{name}' is a map or drawn in three dimensions"):
-                    getattr(plot, name)(**asked)
-            continue
-        with pytest.raises(InputError, match=f"'{name}' needs as many axes as it has panels: ax has 3"):
-            getattr(plot, name)([other] * 3)
-        assert getattr(plot, name)(given if len(given) > 1 else given[0]) is figure
-        assert is_empty(other)
-        for panel, own in zip(given, getattr(plot, name)().axes, strict=False):
-            assert panel.get_xlabel() == own.get_xlabel()
-            assert len(panel.lines) == len(own.lines) > 0
-            for drawn_there, line in zip(panel.lines, own.lines, strict=True):
-                np.testing.assert_array_equal(drawn_there.get_xydata(), line.get_xydata())
-        assert figure.legends == []
-        labelled = [axes for axes in figure.axes if axes.get_legend()]
-        assert len(labelled) == (0 if name in {"cof", "cof_time"} else 1)
-        figure.savefig(io.BytesIO())
-
-
-@pytest.mark.parametrize("name", [name for name in LINES if name not in {"hertz"}])
-def test_two_runs_on_one_axis_are_told_apart(results: dict[str, Result], name: str) -> None:
-    """Each has its colour and its name; nothing of either is out of sight; what holds for one is not said."""
-    figure = Figure(figsize=(6.0, 3.0))
-    panels = figure.subplots(1, LINES[name], squeeze=False)[0]
-    sizes = []
-    for run, colour in (("rough", "#112233"), ("published", "#aabbcc")):
-        plot = results[run].plot
-        getattr(plot, name)(panels if LINES[name] > 1 else panels[0], label=run, color=colour)
-        sizes.append([(panel.get_xlim(), panel.get_ylim()) for panel in panels])
-    for panel, early in zip(panels, sizes[0], strict=True):
-        for now, then in zip((panel.get_xlim(), panel.get_ylim()), early, strict=True):
-            assert min(now) <= min(then)
-            assert max(now) >= max(then)
-        assert {line.get_color() for line in panel.lines} == {"#112233", "#aabbcc"}
-        of_run = [
-            line for line in panel.lines if line.get_color() == "#aabbcc" and line.get_label()[0] != "_"
-        ]
-        assert all(line.get_label().startswith("published") for line in of_run)
-    (legend,) = [panel.get_legend() for panel in panels if panel.get_legend()]
-    told = [text.get_text().partition(":")[0] for text in legend.get_texts()]
-    assert set(told) == {"rough", "published"}
-    figure.savefig(io.BytesIO())
-
-
-def test_titles_of_two_runs_do_not_mislead(results: dict[str, Result]) -> None:
-    plots = [results["rough"].plot, results["published"].plot]
-    titles = [plot.cof().axes[0].get_title() for plot in plots]
-    assert titles[0] != titles[1]
-    axes = Figure().subplots()
-    for plot, shown in ((plots[0], titles[0]), (plots[0], titles[0]), (plots[1], ""), (plots[1], "")):
-        plot.cof(axes)
-        assert axes.get_title() == shown
-    axes.set_title("mine")
-    plots[0].cof(axes)
-    assert axes.get_title() == "mine"
-
-
-def test_times_of_two_runs_have_one_unit(results: dict[str, Result]) -> None:
-    """The second run is drawn in the unit of the first, which stands at the axis."""
-    fast = warpwear.run(Study.load("v3-fine").replace(SMALL | {"sliding.speed": "1 mm/min"}))
-    slow_first, axes = Figure().subplots(), Figure().subplots()
-    for plot in (fast.plot, results["rough"].plot):
-        plot.cof_time(slow_first)
-    results["rough"].plot.cof_time(axes)
-    assert axes.get_xlabel() == "sliding time, s"
-    assert slow_first.get_xlabel() == "sliding time, min"
-    assert slow_first.get_xlim()[1] >= 30.0
-    ends = [line.get_xdata()[-1] for line in slow_first.lines if len(line.get_xdata()) > 1]
-    np.testing.assert_allclose(ends, [30.0, 1.5])
-
-
-def test_a_colour_that_is_none_is_refused(results: dict[str, Result]) -> None:
-    with pytest.raises(InputError, match="color = 'greenish' is not a colour of matplotlib"):
-        results["rough"].plot.cof(color="greenish")
-    figure = results["rough"].plot.cof(label="mine", color="C3")
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["mine"]
-    (legend,) = results["rough"].plot.areas(label="mine").legends
-    assert all(text.get_text().startswith("mine: ") for text in legend.get_texts())
-
-
-def test_a_panel_may_lie_in_a_part_of_a_figure(results: dict[str, Result]) -> None:
-    figure = Figure(layout="constrained")
-    part, _ = figure.subfigures(1, 2)
-    assert results["rough"].plot.areas(ax=part.subplots()) is figure
 
 
 def test_the_figures_are_listed(results: dict[str, Result]) -> None:
@@ -424,59 +304,3 @@ def test_a_notebook_shows_a_result(results: dict[str, Result]) -> None:
     assert "<script" not in html
     assert len(html) < 200_000
     assert len(re.findall("data:image", results["static"]._repr_html_())) == 1
-
-
-def test_a_film_has_a_frame_a_snapshot(results: dict[str, Result], tmp_path: Path) -> None:
-    result = results["rough"]
-    path = animate(result, tmp_path / "wear.gif", frames_per_second=4.0)
-    with Image.open(path) as film:
-        assert film.n_frames == result.snapshot_distances.size == 4
-        assert film.info["duration"] == 250
-        assert film.width % 2 == film.height % 2 == 0
-    assert [p.name for p in tmp_path.iterdir()] == ["wear.gif"]
-    with pytest.raises(
-        InputError,
-        match=r"wear\.gif is there already; give another file \(out\), or overwrite it ",
-    ):
-        animate(result, path)
-    before = path.stat().st_mtime_ns
-    animate(result, path, overwrite=True)
-    assert path.stat().st_mtime_ns != before
-
-
-@pytest.mark.parametrize(
-    ("out", "fps", "message"),
-    [
-        ("wear.avi", 5.0, r"wear\.avi: the name of a \.mp4 or a \.gif file is expected"),
-        ("wear.gif", 0.0, r"fps = 0 is not possible"),
-        ("no/wear.gif", 5.0, r"the folder .*no does not exist"),
-    ],
-)
-def test_what_cannot_be_filmed_is_refused(
-    results: dict[str, Result], tmp_path: Path, out: str, fps: float, message: str
-) -> None:
-    with pytest.raises(InputError, match=message):
-        animate(results["rough"], tmp_path / out, frames_per_second=fps)
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_film_needs_snapshots_and_an_encoder(
-    results: dict[str, Result], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with pytest.raises(InputError, match=r"at least two snapshots, .* kept 1; .*--set output\.snapshots="):
-        animate(results["end only"])
-    monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
-    with pytest.raises(InputError, match=r"needs ffmpeg, which is not installed"):
-        animate(results["rough"], tmp_path / "wear.mp4")
-    folder = results["flat"].folder
-    assert folder is not None
-    with pytest.raises(SystemExit) as ended:
-        main(["animate", str(folder)])
-    assert ended.value.code == 0
-    assert (folder / "animation.gif").is_file()
-
-
-@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="ffmpeg is not installed")
-def test_a_film_in_mp4(results: dict[str, Result], tmp_path: Path) -> None:
-    path = animate(results["rough"], tmp_path / "wear.mp4")
-    assert b"ftyp" in path.read_bytes()[:16]

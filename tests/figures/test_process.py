@@ -80,7 +80,7 @@ def test_pictures_are_those_that_the_run_itself_would_draw(
 @pytest.mark.usefixtures("two_cores")
 @pytest.mark.parametrize("fault", ["it does not start", "it dies", "it says nothing", "a figure fails"])
 def test_figures_are_there_whatever_happens_to_the_other_process(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, quick_pictures: Any, fault: str
 ) -> None:
     if fault == "it does not start":
         monkeypatch.setattr(sys, "executable", str(tmp_path / "nothing"))
@@ -92,7 +92,10 @@ def test_figures_are_there_whatever_happens_to_the_other_process(
     else:
         nothing = process.FIGURES["setup"]._replace(place="shape:nothing")
         monkeypatch.setattr(process, "FIGURES", process.FIGURES | {"setup": nothing})
-    with warpwear.run(study_of("static"), out=tmp_path / "run") as result:
+    with (
+        quick_pictures(blank=True, second_process=True),
+        warpwear.run(study_of("static"), out=tmp_path / "run") as result,
+    ):
         assert set(figures_in(tmp_path / "run")) == set(result.plot.names("essential"))
 
 
@@ -115,8 +118,13 @@ def test_what_is_slow_is_imported_when_it_is_needed() -> None:
 
 
 @pytest.mark.usefixtures("two_cores")
-def test_no_snapshot_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Tables and all figures, whoever draws them, come from the fields that the run had in its hands."""
+def test_no_snapshot_is_read_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, quick_pictures: Any
+) -> None:
+    """Tables and all figures, whoever draws them, come from the fields that the run had in its hands.
+
+    The other process gets what it needs and dies: this one makes all figures.
+    """
     read = ResultFile.snapshot
     missed: list[Any] = []
 
@@ -125,7 +133,9 @@ def test_no_snapshot_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         return read(self, index)
 
     monkeypatch.setattr(ResultFile, "snapshot", snapshot)
-    result = warpwear.run(study_of("rough"), out=tmp_path / "run", plots="all")
+    monkeypatch.setattr(process, "COMMAND", "import sys; sys.stdin.read()  # {path!r}")
+    with quick_pictures(blank=True, second_process=True):
+        result = warpwear.run(study_of("rough"), out=tmp_path / "run", plots="all")
     assert not missed
     assert not result.at_hand  # memory is given back
     result.snapshots[-1]

@@ -76,11 +76,11 @@ def test_the_track_gets_smoother(result: Result) -> None:
     assert summary["roughness_um"]["end"]["spk"] == pytest.approx(table["spk"][-1])
 
 
-def test_figures_of_a_track(result: Result, tmp_path: Path) -> None:
+def test_figures_of_a_track(result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in OF_TRACKS:
         assert result.plot.reason(name) is None
         figure = getattr(result.plot, name)()
-        figure.canvas.draw()
+        figure.draw_without_rendering()
         for axes in figure.axes:
             assert axes.get_xlabel() or axes.get_ylabel() or not axes.axison, name
     left_out = result.plot.left_out
@@ -92,6 +92,7 @@ def test_figures_of_a_track(result: Result, tmp_path: Path) -> None:
     assert set(still.plot.left_out) >= OF_TRACKS
     with pytest.raises(InputError, match="the disc lies still"):
         still.plot.groove()
+    monkeypatch.setattr("warpwear.figures.film.DPI", 40)
     film = animate(result, tmp_path / "film.gif")
     with Image.open(film) as frames:
         assert frames.n_frames == 3  # type: ignore[attr-defined]
@@ -128,7 +129,7 @@ def test_a_groove_that_was_only_pressed() -> None:
     labels = [line.get_label() for line in dented.plot.wear_per_pass().axes[0].lines]
     assert labels == ["displaced"]
     assert groove(dented, -1).mean_depth > 0.0
-    dented.plot.groove().canvas.draw()
+    dented.plot.groove().draw_without_rendering()
 
 
 def test_the_shape_of_a_course_is_that_of_its_passes(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from click.testing import CliRunner, Result
 
 from warpwear.cli.main import commands
 from warpwear.errors import InputError
+from warpwear.figures import style
 from warpwear.measured.surface_command import read_surface
 from warpwear.measured.surface_figure import surface_figure
 from warpwear.measured.surface_report import examine
@@ -42,11 +43,17 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+@pytest.fixture
+def few_dots(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures that nobody looks at are soon drawn."""
+    monkeypatch.setitem(style.STYLE, "figure.dpi", 50.0)
+
+
 def surface(*arguments: str | Path) -> Result:
     return CliRunner().invoke(commands, ["surface", *map(str, arguments)])
 
 
-def test_a_page_and_a_figure(here: Path) -> None:
+def test_a_page_and_a_figure(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     done = surface(
         "../files/rough.npy", *GIVEN, "--outliers", "6", "--s-filter", "8 um", "--l-filter", "0.5 mm"
     )
@@ -56,6 +63,7 @@ def test_a_page_and_a_figure(here: Path) -> None:
     for words in ("outliers: 0 points", "S-filter", "L-filter", "roll-off", "no clear lay", "λc reduced"):
         assert words in done.output
     assert (here / "rough-surface.png").stat().st_size > 20_000
+    monkeypatch.setitem(style.STYLE, "figure.dpi", 50.0)
     again = surface("../files/rough.npy", *GIVEN)
     assert isinstance(again.exception, InputError)
     assert "rough-surface.png is there already" in str(again.exception)
@@ -98,6 +106,7 @@ def test_json(here: Path) -> None:
     assert list(here.iterdir()) == []
 
 
+@pytest.mark.usefixtures("few_dots")
 @pytest.mark.parametrize("name", ["al3d-1.al3d", "sur-2.sur", "x3p-2.x3p"])
 def test_real_files(here: Path, name: str) -> None:
     pytest.importorskip("SurfaceTopography")
@@ -109,6 +118,7 @@ def test_real_files(here: Path, name: str) -> None:
     assert "nan" not in done.output
 
 
+@pytest.mark.usefixtures("few_dots")
 def test_a_worn_track(here: Path) -> None:
     done = surface("../files/track.npy", *GIVEN, "--track", "--track-length", "30 mm")
     assert done.exit_code == 0, done.output
@@ -119,6 +129,7 @@ def test_a_worn_track(here: Path) -> None:
     assert record["track"]["volume_mm3"] == pytest.approx(0.002 * 0.9, rel=0.01)
 
 
+@pytest.mark.usefixtures("few_dots")
 def test_a_track_less_what_was_there_before(here: Path) -> None:
     after = np.load(here / "../files/track.npy")
     points = (np.arange(300) - 149.5) * 3e-3
@@ -146,6 +157,7 @@ def test_a_track_less_what_was_there_before(here: Path) -> None:
     assert "--before does not show the place of FILE" in str(refused)
 
 
+@pytest.mark.usefixtures("few_dots")
 def test_a_worn_ball(here: Path) -> None:
     done = surface("../files/ball.npy", *GIVEN, "--ball", "--radius", "3 mm")
     assert done.exit_code == 0, done.output

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -120,6 +121,32 @@ def test_a_disc_that_keeps_its_dents_is_that_of_every_cell(
     assert plain.plastic_disc.sum() > 0.01 * plain.wear_disc.sum()
 
 
+@cache
+def expected_of(
+    study: Study, make: Callable[[np.random.Generator], FloatArray], *, periodic: bool
+) -> tuple[Plain, list[tuple[int, float, dict[str, float]]]]:
+    """The plain contact after the last step; of each the cells in contact, the approach, and the row."""
+    rng = np.random.default_rng(7)
+    disc, grid, found = make(rng), Grid(*SHAPE, CELL), []
+    plain = Plain(study, reference.sphere_gap(grid.x, grid.y, study.sphere.radius), disc)
+    for shift, increment in displacements(rng, periodic=periodic):
+        expected = plain.step(shift, increment)
+        pressure = expected.pressure
+        row = {
+            "area_plastic": np.count_nonzero(expected.plastic) * CELL**2,
+            "pressure_mean": pressure[pressure > 0.0].mean(),
+            "pressure_max": pressure.max(),
+            "wear_volume_sphere": plain.wear_sphere.sum() * CELL**2,
+            "wear_volume_disc": plain.wear_disc.sum() * CELL**2,
+            "wear_depth_sphere": plain.wear_sphere.max(),
+            "wear_depth_disc": plain.wear_disc.max(),
+            "area_touched": np.count_nonzero(plain.wear_sphere) * CELL**2,
+            "plastic_volume_disc": plain.plastic_disc.sum() * CELL**2,
+        }
+        found.append((np.count_nonzero(pressure), expected.approach, row))
+    return plain, found
+
+
 def compare(
     study: Study,
     make: Callable[[np.random.Generator], FloatArray],
@@ -129,29 +156,17 @@ def compare(
     threads: int,
 ) -> Plain:
     """Cells in contact, approach, pressures and volumes to 1e-12 over a random sequence of displacements."""
+    plain, steps = expected_of(study, make, periodic=periodic)
     rng = np.random.default_rng(7)
     disc = make(rng)
-    grid = Grid(*SHAPE, CELL)
-    plain = Plain(study, reference.sphere_gap(grid.x, grid.y, study.sphere.radius), disc.copy())
-    with Executor(grid, threads=threads) as executor:
+    with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
         contact = SlidingContact(study.contact_task, disc, executor, periodic=periodic)
-        for shift, increment in displacements(rng, periodic=periodic):
-            found, expected = contact.step(shift, increment), plain.step(shift, increment)
-            pressure = expected.pressure
-            assert found.row["cells_in_contact"] == np.count_nonzero(pressure)
+        moves = displacements(rng, periodic=periodic)
+        for (shift, increment), (cells, approach, row) in zip(moves, steps, strict=True):
+            found = contact.step(shift, increment)
+            assert found.row["cells_in_contact"] == cells
             if law != "bearing area":  # of which any approach up to the next cell will do
-                assert found.balance.approach == pytest.approx(expected.approach, rel=1e-12, abs=1e-15)
-            row = {
-                "area_plastic": np.count_nonzero(expected.plastic) * CELL**2,
-                "pressure_mean": pressure[pressure > 0.0].mean(),
-                "pressure_max": pressure.max(),
-                "wear_volume_sphere": plain.wear_sphere.sum() * CELL**2,
-                "wear_volume_disc": plain.wear_disc.sum() * CELL**2,
-                "wear_depth_sphere": plain.wear_sphere.max(),
-                "wear_depth_disc": plain.wear_disc.max(),
-                "area_touched": np.count_nonzero(plain.wear_sphere) * CELL**2,
-                "plastic_volume_disc": plain.plastic_disc.sum() * CELL**2,
-            }
+                assert found.balance.approach == pytest.approx(approach, rel=1e-12, abs=1e-15)
             for name, value in row.items():
                 assert found.row[name] == pytest.approx(value, rel=1e-11), name
         for name, field in fields_of(contact, executor).items():

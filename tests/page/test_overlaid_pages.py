@@ -4,6 +4,7 @@ import base64
 import json
 import re
 import zlib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -46,14 +47,18 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Any:
     disc = {"disc.pixel": "20 um", "disc.height_unit": "mm", "disc.surface": names[0]}
     study = Study.load("v3-fine").replace(SMALL | disc | {"study.description": EVIL})
     vary = {"disc.surface": names, "contact.load": ["4 N", "8 N", "-8 N"]}
-    return warpwear.sweep(study, vary=vary, band_over="disc.surface", out=folder / EVIL_FILE, workers=1)
+    with ThreadPoolExecutor(1) as pool:
+        return warpwear.sweep(
+            study, vary=vary, band_over="disc.surface", out=folder / EVIL_FILE, executor=pool
+        )
 
 
 @pytest.fixture(scope="module")
-def compared(swept: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def compared(swept: Any, tmp_path_factory: pytest.TempPathFactory, quick_pictures: Any) -> Path:
     """A comparison of hostile names: the runs of the sweep, a run with a page, and a measured course."""
     folder = tmp_path_factory.mktemp("compared")
-    warpwear.run(Study.load("v3-fine").replace(SMALL), out=folder / f"run {EVIL_FILE}").close()
+    with quick_pictures(blank=True):
+        warpwear.run(Study.load("v3-fine").replace(SMALL), out=folder / f"run {EVIL_FILE}").close()
     (folder / f"{EVIL_FILE}.csv").write_text("Distance [mm],COF\n0.1,0.2\n1,0.3\n3,0.4\n", encoding="utf-8")
     asked = [
         "compare",
@@ -89,11 +94,13 @@ def test_a_sweep_shows_what_it_found(swept: Any) -> None:
     assert all((swept.folder / link).is_dir() for link in runs)
 
 
-def test_a_sweep_leads_to_pages_that_are_there(swept: Any) -> None:
+def test_a_sweep_leads_to_pages_that_are_there(swept: Any, quick_pictures: Any) -> None:
     run = swept.plan.points[0].run
-    made = CliRunner().invoke(commands, ["report", str(swept.folder / "runs" / run)], catch_exceptions=False)
-    assert made.exit_code == 0, made.output
-    from_sweep = write_report(swept, swept.folder)
+    asked = ["report", str(swept.folder / "runs" / run)]
+    with quick_pictures(blank=True):
+        made = CliRunner().invoke(commands, asked, catch_exceptions=False)
+        assert made.exit_code == 0, made.output
+        from_sweep = write_report(swept, swept.folder)
     assert swept.folder / "sweep.html" in from_sweep
     assert f"runs/{run}/report.html" in check_page(swept.folder / "sweep.html")[1].links
 
@@ -115,10 +122,11 @@ def test_indices_of_a_sampled_design(tmp_path: Path) -> None:
     assert "5 to 95 % of the runs" in page
 
 
-def test_a_heat_map_has_its_values_in_place(tmp_path: Path) -> None:
+def test_a_heat_map_has_its_values_in_place(tmp_path: Path, quick_pictures: Any) -> None:
     vary = {"contact.load": ["4 N", "8 N"], "contact.hardness": ["400 MPa", "590 MPa", "800 MPa"]}
     study = Study.load("v3-fine").replace(SMALL | {"sliding.distance": "0 mm", "output.snapshots": []})
-    found = warpwear.sweep(study, vary=vary, out=tmp_path / "grid", workers=1)
+    with quick_pictures(), ThreadPoolExecutor(1) as pool:
+        found = warpwear.sweep(study, vary=vary, out=tmp_path / "grid", executor=pool)
     grid = next(p for p in plots_of(check_page(tmp_path / "grid/sweep.html")[0]) if p["kind"] == "grid")
     assert (grid["across"], grid["down"]) == (["4", "8"], ["400", "590", "800"])
     ends = found.ends("cof").reshape(2, 3)  # the first key varies slowest

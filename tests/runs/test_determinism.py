@@ -19,7 +19,7 @@ CASES, study_of = _kills["CASES"], _kills["study_of"]
 
 def short(case: str) -> Study:
     study: Study = study_of(case, float("inf"))
-    distance = "0.2 mm" if case.startswith("micro") else "3 mm"
+    distance = "0.2 mm" if case.startswith(("micro", "two-scale", "half-space")) else "3 mm"
     return study.replace({"sliding.distance": distance, "output.snapshots": ["0.06 mm"]})
 
 

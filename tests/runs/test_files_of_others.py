@@ -85,9 +85,10 @@ def test_a_folder_of_others_is_refused_and_left_alone(
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def finished(tmp_path_factory: pytest.TempPathFactory, quick_pictures: Any) -> Path:
     out = tmp_path_factory.mktemp("runs") / "out"
-    warpwear.run(study(), out=out).close()
+    with quick_pictures(blank=True):
+        warpwear.run(study(), out=out).close()
     return out
 
 

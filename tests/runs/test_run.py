@@ -179,8 +179,9 @@ def test_every_figure_has_labels_with_units(folder: Path) -> None:
                 assert "," in label, f"{name}: an axis without a unit"
 
 
-def test_a_static_contact_has_one_row(tmp_path: Path) -> None:
-    result = warpwear.run(quick(sliding__distance="0 mm"), out=tmp_path / "static")
+def test_a_static_contact_has_one_row(tmp_path: Path, quick_pictures: Any) -> None:
+    with quick_pictures():
+        result = warpwear.run(quick(sliding__distance="0 mm"), out=tmp_path / "static")
     history = result.history
     assert history["distance"].tolist() == [0.0]
     assert history["wear_volume_disc"].tolist() == [0.0]
@@ -403,5 +404,5 @@ def test_a_full_disk_is_one_sentence_and_leaves_nothing(
     usage = namedtuple("usage", "total used free")
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage(2**30, 2**30 - 2**21 - 4096, 2**21 + 4096))
     with pytest.raises(InputError, match=r"could not be written and holds no run: 2 MiB are needed, 2 MiB"):
-        warpwear.run(quick(), out=tmp_path / "out")
+        warpwear.run(quick(), out=tmp_path / "out", plots=False)
     assert list(tmp_path.iterdir()) == []

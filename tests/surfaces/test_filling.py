@@ -23,6 +23,8 @@ from warpwear.surfaces.worn.track import find_track
 
 PIXEL = (0.002, 0.002)
 POINTS = places((300, 300), PIXEL)
+TWICE = (0.004, 0.004)
+SECOND = places((150, 150), TWICE)
 ROUND = np.hypot.outer(*POINTS) > 0.28  # beyond a round field of view: 32 % of the points
 
 
@@ -142,15 +144,14 @@ def test_where_points_were_filled_is_known_on_every_grid(tmp_path: Path, rough: 
 
 
 def test_every_picture_hatches_them(tmp_path: Path, rough: np.ndarray) -> None:
-    filled = np.zeros((300, 300), dtype=np.bool_)
-    filled[0, 0] = filled[40:60, 200:260] = True
-    trough = -0.02 * np.maximum(1.0 - np.square(POINTS[1] / 0.1), 0.0)
-    ball = find_worn_ball(
-        np.minimum(-sag(*POINTS, radius=1.0), -0.01) + 0.01 * rough, pixel=PIXEL, radius=1.0
-    )
-    track = find_track(0.1 * rough + trough, pixel=PIXEL)
-    np.save(tmp_path / "disc.npy", np.where(filled, np.nan, rough))
-    how = {"pixel": "2 um", "height_unit": "mm"}
+    filled = np.zeros((150, 150), dtype=np.bool_)
+    filled[0, 0] = filled[20:30, 100:130] = True
+    trough = -0.02 * np.maximum(1.0 - np.square(SECOND[1] / 0.1), 0.0)
+    some = rough[::2, ::2]
+    ball = find_worn_ball(np.minimum(-sag(*SECOND, radius=1.0), -0.01) + 0.01 * some, pixel=TWICE, radius=1.0)
+    track = find_track(0.1 * some + trough, pixel=TWICE)
+    np.save(tmp_path / "disc.npy", np.where(filled, np.nan, some))
+    how = {"pixel": "4 um", "height_unit": "mm"}
     describe(tmp_path / "disc.npy", SurfaceOptions(figure=tmp_path / "a.svg", preparation=how))
     assert "<pattern" in (tmp_path / "a.svg").read_text()
     for draw in (
@@ -163,19 +164,19 @@ def test_every_picture_hatches_them(tmp_path: Path, rough: np.ndarray) -> None:
 
 @pytest.mark.parametrize("seen", [0.6, pytest.param(0.28, marks=pytest.mark.slow), 0.24])
 def test_a_ball_without_its_steep_corners_has_lost_the_same(rough: np.ndarray, seen: float) -> None:
-    worn = np.minimum(-sag(*POINTS, radius=1.0), -0.01) + 0.01 * rough
-    holed = np.where(np.hypot.outer(*POINTS) > seen, np.nan, worn)
-    holed[150:154, 140:160] = np.nan
-    ball = find_worn_ball(holed, pixel=PIXEL, radius=1.0)
+    worn = np.minimum(-sag(*SECOND, radius=1.0), -0.01) + 0.01 * rough[::2, ::2]
+    holed = np.where(np.hypot.outer(*SECOND) > seen, np.nan, worn)
+    holed[75:77, 70:80] = np.nan
+    ball = find_worn_ball(holed, pixel=TWICE, radius=1.0)
     lost = np.pi * 0.01**2 * (3.0 - 0.01) / 3.0
     assert ball.volume == pytest.approx(lost, rel=0.01)
     if seen > 0.25:  # less of it is too little to tell the radius from, too
-        fitted = find_worn_ball(holed, pixel=PIXEL)
+        fitted = find_worn_ball(holed, pixel=TWICE)
         assert fitted.sphere.radius == pytest.approx(1.0, rel=0.01)
         assert fitted.volume == pytest.approx(lost, rel=0.03)
     else:
         with pytest.raises(InputError, match="to tell its radius from: --radius gives it"):
-            find_worn_ball(holed, pixel=PIXEL)
+            find_worn_ball(holed, pixel=TWICE)
 
 
 def test_hatching_lies_where_points_were_filled() -> None:

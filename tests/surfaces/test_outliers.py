@@ -32,6 +32,7 @@ def spiked(heights, *places):
 @pytest.mark.parametrize("ny", [1, 3, 4, 5])
 @pytest.mark.parametrize("corner", [(0, 0), (0, 60), (1, 2), (2, 0), (3, 1), (60, 70)])
 def test_a_block_goes_whole(rough, nx, ny, corner):
+    rough = rough[:100, :90]
     i, j = corner
     for sign in (1.0, -1.0):
         heights, where = spiked(sign * rough, np.s_[i : i + nx, j : j + ny])

@@ -48,10 +48,18 @@ def small(**changes: Any) -> Study:
 
 
 @pytest.fixture(scope="module")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> Any:
+def swept(tmp_path_factory: pytest.TempPathFactory, quick_pictures: Any) -> Any:
     out = tmp_path_factory.mktemp("swept") / "s"
-    result = warpwear.sweep(small(), vary=VARY, band_over="disc.synthetic.seed", out=out, executor=Here())
-    return result
+    with quick_pictures():
+        return warpwear.sweep(small(), vary=VARY, band_over="disc.synthetic.seed", out=out, executor=Here())
+
+
+@pytest.fixture
+def work_here(monkeypatch: pytest.MonkeyPatch, quick_pictures: Any) -> Iterator[None]:
+    """Let the workers of a command be this process, which has imported all; pictures have few dots."""
+    monkeypatch.setattr("warpwear.sweeps.sweep.local_workers", lambda *_, **__: Here())
+    with quick_pictures():
+        yield
 
 
 def test_rows_are_the_runs(swept: Any) -> None:
@@ -139,6 +147,7 @@ def test_failed_run_is_a_row_with_its_sentence_and_a_warning() -> None:
         found.open(1)
 
 
+@pytest.mark.usefixtures("work_here")
 def test_a_command_of_which_runs_failed_ends_with_1(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -435,6 +444,7 @@ def test_a_sweep_from_python_tells_the_log_how_far_it_is(caplog: pytest.LogCaptu
     assert repr(found) == "<sweep over contact.load: 2 of 2 runs done>"
 
 
+@pytest.mark.usefixtures("work_here")
 def test_a_sweep_in_a_log_tells_how_far_it_is(
     tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

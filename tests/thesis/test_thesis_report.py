@@ -11,6 +11,7 @@ import jinja2.meta
 import jinja2.nodes
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 
 from warpwear.calibration.wear import diameter_of_cap
 from warpwear.cli.report import report
@@ -295,8 +296,14 @@ def small_plan() -> Plan:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    def embedded(figure: Figure) -> report_page.Picture:
+        """Nothing is moved to make room for labels, which draws everything twice."""
+        figure.set_layout_engine("none")
+        return report_page.embedded(figure)
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report_page, "DPI", 20)  # what is drawn is looked at elsewhere
+        patch.setattr("warpwear.thesis.report.embedded", embedded)
         return thesis_report(tmp_path_factory.mktemp("report") / "new", plan=small_plan()).parent
 
 

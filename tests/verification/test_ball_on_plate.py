@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from thesis import F, R, observed_order
 
 import warpwear
@@ -71,14 +72,16 @@ def at_approach(approach: float, ratio: float, y: np.ndarray) -> WornPair:
 
 def worn_pair(volume_ball: float, ratio: float) -> WornPair:
     """The pair whose ball lost a volume [mm³]; ratio: K_d/(K_s S) [1/mm], 0 where the plate does not wear."""
-    low, high = 0.0, 0.2 * R
-    for _ in range(60):
-        approach = 0.5 * (low + high)
+
+    def at(approach: float) -> WornPair:
         half_width = math.sqrt(approach * (2.0 * R - approach))
         # Closer towards the rim, where the depth ends in a power of 3/2.
-        found = at_approach(approach, ratio, half_width * np.sin(np.linspace(-0.5, 0.5, 801) * math.pi))
-        low, high = (approach, high) if found.volume_ball < volume_ball else (low, approach)
-    return found
+        return at_approach(approach, ratio, half_width * np.sin(np.linspace(-0.5, 0.5, 801) * math.pi))
+
+    def missing(approach: float) -> float:
+        return at(approach).volume_ball - volume_ball
+
+    return at(brentq(missing, 1e-12, 0.2 * R, xtol=1e-15, rtol=1e-14))
 
 
 def sliding(**changes: Any) -> Study:

@@ -69,7 +69,7 @@ def test_symmetry_survives_wear(device: str) -> None:
             pressure = step.pressure
             assert pressure is not None
             for mirrored in (pressure[::-1], pressure[:, ::-1], pressure.T):
-                assert_allclose(mirrored, pressure, rtol=1e-9)
+                assert (np.abs(mirrored - pressure) <= 1e-9 * pressure).all()
             assert np.count_nonzero(pressure >= H) <= needed <= np.count_nonzero(pressure)
             assert_allclose(pressure.sum() * grid.cell_area, F, rtol=1e-12)
     worn = model.worn()[1]

@@ -128,19 +128,21 @@ def test_the_mean_section_has_no_roughness_in_it():
     assert "above, with the roughness in it" in text
 
 
+#: A field of 2 × 1.9 mm.
+COARSE, PIXEL = (250, 238), (0.008, 0.008)
+
+
 @cache
 def rough_ball(seed):
     """Return a rough ball of Ra 1 mm, of longer waves than a ball has: no test asks for shorter ones."""
-    return SelfAffine(ra=1.0, seed=seed, period=2.5, cut_off=0.016).heights(
-        *places((400, 380), (0.005, 0.005))
-    )
+    return SelfAffine(ra=1.0, seed=seed, period=2.5, cut_off=0.032).heights(*places(COARSE, PIXEL))
 
 
 def ball(flat, ra, *, middle=(0.02, -0.05), seed=2):
-    x, y = places((400, 380), (0.005, 0.005))
+    x, y = places(COARSE, PIXEL)
     sphere = Sphere((*middle, 0.2), 3.0).heights(x, y)
     worn = np.minimum(sphere, 0.2 - flat)
-    return worn + ra * rough_ball(seed), float((sphere - worn).sum()) * 0.005**2
+    return worn + ra * rough_ball(seed), float((sphere - worn).sum()) * PIXEL[0] ** 2
 
 
 @pytest.mark.parametrize(
@@ -156,7 +158,7 @@ def ball(flat, ra, *, middle=(0.02, -0.05), seed=2):
 )
 def test_volume_of_a_worn_ball(flat, ra, radius):
     heights, volume = ball(flat, ra)
-    found = find_worn_ball(heights, pixel=(0.005, 0.005), radius=radius)
+    found = find_worn_ball(heights, pixel=PIXEL, radius=radius)
     assert found.volume == pytest.approx(volume, rel=0.01)
     assert found.depth == pytest.approx(flat, rel=0.05 if ra > 1e-5 else 0.005)
     assert found.sphere.radius == pytest.approx(3.0, rel=1e-3)
@@ -169,14 +171,14 @@ def test_volume_of_a_worn_ball(flat, ra, radius):
 def test_a_radius_that_cannot_be_told_is_refused():
     rim = 0.91 * 0.95
     heights, volume = ball(3.0 - math.sqrt(9.0 - rim**2), 1e-4, middle=(0.0, 0.0))
-    given = find_worn_ball(heights, pixel=(0.005, 0.005), radius=3.0)
+    given = find_worn_ball(heights, pixel=PIXEL, radius=3.0)
     assert given.volume == pytest.approx(volume, rel=0.002)
     with pytest.raises(InputError, match=r"to tell its radius from: --radius gives it, or a wider"):
-        find_worn_ball(heights, pixel=(0.005, 0.005))
+        find_worn_ball(heights, pixel=PIXEL)
     # a flat that reaches the edges must not pass for the sphere itself
     heights, _ = ball(3.0 - math.sqrt(9.0 - 0.98**2), 1e-4, middle=(0.09, 0.27))
     with pytest.raises(InputError, match=r"to tell its radius from|no sphere fits|hollow"):
-        find_worn_ball(heights, pixel=(0.005, 0.005))
+        find_worn_ball(heights, pixel=PIXEL)
 
 
 @pytest.mark.parametrize(
@@ -191,7 +193,7 @@ def test_shallow_scars_are_not_cut_short(flat, count):
     off, errors = [], []
     for seed in range(count):
         heights, volume = ball(flat, 1.6e-4, seed=seed)
-        found = find_worn_ball(heights, pixel=(0.005, 0.005), radius=3.0)
+        found = find_worn_ball(heights, pixel=PIXEL, radius=3.0)
         off.append(found.volume / volume - 1.0)
         errors.append(found.volume_error / volume)
     assert abs(np.mean(off)) < 2.5 * np.mean(errors) / math.sqrt(count)
@@ -202,15 +204,15 @@ def test_shallow_scars_are_not_cut_short(flat, count):
 
 def test_pile_up_beside_the_patch_is_net():
     heights, volume = ball(0.01, 8e-5)
-    x, y = places((400, 380), (0.005, 0.005))
+    x, y = places(COARSE, PIXEL)
     rim = math.sqrt(2 * 3.0 * 0.01 - 0.01**2)
     beyond = np.hypot.outer(x - 0.02, y + 0.05) - rim
     ridge = np.where(beyond > 0, 0.002 * np.exp(-np.square((beyond - 0.03) / 0.015)), 0.0)
-    none = find_worn_ball(heights, pixel=(0.005, 0.005), radius=3.0)
+    none = find_worn_ball(heights, pixel=PIXEL, radius=3.0)
     assert abs(none.piled_up) < 3 * none.piled_up_error
     assert none.piled_up_error < 0.01 * volume
-    found = find_worn_ball(heights + ridge, pixel=(0.005, 0.005), radius=3.0)
-    assert found.piled_up == pytest.approx(ridge.sum() * 0.005**2, rel=0.05)
+    found = find_worn_ball(heights + ridge, pixel=PIXEL, radius=3.0)
+    assert found.piled_up == pytest.approx(ridge.sum() * PIXEL[0] ** 2, rel=0.05)
     assert found.volume == pytest.approx(volume, rel=0.01)
     text = "\n".join(lines(ball_rows(found)))
     assert "net above the sphere in the rim beside the patch" in text
@@ -220,9 +222,9 @@ def test_pile_up_beside_the_patch_is_net():
 def test_balls_that_are_none():
     heights, _ = ball(0.02, 1e-4)
     with pytest.raises(InputError, match="hollow, not a ball"):
-        find_worn_ball(-heights, pixel=(0.005, 0.005))
+        find_worn_ball(-heights, pixel=PIXEL)
     with pytest.raises(InputError, match=r"no sphere fits|beyond the ball|nothing on the ball"):
-        find_worn_ball(heights, pixel=(0.005, 0.005), radius=0.5)
+        find_worn_ball(heights, pixel=PIXEL, radius=0.5)
 
 
 def test_two_diagonals_are_equation_3_1():

@@ -95,6 +95,8 @@ class Iterate:
         self._parts: Field | None = None
         self._sums = executor.partials(len(Products._fields) - 2)
         self._maxima = executor.partials(2)
+        #: On a CPU, their own memory: asking for it anew each time is felt on small grids.
+        self._tables = [t.numpy() for t in (self._sums, self._maxima)] if executor.device.is_cpu else []
         #: On a GPU, where tables of many slots are reduced before they are read.
         self._folded = (
             None
@@ -341,7 +343,7 @@ class Iterate:
         self._executor.launch(kernel, inputs=inputs, outputs=[*outputs, *tables], chunks=chunks, often=True)
         slots = self._slots
         if self._folded is None:
-            table, largest = self._sums.numpy()[:sums, :slots], self._maxima.numpy()[:maxima, :slots]
+            table, largest = self._tables[0][:sums, :slots], self._tables[1][:maxima, :slots]
         else:  # one short table to read back
             both, of_row = sums + maxima, self._executor.slots_per_row
             width = self._folded.shape[1]

@@ -26,7 +26,7 @@ from warpwear.runs import folder as run_folder
 from warpwear.runs import loop as step_loop
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 ENVIRONMENT = os.environ | {
     "PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH")))),
     "MPLBACKEND": "agg",
@@ -71,7 +71,7 @@ def test_a_disk_that_fills(count: int, tmp_path: Path) -> None:
     """From 1 MiB to more than enough: full at the start, a snapshot, a checkpoint, a table, a figure."""
     if not small_disks():
         pytest.skip("no file system of our own can be mounted here")
-    script = ROOT / "tests" / "small_disk.py"
+    script = ROOT / "tests" / "runs" / "stopped" / "small_disk.py"
     disk = tmp_path / "disk"
     disk.mkdir()
     done = subprocess.run(

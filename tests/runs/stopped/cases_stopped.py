@@ -1,0 +1,73 @@
+"""What tests of runs that were stopped share: a short study, and how a run of it is stopped."""
+
+import math
+import runpy
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import warpwear
+from warpwear import Study
+from warpwear.models.patches.half_space import HalfSpacePatches
+from warpwear.models.patches.local import TwoScaleModel
+from warpwear.models.rest.local import OneScaleModel
+from warpwear.models.track.half_space import SlidingHalfSpace
+from warpwear.models.track.local import SlidingContact
+from warpwear.runs.checkpoint import FILE_NAME
+
+ROOT = Path(__file__).parents[3]
+KILLS = ROOT / "bench" / "kills.py"
+of_kills = runpy.run_path(str(KILLS))
+CASES, differences, study_of = of_kills["CASES"], of_kills["differences"], of_kills["study_of"]
+
+
+#: What makes a step of a model that lies still, or of a contact that slides.
+MODELS = (OneScaleModel, TwoScaleModel, HalfSpacePatches)
+ADVANCE: dict[tuple[Any, str], Callable[..., Any]] = {(model, "advance"): model.advance for model in MODELS}
+ADVANCE |= {
+    (SlidingContact, "step"): SlidingContact.step,
+    (SlidingHalfSpace, "slide"): SlidingHalfSpace.slide,
+}
+
+
+SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
+
+
+def short(**changes: Any) -> Study:
+    """A study of 43 steps."""
+    dotted = {k.replace("__", "."): v for k, v in changes.items()}
+    return study_of("micro, implicit", math.inf).replace(SHORT | dotted)
+
+
+def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], None]) -> None:
+    """Let something happen in the step after so many, counted from here."""
+    calls: list[int] = []
+    monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
+
+    def stopping(advance: Callable[..., Any]) -> Callable[..., Any]:
+        def stopped(*args: Any, **kwargs: Any) -> Any:
+            calls.append(1)
+            if len(calls) == after + 1:
+                how()
+            return advance(*args, **kwargs)
+
+        return stopped
+
+    for (model, name), advance in ADVANCE.items():
+        monkeypatch.setattr(model, name, stopping(advance))
+
+
+def killed() -> None:
+    raise SystemExit("killed")
+
+
+def run_stopped(study: Study, out: Path, after: int, **options: Any) -> None:
+    """Leaves the checkpoint of so many steps, with one after each of them."""
+    study = study.replace({"run.checkpoint": "0 s"})
+    with pytest.MonkeyPatch.context() as patch:
+        stop(patch, after, killed)
+        with pytest.raises(SystemExit):
+            warpwear.run(study, out=out, plots=False, **options)
+    assert (out / FILE_NAME).is_file()
