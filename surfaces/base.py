@@ -47,13 +47,3 @@ class Surface(Protocol):
 def spacing(points: FloatArray) -> float:
     """Return the mean distance [mm] of uniform, increasing points [mm], shape (n,); 0 for a single point."""
     return float(points[-1] - points[0]) / (points.size - 1) if points.size > 1 else 0.0
-
-
-def least_squares(design: FloatArray, values: FloatArray) -> FloatArray:
-    """Return the coefficients, shape (k,), with which k columns come nearest to values, shape (n,).
-
-    design: the columns, shape (n, k), scaled to about 1. The sums of the normal equations are made in one
-    order, whatever the threads of BLAS.
-    """
-    matrix, right = np.einsum("ni,nj->ij", design, design), np.einsum("ni,n->i", design, values)
-    return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-15)[0])
