@@ -22,7 +22,7 @@ from warpwear.contact.half_space.transforms import release
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
-from warpwear.kernels.gpu.half_space import CONVERGED, Told
+from warpwear.kernels.gpu.half_space.solve import CONVERGED, Told
 
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = 1.0e-6
