@@ -1,6 +1,5 @@
 """What every surface can do: give its heights at any points, say what it is, warn about a sampling."""
 
-from collections.abc import Iterator
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,15 +9,6 @@ from warpwear.grid import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.int64]
-
-BLOCK_VALUES = 2**18  # 2 MiB of float64: what one block of rows may hold beside a field
-
-
-def blocks_of_rows(count: int, *, values: int) -> Iterator[slice]:
-    """Yield slices that divide `count` rows into blocks small enough for a cache. values: in a row."""
-    rows = max(1, BLOCK_VALUES // values)
-    for start in range(0, count, rows):
-        yield slice(start, min(start + rows, count))
 
 
 class Surface(Protocol):

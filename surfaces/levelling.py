@@ -6,9 +6,9 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from warpwear import lazy
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, blocks_of_rows
 from warpwear.laws.linear import solve
-from warpwear.surfaces.base import BoolArray, blocks_of_rows
+from warpwear.surfaces.base import BoolArray
 
 fft = lazy.module("scipy.fft")
 
