@@ -51,7 +51,7 @@ def minimum(session: nox.Session) -> None:
 @nox.session
 def coverage(session: nox.Session) -> None:
     """Say which lines the quick tests run; kernels are not Python and are left out."""
-    session.install("-e", ".[io,test]", "pytest-cov>=5")
+    session.install("-e", ".[io,test]", "pytest-cov>=7")
     session.run("python", "-m", "pytest", *QUICK, "--cov", "--cov-report=term:skip-covered", *session.posargs)
 
 

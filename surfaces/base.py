@@ -1,6 +1,5 @@
 """What every surface can do: give its heights at any points, say what it is, warn about a sampling."""
 
-from collections.abc import Iterator
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,15 +9,6 @@ from warpwear.grid import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.int64]
-
-BLOCK_VALUES = 2**18  # 2 MiB of float64: what one block of rows may hold beside a field
-
-
-def blocks_of_rows(count: int, *, values: int) -> Iterator[slice]:
-    """Yield slices that divide `count` rows into blocks small enough for a cache. values: in a row."""
-    rows = max(1, BLOCK_VALUES // values)
-    for start in range(0, count, rows):
-        yield slice(start, min(start + rows, count))
 
 
 class Surface(Protocol):
@@ -47,13 +37,3 @@ class Surface(Protocol):
 def spacing(points: FloatArray) -> float:
     """Return the mean distance [mm] of uniform, increasing points [mm], shape (n,); 0 for a single point."""
     return float(points[-1] - points[0]) / (points.size - 1) if points.size > 1 else 0.0
-
-
-def least_squares(design: FloatArray, values: FloatArray) -> FloatArray:
-    """Return the coefficients, shape (k,), with which k columns come nearest to values, shape (n,).
-
-    design: the columns, shape (n, k), scaled to about 1. The sums of the normal equations are made in one
-    order, whatever the threads of BLAS.
-    """
-    matrix, right = np.einsum("ni,nj->ij", design, design), np.einsum("ni,n->i", design, values)
-    return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-15)[0])

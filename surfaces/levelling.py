@@ -6,8 +6,9 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from warpwear import lazy
-from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BoolArray, blocks_of_rows
+from warpwear.grid import FloatArray, blocks_of_rows
+from warpwear.laws.linear import solve
+from warpwear.surfaces.base import BoolArray
 
 fft = lazy.module("scipy.fft")
 
@@ -21,8 +22,8 @@ def without_polynomial(
 
     degree: its total degree; 0 takes off the mean, 1 the mean plane. It is fitted to the valid points (of
     `where`, shape (nx, ny), if given; every n-th of them along x and y) by normal equations, in products of
-    Legendre polynomials over the field, which stay well conditioned there. Sums over points are made by
-    einsum, in one order whatever the threads of BLAS.
+    Legendre polynomials over the field, which stay well conditioned there. Terms that the points do not fix
+    are left out. All sums are made in one order, whatever the threads of BLAS.
     """
     nx, ny = heights.shape
     basis_x = legendre.legvander(np.linspace(-1.0, 1.0, nx), degree)
@@ -45,10 +46,9 @@ def without_polynomial(
                 square += np.einsum("xi,xk,xjl->ikjl", some_x[rows], some_x[rows], across)
             moments = np.einsum("xy,yj->xj", np.where(valid, some[rows], 0.0), some_y)
             right += np.einsum("xi,xj->ij", some_x[rows], moments)
-        # least squares rather than a solution: few valid points do not fix every term
         matrix = square[i[:, None], i, j[:, None], j]
         table = np.zeros_like(right)
-        table[i, j] = np.linalg.lstsq(matrix, right[i, j], rcond=1e-12)[0]
+        table[i, j] = solve(matrix, right[i, j, np.newaxis], rcond=1e-12)[:, 0]
         levelled = levelled - np.einsum("xi,iy->xy", basis_x, np.einsum("ij,yj->iy", table, basis_y))
     return levelled
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BoolArray, IntArray, blocks_of_rows, spacing
+from warpwear.grid import FloatArray, blocks_of_rows
+from warpwear.surfaces.base import BoolArray, IntArray, spacing
 from warpwear.surfaces.levelling import low_pass
 from warpwear.surfaces.preparation import Preparation, prepare
 from warpwear.surfaces.reading import Reading, read

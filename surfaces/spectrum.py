@@ -113,7 +113,7 @@ def slope_against_cut_off(
     # the frequency of a bin is the one of its waves' slopes
     middle = np.divide(moment, slopes, out=np.zeros_like(slopes), where=slopes > 0.0)
     passed = np.exp2(-2.0 * np.square(cut_offs)[:, None] * middle[None, :])
-    return np.asarray(np.sqrt(passed @ slopes))
+    return np.asarray(np.sqrt(np.einsum("cf,f->c", passed, slopes)))
 
 
 def autocorrelation_length(

@@ -8,7 +8,8 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BoolArray, least_squares
+from warpwear.laws.linear import least_squares
+from warpwear.surfaces.base import BoolArray
 
 optimize = lazy.module("scipy.optimize")
 

@@ -46,6 +46,15 @@ class Grid:
         return _centres(self.ny, self.cell)
 
 
+def blocks_of_rows(count: int, *, values: int, together: int = 2**18) -> list[slice]:
+    """Return the slices that divide `count` rows of so many values into blocks; they depend on no machine.
+
+    together: values of a block, if not of a single row; by default 2 MiB of float64, which fit into a cache.
+    """
+    rows = max(together // values, 1)
+    return [slice(first, min(first + rows, count)) for first in range(0, count, rows)]
+
+
 def _centres(n: int, cell: float) -> FloatArray:
     centres: FloatArray = (np.arange(n, dtype=np.float64) - 0.5 * (n - 1)) * cell
     return centres

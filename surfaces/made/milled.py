@@ -10,8 +10,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.grid import FloatArray
-from warpwear.surfaces.base import blocks_of_rows
+from warpwear.grid import FloatArray, blocks_of_rows
 from warpwear.surfaces.made.fourier import sum_waves, uniform_draws
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.made.synthetic import SLACK, RandomPart

@@ -18,7 +18,7 @@ from warpwear.engine.executor import SMALL, Executor
 from warpwear.errors import InvariantError
 from warpwear.grid import Grid
 from warpwear.history.recorder import Step
-from warpwear.kernels import blocks
+from warpwear.kernels.blocks import steps
 from warpwear.models.model import Model
 from warpwear.models.on_cpu import Block
 from warpwear.models.rest.local import OneScaleModel
@@ -218,14 +218,14 @@ def test_against_plain_numpy(kind: str) -> None:
             assert_allclose(found, values, rtol=1e-12, err_msg=name)
 
 
-@wp.func_native(blocks._BEGIN + "wp::index(block.sums, 0, 0) = sum_of_row(block.found, 0);}")
-def summed(block: blocks.Block) -> None:
+@wp.func_native(steps.BEGIN + "wp::index(block.sums, 0, 0) = sum_of_row(block.found, 0);}")
+def summed(block: steps.Block) -> None:
     """Sums up the first row of `found` as blocks do."""
     ...
 
 
 @wp.kernel(module="unique", enable_backward=False)
-def sum_row(block: blocks.Block) -> None:
+def sum_row(block: steps.Block) -> None:
     summed(block)
 
 
@@ -233,9 +233,9 @@ def sum_row(block: blocks.Block) -> None:
 def test_sums_are_those_of_numpy(count: int) -> None:
     """Where they were not, steps made many at a time would differ from steps made by themselves."""
     values = np.random.default_rng(count).lognormal(0.0, 3.0, (1, count))
-    block = blocks.Block()
+    block = steps.Block()
     block.found = wp.array(values, dtype=wp.float64, device="cpu")
     block.sums = wp.zeros((1, 1), dtype=wp.float64, device="cpu")
-    block.memory = wp.zeros(len(blocks.MEMORY), dtype=wp.float64, device="cpu")
+    block.memory = wp.zeros(len(steps.MEMORY), dtype=wp.float64, device="cpu")
     wp.launch(sum_row, dim=1, inputs=[block], device="cpu")
     assert block.sums.numpy()[0, 0] == values.sum(axis=1)[0]

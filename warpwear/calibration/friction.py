@@ -124,7 +124,7 @@ def fit_friction(
     area_over_load = np.interp(where, run_distance, run_area) / load
     mean = float(area_over_load.mean())
     varying = area_over_load - mean
-    scatter = float(varying @ varying)
+    scatter = _product(varying, varying)
     spread = math.sqrt(scatter / count) / mean
     condition = _condition(spread)
     if condition > HOPELESS:
@@ -132,11 +132,11 @@ def fit_friction(
             f"the area varies by {spread:.1g} of its mean over {where[0]:g} to {where[-1]:g} mm: τ0 and μ_p "
             "cannot be told apart; --cof with --ploughing fixes both instead"
         )
-    slope = float(varying @ (measured - measured.mean())) / scatter
+    slope = _product(varying, measured - measured.mean()) / scatter
     offset = float(measured.mean()) - slope * mean
     residual = measured - offset - slope * area_over_load
     effective = _effective_points(residual)
-    deviation = math.sqrt(float(residual @ residual) / (count - 2) * count / effective)
+    deviation = math.sqrt(_product(residual, residual) / (count - 2) * count / effective)
     return FrictionFit(
         shear_strength=slope,
         shear_strength_error=deviation / math.sqrt(scatter),
@@ -156,10 +156,11 @@ def fit_friction(
 
 def _shear_alone(area_over_load: FloatArray, measured: FloatArray) -> ShearFit:
     """Fit τ0 alone. area_over_load: A/F [mm²/N], measured: coefficient, both (n,)."""
-    square = float(area_over_load @ area_over_load)
-    slope = float(area_over_load @ measured) / square
+    square = _product(area_over_load, area_over_load)
+    slope = _product(area_over_load, measured) / square
     residual = measured - slope * area_over_load
-    variance = float(residual @ residual) / (measured.size - 1) * measured.size / _effective_points(residual)
+    count, effective = measured.size, _effective_points(residual)
+    variance = _product(residual, residual) / (count - 1) * count / effective
     error = math.sqrt(variance / square)
     return ShearFit(shear_strength=slope, shear_strength_error=error, **_quality(residual, measured))
 
@@ -181,10 +182,15 @@ def _condition(spread: float) -> float:
     return math.sqrt((1.0 + cos) / lack) if lack else math.inf
 
 
+def _product(one: FloatArray, other: FloatArray) -> float:
+    """Add up products in one order, as a dot product of BLAS, shared among threads, does not."""
+    return float((one * other).sum())
+
+
 def _effective_points(residual: FloatArray) -> float:
     """Find how many independent points scatter as much: n/(1 + 2 Σ ρ_k), ρ up to its first zero."""
     count = residual.size
-    power = float(residual @ residual)
+    power = _product(residual, residual)
     if power == 0.0:
         return float(count)
     length = 1 << (2 * count - 1).bit_length()
@@ -197,5 +203,5 @@ def _effective_points(residual: FloatArray) -> float:
 def _quality(residual: FloatArray, measured: FloatArray) -> dict[str, Any]:
     """Find rms and R² of residuals about a measured coefficient, both (n,), as fields of a fit."""
     about_mean = measured - measured.mean()
-    total, left = float(about_mean @ about_mean), float(residual @ residual)
+    total, left = _product(about_mean, about_mean), _product(residual, residual)
     return {"rms": math.sqrt(left / residual.size), "r_squared": 1.0 - left / total if total else None}

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from warpwear.contact.balance import TOLERANCE
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, blocks_of_rows
 
 #: Load that a certified pressure may miss, relatively: twice what a search allows, which sums otherwise.
 LOAD_TOLERANCE = 2.0 * TOLERANCE
@@ -147,9 +147,7 @@ def cells_of(
     """The cells of one part, from arrays of shape (rows, columns). fractions: of the cap, that cells bear."""
 
     def blocks() -> Iterator[Cells]:
-        rows = max(together // pressure.shape[1], 1)
-        for first in range(0, pressure.shape[0], rows):
-            here = slice(first, first + rows)
+        for here in blocks_of_rows(pressure.shape[0], values=pressure.shape[1], together=together):
             caps = cap if fractions is None else cap * fractions[here]
             yield Cells(pressure[here], gap[here] + displacement[here], caps)
 

@@ -31,7 +31,7 @@ class Foresight:
 
     @property
     def numbers(self) -> dict[str, float]:
-        """What it goes by, by the names of `kernels.blocks.MEMORY`."""
+        """What it goes by, by the names of `kernels.blocks.steps.MEMORY`."""
         known: dict[str, float] = {"slid": self._slid, "rates": len(self._rates)}
         for number, (where, rate) in enumerate(self._rates):
             known |= {f"where_{number}": where, f"rate_{number}": rate}

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import warp as wp
 
 from warpwear.engine.executor import Executor, Field
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, blocks_of_rows
 from warpwear.kernels.cells import LANES, Cells
 
 T = TypeVar("T")
@@ -20,15 +20,9 @@ T = TypeVar("T")
 TOGETHER = 2**21
 
 
-def blocks_of(shape: tuple[int, ...]) -> list[slice]:
-    """Blocks of rows of an array; they depend on its shape alone."""
-    rows = max(TOGETHER // shape[1], 1)
-    return [slice(first, min(first + rows, shape[0])) for first in range(0, shape[0], rows)]
-
-
 def each(work: Callable[[slice], T], shape: tuple[int, ...], threads: int) -> list[T]:
     """What the work gives for each block of rows, in their order."""
-    blocks = blocks_of(shape)
+    blocks = blocks_of_rows(shape[0], values=shape[1], together=TOGETHER)
     if min(len(blocks), threads) == 1:
         return [work(rows) for rows in blocks]
     with ThreadPoolExecutor(min(len(blocks), threads)) as pool:
@@ -86,7 +80,7 @@ def _groups(
     executor: Executor, pitches: list[int]
 ) -> Iterator[tuple[ThreadPoolExecutor, list[list[Any]], list[slice]]]:
     """Give a block for each thread at a time, and page-locked buffers for rows of these lengths."""
-    blocks = blocks_of(executor.grid.shape)
+    blocks = blocks_of_rows(executor.grid.nx, values=executor.grid.ny, together=TOGETHER)
     threads, lines = min(executor.threads, len(blocks)), blocks[0].stop
     pinned = executor.device.is_cuda
     staged = [

@@ -86,7 +86,7 @@ def _levels(
     gone = np.exp(-distance / lengths[:, None])
     here = 1.0 - gone
     aa, ab, bb = ((p * q).sum(axis=1) for p, q in ((here, here), (here, gone), (gone, gone)))
-    ay, by = here @ roughness, gone @ roughness
+    ay, by = ((p * roughness).sum(axis=1) for p in (here, gone))
     with np.errstate(invalid="ignore", divide="ignore"):
         both = np.stack([bb * ay - ab * by, aa * by - ab * ay]) / (aa * bb - ab * ab)
         either = np.stack([[ay / aa, 0.0 * ay], [0.0 * by, by / bb]])

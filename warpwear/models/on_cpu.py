@@ -24,8 +24,8 @@ from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.tiles import TileList
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import blocks
-from warpwear.kernels.blocks import BALANCE, MEMORY
+from warpwear.kernels.blocks import steps as block_steps
+from warpwear.kernels.blocks.steps import BALANCE, MEMORY
 from warpwear.kernels.cells import EXTENTS
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import Found
@@ -53,7 +53,7 @@ class Block:
         self._executor, self._kernel, self._inputs = executor, kernel, inputs
         self._columns, self._changes = columns, changes
         rules = arguments(
-            blocks.Rules,
+            block_steps.Rules,
             tolerance=TOLERANCE,
             most=MAX_EVALUATIONS,
             hopeless=HOPELESS,
@@ -63,7 +63,7 @@ class Block:
             steps_ahead=STEPS_AHEAD,
         )
         self._arguments = arguments(
-            blocks.Block,
+            block_steps.Block,
             rules=rules,
             sums=executor.partials(2),
             stiffness=executor.zeros(1) if stiffness is None else stiffness,
@@ -84,8 +84,8 @@ class Block:
     ) -> tuple[Found, dict[str, float]]:
         """Make steps of a plan; return balance, sums and maxima of those made, and the memory after them.
 
-        plan: numbers of each step by `kernels.blocks.PLAN`; steps: at most. ledger: of the contact. memory,
-        changes: by `kernels.blocks.MEMORY`.
+        plan: numbers of each step by `kernels.blocks.steps.PLAN`; steps: at most. ledger: of the contact.
+        memory, changes: by `kernels.blocks.steps.MEMORY`.
         """
         changes = [*changes]
         begin = dict.fromkeys(MEMORY, 0.0) | dict(memory) | {name: ledger.most[name] for name in EXTENTS}

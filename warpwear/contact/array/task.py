@@ -14,7 +14,7 @@ import numpy as np
 from warpwear.contact.certificate import TOGETHER, Certificate
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.staging import each
-from warpwear.grid import FloatArray, Grid
+from warpwear.grid import FloatArray, Grid, blocks_of_rows
 from warpwear.kernels.cells import PADDING
 from warpwear.surfaces.sphere import sag
 
@@ -136,8 +136,8 @@ def surface_of(gap: FloatArray) -> FloatArray:
 
 def rms_of(gap: FloatArray) -> float:
     """The rms height of a gap where there is a surface, block by block of rows; 0 of a flat, to the digit."""
-    rows = max(TOGETHER // gap.shape[1], 1)
-    there = [surface_of(gap[first : first + rows]) for first in range(0, len(gap), rows)]
+    blocks = blocks_of_rows(len(gap), values=gap.shape[1], together=TOGETHER)
+    there = [surface_of(gap[rows]) for rows in blocks]
     there = [block for block in there if block.size]
     if max((block.max() for block in there), default=0.0) == min(
         (block.min() for block in there), default=0.0

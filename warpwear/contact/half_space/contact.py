@@ -47,3 +47,16 @@ class HalfSpaceContact:
     def separation(self) -> FloatArray:
         """Gap left after deformation (and implicit wear) [mm], shape (nx, ny); negative where p = H."""
         return np.asarray(self.executor.to_numpy(self.gradient_field) - self.approach)
+
+
+def residual_of(total: FloatArray, asked: FloatArray | None) -> float:
+    """Return the relative residual of the load, of the part where it is furthest from 0; 0 at an approach."""
+    if asked is None:
+        return 0.0
+    over = np.divide(total, asked, out=1.0 + total, where=asked > 0.0) - 1.0
+    return float(over[np.argmax(np.abs(over))])
+
+
+def worst_of(violation: FloatArray, scale: FloatArray) -> float:
+    """Return the largest violation over the scale of its part."""
+    return float(np.divide(violation, scale, out=np.zeros_like(scale), where=violation > 0.0).max())

@@ -9,6 +9,7 @@ import numpy as np
 
 from warpwear.contact.half_space.passes import Iterate
 from warpwear.grid import FloatArray
+from warpwear.laws.linear import solve
 
 #: Cells that are moved at once, at most.
 FEW = 256
@@ -48,18 +49,20 @@ def best_of_few(
     865). None where none lie between them, or no end is in sight.
     """
     below = above = np.zeros(slope.size, dtype=bool)
+    # a constant added, which a fixed sum does not feel, makes the matrix of all cells regular as well
+    regular = float(matrix.max())
     for _ in range(ROUNDS):
         x = np.where(below, low, np.where(above, high, 0.0))
         free = ~(below | above)
         count = int(free.sum())
         if not count:
             return None
-        inner = matrix[free]
-        system = np.ones((count + 1, count + 1))
-        system[:count, :count], system[count, count] = inner[:, free], 0.0
-        found = np.linalg.solve(system, -np.append(slope[free] + inner @ x, x.sum()))
-        x[free] = found[:-1]
-        pull = matrix @ x + slope + found[-1]  # negative where a cell would rise
+        right = np.stack([-slope[free] - np.einsum("ij,j->i", matrix[free], x), np.ones(count)], axis=1)
+        alone, shifted = solve(matrix[np.ix_(free, free)] + regular, right).T
+        level = (alone.sum() + x.sum()) / shifted.sum()
+        x[free] = alone - level * shifted
+        level += regular * x[free].sum()
+        pull = np.einsum("ij,j->i", matrix, x) + slope + level  # negative where a cell would rise
         was_below, below = below, np.where(free, x < low, below & (pull >= 0.0))
         was_above, above = above, np.where(free, x > high, above & (pull <= 0.0))
         if (below == was_below).all() and (above == was_above).all():

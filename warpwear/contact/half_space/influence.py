@@ -186,8 +186,8 @@ class Influence(Operator):
                 np.cos(2.0 * math.pi / size * step * np.arange(count))
                 for size, step, count in zip(shape, self._steps, inverse.shape, strict=True)
             )
-            rows = inverse.sum(axis=1), inverse @ across
-            sums = along @ rows[0], rows[1].sum(), along @ rows[1]
+            rows = inverse.sum(axis=1), (inverse * across).sum(axis=1)
+            sums = (along * rows[0]).sum(), rows[1].sum(), (along * rows[1]).sum()
             self._weights = (own, streak, window), extension.Weights(*(-one / inverse.sum() for one in sums))
         return self._weights[1]
 

@@ -19,8 +19,8 @@ from warpwear.contact.half_space.transforms import arrays_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.errors import ConvergenceError
 from warpwear.kernels.cells import LANES
-from warpwear.kernels.gpu import half_space as passes
-from warpwear.kernels.gpu.half_space import Numbers, Rules, Solve, Told
+from warpwear.kernels.gpu.half_space import balance, descent, filters
+from warpwear.kernels.gpu.half_space.solve import UNBALANCED, Numbers, Rules, Solve, Told
 
 BLOCK = 256  # threads
 BLOCKS = 528  # at most: four for each of the 132 multiprocessors of a large GPU
@@ -47,7 +47,8 @@ class DeviceSearch:
         max_iterations: int,
     ) -> None:
         self._executor, self._device, self._influence = executor, executor.device, influence
-        executor.load(passes.moments)
+        for kernel in (balance.moments, descent.begin, filters.residual):
+            executor.load(kernel)  # which no graph can while it is captured
         grid, self._gap, self._pressure = executor.grid, executor.zeros(), iterate.pressure
         columns = executor.vectors * LANES
         blocks = BLOCKS_ON_CPU if self._device.is_cpu else min(BLOCKS, -(-grid.nx * columns // BLOCK))
@@ -141,7 +142,7 @@ class DeviceSearch:
             wp.capture_launch(self._graph(anew))
             wp.synchronize_stream(self._device.stream)
         found = dict(zip(Told, self._told.numpy().tolist(), strict=True))
-        if found[Told.STATUS] == passes.UNBALANCED:
+        if found[Told.STATUS] == UNBALANCED:
             raise ConvergenceError(
                 f"the load balance of the half-space missed {ROUGH_BALANCE:g} of the load."
             )
@@ -183,51 +184,51 @@ class DeviceSearch:
     def _launch_all(self, anew: bool) -> None:
         solve = self._solve
         wp.copy(solve.asked, self._asked)
-        wp.launch(passes.start, dim=1, inputs=[solve], device=self._device)
+        wp.launch(balance.start, dim=1, inputs=[solve], device=self._device)
         for _ in range(2):
-            self._pass(passes.moments, passes.reckon_moments)
+            self._pass(balance.moments, balance.reckon_moments)
         if anew:
-            self._pass(passes.spring, passes.weigh)
+            self._pass(balance.spring, balance.weigh)
             wp.capture_while(solve.balancing, self._balance)
-            self._pass(passes.take)
-        self._pass(passes.present)
+            self._pass(balance.take)
+        self._pass(descent.present)
         self._respond()
-        self._pass(passes.begin)
-        self._pass(passes.advance, passes.judge)
+        self._pass(descent.begin)
+        self._pass(descent.advance, descent.judge)
         wp.capture_while(solve.searching, self._iterate)
         wp.copy(self._told, solve.told)
 
     def _iterate(self) -> None:
         wp.capture_if(self._solve.near, self._precondition)
-        self._pass(passes.products, passes.aim)
-        self._pass(passes.direction, passes.weigh)
+        self._pass(descent.products, descent.aim)
+        self._pass(descent.direction, balance.weigh)
         wp.capture_while(self._solve.balancing, self._balance)
-        self._pass(passes.step)
+        self._pass(descent.step)
         self._respond()
-        self._pass(passes.respond, passes.go)
-        self._pass(passes.advance, passes.judge)
+        self._pass(descent.respond, descent.go)
+        self._pass(descent.advance, descent.judge)
 
     def _balance(self) -> None:
-        self._pass(passes.carried, passes.weigh)
+        self._pass(balance.carried, balance.weigh)
 
     def _precondition(self) -> None:
-        self._pass(passes.scatter, passes.judge_scatter)
-        self._pass(passes.residual)
+        self._pass(filters.scatter, filters.judge_scatter)
+        self._pass(filters.residual)
         wp.capture_if(self._solve.extends, self._extend)
-        self._filter(self._near, passes.divide_waves, self._tables[1], self._lines[1])
+        self._filter(self._near, filters.divide_waves, self._tables[1], self._lines[1])
         wp.capture_if(self._solve.extends, self._gather)
 
     def _extend(self) -> None:
         near = self._solve.given_near, self._solve.made_near
-        self._pass(passes.extend, inputs=near)
-        self._pass(passes.extend, inputs=near[::-1])
+        self._pass(filters.extend, inputs=near)
+        self._pass(filters.extend, inputs=near[::-1])
 
     def _gather(self) -> None:
-        self._pass(passes.gather)
-        self._pass(passes.give)
+        self._pass(filters.gather)
+        self._pass(filters.give)
 
     def _respond(self) -> None:
-        self._filter(self._far, passes.pass_waves, self._tables[0], self._lines[0])
+        self._filter(self._far, filters.pass_waves, self._tables[0], self._lines[0])
 
     def _filter(self, waves: Filter, kernel: Any, table: Field, line: Field) -> None:
         waves.forward()

@@ -13,7 +13,7 @@ import numpy as np
 from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.contact.certificate import Certificate
 from warpwear.contact.half_space import nested
-from warpwear.contact.half_space.contact import HalfSpaceContact
+from warpwear.contact.half_space.contact import HalfSpaceContact, residual_of, worst_of
 from warpwear.contact.half_space.influence import Influence, Operator
 from warpwear.contact.half_space.on_gpu import DeviceSearch
 from warpwear.contact.half_space.passes import Iterate
@@ -22,7 +22,7 @@ from warpwear.contact.half_space.transforms import release
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
-from warpwear.kernels.gpu.half_space import CONVERGED, Told
+from warpwear.kernels.gpu.half_space.solve import CONVERGED, Told
 
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = 1.0e-6
@@ -211,7 +211,7 @@ class BoundedPressure:
             yielded = np.abs(level) + response * state.total / cells
             scale = np.where(moments.rms > 0.0, moments.rms, yielded)
             allowed = np.maximum(self._tolerance * scale, ROUNDING * yielded)
-            off = _load_residual(state.total, asked)
+            off = residual_of(state.total, asked)
             loaded = abs(off) <= LOAD_TOLERANCE
             if self._iterate.drift > DRIFT * max(float(violation.min()), float(allowed.min())):
                 state = self._iterate.begin(gap)
@@ -220,7 +220,7 @@ class BoundedPressure:
                 return HalfSpaceContact(
                     approaches=level,
                     mean_pressure=float(state.total.sum()) / self._influence.cells,
-                    violation=_worst(violation, scale),
+                    violation=worst_of(violation, scale),
                     load_residual=off,
                     cells_in_contact=round(float(state.touching.sum())),
                     iterations=iteration,
@@ -237,7 +237,7 @@ class BoundedPressure:
                 break
             state = moved
         self._started = False
-        raise self._not_converged(iteration, float(violation.max()), _worst(violation, scale))
+        raise self._not_converged(iteration, float(violation.max()), worst_of(violation, scale))
 
     def _not_converged(self, iterations: int, violation: float, relative: float) -> ConvergenceError:
         return ConvergenceError(
@@ -297,19 +297,6 @@ class BoundedPressure:
                 f"hardness, {self._hardness:g} MPa."
             )
         return means * self._iterate.cells
-
-
-def _load_residual(total: FloatArray, asked: FloatArray | None) -> float:
-    """Relative residual of the load, of the part where it is furthest from 0; 0 at an approach."""
-    if asked is None:
-        return 0.0
-    over = np.divide(total, asked, out=1.0 + total, where=asked > 0.0) - 1.0
-    return float(over[np.argmax(np.abs(over))])
-
-
-def _worst(violation: FloatArray, scale: FloatArray) -> float:
-    """Largest violation over the scale of its part."""
-    return float(np.divide(violation, scale, out=np.zeros_like(scale), where=violation > 0.0).max())
 
 
 class HalfSpace(BoundedPressure):

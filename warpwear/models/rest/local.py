@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from warpwear.models.on_cpu import Block
     from warpwear.models.on_gpu import DeviceSteps
 
-blocks = lazy.module("warpwear.kernels.blocks")
+one_gap = lazy.module("warpwear.kernels.blocks.one_gap")
 on_cpu = lazy.module("warpwear.models.on_cpu")
 on_gpu = lazy.module("warpwear.models.on_gpu")
 
@@ -71,7 +71,7 @@ class OneScaleModel(Model):
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
-        in_blocks = [blocks.wear_gap] if executor.in_one_launch else []
+        in_blocks = [one_gap.wear_gap] if executor.in_one_launch else []
         executor.foresee([contact.gap, wear.wear_step, *in_blocks])
         self.task = task
         self._executor = executor
@@ -98,7 +98,7 @@ class OneScaleModel(Model):
         self._block: Block | None = None
         if executor.in_one_launch and self._foreseen:
             parts = [self.state.unworn, self.tiles.rest, self.state.gap, self._tables]
-            self._block = on_cpu.Block(executor, task, blocks.wear_gap, parts, (SUMS, MAXIMA))
+            self._block = on_cpu.Block(executor, task, one_gap.wear_gap, parts, (SUMS, MAXIMA))
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""

@@ -14,7 +14,8 @@ from warpwear.engine.executor import Executor, Field, arguments, set_numbers
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, sliding
-from warpwear.kernels.blocks import PLAN, Lying, wear_bodies
+from warpwear.kernels.blocks.steps import PLAN
+from warpwear.kernels.blocks.two_bodies import Lying, wear_bodies
 from warpwear.kernels.cells import LANES, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.contact import Law
 from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTiles, Slide, StepTables
