@@ -13,6 +13,7 @@ from warpwear.surfaces.filling import filled
 from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
 from warpwear.surfaces.worn.patch import Patch, density_of, grown, measured_patch
+from warpwear.surfaces.worn.waviness import ROUGH
 
 ndimage = lazy.module("scipy.ndimage")
 
@@ -147,7 +148,7 @@ def _find(
     half = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0
     px, py = np.meshgrid(x / half, y / half, indexing="ij")
     fitted = np.stack([np.ones_like(px), px, py, px**2 + py**2][:terms])
-    found = measured_patch(lost, reach, unworn, pixel=pixel, terms=fitted, noise=noise)
+    found = measured_patch(lost, reach, unworn, pixel=pixel, terms=fitted, noise=noise, hurst=ROUGH)
     return WornBall(sphere=sphere, **vars(found))
 
 

@@ -16,6 +16,7 @@ from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.patch import SMOOTHED, Patch, density_of, grown, measured_patch
 from warpwear.surfaces.worn.registration import unchanged
+from warpwear.surfaces.worn.waviness import CHANGED
 
 ndimage = lazy.module("scipy.ndimage")
 
@@ -42,15 +43,17 @@ class Profile:
     length: float  # of these [mm]
 
 
-def find_scar(heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1) -> Patch:
+def find_scar(
+    heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1, hurst: float = CHANGED
+) -> Patch:
     """Find the wear scar in heights [mm], shape (nx, ny), positive out of the material, NaN where missing.
 
-    heights: of the worn surface, or better how they changed; pixel: (px, py) [mm]. A polynomial of the total
-    degree goes through what is not worn, found in rounds. The scar is the region that lies below it by four
-    times the scatter of the unworn surface, both smoothed, and by five and a half somewhere; worn asperities
-    next to each other are one region, and the valleys between them belong to it. Asperities that have worn
-    alone, within the scar's mean extent beside it, belong to it where they are deeper than anything farther
-    off. It reaches
+    heights: how they changed, or of the worn surface alone, with `waviness.ROUGH` as `hurst`: its roughness
+    is then part of the errors; pixel: (px, py) [mm]. A polynomial of the total degree goes through what is
+    not worn, found in rounds. The scar is the region that lies below it by four times the scatter of the
+    unworn surface, both smoothed, and by five and a half somewhere; worn asperities next to each other are
+    one region, and the valleys between them belong to it. Asperities that have worn alone, within the
+    scar's mean extent beside it, belong to it where they are deeper than anything farther off. It reaches
     to where rings about it no longer lie lower on average, beside pile-up to where the heights cross the
     form. Raises InputError where nothing is worn, or too little is unworn to level by.
     """
@@ -85,7 +88,7 @@ def find_scar(heights: FloatArray, *, pixel: tuple[float, float], degree: int = 
         raise InputError(
             "the scar is larger than the field, of which it reaches all four sides: a wider one is needed"
         )
-    found = measured_patch(lost, reach, unworn, pixel=pixel, terms=terms, noise=noise)
+    found = measured_patch(lost, reach, unworn, pixel=pixel, terms=terms, noise=noise, hurst=hurst)
     if not found.volume > LEAST_ERRORS * found.volume_error:
         raise InputError(
             f"no scar was found: the deepest region has lost {found.volume:.3g} mm³, with a standard error "

@@ -67,18 +67,20 @@ def measured_patch(
     pixel: tuple[float, float],
     terms: FloatArray,
     noise: float,
+    hurst: float,
 ) -> Patch:
     """Measure a patch that reaches so far: its volumes and its area, with their errors.
 
     lost [mm], unworn: shape (nx, ny); pixel [mm]; terms: of the form that was fitted, (terms, nx, ny); noise:
-    of the unworn surface [mm]. Raises InputError where too little is unworn to tell the errors.
+    of the unworn surface [mm]; hurst: likely exponent of its waviness. Raises InputError where too little is
+    unworn to tell the errors.
     """
     patch, rim, area = reach.patch, reach.rim, pixel[0] * pixel[1]
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
     # without pile-up, where within the rim the patch ends is not known any better: half of it, on average
     ending = 0.5 * rim if reach.doubtful else 0.0
     weights = [np.asarray(w, dtype=np.float64) for w in (patch + ending, rim, patch | rim)]
-    errors = _errors(weights, lost, unworn, pixel=pixel, terms=terms)
+    errors = _errors(weights, lost, unworn, pixel=pixel, terms=terms, hurst=hurst)
     worn, piled_up = float(lost[patch].sum()) * area, -float(lost[rim].sum()) * area
     return Patch(
         pixel=pixel,
@@ -189,6 +191,7 @@ def _errors(
     *,
     pixel: tuple[float, float],
     terms: FloatArray,
+    hurst: float,
 ) -> list[float]:
     """Return the standard errors of volumes [mm³] over parts of the field: weights, shape (nx, ny).
 
@@ -215,6 +218,7 @@ def _errors(
         unworn=known >= LEAST_CELL * size,
         terms=np.stack([by_cell(term) / size for term in terms], axis=1),
         spacing=spacing,
+        hurst=hurst,
         plane=True,
     )
     area = pixel[0] * pixel[1]

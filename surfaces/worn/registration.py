@@ -40,6 +40,11 @@ STEP = 0.05  # of the field, over which both are compared
 ALIKE = 30.0  # times by which the steps of both surfaces may differ: more is another unit
 SETTLED = 1e-3  # pixels that the ends of the field move in a last round
 LEAST_CORRELATION = 0.5  # below it a difference scatters more than either measurement
+LEAST_AGREEING = 0.5  # of the long waves of two places that both measurements show
+FADED = 6.0  # points over which heights fade out towards what is not compared
+LONG = 0.125  # waves a point, at most, of a long wave
+SHORT = 0.4  # waves a point, at least, of one that the noise is told from
+LOUD = 10.0  # times the noise that a wave's power is, at least, where it is compared
 LEAST_KNOWN = 0.9  # of a line along the edge of what both show
 FEWEST_PIXELS = 8  # of the earlier measurement along the later one's field
 LEAST_OVERLAP = 0.25  # of the later measurement's field
@@ -103,6 +108,13 @@ def difference(
         )
     x, y = places((later.shape[0], later.shape[1]), pixel)
     below = sampled.at(*np.meshgrid(x, y, indexing="ij"), place)
+    agreeing = _agreeing_waves(later, below)
+    if not agreeing >= LEAST_AGREEING:
+        raise InputError(
+            "--before does not show the place of FILE: laid over each other at best, the heights have a "
+            f"correlation of {correlation:.2g}, as grooves that repeat may have, but of their long waves "
+            f"{100.0 * max(agreeing, 0.0):.2g} % agree, at least {100.0 * LEAST_AGREEING:g} % is needed"
+        )
     rows, columns = _shared(~np.isnan(below))
     heights = (later - below)[rows, columns]
     if heights.size < LEAST_OVERLAP * later.size:
@@ -287,6 +299,35 @@ def _fitted(
         smooth, sums = (ndimage.gaussian_filter(v, width) for v in (heights, weight))
         fine.append((heights - smooth / np.maximum(sums, 1e-9)).ravel()[kept])
     return place, min(whole, float(np.corrcoef(*fine)[0, 1]))
+
+
+def _agreeing_waves(later: FloatArray, below: FloatArray) -> float:
+    """Return the mean agreement of the long waves of two fields [mm], shape (nx, ny), NaN where missing.
+
+    It is 1 where both are one, and 0 on average where they are two places. All waves that stand out of the
+    noise count alike: a lay is few of them, and its grooves may be laid over other grooves.
+    """
+    known = np.isfinite(later) & np.isfinite(below)
+    p, q = (np.linspace(-1.0, 1.0, n) for n in later.shape)
+    terms = np.stack([np.ones(later.size), np.repeat(p, q.size), np.tile(q, p.size)], axis=1)
+    kept = known.ravel()
+    kept[kept] = unchanged((later - below)[known], terms[kept])
+    # single points that differ by chance leave no holes
+    whole = np.pad(ndimage.binary_closing(kept.reshape(known.shape), iterations=2), 1)
+    fade = np.square(
+        np.sin(0.5 * np.pi * np.minimum(ndimage.distance_transform_edt(whole)[1:-1, 1:-1] / FADED, 1.0))
+    )
+    waves = []
+    for heights in (later, below):
+        form = np.linalg.lstsq(terms[kept], heights.ravel()[kept], rcond=None)[0]
+        flat = np.where(kept, heights.ravel() - terms @ form, 0.0).reshape(fade.shape)
+        waves.append(fft.rfft2(fade * (flat - (fade * flat).sum() / fade.sum())))
+    number = np.hypot.outer(fft.fftfreq(fade.shape[0]), fft.rfftfreq(fade.shape[1]))
+    power = 0.5 * (np.square(np.abs(waves[0])) + np.square(np.abs(waves[1])))
+    compared = (number > 0.0) & (number < LONG) & (power > LOUD * np.median(power[number > SHORT]))
+    if not compared.any():
+        return 1.0  # nothing stands out of the noise that could differ
+    return float(((waves[0] * np.conj(waves[1])).real[compared] / power[compared]).mean())
 
 
 def unchanged(values: FloatArray, terms: FloatArray) -> BoolArray:

@@ -14,7 +14,7 @@ from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import places
-from warpwear.surfaces.worn.waviness import regular_wave, waviness
+from warpwear.surfaces.worn.waviness import ROUGH, regular_wave, waviness
 
 ndimage = lazy.module("scipy.ndimage")
 
@@ -96,6 +96,7 @@ class Track:
             unworn=unworn,
             terms=legendre.legvander(places / (0.5 * count * spacing), self.degree),
             spacing=spacing,
+            hurst=ROUGH,
             regular=regular_wave(heights, places=places, unworn=unworn),
         )
         alone = float(cells * np.square(by_cell[2]).sum())

@@ -24,8 +24,9 @@ special = lazy.module("scipy.special")
 BANDS = 1.5  # per octave
 SPREAD = 0.3  # width of a band over its wave number, so that neighbours overlap
 LONGEST = 4.0  # wavelengths, in extents of the field: levelling leaves nothing of longer ones
-# standard deviation of log density between octaves: that of a profile falls by 8 at Hurst exponent 1
-TIE = math.log(8.0)
+ROUGH = 0.5  # Hurst exponent of rough surfaces: 0 to 1
+CHANGED = -0.5  # of the difference of two measurements: between that of white noise, -1 in a plane, and 0
+TIE = math.log(8.0)  # standard deviation of the log variance between octaves: by 2 H log 2 it grows, or falls
 LOOSE = 100.0  # standard deviation of the log power of all bands together, which is not known beforehand
 LINE = 3.0  # standard deviation of the log power of a regular wave: it may be missing
 WAVES = 4.0  # in the field, at least, of a regular wave; fewer may be chance
@@ -81,15 +82,17 @@ def waviness(
     unworn: BoolArray,
     terms: FloatArray,
     spacing: float,
+    hurst: float,
     plane: bool = False,
     regular: float | None = None,
 ) -> Waviness:
     """Find the waviness of heights [mm], shape (n,), where they are unworn, shape (n,).
 
     distances: between all places [mm], (n, n); terms: what the levelling takes off, (n, p); spacing: of the
-    places [mm]; plane: whether they lie in a plane, whose waves run in all directions, or along a line;
-    regular: wave number [rad/mm] of a wave that keeps its phase, such as a feed, see `regular_wave`. Raises
-    InputError where too few heights are unworn.
+    places [mm]; hurst: exponent H that is likely beforehand, where the variance of an octave grows with the
+    wavelength to the power 2H; plane: whether the places lie in a plane, whose waves run in all directions,
+    or along a line; regular: wave number [rad/mm] of a wave that keeps its phase, such as a feed, see
+    `regular_wave`. Raises InputError where too few heights are unworn.
     """
     known = np.flatnonzero(unworn)
     if known.size < terms.shape[1] + FEWEST:
@@ -105,8 +108,7 @@ def waviness(
         shorter,
         *(wave(p) * np.exp(-0.5 * np.square(SPREAD * p)) for p in np.multiply.outer(numbers, distances)),
     ]
-    # the density of rough surfaces falls with the wave number, about as its inverse
-    level = np.concatenate([[0.0], (1.0 if plane else 0.0) * np.log(numbers / high)])
+    level = np.concatenate([[0.0], -2.0 * hurst * np.log(numbers / high)])
     step = np.diff(np.eye(len(bands)), axis=0)
     tie = step.T @ step / (TIE**2 / BANDS) + np.eye(len(bands)) / LOOSE**2
     if regular is not None:

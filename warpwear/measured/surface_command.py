@@ -34,6 +34,7 @@ from warpwear.surfaces.worn.find_scar import find_scar
 from warpwear.surfaces.worn.patch import Patch
 from warpwear.surfaces.worn.registration import Difference, difference
 from warpwear.surfaces.worn.track import Track, find_track
+from warpwear.surfaces.worn.waviness import CHANGED, ROUGH
 
 #: Endings of files that a figure can be written to.
 FORMATS = (".png", ".pdf", ".svg")
@@ -159,7 +160,8 @@ def scar_in(
     degree = _degree(preparation.get("level"))
     changed = None if before is None else changed_since(surface, before, preparation)
     heights = surface.measured if changed is None else changed.heights
-    return find_scar(heights, pixel=surface.pixel, degree=degree), changed, degree
+    hurst = ROUGH if changed is None else CHANGED
+    return find_scar(heights, pixel=surface.pixel, degree=degree, hurst=hurst), changed, degree
 
 
 def changed_since(surface: Measured, before: Path, preparation: Mapping[str, str | None]) -> Difference:

@@ -63,6 +63,25 @@ def test_another_place_is_refused():
         difference(after, other, pixel=(PIXEL, PIXEL), earlier_pixel=(PIXEL, PIXEL))
 
 
+def test_two_places_of_one_lay_are_refused_and_one_place_of_a_lay_alone_is_not():
+    """Grooves that repeat were laid over other grooves, and their correlation was enough."""
+    rng = np.random.default_rng(5)
+    lay = np.multiply.outer(
+        np.ones(240), np.interp(np.arange(360), np.arange(0, 368, 8), rng.normal(size=46))
+    )
+    rough = [0.5 * KINDS["rolled-off"](np.random.default_rng(seed), (240, 360)) for seed in (6, 7)]
+    noise = [0.05 * rng.normal(size=(150, 230)) for _ in "ab"]
+
+    def laid_over(*fields):
+        after, before = (1e-3 * (sampled(f, (150, 230)) + n) for f, n in zip(fields, noise, strict=True))
+        return difference(after, before, pixel=(PIXEL, PIXEL), earlier_pixel=(PIXEL, PIXEL))
+
+    with pytest.raises(InputError, match=r"does not show the place of FILE: .* long waves .* % agree"):
+        laid_over(lay + rough[0], lay + rough[1])
+    assert laid_over(lay + rough[0], lay + rough[0]).correlation > 0.9
+    assert laid_over(lay, lay).correlation > 0.9
+
+
 def test_missing_points_of_both_stay_missing():
     after, before, *_, section = before_and_after("self-affine")
     rng = np.random.default_rng(0)
