@@ -12,7 +12,7 @@ from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.filling import filled
 from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
-from warpwear.surfaces.worn.patch import Patch, density_of, grown, measured_patch
+from warpwear.surfaces.worn.patch import Patch, check_points, density_of, grown, measured_patch
 from warpwear.surfaces.worn.waviness import ROUGH
 
 ndimage = lazy.module("scipy.ndimage")
@@ -84,6 +84,7 @@ def find_worn_ball(
     unworn, its flat may pass for the sphere. Raises InputError where no sphere fits, nothing is worn, or too
     little is unworn to tell the radius.
     """
+    check_points(heights.shape)
     x, y = places(heights.shape, pixel)
     u, v = (np.abs(p) / (0.5 * np.ptp(p)) for p in (x, y))
     found = _find(heights, np.maximum.outer(u, v) > FIRST_RING, pixel=pixel, radius=radius)

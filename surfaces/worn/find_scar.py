@@ -14,7 +14,7 @@ from warpwear.surfaces.filling import filled
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import TO_SIGMA
 from warpwear.surfaces.sphere import places
-from warpwear.surfaces.worn.patch import SMOOTHED, Patch, density_of, grown, measured_patch
+from warpwear.surfaces.worn.patch import SMOOTHED, Patch, check_points, density_of, grown, measured_patch
 from warpwear.surfaces.worn.registration import unchanged
 from warpwear.surfaces.worn.waviness import CHANGED
 
@@ -57,6 +57,7 @@ def find_scar(
     to where rings about it no longer lie lower on average, beside pile-up to where the heights cross the
     form. Raises InputError where nothing is worn, or too little is unworn to level by.
     """
+    check_points(heights.shape)
     nx, ny = heights.shape
     measured = ~np.isnan(heights)
     p, q = np.meshgrid(np.linspace(-1.0, 1.0, nx), np.linspace(-1.0, 1.0, ny), indexing="ij")
@@ -73,7 +74,7 @@ def find_scar(
         seed = _seed(lost, unworn, coarse=coarse, pixel=pixel)
         density = density_of(lost, unworn, area=pixel[0] * pixel[1], terms=len(terms))
         everywhere = np.ones_like(seed)
-        reach = grown(lost, seed, everywhere, pixel=pixel, density=density, inwards=INWARDS)
+        reach = grown(lost, seed, everywhere, pixel=pixel, density=density, noise=noise, inwards=INWARDS)
         same = np.array_equal(reach.patch, patch)
         patch = reach.patch
         unworn = measured & ~patch & ~reach.rim

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpwear import lazy
+from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.outliers import TO_SIGMA
@@ -18,6 +19,8 @@ RINGS = 40  # around the patch, looked at for its edge; each is 3 % of its mean 
 RING_WIDTH = 0.03  # of the patch's mean radius
 RIM = 0.15  # of the patch's mean radius: the width beside it that is neither worn nor fitted
 SURE = 3.0  # standard errors by which pile-up beyond the crossing ring stands out
+CLEAR = 4.0  # times the scatter of the unworn surface: a point farther from the form is clearly on one side
+FEWEST_POINTS = 16  # along each side of a field
 PILE_MARGIN = 0.4  # of the width of pile-up, added to it
 SMOOTHED = 5  # pixels along each side of the mean that tells a scar's edge
 BLOCKS = 8  # along each side of the field, whose means tell how far roughness averages out
@@ -55,6 +58,7 @@ class Reach:
 
     patch: BoolArray  # shape (nx, ny)
     rim: BoolArray  # shape (nx, ny)
+    other: BoolArray  # the patch with another outline that is as likely, shape (nx, ny)
     doubtful: float  # area of the patch's last ring, of which a part alone lies below the form [mm²]
     blur: float  # standard error of the patch's area [mm²]
 
@@ -77,11 +81,12 @@ def measured_patch(
     """
     patch, rim, area = reach.patch, reach.rim, pixel[0] * pixel[1]
     rows, columns = np.flatnonzero(patch.any(axis=1)), np.flatnonzero(patch.any(axis=0))
-    # without pile-up, where within the rim the patch ends is not known any better: half of it, on average
+    # where no outline is crossed, where within the rim the patch ends is not known: half of it, on average
     ending = 0.5 * rim if reach.doubtful else 0.0
     weights = [np.asarray(w, dtype=np.float64) for w in (patch + ending, rim, patch | rim)]
     errors = _errors(weights, lost, unworn, pixel=pixel, terms=terms, hurst=hurst)
     worn, piled_up = float(lost[patch].sum()) * area, -float(lost[rim].sum()) * area
+    outlined = worn - float(lost[reach.other].sum()) * area
     return Patch(
         pixel=pixel,
         lost=lost,
@@ -89,9 +94,9 @@ def measured_patch(
         rim=rim,
         unworn=unworn,
         volume=worn,
-        volume_error=errors[0],
+        volume_error=math.hypot(errors[0], outlined),
         piled_up=piled_up,
-        piled_up_error=errors[1],
+        piled_up_error=math.hypot(errors[1], outlined),
         net=worn - piled_up,
         net_error=errors[2],
         area=float(patch.sum()) * area - 0.5 * reach.doubtful,
@@ -110,14 +115,16 @@ def grown(
     *,
     pixel: tuple[float, float],
     density: float,
+    noise: float = 0.0,
     inwards: int = 0,
 ) -> Reach:
     """Return the whole patch about its deeper part, and the rim beside it, with pile-up if there is any.
 
     seed: the deeper part, near: what may belong to the patch, shapes (nx, ny); density: see `density_of`
-    [mm⁴]; inwards: rings within the deeper part at which it may end already. Rings about the deeper part are
-    added while they lie below the unworn form on average by more than a standard error; then, to the rim,
-    while they lie above it so. With `inwards` the outline beside pile-up is found point by point.
+    [mm⁴]; inwards: rings within the deeper part at which it may end already; noise: scatter of the unworn
+    surface [mm], for `inwards`. Rings about the deeper part are added while they lie below the unworn form
+    on average by more than a standard error; then, to the rim, while they lie above it so. With `inwards`
+    the outline beside pile-up is found point by point.
     """
     area = pixel[0] * pixel[1]
     mean_radius = math.sqrt(float(seed.sum()) * area / math.pi)
@@ -145,17 +152,20 @@ def grown(
         end += max(2, math.ceil(PILE_MARGIN * (end - edge)))
         # beside pile-up the outline is where heights cross the form, which no ring follows everywhere
         crossing = np.abs(ring - edge + 0.5) < inwards
-        patch, other = (np.where(crossing, _mostly(lost > 0.0, size), patch) for size in (SMOOTHED, 3))
+        doubtful = crossing & (np.abs(lost) <= CLEAR * noise)
+        patch = np.where(crossing, lost > 0.0, patch)
+        patch, other = (np.where(doubtful, _mostly(lost > 0.0, size), patch) for size in (SMOOTHED, 3))
     whole = math.sqrt(float(patch.sum()) * area / math.pi)
     outer = min(edge, count.size - 1)
     steps = float(error[outer]) / max(float(mean[edge - 1] - mean[outer]), float(error[outer]) + 1e-300)
     last_ring = float(count[edge - 1]) * area if edge > 1 else 2.0 * math.pi * whole * width
     # an outline that is crossed is told to a pixel, which a straight side of it, as of four, is wrong by as a
     # whole, and by how many points about it are asked; elsewhere any part of the last ring may be worn
-    side = 0.5 / math.sqrt(12.0) * last_ring / (width * max(pixel))
+    side = 0.5 / math.sqrt(12.0) * last_ring / (width * min(pixel))
     outlines = math.hypot(float(patch.sum()) - float(other.sum()), side) * area
     return Reach(
         patch=patch,
+        other=other,
         rim=~patch & (ring < max(end, edge + math.ceil(RIM * whole / width))),
         doubtful=0.0 if crossed else last_ring,
         blur=math.hypot(outlines if crossed else 0.5 * last_ring, steps * last_ring),
@@ -165,6 +175,15 @@ def grown(
 def _mostly(chosen: BoolArray, size: int) -> BoolArray:
     """Return where most points of a square of so many pixels are chosen, shape (nx, ny)."""
     return np.asarray(ndimage.uniform_filter(chosen * 1.0, size, mode="nearest") > 0.5)
+
+
+def check_points(shape: tuple[int, ...]) -> None:
+    """Raise InputError where a field has too few points to tell a worn patch from."""
+    if min(shape) < FEWEST_POINTS:
+        raise InputError(
+            f"the field has {shape[0]} × {shape[1]} points: at least {FEWEST_POINTS} along each side "
+            "are needed"
+        )
 
 
 def density_of(lost: FloatArray, unworn: BoolArray, *, area: float, terms: int) -> float:
@@ -179,6 +198,7 @@ def density_of(lost: FloatArray, unworn: BoolArray, *, area: float, terms: int) 
     count = np.bincount(block, weights=unworn.ravel())
     total = np.bincount(block, weights=np.where(unworn, lost, 0.0).ravel())
     used = count >= max(LEAST_BLOCK * nx * ny / BLOCKS**2, 1.0)
+    used = used if used.any() else count > 0
     blocks = int(used.sum())
     typical = TO_SIGMA * float(np.median(np.abs(total[used]) / np.sqrt(count[used])))
     return typical**2 * area * blocks / max(blocks - terms, 1)
@@ -200,11 +220,11 @@ def _errors(
     """
     x, y = places((lost.shape[0], lost.shape[1]), pixel)
     px, py = np.meshgrid(x, y, indexing="ij")
-    spacing = math.sqrt(float(np.ptp(x) * np.ptp(y))) / CELLS
+    spacing = max(math.sqrt(float(np.ptp(x) * np.ptp(y))) / CELLS, *pixel)
     row, column = (
         ((p - p[0] + 0.5 * d) // spacing).astype(np.int64) for p, d in zip((x, y), pixel, strict=True)
     )
-    cell = np.add.outer(row * (column[-1] + 1), column).ravel()
+    cell = np.unique(np.add.outer(row * (column[-1] + 1), column).ravel(), return_inverse=True)[1]
 
     def by_cell(values: FloatArray | BoolArray) -> FloatArray:
         return np.asarray(np.bincount(cell, weights=values.ravel()), dtype=np.float64)

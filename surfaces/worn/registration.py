@@ -28,7 +28,7 @@ ROUNDS = 30  # of the fit
 CANDIDATES = 5  # places, of each whitening, that are fitted to coarse maps
 WHITENED = (1.0, 0.5)  # power of a wave's strength that is taken off: a lay of few waves needs some left
 APART = 3.0  # coarse steps, or steps of the angle, by which two places differ
-CERTAIN = 0.8  # correlation from which no other place is tried
+CERTAIN = 0.95  # correlation from which no other place is tried
 FIRST_ROUNDS = 5  # of the fit of each of these places
 FITTED = 3  # of these places, the best after the first rounds, that are fitted to the end
 LEAST_COARSE = 0.3  # correlation of coarse maps, after the first rounds and in the end, to go on
@@ -40,11 +40,12 @@ STEP = 0.05  # of the field, over which both are compared
 ALIKE = 30.0  # times by which the steps of both surfaces may differ: more is another unit
 SETTLED = 1e-3  # pixels that the ends of the field move in a last round
 LEAST_CORRELATION = 0.5  # below it a difference scatters more than either measurement
-LEAST_AGREEING = 0.5  # of the long waves of two places that both measurements show
+LEAST_AGREEING = 0.6  # of the power of long waves, in the directions in which both agree least
+DIRECTIONS = 12  # of waves, in which these agree or not
+LEAST_SHARE = 0.002  # of the power of all long waves that a direction has, beyond noise, where it is asked
 FADED = 6.0  # points over which heights fade out towards what is not compared
 LONG = 0.125  # waves a point, at most, of a long wave
 SHORT = 0.4  # waves a point, at least, of one that the noise is told from
-LOUD = 10.0  # times the noise that a wave's power is, at least, where it is compared
 LEAST_KNOWN = 0.9  # of a line along the edge of what both show
 FEWEST_PIXELS = 8  # of the earlier measurement along the later one's field
 LEAST_OVERLAP = 0.25  # of the later measurement's field
@@ -108,12 +109,13 @@ def difference(
         )
     x, y = places((later.shape[0], later.shape[1]), pixel)
     below = sampled.at(*np.meshgrid(x, y, indexing="ij"), place)
-    agreeing = _agreeing_waves(later, below)
+    agreeing = _agreeing_waves(later, below, pixel)
     if not agreeing >= LEAST_AGREEING:
         raise InputError(
             "--before does not show the place of FILE: laid over each other at best, the heights have a "
-            f"correlation of {correlation:.2g}, as grooves that repeat may have, but of their long waves "
-            f"{100.0 * max(agreeing, 0.0):.2g} % agree, at least {100.0 * LEAST_AGREEING:g} % is needed"
+            f"correlation of {correlation:.2g}, as grooves that repeat may have, but across them "
+            f"{100.0 * max(agreeing, 0.0):.2g} % of the long waves agree, at least "
+            f"{100.0 * LEAST_AGREEING:g} % is needed"
         )
     rows, columns = _shared(~np.isnan(below))
     heights = (later - below)[rows, columns]
@@ -301,11 +303,12 @@ def _fitted(
     return place, min(whole, float(np.corrcoef(*fine)[0, 1]))
 
 
-def _agreeing_waves(later: FloatArray, below: FloatArray) -> float:
-    """Return the mean agreement of the long waves of two fields [mm], shape (nx, ny), NaN where missing.
+def _agreeing_waves(later: FloatArray, below: FloatArray, pixel: tuple[float, float]) -> float:
+    """Return how well the long waves of two fields [mm], shape (nx, ny), NaN where missing, agree.
 
-    It is 1 where both are one, and 0 on average where they are two places. All waves that stand out of the
-    noise count alike: a lay is few of them, and its grooves may be laid over other grooves.
+    pixel [mm]. It is 1 where both fields are one, and less where they are two places: the lower quartile of
+    directions, of those with more power than noise has. A lay is one direction of them, and its grooves may
+    be laid over other grooves.
     """
     known = np.isfinite(later) & np.isfinite(below)
     p, q = (np.linspace(-1.0, 1.0, n) for n in later.shape)
@@ -314,20 +317,29 @@ def _agreeing_waves(later: FloatArray, below: FloatArray) -> float:
     kept[kept] = unchanged((later - below)[known], terms[kept])
     # single points that differ by chance leave no holes
     whole = np.pad(ndimage.binary_closing(kept.reshape(known.shape), iterations=2), 1)
-    fade = np.square(
-        np.sin(0.5 * np.pi * np.minimum(ndimage.distance_transform_edt(whole)[1:-1, 1:-1] / FADED, 1.0))
-    )
+    inwards = ndimage.distance_transform_edt(whole)[1:-1, 1:-1]
+    fade = np.square(np.sin(0.5 * np.pi * np.minimum(inwards / FADED, 1.0)))
     waves = []
     for heights in (later, below):
         form = np.linalg.lstsq(terms[kept], heights.ravel()[kept], rcond=None)[0]
         flat = np.where(kept, heights.ravel() - terms @ form, 0.0).reshape(fade.shape)
         waves.append(fft.rfft2(fade * (flat - (fade * flat).sum() / fade.sum())))
-    number = np.hypot.outer(fft.fftfreq(fade.shape[0]), fft.rfftfreq(fade.shape[1]))
+    along, across = fft.fftfreq(fade.shape[0], pixel[0]), fft.rfftfreq(fade.shape[1], pixel[1])
+    number = np.hypot.outer(along, across) * max(pixel)
     power = 0.5 * (np.square(np.abs(waves[0])) + np.square(np.abs(waves[1])))
-    compared = (number > 0.0) & (number < LONG) & (power > LOUD * np.median(power[number > SHORT]))
-    if not compared.any():
-        return 1.0  # nothing stands out of the noise that could differ
-    return float(((waves[0] * np.conj(waves[1])).real[compared] / power[compared]).mean())
+    noise = float(np.median(power[number > SHORT]))
+    # the other half of the waves is not there, but for those along axis 0
+    twice = np.where(across == 0.0, 1.0, 2.0) * ((number > 0.0) & (number < LONG))
+    angle = np.arctan2(across, along[:, np.newaxis]) % np.pi
+    direction = (np.floor(angle / np.pi * DIRECTIONS + 0.5).astype(np.int64) % DIRECTIONS).ravel()
+    together = (waves[0] * np.conj(waves[1])).real
+    sums = [
+        np.bincount(direction, (twice * v).ravel(), DIRECTIONS)
+        for v in (power, together, noise + 0.0 * power)
+    ]
+    asked = sums[0] - sums[2] > LEAST_SHARE * sums[0].sum()
+    agreeing = sums[1][asked] / sums[0][asked]
+    return float(np.quantile(agreeing, 0.25)) if agreeing.size else 1.0
 
 
 def unchanged(values: FloatArray, terms: FloatArray) -> BoolArray:

@@ -10,7 +10,7 @@ from warpwear.grid import FloatArray
 
 
 def solve(matrix: FloatArray, right: FloatArray, *, rcond: float = 1e-15) -> FloatArray:
-    """Return x of matrix · x = right, both of shape (n, m), by Cholesky's method with diagonal pivots.
+    """Return x, shape (n, m), of matrix · x = right, shape (n, m), by Cholesky's method with diagonal pivots.
 
     matrix: symmetric without negative eigenvalues, shape (n, n). Unknowns whose pivots are less than rcond
     times the largest are not told from the others by the equations, and are 0.
@@ -23,7 +23,7 @@ def solve(matrix: FloatArray, right: FloatArray, *, rcond: float = 1e-15) -> Flo
     while len(order) < count and not rest.max() <= least:  # what is not a number goes on into x
         row, pivot = len(order), int(rest.argmax())
         along = known[pivot] - np.einsum("ki,k->i", factor[:row], factor[:row, pivot])
-        factor[row] = along / np.sqrt(along[pivot])
+        factor[row] = along / np.sqrt(rest[pivot])  # above the least, whatever the rounding of along
         rest -= np.square(factor[row, :count])
         order.append(pivot)
         rest[pivot] = -np.inf

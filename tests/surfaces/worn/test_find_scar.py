@@ -155,6 +155,33 @@ def test_the_outline_beside_steep_pile_up_is_where_the_surface_crosses_the_form(
     assert abs(found.area - float((scar > 0.0).sum()) * PIXEL**2) < found.area_error < 0.02 * found.area
 
 
+@pytest.mark.parametrize("half", [1, 2, 3])
+def test_a_narrow_scratch_with_lips_keeps_its_volumes(half):
+    """The vote of the points about each took narrow scratches away, and a point of wider ones."""
+    x = np.abs(np.arange(120) - 59.5)
+    scratch = np.multiply.outer(np.ones(120), 4e-3 * (x < half))
+    lips = np.multiply.outer(np.ones(120), 8e-4 * ((x > half) & (x < half + 4)))
+    noise = 5e-5 * np.random.default_rng(4).normal(size=scratch.shape)
+    found = find_scar(noise - scratch + lips, pixel=SIZE)
+    for volume, error, true in ((found.volume, found.volume_error, scratch.sum()),
+                                (found.piled_up, found.piled_up_error, lips.sum())):  # fmt: skip
+        assert abs(volume - float(true) * PIXEL**2) < 3.0 * error
+        assert error < 0.02 * volume
+
+
+@pytest.mark.parametrize("shape", [(3, 50), (12, 12), (60, 4)])
+def test_fields_of_few_points_are_refused(shape):
+    with pytest.raises(InputError, match=r"at least 16 along each side"):
+        find_scar(np.random.default_rng(0).normal(size=shape), pixel=SIZE)
+
+
+def test_a_small_field_has_errors():
+    x = np.arange(18) - 8.5
+    bowl = 4e-3 * np.maximum(1.0 - np.square(np.hypot.outer(x, x) / 4.0), 0.0)
+    found = find_scar(5e-5 * np.random.default_rng(0).normal(size=bowl.shape) - bowl, pixel=SIZE)
+    assert abs(found.net - float(bowl.sum()) * PIXEL**2) < 3.0 * found.net_error < 0.1 * found.net
+
+
 def test_nothing_worn_is_refused():
     field = 1.5e-3 * self_affine(np.random.default_rng(2), (200, 200))
     noise = 3e-5 * np.random.default_rng(3).normal(size=(2, 120, 120))
