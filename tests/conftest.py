@@ -1,4 +1,4 @@
-"""What every test may ask for: a device and a number of threads."""
+"""What every test may ask for: a device, a number of threads, and pictures that are soon drawn."""
 
 import base64
 import os

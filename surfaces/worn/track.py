@@ -24,9 +24,7 @@ MARGIN = 0.2  # of its width, added on both sides: the ends of pile-up are low
 REACH = 1.0  # of a parabola's width, from its middle, that a track reaches with its pile-up and margins
 LEAST_OUTSIDE = 0.05  # of the width across on each side of the track, to level by
 ROUNDS = 20  # in which the track is found
-LEAST_ERRORS = (
-    4.0  # that the net section of a track found must exceed, which is the deepest of several valleys
-)
+LEAST_ERRORS = 3.0  # standard errors that the net section of a track found must exceed
 WIDTH_LEVELS = (0.25, 0.75)  # of the depth, between which the width is followed up to the reference
 CELLS = 96  # across, about, at which the error looks: shorter waves average out in a track
 BLOCKS = 10  # along the track, whose means are taken as correlated with their neighbours at most
@@ -145,7 +143,7 @@ def find_track(
 
     The surface is levelled by a polynomial of the given total degree through what lies outside the track.
     The track is where the mean profile across stands out of its scatter outside, found in rounds, with its
-    pile-up and a margin, if its net section exceeds four standard errors; or, with `width` [mm] and
+    pile-up and a margin, if its net section exceeds three standard errors; or, with `width` [mm] and
     whatever its section, the piece of that width about the middle of the deepest part. hurst: see `waviness`.
     Raises InputError where there is none, or too little surface beside it to level by.
     """

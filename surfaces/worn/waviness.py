@@ -32,7 +32,9 @@ TIE = math.log(
 LOOSE = 100.0  # standard deviation of the log power of all bands together, which is not known beforehand
 LINE = 3.0  # standard deviation of the log power of a regular wave: it may be missing
 WAVES = 4.0  # in the field, at least, of a regular wave; fewer may be chance
-DRAWS = 250  # of spectra, in each of the rounds in which those that the heights allow are found
+# of spectra, in each of the rounds in which those that the heights allow are found: along a line, and in a
+# plane, where each takes ten times as long; the error is then known to about 5 and 10 %
+DRAWS, DRAWS_IN_PLANE = 1000, 250
 ROUNDS = 2
 FREEDOM = 6.0  # degrees, of Student's t: spectra far from the likeliest are drawn, too
 NARROWEST = 0.03  # standard deviation of the log power of a band that is drawn in a second round
@@ -123,8 +125,9 @@ def waviness(
     seen = contrasts.T @ heights[known]
     if np.abs(seen).max() <= ROUNDING * max(float(np.abs(heights).max()), ROUNDING):
         return Waviness(covariances, np.zeros((1, len(bands))), np.ones(1))
+    draws = DRAWS_IN_PLANE if plane else DRAWS
     seen_bands = contrasts.T @ covariances[:, known][:, :, known] @ contrasts
-    return Waviness(covariances, *_likely_spectra(seen, seen_bands, level, tie))
+    return Waviness(covariances, *_likely_spectra(seen, seen_bands, level, tie, draws=draws))
 
 
 def regular_wave(heights: FloatArray, *, places: FloatArray, unworn: BoolArray) -> float | None:
@@ -141,7 +144,7 @@ def regular_wave(heights: FloatArray, *, places: FloatArray, unworn: BoolArray) 
 
 
 def _likely_spectra(
-    seen: FloatArray, bands: FloatArray, level: FloatArray, tie: FloatArray
+    seen: FloatArray, bands: FloatArray, level: FloatArray, tie: FloatArray, *, draws: int
 ) -> tuple[FloatArray, FloatArray]:
     """Return variances of bands that contrasts allow, shape (draws, bands), and the chance of each, (draws,).
 
@@ -190,14 +193,14 @@ def _likely_spectra(
     random = np.random.default_rng(0)
     middle, covariance, count = log, np.linalg.inv(information), len(bands)
     for _ in range(ROUNDS):
-        normal = random.normal(size=(DRAWS, count))
-        drawn = normal / np.sqrt(random.chisquare(FREEDOM, size=DRAWS) / FREEDOM)[:, None]
+        normal = random.normal(size=(draws, count))
+        drawn = normal / np.sqrt(random.chisquare(FREEDOM, size=draws) / FREEDOM)[:, None]
         logs = middle + drawn @ np.linalg.cholesky(covariance).T
         tails = 0.5 * (FREEDOM + count) * np.log1p(np.square(drawn).sum(axis=1) / FREEDOM)
         weights = np.array([likelihood(log)[0] for log in logs]) + tails
         chances = np.exp(weights - weights.max())
         # no single spectrum decides: truncated importance sampling (Ionides 2008)
-        chances = np.minimum(chances, chances.mean() * math.sqrt(DRAWS))
+        chances = np.minimum(chances, chances.mean() * math.sqrt(draws))
         chances /= chances.sum()
         # the roots, as few of the first draws may have most of the chances
         roots = np.sqrt(chances) / np.sqrt(chances).sum()
