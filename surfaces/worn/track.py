@@ -48,7 +48,6 @@ class Track:
     below: FloatArray  # section areas under the reference in the window [mm²], shape (nx,)
     above: FloatArray  # section areas over the reference in the window [mm²], shape (nx,)
     length: float  # of the measured piece [mm]
-    hurst: float = ROUGH  # likely exponent of the waviness beside it
 
     @property
     def net(self) -> FloatArray:
@@ -95,7 +94,7 @@ class Track:
             unworn=unworn,
             terms=legendre.legvander(places / (0.5 * count * spacing), self.degree),
             spacing=spacing,
-            hurst=self.hurst,
+            hurst=ROUGH,
             regular=regular_wave(heights, places=places, unworn=unworn),
         )
         alone = float(cells * np.square(by_cell[2]).sum())
@@ -132,19 +131,14 @@ class Track:
 
 
 def find_track(
-    heights: FloatArray,
-    *,
-    pixel: tuple[float, float],
-    degree: int = 1,
-    width: float | None = None,
-    hurst: float = ROUGH,
+    heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1, width: float | None = None
 ) -> Track:
     """Find the worn track along axis 0 of heights, shape (nx, ny), NaN where missing; pixel (px, py); in mm.
 
     The surface is levelled by a polynomial of the given total degree through what lies outside the track.
     The track is where the mean profile across stands out of its scatter outside, found in rounds, with its
     pile-up and a margin, if its net section exceeds three standard errors; or, with `width` [mm] and
-    whatever its section, the piece of that width about the middle of the deepest part. hurst: see `waviness`.
+    whatever its section, the piece of that width about the middle of the deepest part.
     Raises InputError where there is none, or too little surface beside it to level by.
     """
     y = places(heights.shape, pixel)[1]
@@ -175,7 +169,6 @@ def find_track(
         below=np.maximum(-across, 0.0).sum(axis=1) * pixel[1],
         above=np.maximum(across, 0.0).sum(axis=1) * pixel[1],
         length=heights.shape[0] * pixel[0],
-        hurst=hurst,
     )
     net = float(track.net.mean())
     if width is None and net <= LEAST_ERRORS * track.net_error:

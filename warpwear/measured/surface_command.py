@@ -191,9 +191,8 @@ def track_in(
     to look at instead of the surface's. Raises InputError.
     """
     degree = _degree(level)
-    hurst = ROUGH if heights is None else CHANGED
     heights = surface.measured if heights is None else heights
-    return find_track(heights, pixel=surface.pixel, degree=degree, width=width, hurst=hurst), degree
+    return find_track(heights, pixel=surface.pixel, degree=degree, width=width), degree
 
 
 def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
