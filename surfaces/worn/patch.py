@@ -39,7 +39,9 @@ class Patch:
     rim: BoolArray  # those beside them that are neither worn nor fitted, shape (nx, ny)
     unworn: BoolArray  # those that the form went through, shape (nx, ny)
     volume: float  # sum of `lost` over the patch, roughness averaged out [mm³]
-    volume_error: float  # its standard error: of roughness and waviness in the patch and under the fit [mm³]
+    volume_error: (
+        float  # its standard error: of the outline, and of roughness and waviness, also under the fit
+    )
     piled_up: float  # net volume above the form in the rim [mm³]; roughness may make it negative
     piled_up_error: float  # its standard error [mm³]
     net: float  # volume less what is piled up [mm³]

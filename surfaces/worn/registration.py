@@ -333,12 +333,11 @@ def _agreeing_waves(later: FloatArray, below: FloatArray, pixel: tuple[float, fl
     angle = np.arctan2(across, along[:, np.newaxis]) % np.pi
     direction = (np.floor(angle / np.pi * DIRECTIONS + 0.5).astype(np.int64) % DIRECTIONS).ravel()
     together = (waves[0] * np.conj(waves[1])).real
-    sums = [
-        np.bincount(direction, (twice * v).ravel(), DIRECTIONS)
-        for v in (power, together, noise + 0.0 * power)
-    ]
-    asked = sums[0] - sums[2] > LEAST_SHARE * sums[0].sum()
-    agreeing = sums[1][asked] / sums[0][asked]
+    total, agreed, count = (
+        np.bincount(direction, v.ravel(), DIRECTIONS) for v in (twice * power, twice * together, twice)
+    )
+    asked = total - noise * count > LEAST_SHARE * total.sum()
+    agreeing = agreed[asked] / total[asked]
     return float(np.quantile(agreeing, 0.25)) if agreeing.size else 1.0
 
 

@@ -26,9 +26,8 @@ SPREAD = 0.3  # width of a band over its wave number, so that neighbours overlap
 LONGEST = 4.0  # wavelengths, in extents of the field: levelling leaves nothing of longer ones
 ROUGH = 0.5  # Hurst exponent of rough surfaces: 0 to 1
 CHANGED = -0.5  # of the difference of two measurements: between that of white noise, -1 in a plane, and 0
-TIE = math.log(
-    8.0
-)  # standard deviation, about 2 H log 2, of how the log variance grows from octave to octave
+# standard deviation, about 2 H log 2, of how the log variance grows from octave to octave
+TIE = math.log(8.0)
 LOOSE = 100.0  # standard deviation of the log power of all bands together, which is not known beforehand
 LINE = 3.0  # standard deviation of the log power of a regular wave: it may be missing
 WAVES = 4.0  # in the field, at least, of a regular wave; fewer may be chance
@@ -197,7 +196,7 @@ def _likely_spectra(
         drawn = normal / np.sqrt(random.chisquare(FREEDOM, size=draws) / FREEDOM)[:, None]
         logs = middle + drawn @ np.linalg.cholesky(covariance).T
         tails = 0.5 * (FREEDOM + count) * np.log1p(np.square(drawn).sum(axis=1) / FREEDOM)
-        weights = np.array([likelihood(log)[0] for log in logs]) + tails
+        weights = np.array([likelihood(one)[0] for one in logs]) + tails
         chances = np.exp(weights - weights.max())
         # no single spectrum decides: truncated importance sampling (Ionides 2008)
         chances = np.minimum(chances, chances.mean() * math.sqrt(draws))
