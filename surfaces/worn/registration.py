@@ -67,7 +67,7 @@ class _Earlier:
     """The earlier measurement can be sampled anywhere, NaN where it knows nothing."""
 
     splines: FloatArray  # coefficients of its cubic splines, shape (nx, ny)
-    missing: FloatArray  # 1 where missing, shape (nx, ny)
+    missing: FloatArray | None  # 1 where missing, shape (nx, ny); None where nothing is
     pixel: tuple[float, float]
 
     def at(self, x: FloatArray, y: FloatArray, place: FloatArray) -> FloatArray:
@@ -78,8 +78,12 @@ class _Earlier:
         index = [p / pixel + 0.5 * (count - 1) for p, count, pixel in triples]
         options: dict[str, Any] = {"mode": "nearest", "prefilter": False}
         heights = ndimage.map_coordinates(self.splines, index, order=3, **options)
-        unknown = ndimage.map_coordinates(self.missing, index, order=1, mode="constant", cval=1.0)
-        return np.where(unknown > 0.0, np.nan, heights)
+        if self.missing is None:
+            ends = zip(index, self.splines.shape, strict=True)
+            outside = np.logical_or.reduce([(i < 0.0) | (i > count - 1) for i, count in ends])
+        else:
+            outside = ndimage.map_coordinates(self.missing, index, order=1, mode="constant", cval=1.0) > 0.0
+        return np.where(outside, np.nan, heights)
 
 
 def difference(
@@ -96,7 +100,7 @@ def difference(
     absent = np.isnan(earlier)
     splines = ndimage.spline_filter(np.where(absent, 0.0, earlier), order=3, mode="nearest")
     # a spline rings beside a hole
-    missing = ndimage.binary_dilation(absent, iterations=2).astype(np.float64)
+    missing = ndimage.binary_dilation(absent, iterations=2).astype(np.float64) if absent.any() else None
     sampled = _Earlier(splines, missing, earlier_pixel)
     place, correlation = _coarse_place(later, earlier, pixel=pixel, earlier_pixel=earlier_pixel)
     if correlation >= LEAST_COARSE:
@@ -152,6 +156,9 @@ def _coarse_place(
     size = [fft.next_fast_len(2 * n, real=True) for n in shape]
     unworn = _unworn(np.nan_to_num(coarse.at(x, y, here)))
     waves = fft.rfft2(taper * np.nan_to_num(unworn), s=size)
+    # a Gaussian of one point's width: a shift between two points is spread over both
+    along, across = fft.fftfreq(size[0]), fft.rfftfreq(size[1])
+    spread = np.exp(-2.0 * math.pi**2 * np.add.outer(np.square(along), np.square(across)))
     turns = ANGLE_STEP * step / (0.5 * math.hypot(*extent))
     peaks: dict[float, list[tuple[float, FloatArray]]] = {power: [] for power in WHITENED}
     for angle in np.arange(-math.ceil(LARGEST_ANGLE / turns), math.ceil(LARGEST_ANGLE / turns) + 1) * turns:
@@ -159,8 +166,7 @@ def _coarse_place(
         both = np.conj(waves) * fft.rfft2(taper * turned, s=size)
         strength = np.maximum(np.abs(both), np.finfo(float).tiny)
         for power, found in peaks.items():
-            # smoothed, as a shift between two points is spread over both
-            peak = ndimage.gaussian_filter(fft.irfft2(both / strength**power, s=size), 1.0, mode="wrap")
+            peak = fft.irfft2(spread * both / strength**power, s=size)
             i, j = (int(k) for k in np.unravel_index(int(np.argmax(peak)), peak.shape))
             moved = [step * (k - n if k > n // 2 else k) for k, n in zip((i, j), size, strict=True)]
             cosine, sine = math.cos(angle), math.sin(angle)
@@ -245,7 +251,7 @@ def _coarse(heights: FloatArray, pixel: tuple[float, float], step: float) -> _Ea
     """Return heights [mm], shape (nx, ny), of pixels [mm], smoothed for sampling at a step [mm]."""
     size = [max(1, round(step / p)) for p in pixel]
     smooth = ndimage.uniform_filter(np.nan_to_num(heights), size, mode="nearest")
-    return _Earlier(ndimage.spline_filter(smooth, mode="nearest"), np.zeros(heights.shape), pixel)
+    return _Earlier(ndimage.spline_filter(smooth, mode="nearest"), None, pixel)
 
 
 def _fitted(
@@ -356,10 +362,12 @@ def unchanged(values: FloatArray, terms: FloatArray) -> BoolArray:
         weights = 1.0 / np.maximum(np.abs(some - design @ form), floor)
         weights /= weights.max()
     apart, kept = values - terms @ form, np.ones(values.size, dtype=np.bool_)
-    for _ in range(5):
+    for again in range(5):
         centre = float(np.median(apart[kept]))
         spread = TO_SIGMA * float(np.median(np.abs(apart[kept] - centre)))
-        kept = np.abs(apart - centre) <= max(KEPT * spread, 1e-15)
+        before, kept = kept, np.abs(apart - centre) <= max(KEPT * spread, 1e-15)
+        if again and np.array_equal(kept, before):
+            break
         inside = terms[kept]
         apart = values - terms @ np.linalg.lstsq(inside.T @ inside, inside.T @ values[kept], rcond=None)[0]
     return kept

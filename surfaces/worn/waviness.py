@@ -41,6 +41,8 @@ STEPS = 60  # of the search for the most likely spectrum
 LONGEST_STEP = 2.0  # of the search, in log power
 SETTLED = 0.01  # gain in log likelihood below which the search ends
 FEWEST = 4  # heights beyond the terms of the levelling
+AT_ONCE = 16  # spectra whose likelihoods are taken together
+CORNER = 1e30  # far above the square of what is solved for, m / 1e-9 at most
 ONE_SIGMA = math.erf(math.sqrt(0.5))  # probability within one standard deviation
 ROUNDING = 1e-12  # of the largest height
 
@@ -153,21 +155,25 @@ def _likely_spectra(
     over how likely it was drawn (importance sampling, whose second round draws as the first found). Log
     variances are far from Gaussian: heights that show no long waves allow none as well as few.
     """
-    scale = float(seen @ seen) / seen.size
-    start, diagonal = math.log(scale / len(bands)) + level, np.diag_indices(seen.size)
+    size, scale = seen.size, float(seen @ seen) / seen.size
+    start = math.log(scale / len(bands)) + level
+    bordered = np.pad(bands, ((0, 0), (0, 1), (0, 1)))
 
-    def likelihood(log: FloatArray) -> tuple[float, FloatArray]:
-        whole = np.tensordot(np.exp(log), bands, 1)
+    def likelihood(logs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        whole = np.tensordot(np.exp(logs), bordered, 1)
+        diagonal = np.einsum("dii->di", whole)
         # long waves alone are the same everywhere, but for rounding
-        whole[diagonal] += 1e-9 * scale + 1e-12 * whole[diagonal].sum()
+        diagonal += 1e-9 * scale + 1e-12 * diagonal.sum(axis=1, keepdims=True)
+        # under the factor L then stands the solution of L x = seen, whatever the corner, if it is large
+        whole[:, size, :size], whole[:, size, size] = seen, CORNER
         factor = np.linalg.cholesky(whole)
-        rest = linalg.solve_triangular(factor, seen, lower=True, check_finite=False)
-        apart = log - start
-        value = -np.log(np.diag(factor)).sum() - 0.5 * (rest @ rest) - 0.5 * (apart @ tie @ apart)
-        return float(value), whole
+        rest, apart = factor[:, size, :size], logs - start
+        value = -np.log(np.einsum("dii->di", factor)[:, :size]).sum(axis=1)
+        value -= 0.5 * (np.square(rest).sum(axis=1) + np.einsum("di,ij,dj->d", apart, tie, apart))
+        return value, whole[:, :size, :size]
 
     log = start
-    value, whole = likelihood(log)
+    value, whole = (found[0] for found in likelihood(log[None]))
     for _ in range(STEPS):
         inverse = np.linalg.inv(whole)
         parts = inverse @ (bands * np.exp(log)[:, None, None])
@@ -179,7 +185,7 @@ def _likely_spectra(
         move *= min(1.0, LONGEST_STEP / float(np.abs(move).max()))
         gain = -math.inf
         for _ in range(10):
-            tried, tried_whole = likelihood(log + move)
+            tried, tried_whole = (found[0] for found in likelihood((log + move)[None]))
             gain = tried - value
             if gain >= 0.0:
                 break
@@ -196,7 +202,8 @@ def _likely_spectra(
         drawn = normal / np.sqrt(random.chisquare(FREEDOM, size=draws) / FREEDOM)[:, None]
         logs = middle + drawn @ np.linalg.cholesky(covariance).T
         tails = 0.5 * (FREEDOM + count) * np.log1p(np.square(drawn).sum(axis=1) / FREEDOM)
-        weights = np.array([likelihood(one)[0] for one in logs]) + tails
+        blocks = np.array_split(logs, math.ceil(draws / AT_ONCE))
+        weights = np.concatenate([likelihood(block)[0] for block in blocks]) + tails
         chances = np.exp(weights - weights.max())
         # no single spectrum decides: truncated importance sampling (Ionides 2008)
         chances = np.minimum(chances, chances.mean() * math.sqrt(draws))
