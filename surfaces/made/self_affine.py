@@ -12,6 +12,10 @@ from warpwear.grid import FloatArray
 from warpwear.surfaces.made.fourier import ComplexArray, fourier_blocks, fourier_sum, half_plane_draws
 from warpwear.surfaces.made.synthetic import SLACK, RandomPart
 
+#: Ra [mm] before scaling of the surfaces made so far, by what their draws depend on: the runs of a sweep, and
+#: the files that are written of a run, ask for the same.
+_KNOWN_RA: dict[tuple[float, ...], float] = {}
+
 
 @dataclass(frozen=True, kw_only=True)
 class SelfAffine(RandomPart):
@@ -79,9 +83,12 @@ class SelfAffine(RandomPart):
     @cached_property
     def _unscaled_ra(self) -> float:
         """Return the Ra [mm] of the surface before it is scaled."""
-        points = self._points_along(self.period)
-        blocks = fourier_blocks(self._unscaled, self._wave, points, points)
-        return sum(float(np.abs(values).sum()) for _, values in blocks) / points.size**2
+        drawn = (self.period, self.cut_off, self.roll_off, self.hurst, self.seed)
+        if drawn not in _KNOWN_RA:
+            points = self._points_along(self.period)
+            blocks = fourier_blocks(self._unscaled, self._wave, points, points)
+            _KNOWN_RA[drawn] = sum(float(np.abs(values).sum()) for _, values in blocks) / points.size**2
+        return _KNOWN_RA[drawn]
 
     @cached_property
     def _scale(self) -> float:

@@ -24,8 +24,8 @@ from warpwear.errors import InputError
 DIGESTS = "digests.json"
 #: What Warp is still compiling: names that end in numbers of a process and a thread.
 UNFINISHED = re.compile(r"_p\d+_t\d+$")
-#: Names of the modules that this process has loaded.
-_LOADED: set[str] = set()
+#: Names of the modules that this process has loaded, and the devices: what is in memory no file can damage.
+_LOADED: set[tuple[str, str]] = set()
 
 
 def begin_to_load(module: Any, device: Any, pool: Executor | None = None) -> Callable[[], None]:
@@ -37,12 +37,12 @@ def begin_to_load(module: Any, device: Any, pool: Executor | None = None) -> Cal
     wp.config.use_precompiled_headers = device.is_cuda
     if not _LOADED:
         atexit.register(_seal)
-    _LOADED.add(module.name)
-    kept = False
-    for folder in _folders(module.name):
+    kept = (module.name, str(device)) in _LOADED
+    for folder in () if kept else _folders(module.name):
         if (folder / DIGESTS).exists() and not _is_whole(folder):
             shutil.rmtree(folder, ignore_errors=True)
         kept = kept or folder.name == module.get_module_identifier(1 if device.is_cpu else None)
+    _LOADED.add((module.name, str(device)))
     load = pool.submit(_load, module, device).result if pool else partial(_load, module, device)
 
     def finish() -> None:
@@ -71,7 +71,7 @@ def _load(module: Any, device: Any) -> None:
 
 def _seal() -> None:
     """Note the digests of files that have none yet, of the modules that were loaded."""
-    for folder in (folder for name in _LOADED for folder in _folders(name)):
+    for folder in (folder for name in {name for name, _ in _LOADED} for folder in _folders(name)):
         with suppress(OSError, ValueError):  # a cache that cannot be written is used as it is
             path = folder / DIGESTS
             kept = json.loads(path.read_text()) if path.exists() else {}

@@ -5,6 +5,7 @@ import json
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
@@ -113,7 +114,7 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
         {"number": _number},
         **content,
         data=_packed(json.dumps(data, default=_plain).encode()),
-        plotly=_packed(_plotly()),
+        plotly=_plotly(),
         script=_template("plots.js"),
     )
     return text.encode()
@@ -147,12 +148,13 @@ def colour_of(name: str) -> str:
     return name if name.startswith("#") else INKS.get(name) or str(getattr(fs, name))
 
 
-def _plotly() -> bytes:
-    """Read the plotting library's script. Raises InputError where it is not installed."""
+@lru_cache(1)  # it takes a quarter of a second
+def _plotly() -> str:
+    """Return the plotting library's script, compressed. Raises InputError where it is not installed."""
     spec = find_spec("plotly")  # importing all of it takes longer than the whole page
     if spec is None or spec.origin is None:
         raise InputError("report.html needs the package plotly: pip install plotly")
-    return (Path(spec.origin).parent / PLOTLY).read_bytes()
+    return _packed((Path(spec.origin).parent / PLOTLY).read_bytes())
 
 
 def _template(name: str) -> str:
