@@ -67,7 +67,10 @@ def quick_pictures() -> Callable[..., AbstractContextManager[None]]:
         start, write = process.Painter.__init__, style.bytes_of
 
         def few_dots(figure: Any, file_format: str = "png", **_: Any) -> bytes:
-            return BLANK if blank and file_format == "png" else write(figure, file_format, dpi=DOTS)
+            if blank and file_format == "png":
+                return BLANK
+            figure.set_layout_engine(None)  # which draws everything twice, to make room for texts
+            return write(figure, file_format, dpi=DOTS)
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("warpwear.figures.style.bytes_of", few_dots)

@@ -298,7 +298,7 @@ def small_plan() -> Plan:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     def embedded(figure: Figure) -> report_page.Picture:
         """Nothing is moved to make room for labels, which draws everything twice."""
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)
         return report_page.embedded(figure)
 
     with pytest.MonkeyPatch.context() as patch:
