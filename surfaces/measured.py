@@ -163,7 +163,7 @@ class Measured:
             told.append(
                 f"the highest point stands {highest:.2g} times Sq above the mean, which roughness seldom "
                 "does: it may be a spike of the instrument, and decides where the bodies first touch; look at"
-                " the map, and remove points that stand out from their neighbours with disc.outliers = 6"
+                " the map; disc.outliers, 6 for example, removes points that stand out from their neighbours"
             )
         if (share := 100.0 * removed / self.levelled.size) > MANY_OUTLIERS:
             told.append(

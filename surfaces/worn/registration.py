@@ -238,7 +238,7 @@ def _check_alike(
     if min(steps) > 0.0 and not 1.0 / ALIKE <= steps[1] / steps[0] <= ALIKE:
         raise InputError(
             f"--before is {steps[1] / steps[0]:.3g} times as rough as FILE: the heights of one have another "
-            "unit; --height-unit overrides what files say"
+            "unit; --height-unit, if given, holds for both files"
         )
 
 

@@ -250,7 +250,10 @@ def _span(profile: FloatArray, outside: BoolArray, *, pixel: float, width: float
     sigma = max(sigma, 1e-6 * float(np.ptp(profile)))
     deepest = int(np.argmin(smooth))
     if centre - smooth[deepest] < THRESHOLD * sigma:
-        raise InputError("no track stands out of the surface: --track-width may say how wide it is")
+        raise InputError(
+            "no track stands out of the surface: it is looked for along --sliding-axis, and --track-width "
+            "may say how wide it is"
+        )
     beyond = np.abs(smooth - centre) > FOOT * sigma
     # a track's profile crosses the reference between its trough and its pile-up
     gap = max(3, count // 25)

@@ -125,7 +125,7 @@ def test_a_spike_that_was_left_is_told_of(rough, tmp_path):
     heights, _ = spiked(rough, (60, 70))
     (notice,) = told(heights)
     assert "stands 1" in notice
-    assert "disc.outliers = 6" in notice
+    assert "disc.outliers, 6 for example" in notice
     assert not told(heights, outliers=6.0)
     assert not told(rough)
     assert not told(2.0 * rough - heights)

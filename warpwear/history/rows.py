@@ -13,7 +13,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import UNITS
+from warpwear.history.quantities import PATCH_TABLES, UNITS
 
 Value = TypeVar("Value")
 
@@ -39,6 +39,11 @@ class History(Named[FloatArray]):
     """Column name -> one value a step, shape (steps,)."""
 
     _says = "history has no column"
+
+    def __missing__(self, name: str) -> FloatArray:
+        if any(name == quantity.name for quantity in PATCH_TABLES):
+            raise UnknownColumnError(f"{self._says} {name!r}: it is one of every patch, result.{name}")
+        return super().__missing__(name)
 
     def __repr__(self) -> str:
         steps = len(next(iter(self.values()), ()))

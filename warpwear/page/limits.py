@@ -45,9 +45,8 @@ LIMITS: tuple[tuple[Callable[[Study], bool], str], ...] = (
     (lambda s: not s.is_rough, "The disc is smooth: nothing on this page comes from roughness."),
     (
         lambda s: s.is_rough and _is_local(s),
-        "Asperities do not feel each other: the contact law is local. How much that matters depends on the "
-        "hardness "
-        "over E* times the rms slope of the disc. contact.law = 'half-space' couples them.",
+        "Asperities do not feel each other: the contact law is local. How much that matters depends on "
+        "H/(E*·rms slope) of the disc. contact.law = 'half-space' couples them.",
     ),
     (
         lambda s: s.is_rough and s.disc.synthetic is None,

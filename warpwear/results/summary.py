@@ -104,13 +104,25 @@ def summarise(result: ResultFile) -> dict[str, Any]:
         },
         "disc_volume_over_KFL": end["wear_volume_disc"] / asked if asked else None,
         **_film(result),
-        **({"track": _track(result)} if study.is_swept else {}),
+        **({"track": _track(result)} if study.is_swept else _on_a_track(result)),
         **_on_filled(result.load_on_filled),
         "notes": [],
         **result.record,
         **({"seconds": result.seconds} if result.seconds else {}),
         "assumptions": render.assumptions(study),
     }
+
+
+def _on_a_track(result: ResultFile) -> dict[str, Any]:
+    """The section of the groove that the disc's wear would be, were it spread over the track of the test.
+
+    A disc that lies still has all of it under the sphere. Nothing where less than one pass was slid.
+    """
+    lap, distance = result.study.sliding.lap, float(result.history["distance"][-1])
+    if lap is None or distance <= lap:
+        return {}
+    volume = float(result.history["wear_volume_disc"][-1])
+    return {"on_a_track": {"length_mm": lap, "section_um2": 1.0e6 * volume / lap}}
 
 
 def _on_filled(shares: FloatArray) -> dict[str, Any]:

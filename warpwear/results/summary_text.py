@@ -32,7 +32,18 @@ def _contact(s: dict[str, Any]) -> list[Row]:
         Row("pressure", "pressure_MPa", pressures, note=of_steps),
         Row("deepest wear", "depth_um", s["depth_um"]),
         Row("worn volume", "volume_mm3", s["volume_mm3"], digits=5),
+        *_of_one_spot(s),
     ]
+
+
+def _of_one_spot(s: dict[str, Any]) -> list[Row]:
+    """Declare that scar and depths are not those of a track, and what the wear is on one."""
+    if "track" in s or s["distance_mm"] == 0.0:
+        return []
+    told = "scar and depths are those of one spot, which stays under the sphere"
+    if found := s.get("on_a_track"):
+        told += f"; on a track of {found['length_mm']:.4g} mm: section {found['section_um2']:.4g} µm²"
+    return [Row("disc at rest", "", told)]
 
 
 def _models(s: dict[str, Any]) -> list[Row]:
@@ -41,10 +52,9 @@ def _models(s: dict[str, Any]) -> list[Row]:
     if "track" in s:
         track = s["track"]
         areas = Row("", "", track["area_contact_mm2_of_passes"], unit="mm²")
-        depth = track.get("groove", {}).get("mean_depth_um")
         rows += [
             Row("passes", "", track["passes"], note=f", area in contact {areas.text}"),
-            Row("groove", "mean_depth_um", depth, digits=3, note="deep"),
+            *_groove(track.get("groove")),
             Row("displaced", "plastic_volume_mm3", track["plastic_volume_mm3"]),
         ]
         if parts := track.get("parts"):
@@ -72,6 +82,14 @@ def _models(s: dict[str, Any]) -> list[Row]:
             ]
             rows.append(Row("Hertz, unworn", "", of_unworn))
     return rows
+
+
+def _groove(groove: dict[str, Any] | None) -> list[Row]:
+    """Declare the mean section of the groove, its width and its deepest place."""
+    if groove is None:
+        return []
+    size = f"{groove['width_mm']:.3g} mm wide, mean profile {groove['deepest_um']:.3g} µm deep at most"
+    return [Row("groove", "", f"mean section {groove['section_um2']:.4g} µm², {size}")]
 
 
 def _pieces(pieces: dict[str, Any]) -> list[Row]:

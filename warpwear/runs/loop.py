@@ -39,8 +39,10 @@ LOG = logging.getLogger("warpwear.run")
 ABSURD_COEFFICIENT = 3.0
 #: A step on the half-space whose length changes the area by more, relatively, is told of.
 AREA_ERROR = 0.05
-#: Hardness over E* times the rms slope, above which load over hardness is low by more than some 5 %.
+#: H/(E*·rms slope) above which load over hardness is low by more than some 5 %.
 ELASTIC = 0.2
+#: E* of two bodies of steel [MPa], of 210 GPa and Poisson's ratio 0.3, to judge by where it is not known.
+OF_STEEL = 210.0e3 / (2.0 * (1.0 - 0.3**2))
 #: A contact of fewer cells is not resolved.
 FEW_CELLS = 20
 #: Fewer cells do not even tell by how much.
@@ -353,15 +355,19 @@ class StepLoop:
         """Warn of a disc of this rms slope whose asperities yield before they flow, by the local law."""
         study, modulus = self.study, self.study.effective_modulus
         local = study.study.model == "micro" and study.contact.law == "local" and study.is_rough
-        if not local or modulus is None or study.hardness is None or study.contact_task.compliance > 0.0:
+        if not local or study.hardness is None or study.contact_task.compliance > 0.0:
             return
-        ratio = study.hardness / (modulus * slope) if slope > 0.0 else math.inf
-        if ratio > ELASTIC:
-            self._add_warning(
-                f"Asperities yield elastically before they flow: the hardness over E* times the rms slope is "
-                f"{ratio:.2g}, and above {ELASTIC:g} the local law makes the contact too small until wear "
-                'decides it. contact.law = "half-space" couples them.'
-            )
+        ratio = study.hardness / ((modulus or OF_STEEL) * slope) if slope > 0.0 else math.inf
+        if ratio <= ELASTIC:
+            return
+        found = f"H/(E*·rms slope) is {ratio:.2g}"
+        if modulus is None:
+            body = "sphere" if study.sphere.elastic is None else "disc"
+            found = f"{found} if both are steel ({body}.young and {body}.poisson are not given)"
+        self._add_warning(
+            f"Asperities yield elastically before they flow: {found}, and above {ELASTIC:g} the local law "
+            'makes the contact too small until wear decides it. contact.law = "half-space" couples them.'
+        )
 
     def _report_few_cells(self, count: float, when: str) -> None:
         """Warn of a contact of too few cells, with the size that would do. when: opens the sentence."""

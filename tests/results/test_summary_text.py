@@ -1,0 +1,74 @@
+"""What a terminal says at the end of a run: of one spot or of a track."""
+
+import pytest
+from cases_track import small
+
+import warpwear
+from warpwear import InputError, Study
+from warpwear.results.summary_text import summary_text
+
+STILL = {"grid.cell": "20 um", "sliding.distance": "60 mm", "output.snapshots": []}
+
+
+def rows_of(study: Study) -> tuple[warpwear.Result, dict[str, str]]:
+    """The result of a study, and its rows in the terminal by their names."""
+    result = warpwear.run(study)
+    lines = summary_text(result.summary).splitlines()[1:]
+    return result, {line[2:18].strip(): line[18:].strip() for line in lines}
+
+
+def test_a_disc_at_rest_is_told_with_its_section_on_a_track() -> None:
+    """Scar and depths under the sphere are those of no test in which it moves."""
+    result, rows = rows_of(Study.load("v3-fine").replace(STILL | {"sliding.stroke": "5 mm"}))
+    found = result.summary["on_a_track"]
+    section = result.history["wear_volume_disc"][-1] / 5.0
+    assert found == {"length_mm": 5.0, "section_um2": pytest.approx(1e6 * section, rel=1e-12)}
+    told = rows["disc at rest"]
+    assert told.startswith("scar and depths are those of one spot")
+    assert f"on a track of 5 mm: section {1e6 * section:.4g} µm²" in told
+    for changes in ({"sliding.stroke": "100 mm"}, {"sliding.distance": "0 mm"}):  # no whole pass
+        less, lines = rows_of(Study.load("v3-fine").replace(STILL | changes))
+        assert "on_a_track" not in less.summary
+        assert ("disc at rest" in lines) == ("sliding.stroke" in changes)
+
+
+def test_a_groove_is_told_by_its_section() -> None:
+    result, rows = rows_of(small("representative", output__snapshots=["3 mm"], grid__cell="10 um"))
+    assert "disc at rest" not in rows
+    groove = result.summary["track"]["groove"]
+    assert groove["mean_depth_um"] < groove["deepest_um"]
+    assert rows["groove"] == (
+        f"mean section {groove['section_um2']:.4g} µm², {groove['width_mm']:.3g} mm wide, "
+        f"mean profile {groove['deepest_um']:.3g} µm deep at most"
+    )
+
+
+def test_a_table_of_patches_is_no_column() -> None:
+    history = warpwear.run(Study.load("v3-fine").replace(STILL)).history
+    with pytest.raises(InputError, match=r"'load_share': it is one of every patch, result\.load_share"):
+        history["load_share"]
+    with pytest.raises(InputError, match="did you mean 'cof'"):
+        history["coff"]
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_asperities_that_yield_elastically_are_told_of(known: bool) -> None:
+    """Also where E* is not known: bodies are judged as if they were of steel."""
+    elastic = {"disc.young": "210 GPa", "disc.poisson": 0.3} if known else {}
+    text = """
+        contact.load = "5 N"
+        sphere = {radius = "3 mm", young = "210 GPa", poisson = 0.3}
+        sliding.distance = "0 mm"
+        wear = {sphere = "0 mm^3/N/m", disc = "0 mm^3/N/m"}
+        friction.coefficient = 0.6
+        grid = {cell = "4 um", extent = "0.4 mm"}
+        [disc]
+        hardness = "4 GPa"
+        synthetic = {kind = "self-affine", ra = "0.2 um"}
+    """
+    study = Study.stored(text).replace(elastic)
+    told = [s for s in warpwear.run(study).summary["warnings"] if "yield elastically" in s]
+    assert len(told) == 1
+    assert ("if both are steel (disc.young and disc.poisson are not given)" in told[0]) != known
+    soft = warpwear.run(study.replace({"disc.hardness": "0.2 GPa"})).summary["warnings"]
+    assert not any("yield elastically" in s for s in soft)
