@@ -38,14 +38,14 @@ MISUSES: dict[str, tuple[Any, dict[str, Any], str]] = {
     "two loads": (
         HEIGHTS,
         {"mean_pressure": 2.0},
-        "load = 1 and mean_pressure = 2 is given; exactly one of load, mean_pressure and approach must be",
+        "load = 1 and mean_pressure = 2 are given; exactly one of load, mean_pressure and approach must be",
     ),
     "load and approach": (HEIGHTS, {"approach": 2.0}, "load = 1 and approach = 2 is given"),
     "approach without end": (HEIGHTS, {"load": None, "approach": math.inf}, "approach = inf is not possible"),
     "two laws": (
         HEIGHTS,
         {"stiffness": 2.0},
-        "modulus = 1 and stiffness = 2 is given; at most one of modulus and stiffness must be",
+        "modulus = 1 and stiffness = 2 are given; at most one of modulus and stiffness may be",
     ),
     "no law": (HEIGHTS, {"modulus": None}, "hardness = None is not possible without modulus or stiffness"),
     "modulus": (HEIGHTS, {"modulus": 0}, "modulus = 0 is not possible"),

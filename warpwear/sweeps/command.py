@@ -20,7 +20,15 @@ from warpwear.sweeps.cluster import connected
 from warpwear.sweeps.plan import Plan, read_plan
 from warpwear.sweeps.report import failed_sentence, summary_text, write_report
 from warpwear.sweeps.run_one import Row
-from warpwear.sweeps.sweep import Count, check_folder, estimate, local_executor, make_runs, share_runs
+from warpwear.sweeps.sweep import (
+    Count,
+    check_folder,
+    check_runs,
+    estimate,
+    local_executor,
+    make_runs,
+    share_runs,
+)
 from warpwear.sweeps.table import RUNS, SweepResult
 
 
@@ -75,6 +83,7 @@ def command(
     )
     folder = out if out is not None else Path(f"{plan.study.study.name}-sweep")
     check_folder(folder, resume=resume)
+    check_runs(plan, folder)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with _executor(plan, **where) as (executor, threads, workers):
         if not dry_run:

@@ -1,5 +1,6 @@
 """A sweep: many runs of one study, made once each, in a folder that is the truth about them."""
 
+import csv
 import logging
 import shutil
 import tempfile
@@ -70,6 +71,7 @@ def sweep(
     local = nullcontext((executor, 1, 1)) if executor is not None else local_executor(plan, workers=workers)
     counted = Count(len(plan.points))
     with _folder(out) as folder, local as (pool, threads, _):
+        check_runs(plan, folder)
         rows = make_runs(
             plan, folder, pool, threads=threads, told=lambda _, row: LOG.info(counted.one(row)), warned=warn
         )
@@ -222,6 +224,24 @@ def check_folder(folder: Path, *, resume: bool) -> None:
     if not resume:
         raise InputError(
             f"out = {folder} already holds a sweep; resume it (--resume), or give another folder (--out)."
+        )
+
+
+def check_runs(plan: Plan, folder: Path) -> None:
+    """Raises InputError for the folder of a sweep with runs that this one has not: its tables would go.
+
+    A sweep may grow, so that its runs are part of those of a larger one.
+    """
+    try:
+        with (folder / TABLE).open(newline="", encoding="utf-8") as file:
+            there = {row.get("run") or "" for row in csv.DictReader(file)} - {""}
+    except OSError:
+        return
+    others = there - {point.run for point in plan.points}
+    if others:
+        raise InputError(
+            f"out = {folder} holds a sweep with {len(there)} runs, {len(others)} of which this one has not: "
+            "its tables would be lost; give another folder, or vary over its values, too."
         )
 
 

@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from warpwear.history.quantities import QUANTITIES
 from warpwear.result import Result
 from warpwear.results.ensemble import at, band, is_label
 from warpwear.study.keys import value_of
+from warpwear.study.units import parse
 from warpwear.sweeps.indices import Indices, sobol
 from warpwear.sweeps.plan import Plan
 from warpwear.sweeps.run_one import Row
@@ -178,10 +180,13 @@ class SweepResult:
 
 
 def numbers_of(plan: Plan, key: str) -> tuple[FloatArray, str] | None:
-    """Values of a varied key in the unit of its declaration, and that unit; None where they are words."""
-    found, unit = [], ""
-    for point in plan.points:
-        value = value_of(point.study.model_dump(), key) if point.study else np.nan
+    """Values of a varied key in the unit of its declaration, and that unit; None where they are words.
+
+    NaN is what no number can be made of, in a point of which no study could be made.
+    """
+    found, unit = np.full(len(plan.points), np.nan), ""
+    for place, study in ((point.number, point.study) for point in plan.points if point.study):
+        value = value_of(study.model_dump(), key)
         if isinstance(value, str) and (split := value.split(" ", 1))[0]:
             try:
                 value, unit = float(split[0]), split[1] if len(split) > 1 else ""
@@ -189,8 +194,13 @@ def numbers_of(plan: Plan, key: str) -> tuple[FloatArray, str] | None:
                 return None
         if isinstance(value, bool) or not isinstance(value, int | float):
             return None
-        found.append(float(value))
-    return np.array(found), unit
+        found[place] = value
+    for point in plan.points:
+        if point.study is None:
+            with suppress(ValueError, TypeError):
+                value = point.values[key]
+                found[point.number] = parse(value, unit) if unit else float(value)
+    return found, unit
 
 
 def _between(values: FloatArray, words: Sequence[str]) -> float:

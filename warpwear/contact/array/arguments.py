@@ -57,7 +57,9 @@ def check_choice(how_many: str, **choice: float | None) -> None:
     given = [f"{name} = {value:g}" for name, value in choice.items() if value is not None]
     if len(given) > 1 or (how_many == "exactly one" and not given):
         names = " and ".join([", ".join(list(choice)[:-1]), list(choice)[-1]])
-        raise InputError(f"{' and '.join(given) or 'nothing'} is given; {how_many} of {names} must be.")
+        told = f"{' and '.join(given)} are" if given else "nothing is"
+        may = "may" if how_many == "at most one" else "must"
+        raise InputError(f"{told} given; {how_many} of {names} {may} be.")
 
 
 def boundary_of(boundary: str | None, modulus: float | None, sphere_radius: float | None) -> str | None:

@@ -1,0 +1,73 @@
+"""A sweep in the folder of another: it may grow, and loses nothing."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import warpwear
+from warpwear import InputError, Study, StudyWarning
+from warpwear.cli.main import commands
+from warpwear.sweeps.plan import Plan, section_of
+from warpwear.sweeps.run_one import Row
+from warpwear.sweeps.sweep import check_runs
+from warpwear.sweeps.table import SweepResult, numbers_of
+
+#: A smooth contact of few cells and no sliding.
+SMALL = {"grid.cell": "20 um", "sliding.distance": "0 mm", "output.snapshots": []}
+
+
+def planned(*loads: str) -> Plan:
+    study = Study.load("v3-fine").replace(SMALL)
+    return Plan(study, section_of({"vary": {"contact.load": list(loads)}}, {}))
+
+
+def written(folder: Path, plan: Plan) -> Path:
+    """A folder with the table of a plan whose runs are said to be done."""
+    rows = [Row("done", 0.1) if point.study else Row("failed") for point in plan.points]
+    SweepResult(plan, rows, folder).write_tables(folder)
+    return folder
+
+
+def test_a_sweep_may_grow_and_lose_no_run(tmp_path: Path) -> None:
+    check_runs(planned("4 N"), tmp_path / "new")  # nothing is there
+    folder = written(tmp_path, planned("4 N", "-1 N", "8 N"))
+    before = (folder / "table.csv").read_bytes()
+    for loads in (("8 N", "4 N"), ("4 N", "6 N", "8 N"), ("4000 mN", "8 N")):
+        check_runs(planned(*loads), folder)
+    with pytest.raises(
+        InputError, match="with 2 runs, 1 of which this one has not: its tables"
+    ):
+        check_runs(planned("4 N", "9 N"), folder)
+    (folder / "runs").mkdir()
+    study = Study.load("v3-fine").replace(SMALL)
+    with pytest.raises(InputError, match="1 of which this one has not"):
+        warpwear.sweep(study, vary={"contact.load": ["4 N", "9 N"]}, out=folder, workers=1)
+    changes = [part for key, value in SMALL.items() if value for part in ("--set", f"{key}={value}")]
+    told = CliRunner().invoke(
+        commands,
+        ["sweep", "v3-fine", *changes, "--vary", "contact.load=4 N,9 N", "--out", str(folder), "--resume"],
+    )
+    assert isinstance(told.exception, InputError)
+    assert "this one has not" in str(told.exception)
+    assert (folder / "table.csv").read_bytes() == before
+
+
+def test_what_was_varied_is_known_of_runs_that_cannot_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the unit of the others, so that one sees where runs fail."""
+    found = numbers_of(planned("4 N", "-5000 mN", "much", "8 N"), "contact.load")
+    assert found is not None
+    assert found[1] == "N"
+    np.testing.assert_array_equal(found[0], [4.0, -5.0, np.nan, 8.0])
+
+
+def test_a_failed_run_has_its_place(tmp_path: Path) -> None:
+    xarray: Any = pytest.importorskip("xarray")
+    study = Study.load("v3-fine").replace(SMALL)
+    with pytest.warns(StudyWarning, match="1 of 2 runs failed"):
+        found = warpwear.sweep(study, vary={"contact.load": ["8 N", "-1 N"]}, workers=1)
+    table = found.to_xarray()
+    assert isinstance(table, xarray.Dataset)
+    assert table["contact.load"].values.tolist() == [8.0, -1.0]
