@@ -40,7 +40,7 @@ MISUSES: dict[str, tuple[Any, dict[str, Any], str]] = {
         {"mean_pressure": 2.0},
         "load = 1 and mean_pressure = 2 are given; exactly one of load, mean_pressure and approach must be",
     ),
-    "load and approach": (HEIGHTS, {"approach": 2.0}, "load = 1 and approach = 2 is given"),
+    "load and approach": (HEIGHTS, {"approach": 2.0}, "load = 1 and approach = 2 are given"),
     "approach without end": (HEIGHTS, {"load": None, "approach": math.inf}, "approach = inf is not possible"),
     "two laws": (
         HEIGHTS,

@@ -37,9 +37,7 @@ def test_a_sweep_may_grow_and_lose_no_run(tmp_path: Path) -> None:
     before = (folder / "table.csv").read_bytes()
     for loads in (("8 N", "4 N"), ("4 N", "6 N", "8 N"), ("4000 mN", "8 N")):
         check_runs(planned(*loads), folder)
-    with pytest.raises(
-        InputError, match="with 2 runs, 1 of which this one has not: its tables"
-    ):
+    with pytest.raises(InputError, match="with 2 runs, 1 of which this one has not: its tables"):
         check_runs(planned("4 N", "9 N"), folder)
     (folder / "runs").mkdir()
     study = Study.load("v3-fine").replace(SMALL)

@@ -183,7 +183,12 @@ def test_two_diameters_of_a_scar_on_a_ball() -> None:
     errors = []
     for ratio, volume in ((0.0, 2e-3), (0.045, 2e-3), (0.45, 2e-3), (4.5, 2e-3), (4500.0, 2e-6)):
         pair = worn_pair(volume, ratio)
-        errors.append(math.pi * pair.along**3 * pair.across / (64.0 * R) / pair.volume_ball - 1.0)
+        better = math.pi * pair.along**3 * pair.across / (64.0 * R)
+        errors.append(better / pair.volume_ball - 1.0)
+        told = cap(pair.across, pair.along, radius=R).bulging  # in either order
+        longer = pair.across > 1.1 * pair.along
+        assert told == (pytest.approx(better, rel=1e-12) if longer else None)
+    assert longer
     assert errors[0] == pytest.approx(0.0, abs=0.01)  # a small scar, as in π d⁴/(64 R)
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] == pytest.approx(9.0 * math.pi / 32.0 - 1.0, abs=0.01)

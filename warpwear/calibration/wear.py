@@ -13,6 +13,8 @@ from warpwear.calibration.options import LARGEST, check_positive
 from warpwear.errors import InputError
 from warpwear.surfaces.worn.ball import cap_of_diagonals
 
+#: Ratio of a scar's diameters from which it is no flat cap.
+LONGER = 1.1
 #: Angle [rad] of a circular segment below which its area is summed as a series: φ − sin φ cancels.
 SMALL_ANGLE = 0.02
 
@@ -22,14 +24,16 @@ class WornVolume:
     """A worn volume and how it was found.
 
     volume [mm³], exact for the shape assumed; error: its standard uncertainty [mm³], None where unknown;
-    error_from: where that comes from; approximate: by the usual relation for small scars [mm³]; depth: of
-    the scar [mm]; measured: what was measured, for people.
+    error_from: where that comes from; approximate: by the usual relation for small scars [mm³]; bulging: of a
+    ball's scar much longer one way, where the disc has worn, too [mm³]; depth: of the scar [mm]; measured:
+    what was measured, for people.
     """
 
     volume: float
     error: float | None = None
     error_from: str = "unknown"
     approximate: float | None = None
+    bulging: float | None = None
     depth: float | None = None
     measured: str = ""
 
@@ -126,7 +130,9 @@ def cap(
     which is (π h/6)(3 d²/4 + h²) of ASTM G99 (spherical pin end, disc unworn) and of G133. Approximately
     π d⁴/(64 R). error: standard uncertainty of the mean diameter; without it half the difference of two
     different diameters, the standard error of their mean. It goes into V by dV/dd = (π/2) a³/√(R² − a²),
-    nearly 4 V/d. InputError for a scar wider than the ball.
+    nearly 4 V/d. Where one diameter is a tenth longer the groove of a disc that wears, too, bulges into the
+    scar across the sliding, and π d₁³ d₂/(64 R) is better, d₂ the longer one (validation, a ball that wears
+    with its plate): it is given beside. InputError for a scar wider than the ball.
     """
     other = first if second is None else second
     for name, length in (("diameter", first), ("diameter", other), ("radius", radius)):
@@ -140,10 +146,12 @@ def cap(
     if error is not None and flat <= 0.0:
         raise InputError(f"a scar as wide as the ball, {2 * radius:g} mm, has no finite uncertainty")
     slope = 0.5 * math.pi * found.rim**3 / math.sqrt(flat) if error is not None else 0.0
+    short, long = sorted((first, other))
     return WornVolume(
         volume=found.volume,
         **_uncertainty(error, slope, source=source),
         approximate=math.pi * (2.0 * found.rim) ** 4 / (64.0 * radius),
+        bulging=math.pi * short**3 * long / (64.0 * radius) if long > LONGER * short else None,
         depth=found.height,
         measured=f"diameter {diameters}",
     )

@@ -279,11 +279,17 @@ def wear_rows(found: WearCalibration, *, relation: str, worn: str | None) -> lis
 def _test_rows(found: WearCalibration, test: int) -> list[Row]:
     """Declare one of the tests."""
     worn, value, error = found.volumes[test], found.values[test], found.errors[test]
-    small, note = None, ""
+    small, bulging, note, worn_too = None, None, "", ""
     if worn.approximate is not None:
         small = 1e3 * (worn.approximate * (1.0 / (found.load * found.distance)))
         change = f"{worn.approximate / worn.volume - 1.0:+.2%}"
         note = f"for a small scar: K {scientific(small)}, {change}; not used, K is of the exact volume"
+    if worn.bulging is not None:
+        bulging = 1e3 * (worn.bulging * (1.0 / (found.load * found.distance)))
+        worn_too = (
+            f"by π d₁³ d₂/(64 R): K {scientific(bulging)}, if the longer diameter d₂ lies across sliding: "
+            "the scar is then no cap"
+        )
     doubted = worn.error is not None and worn.error > worn.volume / 3.0
     warning = "the volume is within three standard uncertainties of nothing" if doubted else None
     return [
@@ -294,6 +300,8 @@ def _test_rows(found: WearCalibration, test: int) -> list[Row]:
         Row("  approximation", "volume_by_approximation_mm3", worn.approximate, digits=5, note=note),
         _k("  K", 1e3 * value, _times(1e3, error)),
         Row("", "by_approximation_mm3_per_Nm", small),
+        Row("  disc worn, too", "volume_of_bulging_scar_mm3", worn.bulging, digits=5, note=worn_too),
+        Row("", "of_bulging_scar_mm3_per_Nm", bulging),
         Row("  warning", "", warning),
     ]
 
