@@ -32,6 +32,15 @@ def test_a_disc_at_rest_is_told_with_its_section_on_a_track() -> None:
         assert ("disc at rest" in lines) == ("sliding.stroke" in changes)
 
 
+def test_an_assumed_coefficient_of_friction_is_told() -> None:
+    study = Study.load("v3-fine").replace(STILL)
+    for changes, told in (
+        ({"friction.coefficient": 0.4}, "at the end (an input) 0.4"),
+        ({"friction.calibrate": "end"}, "at the end (an input, assumed) 0.6"),
+    ):
+        assert told in rows_of(study.replace(changes))[1]["friction"]
+
+
 def test_a_groove_is_told_by_its_section() -> None:
     result, rows = rows_of(small("representative", output__snapshots=["3 mm"], grid__cell="10 um"))
     assert "disc at rest" not in rows

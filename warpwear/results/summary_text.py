@@ -4,8 +4,8 @@ from typing import Any
 
 from warpwear.results.report import Row, lines
 
-#: Behind a coefficient of friction that the study gives, and that the run says nothing of.
-INPUT = " (an input)"
+#: Behind a coefficient of friction that the study gives or assumes, and that the run says nothing of.
+INPUT, ASSUMED = " (an input)", " (an input, assumed)"
 
 
 def summary_text(summary: dict[str, Any]) -> str:
@@ -178,7 +178,8 @@ def _friction(s: dict[str, Any]) -> list[Row]:
     given, limit, strength = s["cof_input"], s["shear_strength_of_softer_body_MPa"], s["shear_strength_MPa"]
     if cof["end"] is not None:
         relative = f"(area: {s['cof_area']}; relative to the end: {cof['first'] / cof['end']:.3g})"
-        marks = {when: INPUT if when == given else "" for when in ("initial", "end")}
+        told = ASSUMED if "friction.coefficient" in s["assumptions"] else INPUT
+        marks = {when: told if when == given else "" for when in ("initial", "end")}
         course = {f"at first{marks['initial']}": cof["first"], f"at the end{marks['end']}": cof["end"]}
         rows.append(Row("friction", "cof", course, digits=3, note=relative))
     if strength is not None:
