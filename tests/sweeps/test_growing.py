@@ -12,7 +12,7 @@ from warpwear import InputError, Study, StudyWarning
 from warpwear.cli.main import commands
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.run_one import Row
-from warpwear.sweeps.sweep import check_runs
+from warpwear.sweeps.sweep import Count, check_runs
 from warpwear.sweeps.table import SweepResult, numbers_of
 
 #: A smooth contact of few cells and no sliding.
@@ -59,6 +59,16 @@ def test_what_was_varied_is_known_of_runs_that_cannot_be(monkeypatch: pytest.Mon
     assert found is not None
     assert found[1] == "N"
     np.testing.assert_array_equal(found[0], [4.0, -5.0, np.nan, 8.0])
+
+
+def test_the_time_left_is_that_of_runs_that_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = iter([0.0, 1.0, 2.0, 12.0])
+    monkeypatch.setattr("warpwear.sweeps.sweep.time.monotonic", lambda: next(now))
+    counted = Count(5)
+    there = Row("done", 10.0, was_there=True)
+    assert counted.one(there) == "1 of 5 runs, the last done; 1 s gone"
+    assert counted.one(there).endswith("2 s gone")
+    assert counted.one(Row("done", 10.0)).endswith("12 s gone, about 24 s left")
 
 
 def test_a_failed_run_has_its_place(tmp_path: Path) -> None:

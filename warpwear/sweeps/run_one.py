@@ -47,6 +47,7 @@ class Row:
     seconds: float = 0.0
     ends: dict[str, float] = field(default_factory=dict)
     courses: dict[str, FloatArray] = field(default_factory=dict)
+    was_there: bool = False  # the run was finished before it was asked for
 
 
 def run_one(task: Task) -> Row:
@@ -60,7 +61,9 @@ def run_one(task: Task) -> Row:
             was_there = is_there(folder)
             with _warnings_left_to_the_summary(), run_study(study, how) as result:
                 found = row_of(result)
-        return found if was_there else replace(found, seconds=time.perf_counter() - start)
+        if was_there:
+            return replace(found, was_there=True)
+        return replace(found, seconds=time.perf_counter() - start)
     except (InputError, ConvergenceError, InvariantError, MemoryError) as error:
         why = " ".join(str(error).split()) or "the memory ran out"
         return Row(f"failed: {why}", time.perf_counter() - start)

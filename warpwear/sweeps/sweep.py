@@ -88,18 +88,16 @@ class Count:
     """Counts the runs that are done, and foresees when the others will be."""
 
     def __init__(self, runs: int) -> None:
-        self._runs, self._done = runs, 0
+        self._runs, self._done, self._made = runs, 0, 0
         self._began = time.monotonic()
 
     def one(self, row: Row) -> str:
         """Count a run and say how many are done, how it ended and how long the others may take."""
         self._done += 1
-        gone = time.monotonic() - self._began
-        left = gone / self._done * (self._runs - self._done)
-        return (
-            f"{self._done} of {self._runs} runs, the last {row.status}; {_duration(gone)} gone, "
-            f"about {_duration(left)} left"
-        )
+        self._made += not row.was_there  # what was there took no time
+        gone, todo = time.monotonic() - self._began, self._runs - self._done
+        left = f", about {_duration(gone / self._made * todo)} left" if self._made else ""
+        return f"{self._done} of {self._runs} runs, the last {row.status}; {_duration(gone)} gone{left}"
 
 
 def make_runs(
