@@ -51,8 +51,9 @@ def times(folder: Path = RECORDED, pattern: str = "aspher_*.json") -> str:
             last = said
             lines += [
                 said,
-                f"{'cells':>6s} {'threads':7s} {'case':11s}{'residual':>9s} {'beside':24s}{'its tolerance':>13s}"
-                f"{'ours':>9s}{'theirs':>9s}{'times':>8s}{'clock':>8s}{'MiB ours':>10s}{'theirs':>8s}",
+                f"{'cells':>6s} {'threads':7s} {'case':11s}{'residual':>9s} {'beside':24s}"
+                f"{'its tolerance':>13s}{'ours':>9s}{'theirs':>9s}{'times':>8s}{'clock':>8s}"
+                f"{'MiB ours':>10s}{'theirs':>8s}",
             ]
         for row in sorted(rows, key=lambda row: (row["cells"], -row["target"])):
             ours, theirs = (
@@ -68,10 +69,12 @@ def times(folder: Path = RECORDED, pattern: str = "aspher_*.json") -> str:
             key = row["contender"], row["cells"], row["target"], row["threads"]
             ratios.setdefault(key, []).append(row["processor_seconds_ratio"])
     for (peer, cells, target, threads), found in sorted(ratios.items()):
-        lines += [
+        if len(found) == 1:
+            continue
+        lines.append(
             f"{peer}, {cells}², {target:.0e}, {threads} thread(s): median {statistics.median(found):.2f}, "
             f"least {min(found):.2f}, of {len(found)} cases"
-        ] * (len(found) > 1)
+        )
     return "\n".join(lines)
 
 
