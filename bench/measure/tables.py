@@ -44,15 +44,16 @@ def areas(folder: Path = RECORDED) -> str:
 def times(folder: Path = RECORDED, pattern: str = "aspher_*.json") -> str:
     """Processor time and memory beside a peer, and the median of the ratios by size and residual."""
     lines, last = [], ""
-    ratios: dict[tuple[int, float, int], list[float]] = {}
+    ratios: dict[tuple[str, int, float, int], list[float]] = {}
     for record in _records(folder, pattern):
         rows = [row for row in record["rows"] if "processor_seconds_ratio" in row]
-        if rows and (said := f"{_machine(record)}, {rows[0]['contender']} {rows[0]['version']}") != last:
+        if rows and (said := _machine(record)) != last:
             last = said
             lines += [
                 said,
-                f"{'cells':>6s} {'threads':7s} {'case':11s}{'residual':>9s}{'ours':>9s}{'theirs':>9s}"
-                f"{'times':>7s}{'clock':>7s}{'MiB ours':>10s}{'theirs':>8s}",
+                f"{'cells':>6s} {'threads':7s} {'case':11s}{'residual':>9s} {'beside':24s}"
+                f"{'its tolerance':>13s}{'ours':>9s}{'theirs':>9s}{'times':>8s}{'clock':>8s}"
+                f"{'MiB ours':>10s}{'theirs':>8s}",
             ]
         for row in sorted(rows, key=lambda row: (row["cells"], -row["target"])):
             ours, theirs = (
@@ -60,15 +61,18 @@ def times(folder: Path = RECORDED, pattern: str = "aspher_*.json") -> str:
             )
             lines.append(
                 f"{row['cells']:6d} {row['threads']:7d} {row['case']:11s}{row['target']:9.0e}"
+                f" {row['contender'] + ' ' + row['version']:24s}{row['their_tolerance']:13.0e}"
                 f"{ours:8.2f}s{theirs:8.2f}s"
-                f"{row['processor_seconds_ratio']:7.2f}{row['seconds_ratio']:7.2f}"
+                f"{row['processor_seconds_ratio']:8.2f}{row['seconds_ratio']:8.2f}"
                 f"{row['ours_memory_mib']:10.0f}{row['theirs_memory_mib']:8.0f}"
             )
-            key = row["cells"], row["target"], row["threads"]
+            key = row["contender"], row["cells"], row["target"], row["threads"]
             ratios.setdefault(key, []).append(row["processor_seconds_ratio"])
-    for (cells, target, threads), found in sorted(ratios.items()):
+    for (peer, cells, target, threads), found in sorted(ratios.items()):
+        if len(found) == 1:
+            continue
         lines.append(
-            f"{cells}², {target:.0e}, {threads} thread(s): median {statistics.median(found):.2f}, "
+            f"{peer}, {cells}², {target:.0e}, {threads} thread(s): median {statistics.median(found):.2f}, "
             f"least {min(found):.2f}, of {len(found)} cases"
         )
     return "\n".join(lines)
