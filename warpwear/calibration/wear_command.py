@@ -37,7 +37,7 @@ class Source:
     may_have: tuple[str, ...] = ()
 
 
-_CAP = "two diameters of the worn patch; flat cap, a half their mean (thesis eq 3.1)"
+_CAP = "two diameters of the worn patch; flat cap, its width their mean"
 _SEGMENT = "width of a circular track; an unworn ball's circular section"
 _TRACK = "topography of the track; mean net section × length"
 _BALL = "topography of the ball; lost below the sphere through what is unworn"
@@ -216,7 +216,7 @@ def _of_track(
     section = f"section {1e6 * found.net.mean():.5g} ± {1e6 * found.net_error:.2g} µm² × {length:g} mm"
     source = "what the same sum finds on unworn surface"
     if found.length < 0.9 * length:
-        source += f", were the whole track like the measured {found.length:.4g} mm"
+        source += f", and how sections scatter along the measured {found.length:.4g} mm"
     volume, error = found.volume(length)
     measured = f"{section}, degree {degree} beside it"
     return _of_topography(file, volume, error, depth=found.depth, measured=measured, source=source)
