@@ -175,14 +175,14 @@ def test_test_files_do_not_import_each_other() -> None:
     assert PYPROJECT["tool"]["pytest"]["ini_options"]["pythonpath"] == ["tests"]
 
 
-def test_the_page_for_contributors_lists_the_wings_from_the_ground_up() -> None:
+def test_the_page_for_contributors_lists_the_wings_from_the_roof_to_the_ground() -> None:
     told = [
         re.findall(r"`(\w+)`", line.partition(":")[0])
         for line in CONTRIBUTING.splitlines()
         if line[:3] == "- `"
     ]
     (layers,) = (c["layers"] for c in PYPROJECT["tool"]["importlinter"]["contracts"] if "layers" in c)
-    assert told == [layer.split(" | ") for layer in reversed(layers)]
+    assert told == [layer.split(" | ") for layer in layers]
 
 
 def test_the_page_for_contributors_is_true() -> None:

@@ -130,7 +130,7 @@ def test_topographies(files: Path) -> None:
     same = json.loads(CliRunner().invoke(commands, options).output)["track"]
     assert found["tests"][0]["volume_mm3"] == same["whole_volume_mm3"]
     assert found["tests"][0]["volume_uncertainty_mm3"] == same["whole_volume_error_mm3"]
-    assert "like the measured 0.9 mm" in found["tests"][0]["uncertainty_from"]
+    assert "scatter along the measured 0.9 mm" in found["tests"][0]["uncertainty_from"]
     ball = record(
         "wear", "--ball", files / "ball.npy", "--ball", files / "ball.npy", "--radius", "3 mm", *GIVEN, *TEST
     )
