@@ -1,6 +1,8 @@
 """The contenders of the benchmark agree on tiny grids: package, NumPy, C if it compiles, published way."""
 
+import importlib
 import json
+import math
 import re
 import runpy
 import sys
@@ -203,3 +205,17 @@ def test_seconds_of_the_readme_are_those_recorded() -> None:
         pytest.skip("nothing is recorded yet")
     rows = newest(json.loads(RECORD.read_text(encoding="utf-8")))
     assert written(text, rows) == text, "run: python bench/cases/seconds.py --write"
+
+
+def test_the_surface_of_the_largest_contact_has_the_slope_that_it_says() -> None:
+    """Along both axes: of waves that are no transform of a real field it had stripes."""
+    largest = importlib.import_module("cases.largest")
+    field = largest.heights(256)
+    across = np.arange(129)
+    number = 2.0 * np.pi * np.hypot(np.fft.fftfreq(256, 1 / 256)[:, None], across)
+    twice = np.where((across == 0) | (across == 128), 1.0, 2.0)
+    power = twice * np.abs(np.fft.rfft2(field)) ** 2
+    assert math.sqrt(float((power * number**2).sum())) / 256**2 == pytest.approx(largest.SLOPE, rel=0.02)
+    steps = [256.0 * float(np.diff(field, axis=axis).std()) for axis in (0, 1)]
+    assert steps[0] == pytest.approx(steps[1], rel=0.1)
+    assert 0.05 < steps[0] < largest.SLOPE
