@@ -215,7 +215,7 @@ def test_the_surface_of_the_largest_contact_has_the_slope_that_it_says() -> None
     number = 2.0 * np.pi * np.hypot(np.fft.fftfreq(256, 1 / 256)[:, None], across)
     twice = np.where((across == 0) | (across == 128), 1.0, 2.0)
     power = twice * np.abs(np.fft.rfft2(field)) ** 2
-    assert math.sqrt(float((power * number**2).sum())) / 256**2 == pytest.approx(largest.SLOPE, rel=0.02)
+    assert math.sqrt(float((power * number**2).sum())) / 256**2 == pytest.approx(largest.SLOPE, rel=1e-4)
     steps = [256.0 * float(np.diff(field, axis=axis).std()) for axis in (0, 1)]
     assert steps[0] == pytest.approx(steps[1], rel=0.1)
     assert 0.05 < steps[0] < largest.SLOPE

@@ -39,13 +39,14 @@ def heights(cells: int, *, xp: Any = np, seed: int = 1) -> Any:
     waves = xp.fft.rfft2(noise)
     del noise
     across, squares = xp.arange(cells // 2 + 1, dtype=xp.float32), 0.0
+    twice = xp.where((across == 0) | (2 * across == cells), 1.0, 2.0)  # the other half of the plane
     for first in blocks:
         rows = slice(first, first + ROWS)
         along = xp.fft.fftfreq(cells, 1.0 / cells)[rows].astype(xp.float32)
         squared = along[:, None] ** 2 + across**2
         there = (squared > 0) & (squared <= (cells / SHORTEST) ** 2)
         waves[rows] *= xp.where(there, xp.maximum(squared, 1e-9) ** (-0.5 * (1.0 + HURST)), 0.0)
-        squares += 2.0 * float((xp.abs(waves[rows]) ** 2 * squared).sum(dtype=xp.float64))
+        squares += float((xp.abs(waves[rows]) ** 2 * (twice * squared)).sum(dtype=xp.float64))
     made, found = xp.fft.irfft2(waves, s=(cells, cells)), np.empty((cells, cells))
     del waves
     scale = SLOPE * cells**2 / (2.0 * math.pi * math.sqrt(squares))
