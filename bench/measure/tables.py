@@ -42,7 +42,7 @@ def areas(folder: Path = RECORDED) -> str:
 
 
 def times(folder: Path = RECORDED, pattern: str = "aspher_*.json") -> str:
-    """Processor time and memory beside a peer, and the median of the ratios by size and residual."""
+    """Processor time and memory beside a peer; the median of its ratios by size, residual and threads."""
     lines, last = [], ""
     ratios: dict[tuple[str, int, float, int], list[float]] = {}
     for record in _records(folder, pattern):

@@ -54,7 +54,9 @@ def test_a_groove_is_told_by_its_section() -> None:
 
 def test_a_table_of_patches_is_no_column() -> None:
     history = warpwear.run(Study.load("v3-fine").replace(STILL)).history
-    with pytest.raises(InputError, match=r"'load_share': it is one of every patch, result\.load_share"):
+    with pytest.raises(
+        InputError, match=r"'load_share': it is one of every patch of a two-scale run: result\.load_share"
+    ):
         history["load_share"]
     with pytest.raises(InputError, match="did you mean 'cof'"):
         history["coff"]
@@ -78,6 +80,6 @@ def test_asperities_that_yield_elastically_are_told_of(known: bool) -> None:
     study = Study.stored(text).replace(elastic)
     told = [s for s in warpwear.run(study).summary["warnings"] if "yield elastically" in s]
     assert len(told) == 1
-    assert ("if both are steel (disc.young and disc.poisson are not given)" in told[0]) != known
+    assert ("if both bodies were of steel (not given: disc.young, disc.poisson)" in told[0]) != known
     soft = warpwear.run(study.replace({"disc.hardness": "0.2 GPa"})).summary["warnings"]
     assert not any("yield elastically" in s for s in soft)

@@ -209,7 +209,9 @@ def test_the_gap_is_gone_and_the_roughness_is_not() -> None:
     assert np.corrcoef(after, imprint)[0, 1] > 0.995
     assert np.std(rough(end.gap)) < 1e-9
     root = Path(__file__).parents[2]
-    assert "rough (`v3-fine`: Sq 1.57 of 3.68 µm)" in (root / "README.md").read_text(encoding="utf-8")
+    assert "Sq in the contact is 1.57 µm of 3.68 µm" in (root / "docs/theory/limits.md").read_text(
+        encoding="utf-8"
+    )
     for page in ("README.md", "docs/theory/limits.md", "bench/artifact.py", "warpwear/templates/thesis.html"):
         text = (root / page).read_text(encoding="utf-8")
         assert not re.search(r"roughness is (worn (away|off)|gone)", text, re.IGNORECASE), page

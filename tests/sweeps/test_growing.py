@@ -53,7 +53,31 @@ def test_a_sweep_may_grow_and_lose_no_run(tmp_path: Path) -> None:
     assert (folder / "table.csv").read_bytes() == before
 
 
-def test_what_was_varied_is_known_of_runs_that_cannot_be(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("encoding", "change"),
+    [("utf-16", ("", "")), ("latin-1", ("done", "dône")), ("utf-8", (",", ";")), ("utf-8", ("run", "name"))],
+)
+def test_a_table_that_another_program_saved_is_not_overwritten(
+    tmp_path: Path, encoding: str, change: tuple[str, str]
+) -> None:
+    table = written(tmp_path, planned("4 N", "8 N")) / "table.csv"
+    text = table.read_text(encoding="utf-8")
+    table.write_text(text, encoding="utf-8-sig")  # as by Excel
+    check_runs(planned("4 N", "8 N"), tmp_path)
+    with pytest.raises(InputError, match="1 of which this one has not"):
+        check_runs(planned("4 N", "9 N"), tmp_path)
+    table.write_text(text.replace(*change) if change[0] else text, encoding=encoding)
+    with pytest.raises(InputError, match="cannot be read as the table of a sweep"):
+        check_runs(planned("4 N", "8 N"), tmp_path)
+
+
+def test_runs_that_failed_are_no_loss(tmp_path: Path) -> None:
+    plan = planned("4 N", "8 N")
+    SweepResult(plan, [Row("done", 0.1), Row("failed: no")], tmp_path).write_tables(tmp_path)
+    check_runs(planned("4 N", "7 N"), tmp_path)
+
+
+def test_what_was_varied_is_known_of_runs_that_cannot_be() -> None:
     """In the unit of the others, so that one sees where runs fail."""
     found = numbers_of(planned("4 N", "-5000 mN", "much", "8 N"), "contact.load")
     assert found is not None

@@ -13,7 +13,7 @@ from warpwear.calibration.options import LARGEST, check_positive
 from warpwear.errors import InputError
 from warpwear.surfaces.worn.ball import cap_of_diagonals
 
-#: Ratio of a scar's diameters from which it is no flat cap.
+#: Ratio of a scar's diameters above which it is no flat cap.
 LONGER = 1.1
 #: Angle [rad] of a circular segment below which its area is summed as a series: φ − sin φ cancels.
 SMALL_ANGLE = 0.02
@@ -130,9 +130,9 @@ def cap(
     which is (π h/6)(3 d²/4 + h²) of ASTM G99 (spherical pin end, disc unworn) and of G133. Approximately
     π d⁴/(64 R). error: standard uncertainty of the mean diameter; without it half the difference of two
     different diameters, the standard error of their mean. It goes into V by dV/dd = (π/2) a³/√(R² − a²),
-    nearly 4 V/d. Where one diameter is a tenth longer the groove of a disc that wears, too, bulges into the
-    scar across the sliding, and π d₁³ d₂/(64 R) is better, d₂ the longer one (validation, a ball that wears
-    with its plate): it is given beside. InputError for a scar wider than the ball.
+    nearly 4 V/d. Where one diameter is more than a tenth longer the groove of a disc that wears, too, bulges
+    into the scar across the sliding, and π d₁³ d₂/(64 R) is better, d₂ the longer one (validation, a ball
+    that wears with its plate): it is given beside. InputError for a scar wider than the ball.
     """
     other = first if second is None else second
     for name, length in (("diameter", first), ("diameter", other), ("radius", radius)):

@@ -36,18 +36,19 @@ def begin_to_load(module: Any, device: Any, pool: Executor | None = None) -> Cal
     # Compiled in advance, as Warp would, its headers take longer than twice with the kernels of two files.
     wp.config.use_precompiled_headers = device.is_cuda
     if not _LOADED:
+        atexit.unregister(_seal)
         atexit.register(_seal)
     kept = (module.name, str(device)) in _LOADED
     for folder in () if kept else _folders(module.name):
         if (folder / DIGESTS).exists() and not _is_whole(folder):
             shutil.rmtree(folder, ignore_errors=True)
         kept = kept or folder.name == module.get_module_identifier(1 if device.is_cpu else None)
-    _LOADED.add((module.name, str(device)))
     load = pool.submit(_load, module, device).result if pool else partial(_load, module, device)
 
     def finish() -> None:
         with phase("kernels" if kept else "compile"):
             load()
+        _LOADED.add((module.name, str(device)))
 
     return finish
 

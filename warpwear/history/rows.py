@@ -42,7 +42,9 @@ class History(Named[FloatArray]):
 
     def __missing__(self, name: str) -> FloatArray:
         if any(name == quantity.name for quantity in PATCH_TABLES):
-            raise UnknownColumnError(f"{self._says} {name!r}: it is one of every patch, result.{name}")
+            raise UnknownColumnError(
+                f"{self._says} {name!r}: it is one of every patch of a two-scale run: result.{name}"
+            )
         return super().__missing__(name)
 
     def __repr__(self) -> str:

@@ -116,7 +116,7 @@ def summarise(result: ResultFile) -> dict[str, Any]:
 def _on_a_track(result: ResultFile) -> dict[str, Any]:
     """The section of the groove that the disc's wear would be, were it spread over the track of the test.
 
-    A disc that lies still has all of it under the sphere. Nothing where less than one pass was slid.
+    A disc that lies still has all of it under the sphere. Nothing where no more than one pass was slid.
     """
     lap, distance = result.study.sliding.lap, float(result.history["distance"][-1])
     if lap is None or distance <= lap:

@@ -17,6 +17,7 @@ from warpwear.result import Result
 from warpwear.results.file import FILE_NAME
 from warpwear.results.summary import course
 from warpwear.runs import lock as run_lock
+from warpwear.runs.checkpoint import holds_checkpoint
 from warpwear.runs.run import How, run_study
 from warpwear.study.study import Study
 
@@ -58,7 +59,7 @@ def run_one(task: Task) -> Row:
         study = Study.stored(task.study)
         folder.mkdir(parents=True, exist_ok=True)
         with _alone_in(folder):
-            was_there = is_there(folder)
+            was_there = is_there(folder) and not holds_checkpoint(folder)
             with _warnings_left_to_the_summary(), run_study(study, how) as result:
                 found = row_of(result)
         if was_there:

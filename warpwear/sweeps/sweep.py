@@ -94,7 +94,7 @@ class Count:
     def one(self, row: Row) -> str:
         """Count a run and say how many are done, how it ended and how long the others may take."""
         self._done += 1
-        self._made += not row.was_there  # what was there took no time
+        self._made += row.seconds > 0.0 and not row.was_there  # others took no time
         gone, todo = time.monotonic() - self._began, self._runs - self._done
         left = f", about {_duration(gone / self._made * todo)} left" if self._made else ""
         return f"{self._done} of {self._runs} runs, the last {row.status}; {_duration(gone)} gone{left}"
@@ -121,6 +121,8 @@ def make_runs(
     for point in plan.points:
         if point.study is None:
             rows[point.number] = Row(f"failed: {point.problem}")
+            if told is not None:
+                told(point.number, rows[point.number])
             continue
         future = asked.get(point.run)
         if future is None:
@@ -228,18 +230,24 @@ def check_folder(folder: Path, *, resume: bool) -> None:
 def check_runs(plan: Plan, folder: Path) -> None:
     """Raises InputError for the folder of a sweep with runs that this one has not: its tables would go.
 
-    A sweep may grow, so that its runs are part of those of a larger one.
+    A sweep may grow, so that its runs are part of those of a larger one. Runs that failed are no loss.
     """
     try:
-        with (folder / TABLE).open(newline="", encoding="utf-8") as file:
-            there = {row.get("run") or "" for row in csv.DictReader(file)} - {""}
-    except OSError:
+        with (folder / TABLE).open(newline="", encoding="utf-8-sig") as file:
+            rows = [*csv.DictReader(file)]
+        there = {row["run"] for row in rows if not str(row["status"]).startswith("failed")}
+    except FileNotFoundError:
         return
+    except (OSError, UnicodeError, csv.Error, KeyError) as error:
+        raise InputError(
+            f"{folder / TABLE} cannot be read as the table of a sweep, which would be lost ({error}): give "
+            "another folder, or move it away."
+        ) from error
     others = there - {point.run for point in plan.points}
     if others:
         raise InputError(
             f"out = {folder} holds a sweep with {len(there)} runs, {len(others)} of which this one has not: "
-            "its tables would be lost; give another folder, or vary over its values, too."
+            "its tables would be lost; give another folder, or the same study and device and its values, too."
         )
 
 

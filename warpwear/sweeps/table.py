@@ -197,7 +197,7 @@ def numbers_of(plan: Plan, key: str) -> tuple[FloatArray, str] | None:
         found[place] = value
     for point in plan.points:
         if point.study is None:
-            with suppress(ValueError, TypeError):
+            with suppress(ValueError, TypeError, OverflowError):
                 value = point.values[key]
                 found[point.number] = parse(value, unit) if unit else float(value)
     return found, unit
