@@ -365,7 +365,7 @@ class StepLoop:
             bodies = {"sphere": study.sphere, "disc": study.disc}
             constants = [(body, name) for body in bodies for name in ("young", "poisson")]
             missing = [f"{b}.{name}" for b, name in constants if getattr(bodies[b], name) is None]
-            found = f"{found} if both bodies were of steel (not given: {', '.join(missing)})"
+            found = f"{found} for two bodies of steel (not given: {', '.join(missing)})"
         self._add_warning(
             f"Asperities yield elastically before they flow: {found}, and above {ELASTIC:g} the local law "
             'makes the contact too small until wear decides it. contact.law = "half-space" couples them.'
