@@ -7,7 +7,9 @@ launch is one loop on one core that lets go of Python's lock, so chunks of rows 
 
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from itertools import pairwise
+from threading import RLock
 from typing import Any, Protocol, Self
 
 import numpy as np
@@ -27,6 +29,12 @@ CELLS_PER_THREAD = 100_000
 SMALL = 2 * CELLS_PER_THREAD
 #: Slots that keep a GPU busy, where neighbouring threads read neighbouring vectors of a row.
 SLOTS_CUDA = 65536
+
+#: Threads of a slot of a pass on a GPU, and slots of a pass there at most: each takes several rows then.
+BLOCK = 256
+MOST_SLOTS_CUDA = 2112
+#: Held while launches are made by the host, and while they are recorded: Warp records those of every thread.
+GATE = RLock()
 
 #: Fields alive at the peak of a run: gap as worn and unworn, pressure, wear of both bodies, and room to work.
 FIELDS_NEEDED = 6.0
@@ -130,6 +138,28 @@ class Executor:
             (self._foreseen.pop(module, None) or begin_to_load(module, self.device))()
             self._loaded.add(module)
 
+    @property
+    def is_shared(self) -> bool:
+        """Whether passes over many cells are shared among threads."""
+        return self._pool is not None
+
+    def slots_of(self, rows: int) -> int:
+        """Slots of a pass over rows: on a CPU one each."""
+        return rows if self.device.is_cpu else min(rows, MOST_SLOTS_CUDA)
+
+    def equal_chunks(self, slots: int) -> list[tuple[int, int]]:
+        """Ranges of slots for the threads, of passes over whole rows."""
+        if not self.device.is_cpu:
+            return [(0, slots)]
+        return self.split_rows(np.full(slots, -(-self.grid.cells // slots)))
+
+    def on_threads(self, work: Sequence[Callable[[], Any]]) -> None:
+        """Do pieces of work side by side, the first on this thread."""
+        waiting = [self._pool.submit(piece) for piece in work[1:]] if self._pool else []
+        work[0]()
+        for future in waiting:
+            future.result()
+
     def split_rows(self, cells: Any) -> list[tuple[int, int]]:
         """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""
         rows = len(cells)
@@ -171,10 +201,8 @@ class Executor:
             else:
                 wp.launch(kernel, dim=last - first, inputs=arguments, device=self.device)
 
-        waiting = [self._pool.submit(chunk, n) for n in range(1, len(chunks))] if self._pool else []
-        chunk(0)
-        for future in waiting:
-            future.result()
+        with GATE:
+            self.on_threads([partial(chunk, number) for number in range(len(chunks))])
 
     def _kept_launch(self, kernel: Any, chunk: int, size: int, arguments: list[Any]) -> Any:
         """The recorded launch of a kernel over a chunk, with what has changed since the last time."""

@@ -1,0 +1,167 @@
+#pragma once
+// What all native functions share: cells in vectors, slots of a pass, and where their sums go.
+//
+// A pass over cells is written once for both devices. On a CPU a slot is one thread, and `Lanes` are the
+// eight cells of a stored vector; on a GPU a slot is a block of threads, and `Lanes` are one cell. Rows of a
+// field are shared among slots: slot, slot + slots, ... (on a CPU there are as many slots as rows).
+
+#define WARPWEAR_FN static inline CUDA_CALLABLE
+
+#if defined(__CUDA_ARCH__)
+typedef double Lanes;
+typedef double Stored;
+typedef float SingleLanes;
+typedef float StoredSingle;
+typedef long long Counts;
+typedef bool Mask;
+#else
+typedef double Lanes __attribute__((ext_vector_type(8)));
+typedef double Stored __attribute__((ext_vector_type(8), aligned(8)));
+typedef float SingleLanes __attribute__((ext_vector_type(8)));
+typedef float StoredSingle __attribute__((ext_vector_type(8), aligned(4)));
+typedef long long Counts __attribute__((ext_vector_type(8)));
+typedef Counts Mask;
+#endif
+
+// Cells of `Lanes`, `Lanes` of a stored vector and of a tile of four stored vectors.
+static const int LANES = sizeof(Lanes) / sizeof(double);
+static const int OF_VECTOR = 8 / LANES;
+static const int OF_TILE = 4 * OF_VECTOR;
+
+static const double ABSENT = 1.0e30;    // gap of a place where there is no surface [mm]
+static const double NO_LIMIT = 1.0e300; // stands for no cell, no cap and no limit
+static const double NO_INDEX = -1.0e9;  // stands for no cell among first and last indices
+
+// Thread of a slot, and how many a slot has.
+WARPWEAR_FN int lane_of_slot()
+{
+#if defined(__CUDA_ARCH__)
+    return threadIdx.x;
+#else
+    return 0;
+#endif
+}
+
+WARPWEAR_FN int width_of_slot()
+{
+#if defined(__CUDA_ARCH__)
+    return blockDim.x;
+#else
+    return 1;
+#endif
+}
+
+#if defined(__CUDA_ARCH__)
+WARPWEAR_FN Lanes size_of(Lanes v) { return fabs(v); }
+WARPWEAR_FN bool any(Mask v) { return v; }
+WARPWEAR_FN double total(Lanes v) { return v; }
+WARPWEAR_FN double count(Counts v) { return double(v); }
+WARPWEAR_FN double most(Lanes v) { return v; }
+WARPWEAR_FN Lanes doubled(SingleLanes v) { return double(v); }
+WARPWEAR_FN SingleLanes halved(Lanes v) { return float(v); }
+template <typename T> WARPWEAR_FN void fetch(const T*) {}
+#else
+WARPWEAR_FN Lanes size_of(Lanes v) { return __builtin_elementwise_abs(v); }
+WARPWEAR_FN bool any(Mask v) { return __builtin_reduce_or(v) != 0; }
+WARPWEAR_FN double total(Lanes v)
+{
+    double sum = 0.0;
+    for (int j = 0; j < LANES; ++j) sum += v[j];
+    return sum;
+}
+WARPWEAR_FN double count(Counts v) { return double(__builtin_reduce_add(v)); }
+// By halves: the built-in reduction minds NaN and takes three times as long.
+WARPWEAR_FN double most(Lanes v)
+{
+    Lanes w = __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3);
+    v = v > w ? v : w;
+    w = __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5);
+    v = v > w ? v : w;
+    return v[0] > v[1] ? v[0] : v[1];
+}
+WARPWEAR_FN Lanes doubled(SingleLanes v) { return __builtin_convertvector(v, Lanes); }
+WARPWEAR_FN SingleLanes halved(Lanes v) { return __builtin_convertvector(v, SingleLanes); }
+template <typename T> WARPWEAR_FN void fetch(const T* place) { __builtin_prefetch(place, 1); }
+#endif
+
+// A row of a field as cells; of a field of one row that row serves all.
+template <typename Field> WARPWEAR_FN Stored* row_of(const Field& field, int row)
+{ return (Stored*)&wp::index(field, row < field.shape[0] ? row : field.shape[0] - 1, 0); }
+
+template <typename Field> WARPWEAR_FN StoredSingle* single_row_of(const Field& field, int row)
+{ return (StoredSingle*)&wp::index(field, row < field.shape[0] ? row : field.shape[0] - 1, 0); }
+
+// Bring what the threads of a slot have to one number.
+WARPWEAR_FN double of_slot(double value, bool adds)
+{
+#if defined(__CUDA_ARCH__)
+    __shared__ double of_warps[32];
+    const int warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = (blockDim.x + 31) / 32;
+    for (int apart = 16; apart > 0; apart /= 2) {
+        const double other = __shfl_down_sync(0xffffffff, value, apart);
+        value = adds ? value + other : (value > other ? value : other);
+    }
+    __syncthreads(); // others may still read what was there
+    if (lane == 0) of_warps[warp] = value;
+    __syncthreads();
+    value = of_warps[0];
+    for (int i = 1; i < warps; ++i)
+        value = adds ? value + of_warps[i] : (value > of_warps[i] ? value : of_warps[i]);
+#endif
+    return value;
+}
+
+// Leave a sum, or a maximum, in the column of the slot in a table of partial results.
+template <typename Table> WARPWEAR_FN void leave_sum(Table& table, int line, int slot, double value)
+{
+    value = of_slot(value, true);
+    if (lane_of_slot() == 0) wp::index(table, line, slot) = value;
+}
+
+template <typename Table> WARPWEAR_FN void leave_most(Table& table, int line, int slot, double value)
+{
+    value = of_slot(value, false);
+    if (lane_of_slot() == 0) wp::index(table, line, slot) = value;
+}
+
+// The sum of n numbers in pairs, as NumPy adds up: it is exact to a few digits more than one after another.
+WARPWEAR_FN double sum_in_pairs(const double* v, int n)
+{
+    if (n > 128) {
+        const int half = n / 2 - n / 2 % 8;
+        return sum_in_pairs(v, half) + sum_in_pairs(v + half, n - half);
+    }
+    double r[8] = {0.0}, sum = 0.0;
+    int i = 0;
+    if (n >= 8) {
+        for (; i < 8; ++i) r[i] = v[i];
+        for (; i < n - n % 8; i += 8)
+            for (int j = 0; j < 8; ++j) r[j] += v[i + j];
+        sum = ((r[0] + r[1]) + (r[2] + r[3])) + ((r[4] + r[5]) + (r[6] + r[7]));
+    }
+    for (; i < n; ++i) sum += v[i];
+    return sum;
+}
+
+// Sum and maximum of `columns` columns of a line of a table, from `first` on. Every thread of a deciding slot
+// calls them, and gets the number.
+template <typename Table> WARPWEAR_FN double sum_of_line(const Table& table, int line, int first, int columns)
+{
+    const double* const v = &wp::index(table, line, first);
+#if defined(__CUDA_ARCH__)
+    double sum = 0.0;
+    for (int i = threadIdx.x; i < columns; i += blockDim.x) sum += v[i];
+    return of_slot(sum, true);
+#else
+    return sum_in_pairs(v, columns);
+#endif
+}
+
+template <typename Table>
+WARPWEAR_FN double most_of_line(const Table& table, int line, int first, int columns)
+{
+    const double* const v = &wp::index(table, line, first);
+    double largest = -NO_LIMIT;
+    for (int i = lane_of_slot(); i < columns; i += width_of_slot()) largest = largest > v[i] ? largest : v[i];
+    return of_slot(largest, false);
+}

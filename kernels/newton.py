@@ -1,0 +1,112 @@
+"""Newton's search for a load inside a bracket, one trial after another.
+
+What carries a load rises with the offset looked for, and piecewise linearly where cells follow springs.
+Newton's step is taken while it stays inside the bracket and the bracket halves at least every second
+evaluation: alone it crawls where the capped overlap is a few nanometres. Sides of the bracket that are not
+known yet are looked for in growing steps. Where no cell changes its state on the way, Newton's step is the
+solution and is not looked at again.
+"""
+
+import warp as wp
+
+from warpwear.kernels.cells import NONE, ONE, ZERO
+
+wp.set_module_options({"enable_backward": False})
+
+#: How far a search is: it looks further; what is carried at the offset is the load; Newton's step surely is it;
+#: the bracket is down to neighbouring numbers, or all evaluations are spent.
+LOOKS = wp.constant(wp.int32(0))
+MET = wp.constant(wp.int32(1))
+SURE = wp.constant(wp.int32(2))
+STUCK = wp.constant(wp.int32(3))
+
+HALF = wp.constant(wp.float64(0.5))
+#: Steps without a bracket grow by this factor.
+GROWS = wp.constant(wp.float64(4.0))
+#: First step of a search that starts where the solution is.
+FIRST_REACH = wp.constant(wp.float64(1.0e-18))
+#: An offset beyond that is none: the load cannot be carried.
+HOPELESS = wp.constant(wp.float64(1.0e6))
+EVALUATIONS = wp.constant(wp.int32(399))
+#: Part of the way to the next change of state that Newton's step may take and be sure of it.
+SURELY = wp.constant(wp.float64(0.999))
+#: Load of the offset's length over the load, up to which the offset has digits enough for the tolerance.
+DIGITS = wp.constant(wp.float64(1.0e3))
+
+
+@wp.struct
+class Bracket:
+    """A search: its trial offset, the bracket of the solution, and how far it is."""
+
+    offset: wp.float64
+    low: wp.float64
+    high: wp.float64
+    reach: wp.float64  # of a step without a bracket, at most
+    width: wp.float64  # of the bracket two evaluations ago
+    evaluation: wp.int32
+    state: wp.int32  # LOOKS, MET, SURE or STUCK
+
+
+@wp.func
+def bracket_at(offset: wp.float64, reach: wp.float64):
+    """A search that begins at an offset, with steps of a length at first; of 0 the shortest."""
+    b = Bracket()
+    b.offset = offset
+    b.low = -NONE
+    b.high = NONE
+    b.reach = wp.where(reach > ZERO, reach, FIRST_REACH)
+    b.width = NONE
+    b.state = LOOKS
+    return b
+
+
+@wp.func
+def next_trial(
+    before: Bracket,
+    force: wp.float64,
+    slope: wp.float64,
+    load: wp.float64,
+    tolerance: wp.float64,
+    straight: wp.float64,
+):
+    """The search with its next trial, or at its end, by the force and its slope at the last one.
+
+    tolerance: of the force. straight: way as far as which the force is surely a straight line; 0 where that is
+    not known.
+    """
+    b = before
+    b.evaluation = b.evaluation + 1
+    residual = force - load
+    offset = b.offset
+    if wp.abs(residual) <= tolerance:
+        b.state = MET
+    elif not (wp.abs(offset) < HOPELESS) or b.evaluation >= EVALUATIONS:
+        b.state = STUCK
+    else:
+        if residual < ZERO:
+            b.low = offset
+        else:
+            b.high = offset
+        rises = slope > ZERO
+        newton = offset - residual / wp.where(rises, slope, ONE)
+        way = wp.abs(newton - offset)
+        if rises and way < SURELY * straight and slope * wp.abs(newton) < DIGITS * load:
+            b.offset = newton
+            b.state = SURE
+        elif b.low <= -NONE or b.high >= NONE:
+            b.offset = offset + wp.where(residual < ZERO, b.reach, -b.reach)
+            if rises and way <= b.reach:
+                b.offset = newton
+            b.reach = GROWS * b.reach
+        else:
+            even = b.evaluation % 2 == 0
+            stalled = even and b.high - b.low > HALF * b.width
+            if even:
+                b.width = b.high - b.low
+            b.offset = HALF * (b.low + b.high)
+            if rises and newton > b.low and newton < b.high and not stalled:
+                b.offset = newton
+            if b.offset <= b.low or b.offset >= b.high:
+                b.offset = offset
+                b.state = STUCK
+    return b

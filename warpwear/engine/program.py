@@ -1,0 +1,242 @@
+"""A program of a device: passes over cells, decisions, loops and branches, said once and replayed many times.
+
+    program = Program(executor)
+    with program.loop(searching):           # while searching[0] is not 0
+        program.launch(carried, fields)     # a pass: a slot a row of cells on a CPU, a block of threads on a GPU
+        program.decide(judge, fields)       # one slot: reads what the pass has left, and writes `searching`
+    program.run()
+
+What follows from a pass is decided on the device: a program asks the host nothing. A GPU replays it as a graph.
+A CPU replays it as a recorded loop on one core, as long as no pass is large enough to be shared among threads;
+such passes, and `call`, which is a step of the host, end a recording: the host then goes from one to the next
+and reads the flags of loops and branches. All three do the same launches in the same order.
+
+Launches are recorded as they are said: numbers in their arguments stay as they were. What changes from one run
+to the next lives in arrays.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, Protocol
+
+import warp as wp
+
+from warpwear.engine.executor import BLOCK, GATE, Executor, Field
+
+Chunks = Sequence[tuple[int, int]]
+
+
+class Node(Protocol):
+    """A part of a program."""
+
+    @property
+    def is_recordable(self) -> bool:
+        """Whether a CPU can replay it from a recording."""
+
+    def run(self) -> None:
+        """Do it now; in a recording, add it to that."""
+
+
+class Launch:
+    """A launch of a kernel, shared among threads where its chunks say so.
+
+    chunks: ranges of slots for the threads; a function tells them anew each time.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        kernel: Any,
+        arguments: Sequence[Any],
+        slots: int,
+        chunks: Chunks | Callable[[], Chunks],
+    ) -> None:
+        self._executor, self._kernel, self._chunks = executor, kernel, chunks
+        executor.load(kernel)  # which no recording can
+        self._arguments = [slots, *arguments]
+        self._commands: list[tuple[Any, tuple[int, int]]] = []
+        self._is_shared = executor.is_shared and (callable(chunks) or len(chunks) > 1)
+        if not self._is_shared:
+            self._command(0, (0, slots))
+
+    @property
+    def is_recordable(self) -> bool:
+        """Whether it is one loop on one core."""
+        return not self._is_shared
+
+    def run(self) -> None:
+        """Launch the kernel over all of its slots."""
+        if not self._is_shared:
+            with GATE:
+                self._commands[0][0].launch()
+            return
+        chunks = self._chunks() if callable(self._chunks) else self._chunks
+        commands = [self._command(number, chunk) for number, chunk in enumerate(chunks)]
+        with GATE:
+            self._executor.on_threads([command.launch for command in commands])
+
+    def _command(self, number: int, chunk: tuple[int, int]) -> Any:
+        """The recorded launch of one thread, over a range of slots."""
+        (first, end), device = chunk, self._executor.device
+        width = 1 if device.is_cpu else BLOCK
+        if number == len(self._commands):
+            command = wp.launch(
+                self._kernel,
+                dim=(end - first) * width,
+                inputs=[first, *self._arguments],
+                device=device,
+                block_dim=width,
+                record_cmd=True,
+            )
+            self._commands.append((command, chunk))
+            return command
+        command, (first_before, end_before) = self._commands[number]
+        if end - first != end_before - first_before:
+            command.set_dim(end - first)
+        if first != first_before:
+            command.set_param_at_index_from_ctype(0, first)
+        self._commands[number] = command, chunk
+        return command
+
+
+class Call:
+    """A step of the host, such as a transform of a library; on a GPU one that a stream can capture."""
+
+    def __init__(self, function: Callable[[], Any], *, is_recordable: bool) -> None:
+        self._function, self._is_recordable = function, is_recordable
+
+    @property
+    def is_recordable(self) -> bool:
+        """Whether it is launches alone."""
+        return self._is_recordable
+
+    def run(self) -> None:
+        """Call the function."""
+        self._function()
+
+
+class Block:
+    """Parts of a program, one after another, under a flag of the device or under none.
+
+    flag: array of one number, 0 for no. repeats: whether it is asked again after the last of them.
+    """
+
+    def __init__(self, flag: Field | None = None, *, repeats: bool = False) -> None:
+        self.nodes: list[Node] = []
+        self._flag, self._repeats = flag, repeats
+
+    @property
+    def is_recordable(self) -> bool:
+        """Whether a CPU can replay it from a recording."""
+        return all(node.is_recordable for node in self.nodes)
+
+    def run(self) -> None:
+        """Do all of them, as often as the flag says."""
+        if self._flag is None:
+            self._run_all()
+        elif self._repeats:
+            wp.capture_while(self._flag, self._run_all)
+        else:
+            wp.capture_if(self._flag, self._run_all)
+
+    def _run_all(self) -> None:
+        for node in self.nodes:
+            node.run()
+
+    def record(self, device: Any) -> None:
+        """Record what can be, in as few pieces as there can be. The flag stays."""
+        recorded: list[Node] = []
+        together = Block()
+        for node in [*self.nodes, None]:
+            if node is not None and node.is_recordable:
+                together.nodes.append(node)
+                continue
+            if together.nodes:
+                recorded.append(Recording(together, device))
+                together = Block()
+            if isinstance(node, Block):
+                node.record(device)
+            if node is not None:
+                recorded.append(node)
+        self.nodes = recorded
+
+
+class Recording:
+    """Parts of a program as a graph that a device replays."""
+
+    is_recordable = False  # again
+
+    def __init__(self, block: Block, device: Any) -> None:
+        self._block = block  # whose arrays the graph reads
+        with GATE, wp.ScopedCapture(device=device) as capture:
+            block.run()
+        self._graph = capture.graph
+
+    def run(self) -> None:
+        """Replay the graph."""
+        wp.capture_launch(self._graph)
+
+
+class Program:
+    """A program on an executor. It is recorded when it is first run; nothing can be added then."""
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+        self._whole = Block()
+        self._open = [self._whole]
+        self._is_recorded = False
+
+    def launch(
+        self,
+        kernel: Any,
+        *arguments: Any,
+        slots: int | None = None,
+        chunks: Chunks | Callable[[], Chunks] | None = None,
+    ) -> None:
+        """Add a pass: a kernel of first slot, number of slots and arguments.
+
+        slots: by default those of the executor's grid, see `Executor.slots_of`. chunks: ranges of them for
+        the threads, or a function that tells them; by default rows of equal cost.
+        """
+        executor = self._executor
+        slots = executor.slots_of(executor.grid.nx) if slots is None else slots
+        if chunks is None:
+            chunks = executor.equal_chunks(slots)
+        self._add(Launch(executor, kernel, arguments, slots, chunks))
+
+    def decide(self, kernel: Any, *arguments: Any) -> None:
+        """Add a decision: a kernel of one slot, with the arguments of a pass."""
+        self._add(Launch(self._executor, kernel, arguments, 1, [(0, 1)]))
+
+    def call(self, function: Callable[[], Any]) -> None:
+        """Add a step of the host. On a GPU it is captured: it only queues work in the stream of the device."""
+        self._add(Call(function, is_recordable=self._executor.device.is_cuda))
+
+    @contextmanager
+    def loop(self, flag: Field) -> Iterator[None]:
+        """Repeat what is added within while flag[0] is not 0. flag: one number, int32."""
+        yield from self._within(Block(flag, repeats=True))
+
+    @contextmanager
+    def branch(self, flag: Field) -> Iterator[None]:
+        """Do what is added within if flag[0] is not 0. flag: one number, int32."""
+        yield from self._within(Block(flag))
+
+    def run(self) -> None:
+        """Replay the program; on a GPU it is queued."""
+        if not self._is_recorded:
+            self._whole.record(self._executor.device)
+            self._is_recorded = True
+        self._whole.run()
+
+    def _within(self, block: Block) -> Iterator[None]:
+        self._add(block)
+        self._open.append(block)
+        try:
+            yield
+        finally:
+            self._open.pop()
+
+    def _add(self, node: Node) -> None:
+        assert not self._is_recorded
+        self._open[-1].nodes.append(node)
