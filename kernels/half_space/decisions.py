@@ -43,7 +43,7 @@ def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     resumes = solve.request[wp.static(int(Request.RESUMES))] > ZERO
     at_load = solve.request[wp.static(int(Request.AT_LOAD))] > ZERO
     anew = solve.request[wp.static(int(Request.ANEW))] > ZERO
-    rough = solve.request[wp.static(int(Request.ROUGH))] > ZERO
+    rough = solve.request[wp.static(int(Request.ROUGH))] > ZERO and solve.rules.single_rounding > ZERO
     if not resumes:
         for i in range(lane(), groups_of(solve), width()):
             group = Group()
@@ -64,7 +64,6 @@ def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
             n.near_length = ONE
             n.last = -1
             n.few_below = NONE
-            n.drift = wp.where(rough, solve.rules.single_rounding, ZERO)
             solve.numbers[0] = n
             solve.renews[0] = 1
             solve.renews_roughly[0] = wp.where(rough, 1, 0)

@@ -5,7 +5,7 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.half_space.decisions import drifted
-from warpwear.kernels.half_space.solve import Solve, most_of_columns, sum_of_columns
+from warpwear.kernels.half_space.solve import Few, Solve, most_of_columns, sum_of_columns
 from warpwear.kernels.newton import HALF
 
 wp.set_module_options(native_code.options("search.h", "few.h"))
@@ -80,3 +80,16 @@ def go_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
             n = drifted(n)
             solve.steps[0] = 0
         solve.numbers[0] = n
+
+
+@wp.func_native("return best_of_few(few, count);")
+def _best_of_few(few: Few, count: wp.int32) -> wp.bool: ...
+
+
+@wp.kernel
+def solve_few(
+    first_slot: wp.int32, slots: wp.int32, few: Few, count: wp.int32, solved_out: wp.array(dtype=wp.int32)
+):
+    """Find the best changes of some cells' pressures alone; tell whether there are such."""
+    if wp.tid() == 0:
+        solved_out[0] = wp.where(_best_of_few(few, count), 1, 0)

@@ -122,7 +122,7 @@ class Search:
                 fractions=executor.zeros(0) if fractions is None else fractions,
                 gathered=array(gathered, wp.float32),
             ),
-            few=self._room_for_few(self._few),
+            few=room_for_few(self._few, device),
             request=array(len(Request), wp.float64),
             loads=array(groups, wp.float64),
             visited=operator.visited,
@@ -268,16 +268,6 @@ class Search:
         cells = self._operator.cells / (self._executor.grid.nx if groups > 1 else 1)
         return arguments(solve.Rules, **rules, group_cells=float(cells))
 
-    def _room_for_few(self, most: int) -> Any:
-        """Room for the cells that are moved at once, without coefficients yet."""
-        device = self._executor.device
-        integers = dict.fromkeys(("row", "column", "side", "next", "free", "order"), most) | {"count": 1}
-        numbers = dict.fromkeys(("slope", "low", "high", "change", "rest", "along"), most)
-        numbers |= {"pair": 2 * most, "matrix": most**2} | dict.fromkeys(("equations", "factor"), most * (most + 2))
-        arrays = {name: wp.zeros(size, dtype=wp.int32, device=device) for name, size in integers.items()}
-        arrays |= {name: wp.zeros(size, dtype=wp.float64, device=device) for name, size in numbers.items()}
-        return arguments(solve.Few, **arrays, elastic=wp.zeros((0, 0), dtype=wp.float64, device=device))
-
     def _take_coefficients(self) -> None:
         """Give the operator's coefficients to the search, which is said anew."""
         elastic, along = self._operator.elastic_coefficients()
@@ -285,3 +275,14 @@ class Search:
         room.elastic, room.along, room.rows, room.columns = elastic, along, rows, columns
         self._solve.few = room
         self._program = self._say()
+
+
+def room_for_few(most: int, device: Any) -> Any:
+    """Room for the cells that are moved at once, without coefficients yet."""
+    integers = dict.fromkeys(("row", "column", "side", "next", "free", "order"), most) | {"count": 1}
+    numbers = dict.fromkeys(("slope", "low", "high", "change", "rest", "along"), most)
+    numbers |= {"pair": 2 * most, "matrix": most**2}
+    numbers |= dict.fromkeys(("equations", "factor"), most * (most + 2))
+    arrays = {name: wp.zeros(size, dtype=wp.int32, device=device) for name, size in integers.items()}
+    arrays |= {name: wp.zeros(size, dtype=wp.float64, device=device) for name, size in numbers.items()}
+    return arguments(solve.Few, **arrays, elastic=wp.zeros((0, 0), dtype=wp.float64, device=device))
