@@ -171,6 +171,92 @@ def convolve(
     )
 
 
+@wp.struct
+class Around:
+    """Grids that lie one after another, and what is done with their modes, around transforms of a library."""
+
+    visited: wp.array(dtype=wp.int32)  # grids that are convolved, the first ones; one number
+    rows: wp.int32  # of a grid
+    columns: wp.int32
+    stride: wp.int32  # numbers from one row to the next
+    divides: wp.bool  # instead of multiplying
+    scale: wp.float64  # of a factor
+
+
+@wp.func_native("pad_rows(slot, slots, grids, field, padded);")
+def pad_rows(
+    slot: wp.int32,
+    slots: wp.int32,
+    grids: Around,
+    field: wp.array2d(dtype=Cells),
+    padded: wp.array3d(dtype=Any),
+):
+    """Cells of grids into padded ones."""
+    ...
+
+
+@wp.func_native("crop_rows(slot, slots, grids, padded, field);")
+def crop_rows(
+    slot: wp.int32,
+    slots: wp.int32,
+    grids: Around,
+    padded: wp.array3d(dtype=Any),
+    field: wp.array2d(dtype=Cells),
+):
+    """The way back."""
+    ...
+
+
+@wp.func_native("multiply_modes(slot, slots, grids, table, line, modes);")
+def multiply_modes(
+    slot: wp.int32,
+    slots: wp.int32,
+    grids: Around,
+    table: wp.array2d(dtype=wp.float64),
+    line: wp.array(dtype=wp.float64),
+    modes: wp.array3d(dtype=Any),
+):
+    """Multiplies, or divides, modes by the table and the line."""
+    ...
+
+
+@wp.kernel
+def pad(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    grids: Around,
+    field_in: wp.array2d(dtype=Cells),
+    padded_out: wp.array3d(dtype=Any),
+):
+    """Cells of grids into padded ones, whose padding stays zero."""
+    pad_rows(first_slot + wp.tid() // wp.block_dim(), slots, grids, field_in, padded_out)
+
+
+@wp.kernel
+def crop(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    grids: Around,
+    padded_in: wp.array3d(dtype=Any),
+    field_out: wp.array2d(dtype=Cells),
+):
+    """The way back."""
+    crop_rows(first_slot + wp.tid() // wp.block_dim(), slots, grids, padded_in, field_out)
+
+
+@wp.kernel
+def multiply(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    grids: Around,
+    table_in: wp.array2d(dtype=wp.float64),
+    line_in: wp.array(dtype=wp.float64),
+    modes: wp.array3d(dtype=Any),
+):
+    """Multiply, or divide, modes by the table and the line of their row, in place."""
+    multiply_modes(first_slot + wp.tid() // wp.block_dim(), slots, grids, table_in, line_in, modes)
+
+
 def of(kernel: Any, kind: Any) -> Any:
     """A kernel of single or of double precision; kind: np.float32 or np.float64."""
     return _OF_KIND[kernel, kind]
@@ -178,14 +264,10 @@ def of(kernel: Any, kind: Any) -> Any:
 
 def _of_kind(kernel: Any, kind: Any) -> Any:
     """The kernel with arrays of a type of number wherever any will do."""
-    types = {
-        argument.label: type(argument.type)(dtype=wp.float32 if kind is np.float32 else wp.float64, ndim=argument.type.ndim)
-        for argument in kernel.adj.args
-        if wp.types.is_array(argument.type) and argument.type.dtype is Any
-    }
-    return wp.overload(kernel, types)
+    real = wp.dtype_from_numpy(kind)
+    arrays = {a.label: a.type for a in kernel.adj.args if getattr(a.type, "dtype", None) is Any}
+    return wp.overload(kernel, {name: wp.array(dtype=real, ndim=of.ndim) for name, of in arrays.items()})
 
 
-_OF_KIND = {
-    (kernel, kind): _of_kind(kernel, kind) for kernel in (forward, across, back, convolve) for kind in LINES
-}
+_KERNELS = forward, across, back, convolve, pad, crop, multiply
+_OF_KIND = {(kernel, kind): _of_kind(kernel, kind) for kernel in _KERNELS for kind in LINES}

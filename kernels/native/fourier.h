@@ -266,3 +266,45 @@ WARPWEAR_FN void convolve_grids(int slot, int slots, const Plan& plan, const wp:
     }
 #endif
 }
+
+// What stands around transforms of a library: cells of grids into padded ones, whose padding stays zero.
+template <typename Grids, typename Field, typename Real>
+WARPWEAR_FN void pad_rows(int slot, int slots, const Grids& grids, const Field& field,
+                          wp::array_t<Real>& padded)
+{
+    for (int row = slot; row < grids.visited.data[0] * grids.rows; row += slots) {
+        const double* const cells = (const double*)field.data + (size_t)row * grids.stride;
+        Real* const to = &wp::index(padded, row / grids.rows, row % grids.rows, 0);
+        for (int j = lane_of_slot(); j < grids.columns; j += width_of_slot()) to[j] = cells[j];
+    }
+}
+
+// The way back.
+template <typename Grids, typename Field, typename Real>
+WARPWEAR_FN void crop_rows(int slot, int slots, const Grids& grids, const wp::array_t<Real>& padded,
+                           Field& field)
+{
+    for (int row = slot; row < grids.visited.data[0] * grids.rows; row += slots) {
+        double* const cells = (double*)field.data + (size_t)row * grids.stride;
+        const Real* const from = &wp::index(padded, row / grids.rows, row % grids.rows, 0);
+        for (int j = lane_of_slot(); j < grids.columns; j += width_of_slot()) cells[j] = from[j];
+    }
+}
+
+// Multiply, or divide, modes by the table and the line of their row. Each is two numbers, one after another.
+template <typename Grids, typename Real>
+WARPWEAR_FN void multiply_modes(int slot, int slots, const Grids& grids, const wp::array_t<double>& table,
+                                const wp::array_t<double>& line, wp::array_t<Real>& modes)
+{
+    const int n = modes.shape[1];
+    for (int row = slot; row < grids.visited.data[0] * n; row += slots) {
+        const int k = row % n, mode = k < n - k ? k : n - k;
+        Real* const numbers = &wp::index(modes, row / n, k, 0);
+        const double* const responses = &wp::index(table, mode, 0);
+        for (int j = lane_of_slot(); j < modes.shape[2]; j += width_of_slot()) {
+            const double response = responses[j / 2] + line.data[mode];
+            const double divided = response > 0.0 ? grids.scale / response : 0.0;
+            numbers[j] *= Real(grids.divides ? divided : grids.scale * response);
+        }
+    }
+}

@@ -153,7 +153,8 @@ WARPWEAR_FN void stage(Real* x, int length, int size, const Real* turns)
 // All stages of a transform, from the longest on; on the way back from the shortest on. radices: −2 stands
 // for 2 with half of its numbers zeros. turns: those of the first stage.
 template <typename Real, bool BACK>
-WARPWEAR_FN void transform(const wp::array_t<int>& radices, Real* x, int length, const Real* turns)
+__attribute__((noinline)) static void transform(const wp::array_t<int>& radices, Real* x, int length,
+                                                const Real* turns)
 {
     const int stages = radices.shape[0];
     int size = length;

@@ -72,12 +72,6 @@ def _visited(executor: Executor, count: int) -> Any:
     return wp.full(1, count, dtype=wp.int32, device=executor.device)
 
 
-def unfolded(table: Any, rows: int, xp: Any = np) -> Any:
-    """All rows of a table that is even along axis 0, from those up to the middle."""
-    places = xp.arange(rows)
-    return table[xp.minimum(places, rows - places)]
-
-
 def lying(place: Any, shape: tuple[int, ...], dtype: Any, device: Any, *, start: int = 0) -> Any:
     """An array in the memory of another, from a byte on; of its own where there is none, or too little."""
     size = math.prod(shape) * wp.types.type_size_in_bytes(dtype)
