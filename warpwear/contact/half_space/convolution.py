@@ -91,8 +91,7 @@ class Convolution(Filter):
 
         def launch(kernel: Any, *given: Any) -> None:
             chunks = [(slot, slot + 1) for slot in range(self._slots)]
-            kernel = fourier.of(kernel, self._kind)
-            program.launch(kernel, plan, self._turns, *given, slots=self._slots, chunks=chunks)
+            program.launch(kernel[self._kind], plan, self._turns, *given, slots=self._slots, chunks=chunks)
 
         if self._grids.count > 1:
             launch(fourier.convolve, self._table, line, field_in, scratch, modes, field_out)
