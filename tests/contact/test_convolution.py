@@ -75,7 +75,7 @@ def test_a_filter_is_that_of_numpy(
         made = filter_of(executor, case.table, shape, kind)
         if device == "cpu":
             assert isinstance(made, Convolution if convolution.fits(shape) else ScipyFilter)
-        field, out, line = executor.field(values, padding=7.0), executor.zeros(), case.of(executor)
+        field, out, line = executor.field(values.copy(), padding=7.0), executor.zeros(), case.of(executor)
         for target in (out, field):
             program = Program(executor)
             made.say(program, field, line, target, divides=divides)
@@ -145,7 +145,7 @@ def test_threads_change_nothing(
     for count in (1, threads):
         with Executor(Grid(*cells, 1.0), threads=count) as executor:
             assert executor.is_shared == (count > 1)
-            field, program = executor.field(values), Program(executor)
+            field, program = executor.field(values.copy()), Program(executor)
             filter_of(executor, case.table, shape, kind).say(
                 program, field, case.of(executor), field, divides=True
             )
