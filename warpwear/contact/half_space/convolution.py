@@ -75,7 +75,7 @@ class Convolution(Filter):
         own = groups if grids.count == 1 else groups * self._slots
         real = wp.dtype_from_numpy(kind)
         places = within.memory if isinstance(within, Convolution) else (None, None)
-        self.memory = (
+        self.memory: tuple[Field, Field] = (
             lying(places[0], (self._slots, 2 * lines * longest), real, executor.device),
             lying(places[1], (own, grids.rows, 2 * lines), real, executor.device),
         )
@@ -125,7 +125,7 @@ def _turns(length: int, stages: list[int]) -> FloatArray:
     return np.concatenate(turns)
 
 
-def _pairs(angle: FloatArray) -> FloatArray:
+def _pairs(angle: Any) -> FloatArray:
     """Cosine and sine of each angle."""
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1).ravel()
 

@@ -44,7 +44,7 @@ class PaddedFilter(Filter):
         device, real = executor.device, wp.dtype_from_numpy(kind)
         self._executor, self._grids, self._kind, self.shape = executor, grids, kind, shape
         #: Shared by filters of one table, which a GPU makes itself.
-        self._table = wp.array(table, dtype=wp.float64, device=device, copy=False)
+        self._table: Field = wp.array(table, dtype=wp.float64, device=device, copy=False)
         padded = grids.count, *shape
         modes = grids.count, shape[0], 2 * (shape[1] // 2 + 1)
         places: tuple[Any, Any] = None, None
@@ -54,9 +54,9 @@ class PaddedFilter(Filter):
             places = within.made, within.waves
             half = within.waves.capacity // 2 // ALIGNED * ALIGNED
         #: Before and after; between, by modes: real and imaginary parts in turn.
-        self.given = lying(places[0], padded, real, device)
-        self.waves = lying(places[1], modes, real, device)
-        self.made = lying(places[1], padded, real, device, start=half)
+        self.given: Field = lying(places[0], padded, real, device)
+        self.waves: Field = lying(places[1], modes, real, device)
+        self.made: Field = lying(places[1], padded, real, device, start=half)
 
     def set_mean(self, value: float) -> None:
         self._table[:1, :1].fill_(value)
@@ -167,13 +167,10 @@ class CupyFilter(PaddedFilter):
         double = self._kind is np.float64
         there = cufft.CUFFT_D2Z if double else cufft.CUFFT_R2C
         back = cufft.CUFFT_Z2D if double else cufft.CUFFT_C2R
-        cells, modes = math.prod(shape), shape[0] * (shape[1] // 2 + 1)
         with self._device:
             self._stream = stream_of(cupy.cuda, executor.device)
-            apart = {there: (cells, modes), back: (modes, cells)}
             self._plans = [
-                cufft.PlanNd(shape, None, 1, apart[way][0], None, 1, apart[way][1], way, count, "C", 1, None)
-                for way in (there, back)
+                cufft.PlanNd(shape, None, 1, 0, None, 1, 0, way, count, "C", 1, None) for way in (there, back)
             ]
             kind = cupy.complex128 if double else cupy.complex64
             given, waves, made = (cupy.asarray(values) for values in (self.given, self.waves, self.made))

@@ -69,6 +69,13 @@ class Operator(ABC):
         Programs of this operator heed it, those recorded before as well.
         """
 
+    def coefficients(self, rows: IntArray, columns: IntArray) -> FloatArray:
+        """Displacement of each cell listed under a unit pressure on each [mm/MPa], compliances included.
+
+        Of operators `of_one_grid`.
+        """
+        raise NotImplementedError
+
     @property
     @abstractmethod
     def _far(self) -> Filter:
@@ -201,7 +208,7 @@ class Influence(Operator):
         return own + streak * self._mean_of(rows, window)[: rows // 2 + 1]
 
     def coefficients(self, rows: IntArray, columns: IntArray) -> FloatArray:
-        """Displacement of each cell listed under a unit pressure on each [mm/MPa], compliances included."""
+        """Displacement of each cell listed under a unit pressure on each, as of `Operator.coefficients`."""
         shape = self.far_shape
         away = [np.abs(places[:, np.newaxis] - places) for places in (rows, columns)]
         along, across = (np.minimum(d, size - d) for d, size in zip(away, shape, strict=True))
