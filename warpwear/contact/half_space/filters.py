@@ -52,7 +52,7 @@ class PaddedFilter(Filter):
         if isinstance(within, PaddedFilter):
             assert shape == (grids.rows, grids.columns)  # of no padding to stay zero
             places = within.made, within.waves
-            half = within.waves.capacity // 2 // ALIGNED * ALIGNED
+            half = -(-math.prod(modes) * wp.types.type_size_in_bytes(real) // ALIGNED) * ALIGNED
         #: Before and after; between, by modes: real and imaginary parts in turn.
         self.given: Field = lying(places[0], padded, real, device)
         self.waves: Field = lying(places[1], modes, real, device)

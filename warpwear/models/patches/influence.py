@@ -36,6 +36,7 @@ class PatchInfluence(Operator):
         self.cells = patches.count * side**2
         self.shortest_response = shortest_response(cell, modulus)
         self._grids = Grids.squares(executor, side)
+        self.visited = self._grids.visited
         self._near_table = periodic_spectrum(grid, modulus, rows=side // 2 + 1)
         self._longest = float(self._near_table.max())
         self._far_table = (
