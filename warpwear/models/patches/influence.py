@@ -39,9 +39,9 @@ class PatchInfluence(Operator):
         self.visited = self._grids.visited
         self._near_table = periodic_spectrum(grid, modulus, rows=side // 2 + 1)
         self._longest = float(self._near_table.max())
-        self._far_table = self._near_table
-        if self._is_free:
-            self._far_table = free_quarter(grid, modulus, self.far_shape)
+        self._far_table = (
+            free_quarter(grid, modulus, self.far_shape) if self._is_free else self._near_table.copy()
+        )
         self._bulk = self._own = 0.0
         self._set_means()
         self.visit(patches.count)
