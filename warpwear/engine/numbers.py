@@ -1,0 +1,73 @@
+"""Numbers that kernels change, seen by the host by their names."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+import warp as wp
+
+from warpwear.engine.executor import Field
+from warpwear.grid import FloatArray
+
+
+class Table:
+    """A table of numbers that kernels read or write, rows × columns, and the host by rows."""
+
+    def __init__(self, rows: int, columns: int, device: Any) -> None:
+        self.array: Field = wp.zeros((rows, columns), dtype=wp.float64, device=device)
+        self._host = self.array.numpy() if device.is_cpu else None
+
+    def write(self, rows: Sequence[Sequence[float]]) -> None:
+        """Give the first rows other values."""
+        if self._host is not None:
+            self._host[: len(rows)] = rows
+        else:
+            host = wp.array(rows, dtype=wp.float64, device="cpu")
+            wp.copy(self.array, host, count=host.size)
+
+    def read(self, rows: int) -> FloatArray:
+        """The first rows; on a CPU a view."""
+        if self._host is not None:
+            return self._host[:rows]
+        values: FloatArray = self.array[:rows].numpy() if rows else np.zeros((0, self.array.shape[1]))
+        return values
+
+
+class Numbers:
+    """An instance of a struct in an array of one, which kernels read and write.
+
+    On a CPU the host writes into the memory of the array, on a GPU it copies it.
+    """
+
+    STATE: ClassVar = {"values": dict}
+
+    def __init__(self, kind: Any, device: Any, **values: float) -> None:
+        self.array: Field = wp.zeros(1, dtype=kind, device=device)
+        self._host = self.array.numpy() if device.is_cpu else None
+        self.set(**values)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._read()[name][0].item()
+
+    def set(self, **values: float) -> None:
+        """Give some of them other values."""
+        host = self._read()
+        for name, value in values.items():
+            host[name] = value
+        if self._host is None:
+            self.array.assign(host)
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """All of them by name, of a struct of plain numbers."""
+        host = self._read()
+        return {name: host[name][0].item() for name in host.dtype.names}
+
+    @values.setter
+    def values(self, values: Mapping[str, Any]) -> None:
+        """Raise KeyError or ValueError for those of another struct."""
+        before = self.values
+        self.set(**{name: type(before[name])(values[name]) for name in before})
+
+    def _read(self) -> Any:
+        return self.array.numpy() if self._host is None else self._host
