@@ -20,6 +20,7 @@ from warpwear.kernels.cells import (
     sum_of,
 )
 from warpwear.kernels.contact import Law
+from warpwear.kernels.slide import beneath
 from warpwear.kernels.wear_loops import LANES_IN_C
 
 wp.set_module_options({"enable_backward": False})
@@ -109,13 +110,6 @@ class StepTables:
 
     sums: wp.array2d(dtype=wp.float64)  # rows of `TrackSum`
     maxima: wp.array2d(dtype=wp.float64)  # rows of `TrackMost`
-
-
-@wp.func
-def beneath(row: wp.int32, shift: wp.int32, rows: wp.int32):
-    """The disc's row under a row of the sphere; 0 ≤ shift < rows."""
-    displaced = row + shift
-    return wp.where(displaced < rows, displaced, displaced - rows)
 
 
 @wp.kernel

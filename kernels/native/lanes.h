@@ -20,7 +20,7 @@ typedef double Stored __attribute__((ext_vector_type(8), aligned(8)));
 typedef float SingleLanes __attribute__((ext_vector_type(8)));
 typedef float StoredSingle __attribute__((ext_vector_type(8), aligned(4)));
 typedef long long Counts __attribute__((ext_vector_type(8)));
-typedef Counts Mask;
+typedef decltype(Lanes() < Lanes()) Mask; // of the same width, and a type of its own
 #endif
 
 // Cells of `Lanes`, `Lanes` of a stored vector and of a tile of four stored vectors.

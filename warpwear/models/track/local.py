@@ -25,7 +25,6 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.booking import booked
 from warpwear.models.film import BareCells
 from warpwear.models.on_cpu import Block, in_launches
-from warpwear.models.on_gpu import DeviceSteps, displaced
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.pieces import SlidingPieces
 from warpwear.models.track.recession import Recession
@@ -114,17 +113,12 @@ class SlidingContact:
         self._approach: float | None = None
         self._changes: deque[float] = deque(maxlen=CHANGES)
         self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
-        self._loop: DeviceSteps | None = None
         self._moves, self._highest = moves, math.inf
         if not moves and task.rigid:
             gap = executor.to_numpy(self.state.sphere) - executor.to_numpy(self.state.disc)
             self._highest = float(gap[gap < 0.5 * PADDING].max())
         kind = "none" if moves else task.distance_factor
         self._factor = distance_factor(grid, kind, curvature=task.curvature)
-        #: Whether the device can make steps by itself: those of a contact with compliance, one for all cells.
-        alike = kind == "none" and bearing_curve is None and not task.bulk_updated
-        alike = alike and task.film is None and task.pieces is None
-        self.blocks_allowed = executor.device.is_cuda and not task.rigid and alike
         self._gather(kind != "none")
         self._recession = None
         if bearing_curve is not None:
@@ -230,27 +224,7 @@ class SlidingContact:
     @property
     def in_blocks(self) -> bool:
         """Whether `steps` can be made on the device in one go from here on."""
-        return (self.blocks_allowed or self._block is not None) and self._approach is not None
-
-    def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[Step]:
-        """Steps as `step` makes them, on the device in one go before the first of them is seen."""
-        if self._loop is None:
-            self._loop = displaced(self._executor, self.task, self._bodies, self._of_tiles, self._of_rows)
-        assert self._approach is not None
-        removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
-        made = self._loop.run(
-            [(sphere, self._track_fraction * disc) for sphere, disc in removals],
-            shifts=[shift % self._rows for shift in shifts],
-            approach=self._approach,
-            wander=max(self._changes, default=FIRST_SCATTER),
-            mean_pressure=self._ledger.row["pressure_mean"],
-        )
-        slid, done = np.array(increments), 0
-        for found in made:
-            for approach in (found.balance.base + found.balance.offset).tolist():
-                self._note(approach)
-            yield from booked(found, self._ledger, slid[done:], removals[done:], self._enter)
-            done += found.made
+        return self._block is not None and self._approach is not None
 
     def in_one_launch(self, increments: Sequence[float]) -> Iterator[tuple[int, Step]]:
         """Steps of a disc that lies still as `step` makes them, as many in a launch as it can.
