@@ -282,13 +282,13 @@ def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, le
                     cells += ONE
         if cells > ZERO and cells < before:
             level = (volume + total) / cells
-    left = ONE - volume / held
+    stays = ONE - volume / held
     removed = ZERO + ZERO
     for n in range(footprint.bowl.shape[0]):
         r = row_at(row + footprint.along[n], body)
         c = column + footprint.across[n]
         if r >= 0 and c >= 0 and c < body.columns:
-            body.pending[r, c] = body.pending[r, c] * left
+            body.pending[r, c] = body.pending[r, c] * stays
             depth = body.down * body.height[r, c]
             deeper = level + footprint.bowl[n]
             if deeper > depth:
