@@ -59,6 +59,7 @@ class TrackSum(IntEnum):
     CONTACT = 2
     CAPPED = 3
     PRESSURE_TIMES_FACTOR = 4
+    BARE = 5
 
 
 class TrackMost(IntEnum):

@@ -1,4 +1,4 @@
-"""A step of a pair of bodies, one of which may be displaced: what changes from one step to the next."""
+"""A step of a pair of bodies, one of which may be displaced: what changes from one to the next."""
 
 import warp as wp
 
@@ -21,6 +21,8 @@ class Slide:
     of_disc: wp.float64
     pending_sphere: wp.float64  # K ΔL of what leaves in pieces [mm³/N]
     pending_disc: wp.float64
+    own: wp.float64  # compliance that is not wear [mm³/N]
+    full_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
     approach: wp.float64  # [mm]
     reference: wp.float64  # squares are those of the deviation from it [MPa]
 

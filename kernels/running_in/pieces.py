@@ -13,8 +13,8 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells
-from warpwear.kernels.contact import Law, pressure_of
-from warpwear.kernels.running_in.caps import of_cell
+from warpwear.kernels.balance import Springs, law_of_cell
+from warpwear.kernels.contact import pressure_of
 from warpwear.kernels.slide import Slide, beneath
 
 wp.set_module_options({**native_code.options("bodies.h", "pieces.h"), "fuse_fp": False})
@@ -152,7 +152,7 @@ def take_tiles(
     slots: wp.int32,
     slides: wp.array(dtype=Slide),
     footprint: Footprint,
-    laws: wp.array(dtype=Law),
+    springs: Springs,
     tiles_in: wp.array2d(dtype=wp.int32),
     count_in: wp.array(dtype=wp.int32),
     stiffness_in: wp.array2d(dtype=Cells),
@@ -163,23 +163,24 @@ def take_tiles(
 ):
     """Make the wear by the pressure of a solved approach pending, of the tiles listed.
 
-    parts_in: of the cap, that cells bear; no rows where all bear it.
+    stiffness_in, parts_in of the cap: of every cell, or no rows where all have one.
     """
     slot = first_slot + wp.tid() // wp.block_dim()
     slide = slides[0]
-    law = laws[0]
+    law = springs.law[0]
+    s = Cells(springs.search[0].stiffness)
     for row in range(slot, gap_in.shape[0], slots):
-        stiffness_row = wp.min(row, stiffness_in.shape[0] - 1)
         for n in range(wp.tid() % wp.block_dim(), count_in[row], wp.block_dim()):
             t = tiles_in[row, n]
             for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
                 g = gap_in[row, k]
-                s = stiffness_in[stiffness_row, k]
+                if stiffness_in.shape[0] > 0:
+                    s = stiffness_in[wp.min(row, stiffness_in.shape[0] - 1), k]
                 part = Cells(ONE)
                 if parts_in.shape[0] > 0:
                     part = parts_in[row, k]
                 for j in range(LANES):
-                    p = pressure_of(of_cell(law, part[j]), g[j], s[j])
+                    p = pressure_of(law_of_cell(law, part[j]), g[j], s[j])
                     share_out(row, k * LANES + j, p, slide, footprint, sphere, disc)
 
 

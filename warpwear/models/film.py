@@ -9,7 +9,7 @@ import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program
-from warpwear.engine.records import Record
+from warpwear.engine.numbers import Numbers
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import film as kernels
 from warpwear.kernels.running_in.film import Coat, Films
@@ -65,7 +65,7 @@ class BareCells:
             setattr(self.films, AS[body], arguments(Coat, wear=field, **coat))
         self._heals = heals
         #: For those who look between steps.
-        self._slides = Record(executor, Slide)
+        self._slides = Numbers(Slide, executor.device)
         self._sums = wp.zeros((1, executor.slots_of(executor.grid.nx)), dtype=wp.float64, device=executor.device)
         self._programs: dict[str, Program] = {}
 
@@ -107,18 +107,18 @@ class BareCells:
 
     def look(self, distance: float) -> None:
         """See which cells are bare as a step begins at a sliding distance [mm]."""
-        self._slides.write(start=distance, end_column=self._executor.vectors * LANES)
+        self._slides.set(start=distance, end_column=self._executor.vectors * LANES)
         self._run("look", self.say_look)
 
     def rub(self, distance: float) -> None:
         """Note what a step that ends at a sliding distance [mm] has worn."""
-        self._slides.write(end=distance, end_column=self._executor.vectors * LANES)
+        self._slides.set(end=distance, end_column=self._executor.vectors * LANES)
         self._run("rub", self.say_rub)
 
     def under(self, pressure: Field, rows: int | None = None) -> float:
         """Count the bare cells under a pressure. rows: that have one, by default all."""
         program = Program(self._executor)
-        self._slides.write(rows=self._executor.grid.nx if rows is None else rows)
+        self._slides.set(rows=self._executor.grid.nx if rows is None else rows)
         self.say_under(program, self._slides.array, pressure, self._sums)
         program.run()
         return float(self._sums.numpy()[0, :rows].sum())

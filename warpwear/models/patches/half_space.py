@@ -21,7 +21,7 @@ from warpwear.contact.half_space.passes import NO_CAP
 from warpwear.contact.half_space.solver import BoundedPressure
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program
-from warpwear.engine.records import Record
+from warpwear.engine.numbers import Numbers
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
@@ -105,7 +105,7 @@ class HalfSpacePatches(Model):
             wp.zeros((len(lines), rows), dtype=wp.float64, device=device) for lines in (PressureSum, PressureMost)
         )
         self._of_rows = arguments(OfRows)
-        self._slides = Record(executor, Slide, window=1)
+        self._slides = Numbers(Slide, executor.device, window=1)
         self._worn_by: Field = None
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
@@ -184,7 +184,7 @@ class HalfSpacePatches(Model):
 
     def _wear(self, contact: HalfSpaceContact, removal: float, reference: float) -> Worn:
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
-        self._slides.write(rows=self.visited, of_sphere=removal, reference=reference)
+        self._slides.set(rows=self.visited, of_sphere=removal, reference=reference)
         if self._worn_by is not contact.pressure_field:
             self._wearing, self._worn_by = self._say_wear(contact), contact.pressure_field
         self._wearing.run()

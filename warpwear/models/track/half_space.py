@@ -15,7 +15,7 @@ from warpwear.contact.half_space.passes import NO_CAP
 from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program
-from warpwear.engine.records import Record
+from warpwear.engine.numbers import Numbers
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, wear_from_pressure
@@ -122,7 +122,7 @@ class SlidingHalfSpace:
         self._of_rows = {
             name: wp.zeros(disc.shape[0], dtype=wp.float64, device=device) for name in ("worn_disc", "pressed_disc")
         }
-        self._slides = Record(executor, Slide, rows=executor.grid.nx, window=1)
+        self._slides = Numbers(Slide, executor.device, rows=executor.grid.nx, window=1)
         self._programs: dict[str, tuple[Field, Program]] = {}
         self._goes = wp.zeros(1, dtype=wp.int32, device=device)
         self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
@@ -174,8 +174,8 @@ class SlidingHalfSpace:
             start = before["distance"] + increment * (done / cells)
             removals = self.task.removals(start, increment * weight)
             first, end = columns
-            self._slides.write(shift=shift, first_column=first, end_column=end, start=start)
-            self._slides.write(end=start + increment * weight, window=self.cells_passing(increment * weight))
+            self._slides.set(shift=shift, first_column=first, end_column=end, start=start)
+            self._slides.set(end=start + increment * weight, window=self.cells_passing(increment * weight))
             last = done + of_part == cells
             contact = self._solve(
                 increment * weight, removals, certified=True if self.certified and last else None
@@ -189,7 +189,7 @@ class SlidingHalfSpace:
             if self.film is not None:
                 total["bare"] = float(self._bare.numpy().sum())
                 columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
-                self._slides.write(first_column=columns[0], end_column=columns[1])
+                self._slides.set(first_column=columns[0], end_column=columns[1])
                 self._run("rub", lambda program: self.film.say_rub(program, self._slides.array))
             carried = total["pressure"] * self._executor.grid.cell_area
             residual = max(residual, residual_of(carried, self.task.load, approach=contact.approach), key=abs)
@@ -315,7 +315,7 @@ class SlidingHalfSpace:
     ) -> tuple[dict[str, float], dict[str, float]]:
         """Wear both bodies by the pressure of a contact; sums and maxima by name. Others as of `_solve`."""
         disc, dust = self._track_fraction * removals[1], self.task.dust
-        self._slides.write(
+        self._slides.set(
             of_sphere=dust * removals[0],
             of_disc=dust * disc,
             pending_sphere=(1.0 - dust) * removals[0],

@@ -8,7 +8,7 @@ import warp as wp
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
-from warpwear.engine.records import Record
+from warpwear.engine.numbers import Numbers
 from warpwear.history.pieces import PieceBook
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import pieces as kernels
@@ -68,7 +68,7 @@ class Pending:
             periodic=int(periodic),
         )
         every = Program(executor)
-        whole = Record(executor, Slide, rows=rows + executor.grid.nx)
+        whole = Numbers(Slide, executor.device, rows=rows + executor.grid.nx)
         self._count(int(kernels.HAD_WAITED), 1)
         every.launch(
             kernels.total_rows,
@@ -194,10 +194,15 @@ class SlidingPieces:
         """Flag of a program: whether all pieces of a step have left."""
         return self._left.ends
 
+    @property
+    def margin(self) -> int:
+        """Cells beside one in contact that a piece may reach."""
+        return int(self._footprint.margin)
+
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """First column of those given, and the one after the last, where pieces of them may lie too."""
-        (first, end), margin = columns, self._footprint.margin
-        return max(first - margin, 0), min(end + margin, self._executor.grid.ny)
+        first, end = columns
+        return max(first - self.margin, 0), min(end + self.margin, self._executor.grid.ny)
 
     def say_begin(self, program: Program) -> None:
         """Add to a program that a step begins: what waits since the last one is looked at."""
