@@ -59,6 +59,7 @@ class TrackSum(IntEnum):
     CONTACT = 2
     CAPPED = 3
     PRESSURE_TIMES_FACTOR = 4
+    BARE = 5
 
 
 class TrackMost(IntEnum):
@@ -80,8 +81,6 @@ class PressureSum(IntEnum):
     CAPPED = 3
     TOUCHED = 4  # this and the next: of the whole fields, not of the step
     WEAR_SPHERE = 5  # [mm]
-    WEAR_DISC = 6
-    PRESSED_DISC = 7  # displaced for good
 
 
 class PressureMost(IntEnum):
