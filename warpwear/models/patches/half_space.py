@@ -70,7 +70,7 @@ class HalfSpacePatches(Model):
         curvature = task.curvature
         _, layout = unworn(patches, heights, executor, curvature=curvature)
         of_patches = layout.lowest.numpy().min(axis=1)
-        self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
+        self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None
         reached = of_patches if self._smooth is None else self._smooth.initial
         self._order = np.argsort(reached, kind="stable")
         #: As they are stored here.
@@ -192,4 +192,4 @@ class HalfSpacePatches(Model):
         for name, values in sums.items():
             values[self._order[: self.visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
         most = {name: float(largest[PressureMost[OF_BOTH.get(name, name).upper()]]) for name in PATCH_MAXIMA}
-        return Worn(sums, most)
+        return self._ledger.worn(sums, most)
