@@ -1,201 +1,342 @@
-"""The gap of two bodies at rest: which parts of it a contact can reach, and Archard's wear of them.
-
-A tile is `TILE_VECTORS` neighbouring vectors of one row: memory in one piece, wherever a row of one field
-lies against a row of another. A kernel over tiles runs a slot a row (several, on a GPU) and visits those that
-the row's list names. Wear only opens gaps, so a list of all tiles whose lowest gap lies below some limit
-serves every approach up to that limit.
+"""Archard's wear of the gap of two bodies at rest, and the steps of it.
 
 Both bodies open one gap and wear in one proportion: what is worn of them together is the gap less the gap of
-the bodies as they were. One file, as each is compiled by itself and most of that time goes to Warp's headers.
+the bodies as they were. A step is a search for the load balance, see `balance` and `bearing`, a pass that
+wears, and a row of the history. The pass that wears evaluates what the approach expected next carries as
+well: most steps on springs need no other. That approach lies on the line through the last two rates at which
+it grew with what a unit of pressure removes: that is the mean pressure where wear alone moves the contact.
 """
 
 import warp as wp
 
-from warpwear.kernels.cells import (
-    ABSENT,
-    LANES,
-    NO_INDEX,
-    ONE,
-    TILE_VECTORS,
-    ZERO,
-    Cells,
-    TileSums,
-    WearMost,
-    WearSum,
+from warpwear.kernels import native_code
+from warpwear.kernels.balance import (
+    STEPS_AHEAD,
+    Listing,
+    Search,
+    Springs,
+    ask_for,
+    conclude,
+    evaluated,
+    judged,
+    most_of,
+    reached,
+    search_from,
+    search_from_lowest,
     sum_of,
 )
-from warpwear.kernels.contact import Law, pressure_of
-from warpwear.kernels.wear_loops import Increment, Tables, wear
+from warpwear.kernels.bearing import area_between, conclude_area, counted
+from warpwear.kernels.cells import NO_INDEX, NONE, ONE, ZERO, Cells, TileSums, WearMost, WearSum
+from warpwear.kernels.contact import Law
+from warpwear.kernels.newton import HALF, LOOKS, STUCK
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(native_code.options("wear.h"))
+
+#: Columns of a row of the history before its sums and maxima.
+BALANCE = ("base", "offset", "cap", "residual", "tie_width", "tie_pressure", "evaluations", "reference")
+#: Columns of the plan: K ΔL of both bodies [mm³/N] and 1/c [N/mm³] of a step.
+PLAN = ("removal", "stiffness")
+TOTALS = wp.constant(wp.int32(len(BALANCE)))
+MAXIMA = wp.constant(wp.int32(len(BALANCE) + len(WearSum)))
+#: The pressures that wore carry the load but for this many tolerances.
+LEFT = wp.constant(wp.float64(2.0))
+LARGEST = wp.constant(wp.float64(1.0e308))
+
+
+@wp.struct
+class Increment:
+    """What a step wears off a gap, and where the next one will look first."""
+
+    wear_per_pressure: wp.float64  # K ΔL of both bodies [mm³/N]
+    stiffness: wp.float64  # 1/c of the step [N/mm³]
+    reference: wp.float64  # squares are those of the deviation from it: near the mean they keep digits [MPa]
+    base_next: wp.float64  # approach of the next step [mm]
+    offset_next: wp.float64
+    stiffness_next: wp.float64
+    first_column: wp.int32  # columns between which cells are known to be touched
+    last_column: wp.int32
+
+
+@wp.struct
+class Tables:
+    """Tables of partial results, one column a slot."""
+
+    sums: wp.array2d(dtype=wp.float64)  # lines of `WearSum`
+    maxima: wp.array2d(dtype=wp.float64)  # lines of `WearMost`
+    ahead: wp.array2d(dtype=wp.float64)  # what a search would find in the worn gap at the next approach
+
+
+@wp.struct
+class Course:
+    """What steps remember, and how far they are."""
+
+    approach: wp.float64  # of the last step [mm]
+    is_begun: wp.int32  # 0 before the first step
+    mean: wp.float64  # pressure of the last step [MPa]
+    slid: wp.float64  # Σ K ΔL of both bodies [mm³/N]
+    rates: wp.int32  # known of the approach, 2 at most: where [mm³/N], and which [MPa]
+    where_0: wp.float64
+    rate_0: wp.float64
+    where_1: wp.float64
+    rate_1: wp.float64
+    is_ahead: wp.int32  # 1 where the next approach was evaluated before its step
+    ahead: wp.float64  # how far beyond the last one it was expected [mm]
+    stiffness_ahead: wp.float64  # 1/c that it was evaluated for [N/mm³]
+    force: wp.float64  # what it carries, its slope, and how near a cell is to changing that
+    slope: wp.float64
+    near: wp.float64
+    first_row: wp.float64  # extents of what was ever touched, the first ones negated
+    last_row: wp.float64
+    first_column: wp.float64
+    last_column: wp.float64
+    step: wp.int32  # row of the plan
+    steps: wp.int32  # to be made
+    known: wp.int32  # rows of the plan: one more where the step after is known
+    failed: wp.int32  # 1 where a search has found no balance
+
+
+@wp.struct
+class Steps:
+    """Steps of a gap at rest: their plan, what they leave, and what lies between."""
+
+    plan: wp.array2d(dtype=wp.float64)  # a row a step, by `PLAN`
+    history: wp.array2d(dtype=wp.float64)  # a row a step: `BALANCE`, `WearSum`, `WearMost`
+    within: wp.array(dtype=wp.float64)  # extents of a contact that is neither at the edge nor at the rim
+    course: wp.array(dtype=Course)  # one
+    increment: wp.array(dtype=Increment)  # one
+    stepping: wp.array(dtype=wp.int32)  # flag: there is a step to be made
+    is_rigid: wp.int32  # 1 for a bearing area
+    smallest: wp.float64  # lowest gap before any wear [mm]
 
 
 @wp.kernel
-def lowest(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    field_in: wp.array2d(dtype=Cells),
-    lowest_out: wp.array2d(dtype=wp.float64),
-):
-    """Smallest value of every tile."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    for t in range(slot % slots_per_row, lowest_out.shape[1], slots_per_row):
-        low = field_in[row, t * TILE_VECTORS]
-        for k in range(t * TILE_VECTORS + 1, wp.min((t + 1) * TILE_VECTORS, field_in.shape[1])):
-            low = wp.min(low, field_in[row, k])
-        lowest_out[row, t] = wp.min(low)
+def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
+    """Begins the first step of a plan."""
+    if wp.tid() == 0:
+        begin_step(springs, steps)
 
 
 @wp.func
-def kept_of(row: wp.int32, t: wp.int32, gap: wp.array2d(dtype=Cells), unworn: wp.array2d(dtype=Cells)):
-    """Number of worn cells of a tile, and the sum of their wear."""
-    touched = ZERO
-    both = Cells(ZERO)
-    for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
-        worn = gap[row, k] - unworn[row, k]
-        both += worn
-        for j in range(LANES):
-            touched += wp.where(worn[j] > ZERO, ONE, ZERO)
-    return TileSums(touched, sum_of(both))
+def begin_step(springs: Springs, steps: Steps):
+    """Begin the search of a step where its balance is expected, and look at what is known of that already."""
+    c = steps.course[0]
+    removal = steps.plan[c.step, 0]
+    stiffness = steps.plan[c.step, 1]
+    lists = springs.lists[0]
+    if (c.is_begun == 0 or steps.is_rigid == 1) and lists.is_fresh == 1 and lists.is_fixed == 0:
+        lists.limit = steps.smallest
+        lists.asked = steps.smallest
+    steps.stepping[0] = 1
+    if steps.is_rigid == 1:
+        ask_for(springs, lists)
+        springs.search[0] = area_between(springs, STEPS_AHEAD * removal * springs.cap)
+        springs.searching[0] = 1
+    elif c.is_begun == 0:
+        ask_for(springs, lists)
+        springs.search[0] = search_from_lowest(springs, steps.smallest, stiffness, stiffness)
+        springs.searching[0] = 1
+    else:
+        is_known = c.is_ahead == 1 and c.stiffness_ahead == stiffness
+        # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
+        step = wp.where(is_known, c.ahead, removal * c.mean)
+        s = search_from(c.approach, step, ZERO, stiffness)
+        lists = reached(lists, c.approach + step, s.margin)
+        if is_known:
+            s, lists = judged(springs, s, lists, c.force, c.slope, c.near)
+        conclude_step(springs, steps, s, lists)
+
+
+@wp.func
+def conclude_step(springs: Springs, steps: Steps, s: Search, lists: Listing):
+    """Keep a search on springs, and at its end tell the pass that wears what to do."""
+    if s.bracket.state == LOOKS:
+        conclude(springs, s, lists)
+    else:
+        conclude(springs, s, expect(steps, s, lists, s.base + s.bracket.offset, springs.cap))
+
+
+@wp.func
+def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64, cap: wp.float64):
+    """Prepare the wear of a step at its approach, and the list for the approach that is expected next."""
+    lists = lists_before
+    c = steps.course[0]
+    removal = steps.plan[c.step, 0]
+    now = Increment()
+    now.wear_per_pressure = removal
+    now.stiffness = steps.plan[c.step, 1]
+    now.reference = wp.where(c.mean > ZERO, c.mean, wp.where(cap < NONE, cap, ZERO))
+    if steps.is_rigid == 1:
+        now.reference = cap
+    now.base_next = approach
+    now.stiffness_next = now.stiffness
+    now.first_column = -wp.int32(c.first_column)
+    now.last_column = wp.int32(c.last_column)
+    if s.bracket.state == STUCK:
+        c.failed = 1
+        now.wear_per_pressure = ZERO
+    else:
+        where = c.slid + HALF * removal
+        last = wp.where(c.rates == 2, c.where_1, c.where_0)
+        # A law that decays ends with steps too small to be told apart by where they are.
+        if c.is_begun == 1 and removal > ZERO and (c.rates == 0 or where > last):
+            rate = (approach - c.approach) / removal
+            if c.rates == 2:
+                c.where_0 = c.where_1
+                c.rate_0 = c.rate_1
+            if c.rates == 0:
+                c.where_0 = where
+                c.rate_0 = rate
+            else:
+                c.where_1 = where
+                c.rate_1 = rate
+            c.rates = wp.min(c.rates + 1, 2)
+        c.slid = c.slid + removal
+        c.approach = approach
+        c.is_begun = 1
+        c.ahead = ZERO
+        if c.step + 1 < c.known and steps.is_rigid == 0:
+            removal_next = steps.plan[c.step + 1, 0]
+            now.stiffness_next = steps.plan[c.step + 1, 1]
+            there = c.slid + HALF * removal_next
+            if c.rates == 1:
+                c.ahead = removal_next * c.rate_0
+            if c.rates == 2:  # Lagrange's line
+                c.ahead = removal_next * (
+                    c.rate_0 * ((there - c.where_1) / (c.where_0 - c.where_1))
+                    + c.rate_1 * ((there - c.where_0) / (c.where_1 - c.where_0))
+                )
+            lists = reached(lists, approach + wp.max(c.ahead, ZERO), STEPS_AHEAD * wp.abs(c.ahead))
+        now.offset_next = c.ahead
+        c.stiffness_ahead = now.stiffness_next
+    steps.increment[0] = now
+    steps.course[0] = c
+    return lists
 
 
 @wp.kernel
-def select(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    limit: wp.float64,
-    gap_in: wp.array2d(dtype=Cells),
-    unworn_in: wp.array2d(dtype=Cells),
-    lowest_out: wp.array2d(dtype=wp.float64),
-    kept_out: wp.array2d(dtype=TileSums),
-    rest_out: wp.array(dtype=TileSums),
-    list_out: wp.array2d(dtype=wp.int32),
-    count_out: wp.array(dtype=wp.int32),
-):
-    """Lists anew, row by row, the tiles whose smallest gap does not exceed the limit.
-
-    Of a tile that leaves the list it is kept what `wear_step` sums over listed tiles only; `rest_out` is
-    the sum of that over each row.
-    """
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    if slot % slots_per_row > 0:  # a list is written in order, by one slot
-        return
-    for n in range(count_out[row]):  # the gaps of other tiles are what they were
-        t = list_out[row, n]
-        low = Cells(ABSENT)
-        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
-            low = wp.min(low, gap_in[row, k])
-        lowest = wp.min(low)
-        lowest_out[row, t] = lowest
-        if lowest > limit:
-            kept_out[row, t] = kept_of(row, t, gap_in, unworn_in)
-    count = wp.int32(0)
-    rest = TileSums()
-    for t in range(lowest_out.shape[1]):
-        if lowest_out[row, t] <= limit:
-            list_out[row, count] = t
-            count += 1
-        else:
-            rest += kept_out[row, t]
-    count_out[row] = count
-    rest_out[row] = rest
+def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
+    """Decides what follows from a pass of the search of a step."""
+    first = sum_of(springs.trial, 0)
+    if steps.is_rigid == 1:
+        low = -most_of(springs.trial, 1)
+        high = most_of(springs.trial, 2)
+        if wp.tid() == 0:
+            s, lists, law = counted(springs, springs.search[0], springs.lists[0], first, low, high)
+            if s.bracket.state != LOOKS:
+                lists = expect(steps, s, lists, law.base, law.cap)
+            conclude_area(springs, s, lists, law)
+    else:
+        slope = sum_of(springs.trial, 1) * springs.cell_area
+        near = -most_of(springs.trial, 2)
+        if wp.tid() == 0:
+            force = first * springs.cell_area
+            s, lists = judged(springs, evaluated(springs.search[0]), springs.lists[0], force, slope, near)
+            conclude_step(springs, steps, s, lists)
 
 
-@wp.func
+@wp.func_native("wear_rows(slot, slots, tiles, count, law, step, unworn, rest, gap, tables);")
 def wear_slot(
     slot: wp.int32,
-    slots_per_row: wp.int32,
-    tiles_in: wp.array2d(dtype=wp.int32),
-    count_in: wp.array(dtype=wp.int32),
+    slots: wp.int32,
+    tiles: wp.array2d(dtype=wp.int32),
+    count: wp.array(dtype=wp.int32),
     law: Law,
     step: Increment,
-    unworn_in: wp.array2d(dtype=Cells),
-    rest_in: wp.array(dtype=TileSums),
-    gap_out: wp.array2d(dtype=Cells),
+    unworn: wp.array2d(dtype=Cells),
+    rest: wp.array(dtype=TileSums),
+    gap: wp.array2d(dtype=Cells),
     tables: Tables,
-):
-    """One increment of wear of the tiles listed of a slot; arguments as of `wear_step`."""
-    row = slot // slots_per_row
-    lane = slot % slots_per_row
-
-    rest = rest_in[row]
-    part = wp.where(lane == 0, ONE, ZERO)
-    if lane >= count_in[row]:  # nothing to do: most rows of an early contact
-        for i in range(wp.static(len(WearSum))):
-            tables.sums[i, slot] = ZERO
-        tables.sums[WearSum.TOUCHED, slot] = part * rest[0]
-        tables.sums[WearSum.WORN, slot] = part * rest[1]
-        for i in range(wp.static(len(WearMost))):
-            tables.maxima[i, slot] = NO_INDEX
-        tables.maxima[WearMost.PRESSURE, slot] = ZERO
-        tables.maxima[WearMost.WORN, slot] = ZERO
-        tables.ahead[0, slot] = ZERO
-        tables.ahead[1, slot] = ZERO
-        tables.ahead[2, slot] = ABSENT
-        return
-    wear(slot, slots_per_row, tiles_in, count_in, law, step, unworn_in, gap_out, tables)
-    here = tables.sums[WearSum.TOUCHED, slot] > ZERO
-    tables.sums[WearSum.TOUCHED, slot] = tables.sums[WearSum.TOUCHED, slot] + part * rest[0]
-    tables.sums[WearSum.WORN, slot] = tables.sums[WearSum.WORN, slot] + part * rest[1]
-    first_column = NO_INDEX + ZERO  # a variable of its own
-    last_column = NO_INDEX + ZERO
-    vectors = gap_out.shape[1]
-    if here:
-        n = lane
-        while (
-            n < count_in[row]
-            and first_column == NO_INDEX
-            and tiles_in[row, n] * TILE_VECTORS * LANES < step.first_column
-        ):
-            t = tiles_in[row, n]
-            for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, vectors)):
-                g = gap_out[row, k]
-                u = unworn_in[row, k]
-                for j in range(LANES):
-                    # Where nothing wears the gap is as it was, and what touched does so still.
-                    p = pressure_of(law, g[j], step.stiffness)
-                    if first_column == NO_INDEX and p + (g[j] - u[j]) > ZERO:
-                        first_column = -wp.float64(k * LANES + j)
-            n += slots_per_row
-        n = lane + (count_in[row] - 1 - lane) // slots_per_row * slots_per_row
-        while (
-            n >= 0
-            and last_column == NO_INDEX
-            and (tiles_in[row, n] + 1) * TILE_VECTORS * LANES > step.last_column + 1
-        ):
-            t = tiles_in[row, n]
-            for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, vectors)):
-                g = gap_out[row, k]
-                u = unworn_in[row, k]
-                for j in range(LANES):
-                    p = pressure_of(law, g[j], step.stiffness)
-                    if p + (g[j] - u[j]) > ZERO:
-                        last_column = wp.float64(k * LANES + j)
-            n -= slots_per_row
-    tables.maxima[WearMost.FIRST_ROW, slot] = wp.where(here, -wp.float64(row), NO_INDEX)
-    tables.maxima[WearMost.LAST_ROW, slot] = wp.where(here, wp.float64(row), NO_INDEX)
-    tables.maxima[WearMost.FIRST_COLUMN, slot] = first_column
-    tables.maxima[WearMost.LAST_COLUMN, slot] = last_column
+) -> None:
+    """Wears the rows of a slot; arguments as of `wear_step`."""
+    ...
 
 
 @wp.kernel
 def wear_step(
     first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    tiles_in: wp.array2d(dtype=wp.int32),
-    count_in: wp.array(dtype=wp.int32),
-    law: Law,
-    step: Increment,
-    unworn_in: wp.array2d(dtype=Cells),
-    rest_in: wp.array(dtype=TileSums),
-    gap_out: wp.array2d(dtype=Cells),
+    slots: wp.int32,
+    tiles: wp.array2d(dtype=wp.int32),
+    count: wp.array(dtype=wp.int32),
+    law: wp.array(dtype=Law),
+    step: wp.array(dtype=Increment),
+    unworn: wp.array2d(dtype=Cells),
+    rest: wp.array(dtype=TileSums),
+    gap: wp.array2d(dtype=Cells),
     tables: Tables,
 ):
     """One increment of wear in place: the gap opens by K p ΔL of both bodies.
 
-    rest_in: of the tiles of each row that are not listed. Sums and maxima of the step go to `tables`.
+    rest: sums of the tiles of each row that are not listed. Sums and maxima of the step go to `tables`.
     """
-    slot = first_slot + wp.tid()
-    wear_slot(slot, slots_per_row, tiles_in, count_in, law, step, unworn_in, rest_in, gap_out, tables)
+    slot = first_slot + wp.tid() // wp.block_dim()
+    wear_slot(slot, slots, tiles, count, law[0], step[0], unworn, rest, gap, tables)
+
+
+@wp.func_native("total_lines(table, adds != 0, &wp::index(history, row, column));")
+def total_of(
+    table: wp.array2d(dtype=wp.float64),
+    adds: wp.int32,
+    history: wp.array2d(dtype=wp.float64),
+    row: wp.int32,
+    column: wp.int32,
+) -> None:
+    """Brings the lines of a table to numbers, by all threads of a deciding slot: from a column of a row on."""
+    ...
+
+
+@wp.kernel
+def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps, tables: Tables):
+    """Writes the row of a step, and begins the next one, if there is one.
+
+    Steps end where the contact reaches the edge or the rim, as a run may stop there and be kept as it is, and
+    at a step whose pressures do not carry the load.
+    """
+    row = steps.course[0].step
+    history = steps.history
+    total_of(tables.sums, 1, history, row, TOTALS)
+    total_of(tables.maxima, 0, history, row, MAXIMA)
+    force = sum_of(tables.ahead, 0) * springs.cell_area
+    slope = sum_of(tables.ahead, 1) * springs.cell_area
+    near = -most_of(tables.ahead, 2)
+    if wp.tid() == 0:
+        c = steps.course[0]
+        law = springs.law[0]
+        s = springs.search[0]
+        history[row, 0] = law.base
+        history[row, 1] = law.offset
+        history[row, 2] = law.cap
+        history[row, 3] = s.residual
+        history[row, 4] = law.tie_width
+        history[row, 5] = law.tie_pressure
+        history[row, 6] = wp.float64(s.evaluations)
+        history[row, 7] = steps.increment[0].reference
+        pressure = history[row, TOTALS + wp.static(int(WearSum.PRESSURE))]
+        contact = history[row, TOTALS + wp.static(int(WearSum.CONTACT))]
+        goes_on = c.failed == 0 and contact > ZERO and pressure < LARGEST
+        if steps.is_rigid == 0:
+            left = wp.abs(pressure * springs.cell_area - springs.load)
+            goes_on = goes_on and left <= LEFT * springs.tolerance
+        first_row = history[row, MAXIMA + wp.static(int(WearMost.FIRST_ROW))]
+        last_row = history[row, MAXIMA + wp.static(int(WearMost.LAST_ROW))]
+        first_column = history[row, MAXIMA + wp.static(int(WearMost.FIRST_COLUMN))]
+        last_column = history[row, MAXIMA + wp.static(int(WearMost.LAST_COLUMN))]
+        within = steps.within
+        goes_on = goes_on and not (first_row > wp.max(c.first_row, within[0]))
+        goes_on = goes_on and not (last_row > wp.max(c.last_row, within[1]))
+        goes_on = goes_on and not (first_column > wp.max(c.first_column, within[2]))
+        goes_on = goes_on and not (last_column > wp.max(c.last_column, within[3]))
+        c.first_row = wp.max(c.first_row, first_row)
+        c.last_row = wp.max(c.last_row, last_row)
+        c.first_column = wp.max(c.first_column, first_column)
+        c.last_column = wp.max(c.last_column, last_column)
+        c.is_ahead = wp.where(c.ahead != ZERO, 1, 0)
+        c.force = force
+        c.slope = slope
+        c.near = near
+        if c.failed == 0:
+            c.mean = pressure / wp.max(contact, ONE)
+            c.step = row + 1
+        steps.course[0] = c
+        steps.stepping[0] = 0
+        if goes_on and c.step < c.steps:
+            begin_step(springs, steps)

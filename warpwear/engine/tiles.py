@@ -7,14 +7,14 @@ from typing import ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Executor, Field
-from warpwear.kernels import wear
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
+from warpwear.kernels import balance
 from warpwear.kernels.cells import TileSums
 
-#: Tiles beyond which a sample of the rows tells how deep a list must reach to hold enough.
-SAMPLED = 20_000
-#: Every fourth row is in that sample.
-SAMPLE = 4
+#: Stands for the limit of a list of every tile [mm], as in kernels.
+NO_LIMIT = 1.0e300
 #: A list of fewer saves nothing.
 LEAST_TILES = 16
 
@@ -81,11 +81,14 @@ class TileList(ABC):
         self.chunks = self._executor.split_rows(count * self._cells_of_tile)
 
 
-class Tiles(TileList):
-    """Tiles of one gap that lies still and only opens.
+class Tiles:
+    """Tiles of one gap that lies still and only opens: those with a cell whose gap does not exceed a limit.
 
-    The list serves every approach up to `limit`. It is made anew when the limit is passed. On a GPU every
-    tile is always listed: a pass over the memory costs less there than to decide about it.
+    The list serves every approach up to the limit. Kernels decide when it is made anew, see
+    `kernels.balance.reached`; what they decide by is in `lists`. At first every tile is listed. On a GPU
+    every one always is: a pass over the memory costs less there than to decide about it.
+
+    least: cells that a list holds at least, so that a capped contact can carry its load on them.
     """
 
     #: The list too, as sums depend on it in rounding.
@@ -95,67 +98,75 @@ class Tiles(TileList):
         "rest": Field,
         "list": Field,
         "count": Field,
-        "limit": float,
-        "_asked": float,
-        "_fresh": bool,
+        "lists": Numbers,
     }
 
     def __init__(self, executor: Executor, gap: Field, unworn: Field, *, least: float) -> None:
-        super().__init__(executor, least=least)
-        self._fields = [gap, unworn]
+        self._executor, self._gap, self._unworn = executor, gap, unworn
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
+        self._cells_of_tile = executor.grid.ny / columns
+        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
+        every = np.broadcast_to(np.arange(columns, dtype=np.int32), (nx, columns))
+        self.list: Field = wp.array(every, dtype=wp.int32, device=device)
+        self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
         self._lowest = wp.zeros((nx, columns), dtype=wp.float64, device=device)
         self._kept = wp.zeros((nx, columns), dtype=TileSums, device=device)
+        #: Of the tiles of each row that are not listed: cells touched, and their wear [mm].
         self.rest = wp.zeros(nx, dtype=TileSums, device=device)
-        self._asked = math.inf
-        executor.launch(wear.lowest, inputs=[gap], outputs=[self._lowest])
-        self._smallest = float(self._lowest.numpy().min())
-        self._on_cpu = device.is_cpu
-        self._fresh = True
+        self.lists = Numbers(
+            balance.Listing,
+            device,
+            limit=NO_LIMIT,
+            asked=NO_LIMIT,
+            is_fixed=int(device.is_cuda),
+            is_fresh=1,
+            listed=nx * columns,
+        )
+        #: Flag: a list is asked for.
+        self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
+        self._split: tuple[int, list[tuple[int, int]]] | None = None  # for the number of a list
+        find = Program(executor)
+        find.launch(balance.lowest, gap, self._lowest)
+        find.run()
+        #: Lowest gap before anything was worn [mm]; none is lower later.
+        self.smallest = float(self._lowest.numpy().min())
 
     @property
-    def smallest(self) -> float:
-        """Lowest gap before anything was worn [mm]; none is lower later."""
-        return self._smallest
+    def listed(self) -> int:
+        """Number of tiles that are listed."""
+        return int(self.lists["listed"])
 
-    @property
-    def asked(self) -> float:
-        """Approach that the list was asked to serve [mm]."""
-        return self._asked
+    def add_to(self, program: Program) -> None:
+        """Make the list that is asked for, in a program."""
+        if not self._executor.device.is_cpu:
+            return
+        tiles = arguments(
+            balance.Tiles,
+            list=self.list,
+            count=self.count,
+            lowest=self._lowest,
+            kept=self._kept,
+            rest=self.rest,
+        )
+        with program.loop(self.listing):
+            program.launch(balance.select, self.lists.array, self._gap, self._unworn, tiles)
+            program.decide(balance.listed, self.lists.array, self.listing, tiles, self._least)
+
+    def chunks(self) -> "list[tuple[int, int]]":
+        """Ranges of slots for the threads, of passes over what is listed."""
+        number = self.lists["lists"]
+        if self._split is None or self._split[0] != number:
+            cells = self.count.numpy() * self._cells_of_tile
+            self._split = number, self._executor.split_rows(cells)
+        return self._split[1]
 
     def restored(self) -> None:
-        """Go on with the list of another time, on the fields of that time."""
-        self._readopt()
-
-    def begin(self) -> None:
-        """From every tile, which is what is listed at first, to the lowest."""
-        if self._fresh and self._on_cpu:
-            self._select(self._smallest)
-
-    def reach(self, approach: float, *, margin: float = 0.0) -> None:
-        """List all that touches up to an approach [mm]; a new list reaches a margin beyond [mm].
-
-        A list that reaches much further than that is made anew as well: it costs more than it saves.
-        """
-        if self._on_cpu and (approach > self.limit or approach + 2.0 * margin < self._asked):
-            self._select(approach + margin)
-
-    def _select(self, limit: float) -> None:
-        self._list(limit)
-        self._asked = limit
-        if self.listed < self._least:
-            lowest = self._lowest.numpy()[:: SAMPLE if self._lowest.size > SAMPLED else 1].ravel()
-            rank = math.ceil(self._least * lowest.size / self._lowest.size)
-            self._list(float(np.partition(lowest, rank)[rank]) if rank < lowest.size else math.inf)
-
-    def _list(self, limit: float) -> None:
-        if self._fresh:  # what is known of the tiles is as it was found: nothing to look up in the fields
-            self.count.zero_()
-            self._fresh = False
-        self._executor.launch(
-            wear.select,
-            inputs=[limit, *self._fields],
-            outputs=[self._lowest, self._kept, self.rest, self.list, self.count],
-            often=True,
-        )
-        self._adopt(limit)
+        """Go on with the list of another time. Raises ValueError for one that leads beyond the field."""
+        self._split = None
+        listed, count = self.list.numpy(), self.count.numpy()
+        if (
+            min(listed.min(), count.min()) < 0
+            or listed.max() >= listed.shape[1]
+            or count.max() > listed.shape[1]
+        ):
+            raise ValueError("the list of tiles leads beyond the field")

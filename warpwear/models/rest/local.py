@@ -4,51 +4,34 @@ Every cell has the same stiffness, and both bodies wear in one proportion. Other
 those of a track on which the disc does not move.
 """
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+import warp as wp
 
-from warpwear import lazy
-from warpwear.contact.balance import (
-    STEPS_AHEAD,
-    Balance,
-    Balancer,
-    Carried,
-    Foundation,
-    Lookahead,
-    residual_of,
-    stiffness_of,
-)
-from warpwear.contact.bearing_area import BearingArea
-from warpwear.contact.foresight import Foresight
-from warpwear.engine.executor import Executor, Field, arguments, set_numbers
+from warpwear.contact.balance import Balance, residual_of, stiffness_of
+from warpwear.contact.search import LoadSearch
+from warpwear.engine.executor import Executor, arguments
+from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
-from warpwear.kernels import contact, wear
-from warpwear.kernels.cells import WearMost, WearSum, names_of
-from warpwear.kernels.contact import Law
-from warpwear.kernels.wear_loops import Increment, Tables
+from warpwear.kernels import balance, bearing, contact, wear
+from warpwear.kernels.cells import NO_INDEX, WearMost, WearSum, names_of
 from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import Found, booked
 from warpwear.models.model import Model
 from warpwear.models.rest.bodies import RestingBodies
 
-if TYPE_CHECKING:
-    from warpwear.models.on_cpu import Block
-    from warpwear.models.on_gpu import DeviceSteps
-
-one_gap = lazy.module("warpwear.kernels.blocks.one_gap")
-on_cpu = lazy.module("warpwear.models.on_cpu")
-on_gpu = lazy.module("warpwear.models.on_gpu")
-
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
+#: Steps that a GPU makes before the first of them is given, at most: it makes them many times as fast.
+LONGEST_ON_GPU = 2000
 SUMS, MAXIMA = names_of(WearSum), names_of(WearMost)
 
 
@@ -60,45 +43,75 @@ class OneScaleModel(Model):
 
     #: Interrupts and checkpoints wait for the end of a block.
     longest_block = 500
-    STATE: ClassVar = {
-        "state": RestingBodies,
-        "tiles": Tiles,
-        "_last": Balance,
-        "_foresight": Foresight,
-        "_lookahead": Lookahead,
-        "_ledger": Ledger,
-    }
+    STATE: ClassVar = {"state": RestingBodies, "tiles": Tiles, "_course": Numbers, "_ledger": Ledger}
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
-        in_blocks = [one_gap.wear_gap] if executor.in_one_launch else []
-        executor.foresee([contact.gap, wear.wear_step, *in_blocks])
+        executor.foresee([contact.gap, (bearing.counted_below if task.rigid else balance.carried), wear.wear_step])
         self.task = task
         self._executor = executor
-        self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
-        self._stiffnesses: dict[float, Field] = {}
-        self._last: Balance | None = None
-        self._foresight = Foresight()
-        self._lookahead: Lookahead | None = None
+        if executor.device.is_cuda:
+            self.longest_block = LONGEST_ON_GPU
         self._ledger = Ledger(task, executor.grid)
         self.state = RestingBodies.of(task, executor, heights)
         fully = task.load / (task.hardness * executor.grid.cell_area)
         self.tiles = Tiles(executor, self.state.gap, self.state.unworn, least=SPARE * fully)
-        self._highest = self._bearing_area.bounds(self.state.gap, self.tiles)[1]
-        #: Whether 1/c of a step is known before it.
-        self._foreseen = not task.rigid and not task.bulk_updated
-        #: Whether steps are made in blocks on the device: all but those of laws that the device loop lacks.
-        self.blocks_allowed = executor.device.is_cuda and self._foreseen
-        self._loop: DeviceSteps | None = None
-        if self.blocks_allowed:
-            self.longest_block = on_gpu.LONGEST_BLOCK
-        self._law, self._increment = arguments(Law), arguments(Increment)
-        sums, maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
-        self._tables = arguments(Tables, sums=sums, maxima=maxima, ahead=self._balancer.lookahead)
-        self._block: Block | None = None
-        if executor.in_one_launch and self._foreseen:
-            parts = [self.state.unworn, self.tiles.rest, self.state.gap, self._tables]
-            self._block = on_cpu.Block(executor, task, one_gap.wear_gap, parts, (SUMS, MAXIMA))
+        self._search = LoadSearch(
+            executor,
+            self.state.gap,
+            self.tiles,
+            load=task.load,
+            hardness=task.hardness,
+            tolerance=task.load_tolerance if task.rigid else None,
+        )
+        device = executor.device
+        none = {f"{end}_{line}": NO_INDEX for end in ("first", "last") for line in ("row", "column")}
+        #: What the steps on the device remember.
+        self._course = Numbers(wear.Course, device, **none)
+        columns = len(wear.BALANCE) + len(SUMS) + len(MAXIMA)
+        self._steps = arguments(
+            wear.Steps,
+            plan=wp.zeros((self.longest_block + 1, len(wear.PLAN)), dtype=wp.float64, device=device),
+            history=wp.zeros((self.longest_block, columns), dtype=wp.float64, device=device),
+            within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
+            course=self._course.array,
+            increment=wp.zeros(1, dtype=wear.Increment, device=device),
+            stepping=wp.zeros(1, dtype=wp.int32, device=device),
+            is_rigid=int(task.rigid),
+            smallest=self.tiles.smallest,
+        )
+        slots = executor.slots_of(executor.grid.nx)
+        lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "ahead": 3}
+        tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
+        self._tables = arguments(wear.Tables, **tables)
+        # Many steps; and one, between whose search and wear its pressures can be seen.
+        self._many, self._to_search, self._to_wear = (Program(executor) for _ in range(3))
+        self._begin(self._many)
+        with self._many.loop(self._steps.stepping):
+            self._add_search(self._many)
+            self._add_wear(self._many)
+        self._begin(self._to_search)
+        self._add_search(self._to_search)
+        self._add_wear(self._to_wear)
+
+    def _begin(self, program: Program) -> None:
+        program.decide(wear.begin, self._search.springs, self._steps)
+
+    def _add_search(self, program: Program) -> None:
+        """The search of a step, and the list of tiles that its wear needs."""
+        self._search.add_to(program, wear.judge, self._steps)
+        self.tiles.add_to(program)
+
+    def _add_wear(self, program: Program) -> None:
+        """The wear of a step, and its row."""
+        tiles, steps, state = self.tiles, self._steps, self.state
+        program.launch(
+            wear.wear_step,
+            *(tiles.list, tiles.count, self._search.law, steps.increment),
+            *(state.unworn, tiles.rest, state.gap, self._tables),
+            chunks=tiles.chunks,
+        )
+        program.decide(wear.record, self._search.springs, steps, self._tables)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -126,78 +139,21 @@ class OneScaleModel(Model):
 
     @property
     def in_blocks(self) -> bool:
-        """Whether the device makes the next steps by itself."""
-        return (self.blocks_allowed or self._block is not None) and self._last is not None
+        """Whether the next steps can be made in a row: not where 1/c of a step follows from the one before."""
+        return not self.task.bulk_updated
 
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, before the first of them is seen."""
-        assert self._last is not None
-        if not self.blocks_allowed:
-            assert self._block is not None
-            for beyond, booked_step in self._in_one_launch(self._block, increments, then):
-                self.steps_in_flight = beyond
-                yield booked_step
-            return
-        if self._loop is None:
-            self._loop = on_gpu.at_rest(self._executor, self.task, self.state.gap, self.state.unworn)
-        removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
-        mean, slid, done = self._ledger.row["pressure_mean"], np.array(increments), 0
-        for found in self._loop.run(
-            removals, approach=self._last.approach, mean_pressure=mean, foresight=self._foresight
-        ):
-            approaches = (found.balance.base + found.balance.offset).tolist()
-            for approach, removed in zip(approaches, removals[done:], strict=False):
-                self._foresight.note(approach, sum(removed))
-            self._last = found.balance._make(float(part[-1]) for part in found.balance)
-            self._lookahead = None
-            yield from booked(self._of_both(found), self._ledger, slid[done:], removals[done:], self._enter)
-            done += found.made
-
-    def _in_one_launch(
-        self, block: "Block", increments: Sequence[float], then: float | None
-    ) -> Iterator[tuple[int, Step]]:
-        """Steps as `advance` makes them, as many in a launch as it can, and how many are made beyond each."""
-        known = [*increments, *([] if then is None else [then])]
-        removals = removals_of(self.task.wear, self._ledger.row["distance"], known)
-        slid = np.array(increments)
-        plan = np.array([(sum(removed), 0.0, 0.0, self._stiffness_of(*removed)) for removed in removals])
-
-        def launch(done: int) -> tuple[int, Iterator[Step]]:
-            ahead = self._lookahead
-            assert self._last is not None
-            foreseen = {}
-            if ahead is not None and ahead.stiffness == plan[done, 3]:
-                foreseen = {"known": 1.0, "ahead": ahead.offset} | ahead.carried._asdict()
-            found, left = block.run(
-                plan[done:],
-                len(increments) - done,
-                self.tiles,
-                self._ledger,
-                {"approach": self._last.approach, "mean": self._ledger.row["pressure_mean"]}
-                | self._foresight.numbers
-                | foreseen,
-            )
-            if found.made:
-                self._foresight.numbers, self._lookahead = left, None
-                self._last = found.balance._make(float(part[-1]) for part in found.balance)
-            if found.made and left["known"]:
-                carried = Carried(left["force"], left["slope"], left["straight"])
-                self._lookahead = Lookahead(float(plan[done + found.made, 3]), left["ahead"], carried)
-            residual = found.total["pressure"] * self._executor.grid.cell_area - self.task.load
-            found = self._of_both(found._replace(balance=found.balance._replace(load_residual=residual)))
-            return found.made, booked(found, self._ledger, slid[done:], removals[done:], self._enter)
-
-        def alone(number: int) -> Step:
-            return self.advance(
-                increments[number], then=known[number + 1] if number + 1 < len(known) else None
-            )
-
-        return on_cpu.in_launches(len(increments), launch, alone)
-
-    def _of_both(self, found: Found) -> Found:
-        """What was worn of both bodies together, as that of sphere and disc."""
-        total, most = (divided(part, self.state.fractions) for part in (found.total, found.most))
-        return found._replace(total=total, most=most)
+        done = 0
+        while done < len(increments):
+            removals = self._plan(increments[done:], then)
+            self._many.run()
+            made = self._course["step"]
+            for beyond, step in enumerate(self._booked(increments[done:], removals)):
+                self.steps_in_flight = made - beyond - 1
+                yield step
+            self._search.check()
+            done += made
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -206,54 +162,39 @@ class OneScaleModel(Model):
 
         Raises ConvergenceError when the load cannot be balanced.
         """
-        task, now, row = self.task, self._increment, self._ledger.row
-        removal = task.removals(row["distance"], increment)
-        stiffness = self._stiffness_of(*removal)
-        balance = self._balance(stiffness, sum(removal))
-        self._foresight.note(balance.approach, sum(removal))
-        balance.fill(self._law)
-        pressure = None
-        if with_pressure:
-            row_of_cells = self._row_of(stiffness)
-            pressure = self._balancer.pressures(self._law, row_of_cells, self.state.gap, self.tiles)
-        # The scatter is summed about a value near the mean: of a bearing area the mean itself.
-        near_mean = balance.cap if task.rigid else row["pressure_mean"] or balance.cap
-        reference = near_mean if math.isfinite(near_mean) else 0.0
-        step_next, stiffness_next = 0.0, stiffness
-        if then is not None and self._foreseen and not self.blocks_allowed:
-            removal_next = task.removals(row["distance"] + increment, then)
-            stiffness_next = self._stiffness_of(*removal_next)
-            step_next = self._foresight.expected(sum(removal_next)) or 0.0
-            furthest = balance.approach + max(step_next, 0.0)
-            self.tiles.reach(furthest, margin=STEPS_AHEAD * abs(step_next))
-        first, end = self._ledger.columns
-        set_numbers(
-            now,
-            wear_per_pressure=sum(removal),
-            first_column=first if end else self._executor.grid.ny,
-            last_column=end - 1,
-            stiffness=stiffness,
-            reference=reference,
-            base_next=balance.approach,
-            offset_next=step_next,
-            stiffness_next=stiffness_next,
-        )
-        self._executor.launch(
-            wear.wear_step,
-            inputs=[self._law, now, self.state.unworn, self.tiles.rest],
-            outputs=[self.state.gap, self._tables],
-            over=self.tiles,
-            often=True,
-        )
-        self._lookahead = None
-        if step_next:
-            carried = self._balancer.evaluated(self._balancer.lookahead)
-            self._lookahead = Lookahead(stiffness_next, step_next, carried)
-        total = dict(zip(SUMS, self._tables.sums.numpy().sum(axis=1).tolist(), strict=True))
-        most = dict(zip(MAXIMA, self._tables.maxima.numpy().max(axis=1).tolist(), strict=True))
-        total, most = (divided(found, self.state.fractions) for found in (total, most))
-        self._last = balance
-        return self._enter(balance, increment, removal, reference, total, most, pressure)
+        removals = self._plan([increment], then if self.in_blocks else None)
+        if not with_pressure:
+            self._many.run()
+            self._search.check()
+            return next(self._booked([increment], removals))
+        self._to_search.run()
+        self._search.check()
+        pressure = self._search.pressures()
+        self._to_wear.run()
+        return next(self._booked([increment], removals))._replace(pressure=pressure)
+
+    def _plan(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
+        """Tell the device of the next steps, and of the one after them; return K ΔL of sphere and disc."""
+        known = [*increments, *([] if then is None else [then])]
+        removals = removals_of(self.task.wear, self._ledger.row["distance"], known)
+        plan = np.array([(sum(removed), self._stiffness_of(*removed)) for removed in removals])
+        wp.copy(self._steps.plan, wp.array(plan, dtype=wp.float64, device="cpu"), count=plan.size)
+        self._course.set(step=0, steps=len(increments), known=len(known))
+        return removals
+
+    def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
+        """The steps that the device has made, as the ledger enters them."""
+        made = self._course["step"]
+        table = np.ascontiguousarray(self._steps.history[:made].numpy().T) if made else np.zeros((20, 0))
+        base, offset, cap, residual, width, tied, evaluations, reference = table[: len(wear.BALANCE)]
+        sums, maxima = table[len(wear.BALANCE) :][: len(SUMS)], table[len(wear.BALANCE) + len(SUMS) :]
+        total, most = dict(zip(SUMS, sums, strict=True)), dict(zip(MAXIMA, maxima, strict=True))
+        if not self.task.rigid:
+            residual = total["pressure"] * self._executor.grid.cell_area - self.task.load
+        numbers: Any = (base, offset, cap, residual, width, tied, evaluations)
+        total, most = (divided(part, self.state.fractions) for part in (total, most))
+        found = Found(made, Balance(*numbers), reference, total, most)
+        return booked(found, self._ledger, np.array(increments), removals, self._enter)
 
     def _enter(
         self,
@@ -263,38 +204,12 @@ class OneScaleModel(Model):
         reference: float,
         total: dict[str, float],
         most: dict[str, float],
-        pressure: FloatArray | None = None,
     ) -> Step:
         """Book a step. Raises ConvergenceError where its pressures do not carry the load."""
         if not self.task.rigid:
             force = total["pressure"] * self._executor.grid.cell_area
-            residual = residual_of(force, self.task.load, approach=balance.approach)
-            balance = balance._replace(load_residual=residual)
-        return self._ledger.enter(balance, increment, removal, reference, total, most, pressure=pressure)
-
-    def _balance(self, stiffness: float, removal: float) -> Balance:
-        task, last = self.task, self._last
-        if task.rigid:
-            return self._bearing_area.solve(
-                self.state.gap,
-                self.tiles,
-                load=task.load,
-                hardness=task.hardness,
-                tolerance=task.load_tolerance,
-                scatter=STEPS_AHEAD * removal * task.hardness,
-                highest=self._highest,
-            )
-        # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
-        step, known = removal * self._ledger.row["pressure_mean"], None
-        if self._lookahead is not None and self._lookahead.stiffness == stiffness:
-            step, known = self._lookahead.offset, self._lookahead.carried
-        row = self._row_of(stiffness)
-        return self._balancer.solve(
-            Foundation(self.state.gap, row, self.tiles, task.load, task.hardness, stiffness),
-            start=last.approach if last else None,
-            step=step,
-            known=known,
-        )
+            residual_of(force, self.task.load, approach=balance.approach)
+        return self._ledger.enter(balance, increment, removal, reference, total, most)
 
     def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> float:
         """1/c [N/mm³] of a step that wears sphere and disc by K ΔL [mm³/N]."""
@@ -302,12 +217,3 @@ class OneScaleModel(Model):
         if self.task.implicit:
             compliance = (compliance + removal_sphere) + removal_disc
         return stiffness_of(compliance)
-
-    def _row_of(self, stiffness: float) -> Field:
-        """One row for all cells; those of the last two steps are kept."""
-        if stiffness not in self._stiffnesses:
-            while len(self._stiffnesses) > 1:
-                del self._stiffnesses[next(iter(self._stiffnesses))]
-            row = self._executor.field(np.full((1, 1), stiffness), padding=stiffness)
-            self._stiffnesses[stiffness] = row
-        return self._stiffnesses[stiffness]

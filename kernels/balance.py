@@ -1,0 +1,430 @@
+"""The load balance of cells on springs with a cap, none of which feels the others.
+
+A search is a pass over the listed cells and a decision in turns. What is carried rises piecewise linearly
+with the approach: Newton's method is kept inside a bracket, see `newton`. Where nothing yields, see `bearing`.
+
+An approach is base + offset: one ulp of 0.07 mm changes the load of a worn contact by more than 1e-12 of it,
+`base − gap` is exact near contact, and the offset adds the missing digits.
+"""
+
+import warp as wp
+
+from warpwear.kernels import native_code
+from warpwear.kernels.cells import ABSENT, LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells, TileSums
+from warpwear.kernels.cells import sum_of as sum_of_lanes
+from warpwear.kernels.contact import Law, pressure_of
+from warpwear.kernels.newton import HALF, HOPELESS, LOOKS, MET, STUCK, SURE, Bracket, bracket_at, next_trial
+
+wp.set_module_options(native_code.options("wear.h"))
+
+#: Searches on springs, each from a base nearer the solution.
+ROUNDS = wp.constant(wp.int32(3))
+#: From a cold start each list of tiles reaches this many times deeper than the last, and at least this [mm].
+DEEPER = wp.constant(wp.float64(4.0))
+LEAST_DEPTH = wp.constant(wp.float64(1.0e-6))
+#: A list that follows a search that has missed tiles: no approach lies this many times further down.
+FURTHER = wp.constant(wp.float64(1.5))
+#: Steps ahead that a new list of tiles reaches.
+STEPS_AHEAD = wp.constant(wp.float64(16.0))
+#: Tiles beyond which a sample of the rows, every so-many-th, tells how deep a list must reach to hold enough.
+SAMPLED = wp.constant(wp.int32(20_000))
+SAMPLE = wp.constant(wp.int32(4))
+TWO = wp.constant(wp.float64(2.0))
+
+
+@wp.struct
+class Listing:
+    """What a list of tiles serves: it holds all with a gap up to its limit."""
+
+    limit: wp.float64  # [mm]
+    asked: wp.float64  # approach that it was asked to serve; to hold enough it may serve more [mm]
+    is_fixed: wp.int32  # 1 where every tile is listed for good
+    is_fresh: wp.int32  # 1 before the first list is made
+    listed: wp.int32  # tiles
+    lists: wp.int32  # made so far
+
+
+@wp.struct
+class Tiles:
+    """Tiles of a gap, and which of them are listed, row by row."""
+
+    list: wp.array2d(dtype=wp.int32)
+    count: wp.array(dtype=wp.int32)
+    lowest: wp.array2d(dtype=wp.float64)  # gap, before what was worn since a tile was listed [mm]
+    kept: wp.array2d(dtype=TileSums)  # of the tiles that are not listed
+    rest: wp.array(dtype=TileSums)  # the sum of that over each row
+
+
+@wp.struct
+class Search:
+    """A search for the balance, and what it found: `bracket.state` says how far it is."""
+
+    base: wp.float64  # [mm]
+    bracket: Bracket  # of the offset; of a bearing area of the approach
+    stiffness: wp.float64  # 1/c of cells that are alike, else 0 [N/mm³]
+    start: wp.float64  # where it began [mm]
+    margin: wp.float64  # by which its lists reach further than it needs [mm]
+    scatter: wp.float64  # how far from the start the approach may be, where that is known [mm]
+    is_cold: wp.int32  # 1 where it began at the lowest cell: it may lead far
+    round: wp.int32
+    evaluations: wp.int32
+    residual: wp.float64  # of the load at the end [N]
+    phase: wp.int32  # of a bearing area, and the numbers of cells at the ends of its bracket
+    below: wp.float64
+    above: wp.float64
+
+
+@wp.struct
+class Springs:
+    """A contact whose load is balanced: what does not change, and where a search has got to."""
+
+    load: wp.float64  # [N]
+    cap: wp.float64  # [MPa]
+    cell_area: wp.float64  # [mm²]
+    tolerance: wp.float64  # of the load [N]
+    highest: wp.float64  # gap before any wear, of a bearing area [mm]
+    search: wp.array(dtype=Search)  # one
+    law: wp.array(dtype=Law)  # one: what the pressures follow from, when the search has ended
+    lists: wp.array(dtype=Listing)  # one
+    searching: wp.array(dtype=wp.int32)  # flag: a pass is needed
+    listing: wp.array(dtype=wp.int32)  # flag: a list of tiles is needed, before any pass
+    trial: wp.array2d(dtype=wp.float64)  # what a pass finds, a column a slot
+
+
+@wp.kernel
+def lowest(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    field: wp.array2d(dtype=Cells),
+    lowest_out: wp.array2d(dtype=wp.float64),
+):
+    """Smallest value of every tile."""
+    slot = first_slot + wp.tid() // wp.block_dim()
+    for row in range(slot, field.shape[0], slots):
+        for t in range(wp.tid() % wp.block_dim(), lowest_out.shape[1], wp.block_dim()):
+            low = field[row, t * TILE_VECTORS]
+            for k in range(t * TILE_VECTORS + 1, wp.min((t + 1) * TILE_VECTORS, field.shape[1])):
+                low = wp.min(low, field[row, k])
+            lowest_out[row, t] = wp.min(low)
+
+
+@wp.func
+def kept_of(row: wp.int32, t: wp.int32, gap: wp.array2d(dtype=Cells), unworn: wp.array2d(dtype=Cells)):
+    """Number of worn cells of a tile, and the sum of their wear."""
+    touched = ZERO
+    both = Cells(ZERO)
+    for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
+        worn = gap[row, k] - unworn[row, k]
+        both += worn
+        for j in range(LANES):
+            touched += wp.where(worn[j] > ZERO, ONE, ZERO)
+    return TileSums(touched, sum_of_lanes(both))
+
+
+@wp.kernel
+def select(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    lists: wp.array(dtype=Listing),
+    gap: wp.array2d(dtype=Cells),
+    unworn: wp.array2d(dtype=Cells),
+    tiles: Tiles,
+):
+    """Lists anew, row by row, the tiles whose smallest gap does not exceed the limit. On a CPU.
+
+    Of a tile that leaves the list it is kept what the pass that wears sums over listed tiles only.
+    """
+    row = first_slot + wp.tid()
+    limit = lists[0].limit
+    for n in range(wp.where(lists[0].is_fresh == 1, 0, tiles.count[row])):  # gaps of others are what they were
+        t = tiles.list[row, n]
+        low = Cells(ABSENT)
+        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
+            low = wp.min(low, gap[row, k])
+        smallest = wp.min(low)
+        tiles.lowest[row, t] = smallest
+        if smallest > limit:
+            tiles.kept[row, t] = kept_of(row, t, gap, unworn)
+    count = wp.int32(0)
+    rest = TileSums()
+    for t in range(tiles.lowest.shape[1]):
+        if tiles.lowest[row, t] <= limit:
+            tiles.list[row, count] = t
+            count += 1
+        else:
+            rest += tiles.kept[row, t]
+    tiles.count[row] = count
+    tiles.rest[row] = rest
+
+
+@wp.func_native("return limit_of_rank(lowest, rows_apart, tiles, limit);")
+def limit_of(
+    lowest: wp.array2d(dtype=wp.float64), rows_apart: wp.int32, tiles: wp.int32, limit: wp.float64
+) -> wp.float64:
+    """The limit up to which so many tiles of a sample of the rows have a cell."""
+    ...
+
+
+@wp.kernel
+def listed(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    lists: wp.array(dtype=Listing),
+    listing: wp.array(dtype=wp.int32),
+    tiles: Tiles,
+    least: wp.int32,
+):
+    """Decides whether a list holds enough tiles, or must reach deeper than it was asked to. On a CPU."""
+    now = lists[0]
+    now.is_fresh = 0
+    now.lists = now.lists + 1
+    now.listed = 0
+    rows = tiles.count.shape[0]
+    for row in range(rows):
+        now.listed = now.listed + tiles.count[row]
+    listing[0] = 0
+    if now.listed < least and now.limit == now.asked and now.limit < NONE:
+        apart = wp.where(rows * tiles.lowest.shape[1] > SAMPLED, SAMPLE, 1)
+        deeper = limit_of(tiles.lowest, apart, least / apart + 1, now.limit)
+        if deeper > now.limit:
+            now.limit = deeper
+            listing[0] = 1
+    lists[0] = now
+
+
+@wp.func
+def reached(before: Listing, approach: wp.float64, margin: wp.float64):
+    """The list as an approach needs it; a new one reaches a margin beyond.
+
+    One that reaches much further than that is made anew as well: it costs more than it saves.
+    """
+    lists = before
+    if lists.is_fixed == 0 and (approach > lists.limit or approach + TWO * margin < lists.asked):
+        lists.limit = approach + margin
+        lists.asked = lists.limit
+    return lists
+
+
+@wp.func
+def ask_for(springs: Springs, lists: Listing):
+    """Ask for a list of tiles, where it is another than there is."""
+    if lists.limit != springs.lists[0].limit or lists.asked != springs.lists[0].asked:
+        springs.listing[0] = 1
+    springs.lists[0] = lists
+
+
+@wp.func
+def search_from(
+    approach: wp.float64, step: wp.float64, scatter: wp.float64, stiffness: wp.float64
+):
+    """A search that expects the balance a step beyond an approach, give or take a scatter."""
+    s = Search()
+    s.base = approach
+    s.start = approach
+    s.bracket = bracket_at(step, wp.max(wp.abs(step), scatter))
+    s.stiffness = stiffness
+    s.scatter = scatter
+    s.margin = wp.max(STEPS_AHEAD * wp.abs(step), scatter)
+    return s
+
+
+@wp.func
+def search_from_lowest(springs: Springs, lowest: wp.float64, stiffness: wp.float64, softest: wp.float64):
+    """A search that begins at the lowest cell, of which nothing is known. softest: stiffness of a cell."""
+    s = search_from(lowest, HALF * wp.min(springs.cap, springs.load / springs.cell_area) / softest, ZERO, stiffness)
+    b = s.bracket
+    b.low = ZERO
+    s.bracket = b
+    s.is_cold = 1
+    return s
+
+
+@wp.func
+def evaluated(before: Search):
+    """The search, with one pass more."""
+    s = before
+    s.evaluations = s.evaluations + 1
+    return s
+
+
+@wp.func
+def judged(
+    springs: Springs, before: Search, lists_before: Listing, force: wp.float64, slope: wp.float64, near: wp.float64
+):
+    """The search on springs after a pass, and the list of tiles that it needs.
+
+    force, slope: carried at the trial [N, N/mm]. near: change of pressure that the nearest cell needs to
+    change its state [MPa].
+    """
+    s = before
+    lists = lists_before
+    alike = s.stiffness > ZERO
+    straight = wp.where(alike, near / wp.where(alike, s.stiffness, ONE), ZERO)
+    b = next_trial(s.bracket, force, slope, springs.load, springs.tolerance, straight)
+    approach = s.base + b.offset
+    s.residual = wp.where(b.state == SURE, ZERO, force - springs.load)
+    if b.state == STUCK:
+        if wp.abs(b.offset) < HOPELESS and s.round + 1 < ROUNDS:
+            # Down to neighbouring numbers: from a base at the solution the offset has digits again.
+            s.base = approach
+            s.round = s.round + 1
+            b = bracket_at(ZERO, ZERO)
+        elif lists.limit < NONE:  # what is listed cannot carry the load, even at the cap
+            lists.limit = NONE
+            lists.asked = NONE
+            s.base = s.start
+            s.round = 0
+            b = bracket_at(ZERO, s.scatter)
+    elif b.state != LOOKS and approach > lists.limit:
+        # Tiles that touch are missing: with them the approach is smaller, at first by far, but not below what
+        # this list served, give or take rounding.
+        low = FURTHER * (lists.limit - approach)
+        depth = wp.max(DEEPER * (lists.limit - s.start), LEAST_DEPTH)
+        wanted = approach
+        if s.is_cold == 1 or s.scatter > ZERO:
+            wanted = wp.min(approach, s.start + depth)
+        lists = reached(lists, wanted, s.margin)
+        s.base = approach
+        s.round = 0
+        b = bracket_at(ZERO, s.scatter)
+        b.low = low
+    s.bracket = b
+    return s, lists
+
+
+@wp.func
+def conclude(springs: Springs, s: Search, lists: Listing):
+    """Keep a search on springs, and where it has ended, the law of the pressures."""
+    ask_for(springs, lists)
+    springs.search[0] = s
+    b = s.bracket
+    springs.searching[0] = wp.where(b.state == LOOKS, 1, 0)
+    law = Law()
+    law.base = s.base
+    law.offset = b.offset
+    law.cap = springs.cap
+    springs.law[0] = law
+
+
+@wp.kernel
+def begin(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    springs: Springs,
+    lowest: wp.float64,
+    stiffness: wp.float64,
+    softest: wp.float64,
+):
+    """Begins a search of which nothing is known, on any list.
+
+    lowest: gap [mm]. stiffness: of cells that are alike, else 0; softest: of a cell [N/mm³].
+    """
+    if wp.tid() == 0:
+        lists = springs.lists[0]
+        if lists.is_fixed == 0 and lists.is_fresh == 1:
+            lists.limit = lowest
+            lists.asked = lowest
+        ask_for(springs, lists)
+        springs.search[0] = search_from_lowest(springs, lowest, stiffness, softest)
+        springs.searching[0] = 1
+
+
+@wp.func_native("carry(slot, slots, tiles, count, search, cap, gap, stiffness, parts, trial);")
+def carry_of(
+    slot: wp.int32,
+    slots: wp.int32,
+    tiles: wp.array2d(dtype=wp.int32),
+    count: wp.array(dtype=wp.int32),
+    search: Search,
+    cap: wp.float64,
+    gap: wp.array2d(dtype=Cells),
+    stiffness: wp.array2d(dtype=Cells),
+    parts: wp.array2d(dtype=Cells),
+    trial: wp.array2d(dtype=wp.float64),
+) -> None:
+    """What the cells of a slot carry at the trial of a search."""
+    ...
+
+
+@wp.func_native("return sum_of_line(table, line, 0, table.shape[1]);")
+def sum_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
+    """The sum of a line of a table, by all threads of a deciding slot."""
+    ...
+
+
+@wp.func_native("return most_of_line(table, line, 0, table.shape[1]);")
+def most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
+    """The largest of a line of a table likewise."""
+    ...
+
+
+@wp.kernel
+def carried(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    tiles: wp.array2d(dtype=wp.int32),
+    count: wp.array(dtype=wp.int32),
+    springs: Springs,
+    gap: wp.array2d(dtype=Cells),
+    stiffness: wp.array2d(dtype=Cells),
+    parts: wp.array2d(dtype=Cells),
+):
+    """Sum of the pressures at the trial, of the stiffnesses of the cells between open and cap, and how far
+    those stay so.
+
+    stiffness, parts of the cap: of every cell, or no rows where the search has one, and all bear the cap.
+    """
+    slot = first_slot + wp.tid() // wp.block_dim()
+    carry_of(slot, slots, tiles, count, springs.search[0], springs.cap, gap, stiffness, parts, springs.trial)
+
+
+@wp.kernel
+def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs):
+    """Decides what follows from a pass on springs."""
+    force = sum_of(springs.trial, 0) * springs.cell_area
+    slope = sum_of(springs.trial, 1) * springs.cell_area
+    near = -most_of(springs.trial, 2)
+    if wp.tid() == 0:
+        s, lists = judged(springs, evaluated(springs.search[0]), springs.lists[0], force, slope, near)
+        conclude(springs, s, lists)
+
+
+@wp.kernel
+def pressures(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    tiles: wp.array2d(dtype=wp.int32),
+    count: wp.array(dtype=wp.int32),
+    springs: Springs,
+    gap: wp.array2d(dtype=Cells),
+    stiffness: wp.array2d(dtype=Cells),
+    parts: wp.array2d(dtype=Cells),
+    pressure_out: wp.array2d(dtype=Cells),
+):
+    """The pressures of the cells listed, at the end of a search; fields as of `carried`."""
+    slot = first_slot + wp.tid() // wp.block_dim()
+    law = springs.law[0]
+    s = Cells(springs.search[0].stiffness)
+    part = Cells(ONE)
+    for row in range(slot, gap.shape[0], slots):
+        for n in range(wp.tid() % wp.block_dim(), count[row], wp.block_dim()):
+            t = tiles[row, n]
+            for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
+                g = gap[row, k]
+                if stiffness.shape[0] > 0:
+                    s = stiffness[wp.min(row, stiffness.shape[0] - 1), k]
+                if parts.shape[0] > 0:
+                    part = parts[row, k]
+                p = Cells(ZERO)
+                for j in range(LANES):
+                    p[j] = pressure_of(law_of_cell(law, part[j]), g[j], s[j])
+                pressure_out[row, k] = p
+
+
+@wp.func
+def law_of_cell(law: Law, part: wp.float64):
+    """The law of a cell that bears a part of the cap; where it is tied with the approach, of that too."""
+    own = law
+    own.cap = law.cap * part
+    own.tie_pressure = law.tie_pressure * part
+    return own

@@ -1,0 +1,217 @@
+"""The load balance of cells that do not yield: bearing area × hardness = load.
+
+The area rises with the approach in steps, cell by cell, so the approach is looked for in a bracket. The first
+approach that meets the tolerance is taken, and the pressure is load/area. Where cells tie, so that no
+approach meets it, the tied cells share what is missing.
+"""
+
+import warp as wp
+
+from warpwear.kernels import native_code
+from warpwear.kernels.balance import STEPS_AHEAD, TWO, Listing, Search, Springs, ask_for, most_of, reached, sum_of
+from warpwear.kernels.cells import NONE, ZERO, Cells
+from warpwear.kernels.contact import Law
+from warpwear.kernels.newton import EVALUATIONS, GROWS, HALF, HOPELESS, LOOKS, MET, STUCK, bracket_at
+
+wp.set_module_options(native_code.options("wear.h"))
+
+#: Gaps that differ by less are tied [mm]: a picometre-thousandth, below anything a surface has.
+TIE = wp.constant(wp.float64(1.0e-12))
+#: Stands for 1/c where c = 0: any overlap reaches the cap.
+RIGID = wp.constant(wp.float64(1.0e300))
+#: More than half of the distance to the next number, over a number.
+HALF_ULP = wp.constant(wp.float64(1.2e-16))
+#: Every third trial halves the bracket.
+HALVES = wp.constant(wp.int32(3))
+#: What a pass counts: all cells; those below a trial; those below a tie, and those up to its end.
+ALL = wp.constant(wp.int32(0))
+TRIAL = wp.constant(wp.int32(1))
+BELOW_TIE = wp.constant(wp.int32(2))
+UP_TO_TIE = wp.constant(wp.int32(3))
+
+
+@wp.func
+def area_between(springs: Springs, margin: wp.float64):
+    """A search of which nothing is known: all that lies up to the highest gap before wear is halved."""
+    s = Search()
+    s.bracket = bracket_at(springs.highest + TWO * TIE, ZERO)  # so that the highest cell counts
+    s.margin = margin
+    s.is_cold = 1
+    s.stiffness = RIGID
+    s.above = NONE
+    s.phase = ALL
+    return s
+
+
+@wp.func
+def area_near(approach: wp.float64, scatter: wp.float64):
+    """A search in growing steps from an approach that may be off by a scatter."""
+    s = Search()
+    s.bracket = bracket_at(approach, scatter)
+    s.margin = scatter
+    s.stiffness = RIGID
+    s.above = NONE
+    s.phase = TRIAL
+    return s
+
+
+@wp.func
+def counted(
+    springs: Springs,
+    before: Search,
+    lists_before: Listing,
+    count: wp.float64,
+    lowest: wp.float64,
+    highest: wp.float64,
+):
+    """The search after a pass, the list of tiles that it needs, and the law of the pressures at its end.
+
+    count: of cells below the level. lowest, highest: gap listed [mm].
+    """
+    s = before
+    lists = lists_before
+    b = s.bracket
+    level = b.offset
+    law = springs.law[0]
+    full = springs.cap * springs.cell_area  # load of a cell
+    needed = springs.load / full
+    allowed = springs.tolerance / full
+    if s.phase == ALL:
+        if count < needed and lists.limit < NONE:
+            lists.limit = NONE
+            lists.asked = NONE
+        else:
+            # What is listed may be worn beyond the limit of the list, where lower tiles that are not may lie.
+            b.low = wp.min(lowest, lists.limit)
+            b.high = level
+            if count < needed:  # all cells are worn beyond it
+                b.high = highest + TWO * TIE
+            b.offset = HALF * (b.low + b.high)
+            s.phase = TRIAL
+    elif s.phase == TRIAL:
+        s.evaluations = s.evaluations + 1
+        width = b.high - b.low
+        if wp.abs(count - needed) < allowed and count > ZERO:
+            b.state = MET
+            s.residual = (count - needed) * full
+            law.base = level
+            law.offset = ZERO
+            law.cap = springs.load / (count * springs.cell_area)
+            law.tie_width = ZERO
+            law.tie_pressure = ZERO
+        else:
+            if count > needed:
+                b.high = level
+                s.above = count
+            else:
+                b.low = level
+                s.below = count
+            if s.is_cold == 0:
+                width = b.high - b.low
+            if width <= TIE:
+                s.phase = BELOW_TIE
+                s.start = level
+                b.offset = level - TIE
+            elif b.low <= -NONE or b.high >= NONE:
+                b.offset = level + wp.where(count < needed, b.reach, -b.reach)
+                b.reach = GROWS * b.reach
+                if not (b.reach < HOPELESS):
+                    b.state = STUCK
+            else:
+                # Over the whole of a surface the counts at the ends say nothing of what lies between.
+                b.offset = HALF * (b.low + b.high)
+                if s.is_cold == 0 and s.evaluations % HALVES != 0:
+                    straight = b.low + (needed - s.below) / (s.above - s.below) * (b.high - b.low)
+                    if straight > b.low and straight < b.high:
+                        b.offset = straight
+            if s.evaluations >= EVALUATIONS and s.phase == TRIAL:
+                b.state = STUCK
+    elif s.phase == BELOW_TIE:
+        s.evaluations = s.evaluations + 1
+        s.below = count
+        s.phase = UP_TO_TIE
+        up = s.start + TIE
+        b.offset = up + HALF_ULP * wp.abs(up)  # the next number
+    else:
+        s.evaluations = s.evaluations + 1
+        s.above = count
+        tied = count - s.below
+        part = (needed - s.below) / tied
+        b.state = STUCK
+        if tied > ZERO and part >= ZERO and part <= wp.float64(1.0):
+            # The full cells carry the hardness, so the load is met without a rescaling of the pressure.
+            b.state = MET
+            law.base = s.start
+            law.offset = ZERO
+            law.cap = springs.cap
+            law.tie_width = TIE
+            law.tie_pressure = part * springs.cap
+            s.residual = (s.below + part * tied) * full - springs.load
+    if b.state == LOOKS and s.phase != ALL:
+        lists = reached(lists, b.offset, s.margin)
+    s.bracket = b
+    return s, lists, law
+
+
+@wp.func
+def conclude_area(springs: Springs, s: Search, lists: Listing, law: Law):
+    """Keep a search, and where it has ended, the law of the pressures."""
+    ask_for(springs, lists)
+    springs.search[0] = s
+    springs.law[0] = law
+    springs.searching[0] = wp.where(s.bracket.state == LOOKS, 1, 0)
+
+
+@wp.kernel
+def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.float64):
+    """Begins a search of which nothing is known, on any list. lowest: gap [mm]."""
+    if wp.tid() == 0:
+        lists = springs.lists[0]
+        if lists.is_fixed == 0 and lists.is_fresh == 1:
+            lists.limit = lowest
+            lists.asked = lowest
+        ask_for(springs, lists)
+        springs.search[0] = area_between(springs, ZERO)
+        springs.searching[0] = 1
+
+
+@wp.func_native("count_level(slot, slots, tiles, count, level, gap, parts, trial);")
+def count_of(
+    slot: wp.int32,
+    slots: wp.int32,
+    tiles: wp.array2d(dtype=wp.int32),
+    count: wp.array(dtype=wp.int32),
+    level: wp.float64,
+    gap: wp.array2d(dtype=Cells),
+    parts: wp.array2d(dtype=Cells),
+    trial: wp.array2d(dtype=wp.float64),
+) -> None:
+    """Counts the cells of a slot below a level, and finds the lowest and highest gap."""
+    ...
+
+
+@wp.kernel
+def counted_below(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    tiles: wp.array2d(dtype=wp.int32),
+    count: wp.array(dtype=wp.int32),
+    springs: Springs,
+    gap: wp.array2d(dtype=Cells),
+    parts: wp.array2d(dtype=Cells),
+):
+    """Counts cells in contact at the trial, in cells at the cap: of each its part of it, if it has one."""
+    slot = first_slot + wp.tid() // wp.block_dim()
+    level = springs.search[0].bracket.offset
+    count_of(slot, slots, tiles, count, level, gap, parts, springs.trial)
+
+
+@wp.kernel
+def judge_area(first_slot: wp.int32, slots: wp.int32, springs: Springs):
+    """Decides what follows from a pass over a bearing area."""
+    count = sum_of(springs.trial, 0)
+    lowest = -most_of(springs.trial, 1)
+    highest = most_of(springs.trial, 2)
+    if wp.tid() == 0:
+        s, lists, law = counted(springs, springs.search[0], springs.lists[0], count, lowest, highest)
+        conclude_area(springs, s, lists, law)

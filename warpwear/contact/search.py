@@ -1,0 +1,133 @@
+"""The load balance of cells that do not feel each other, as a part of a program: springs, or a bearing area."""
+
+from typing import Any
+
+import warp as wp
+
+from warpwear.contact.balance import TOLERANCE, Balance
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.program import Program
+from warpwear.engine.tiles import Tiles
+from warpwear.errors import ConvergenceError
+from warpwear.grid import FloatArray
+from warpwear.kernels import balance, bearing
+from warpwear.kernels.cells import Cells
+from warpwear.kernels.contact import Law
+from warpwear.kernels.newton import STUCK
+
+
+class LoadSearch:
+    """Searches for the approach at which a gap carries a load, in passes over its listed tiles.
+
+    stiffness: 1/c of every cell [N/mm³], one row for all or one a row of cells; None where each search has
+    one for all. parts: of the hardness, that cells bear; None: all of it. tolerance: of a bearing area [N],
+    whose cells do not yield; None for springs. It is made before anything is worn.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        gap: Field,
+        tiles: Tiles,
+        *,
+        load: float,
+        hardness: float,
+        stiffness: Field | None = None,
+        parts: Field | None = None,
+        tolerance: float | None = None,
+    ) -> None:
+        device = executor.device
+        self.is_rigid = tolerance is not None
+        self._executor, self._tiles = executor, tiles
+        none = wp.zeros((0, executor.vectors), dtype=Cells, device=device)
+        parts = none if parts is None else parts
+        self._gap, self._parts, self._stiffness = gap, parts, none if stiffness is None else stiffness
+        self._search = wp.zeros(1, dtype=balance.Search, device=device)
+        #: What the pressures follow from, when a search has ended.
+        self.law: Field = wp.zeros(1, dtype=Law, device=device)
+        #: For kernels.
+        self.springs = arguments(
+            balance.Springs,
+            load=load,
+            cap=hardness,
+            cell_area=executor.grid.cell_area,
+            tolerance=TOLERANCE * load if tolerance is None else tolerance,
+            search=self._search,
+            law=self.law,
+            lists=tiles.lists.array,
+            searching=wp.zeros(1, dtype=wp.int32, device=device),
+            listing=tiles.listing,
+            trial=wp.zeros((3, executor.slots_of(executor.grid.nx)), dtype=wp.float64, device=device),
+        )
+        if self.is_rigid:
+            self._launch_once(bearing.counted_below, self.springs, gap, parts)
+            self.springs.highest = float(self.springs.trial.numpy()[2].max())
+
+    def add_to(self, program: Program, judge: Any = None, *state: Any) -> None:
+        """Search in a program until `searching` is 0.
+
+        judge: kernel that decides what follows from a pass, of the springs and a state; by default one that
+        only searches.
+        """
+        if judge is None:
+            judge = bearing.judge_area if self.is_rigid else balance.judge
+        fields = [self._gap, self._parts] if self.is_rigid else [self._gap, self._stiffness, self._parts]
+        look, tiles = bearing.counted_below if self.is_rigid else balance.carried, self._tiles
+        with program.loop(self.springs.searching):
+            tiles.add_to(program)
+            program.launch(look, tiles.list, tiles.count, self.springs, *fields, chunks=tiles.chunks)
+            program.decide(judge, self.springs, *state)
+
+    def solve(self) -> Balance:
+        """Search where nothing is known, not even of the stiffness but by its field. Raises ConvergenceError."""
+        program, smallest = Program(self._executor), self._tiles.smallest
+        if self.is_rigid:
+            program.decide(bearing.begin, self.springs, smallest)
+        else:
+            values = self._stiffness.numpy()
+            program.decide(balance.begin, self.springs, smallest, 0.0, float(values[values > 0.0].min()))
+        self.add_to(program)
+        program.run()
+        law, search = self.law.numpy()[0], self._search.numpy()[0]
+        self.check()
+        numbers = (float(law[name]) for name in ("base", "offset", "cap"))
+        ties = (float(law[name]) for name in ("tie_width", "tie_pressure"))
+        return Balance(*numbers, float(search["residual"]), *ties, int(search["evaluations"]))
+
+    def pressures(self, at: Balance | None = None) -> FloatArray:
+        """The pressure of every cell [MPa], shape (nx, ny). at: a balance; None: the one that was found."""
+        field = self._executor.zeros()
+        if at is not None:
+            law = self.law.numpy()
+            for name in law.dtype.names:
+                law[name] = getattr(at, name)
+            self.law.assign(law)
+        self._launch_once(balance.pressures, self.springs, self._gap, self._stiffness, self._parts, field)
+        return self._executor.to_numpy(field)
+
+    def _launch_once(self, kernel: Any, *arguments: Any) -> None:
+        """Launch a kernel over the listed tiles."""
+        program, tiles = Program(self._executor), self._tiles
+        program.launch(kernel, tiles.list, tiles.count, *arguments, chunks=tiles.chunks)
+        program.run()
+
+    def check(self) -> None:
+        """Raise ConvergenceError where the last search has found no balance."""
+        search = self._search.numpy()[0]
+        if search["bracket"]["state"] != STUCK:
+            return
+        load, approach = self.springs.load, float(search["base"] + search["bracket"]["offset"])
+        if not self.is_rigid:
+            raise ConvergenceError(
+                f"the load balance did not converge: {search['residual']:.3g} N of {load:.6g} N are left "
+                f"(allowed {TOLERANCE * load:.1g} N) near an approach of {approach:.9g} mm."
+            )
+        where = f"the bearing area has no balance near an approach of {approach:.9g} mm"
+        if search["phase"] != bearing.UP_TO_TIE:
+            raise ConvergenceError(f"{where}.")
+        below, tied = float(search["below"]), float(search["above"] - search["below"])
+        needed = load / (self.springs.cap * self.springs.cell_area)
+        raise ConvergenceError(
+            f"{where}: {below:.0f} cells lie below it, {tied:.0f} are tied with it, and the load asks for "
+            f"{needed:.3f}."
+        )
