@@ -261,6 +261,13 @@ class Executor:
         if not self.device.is_cpu:
             field.assign(host)
 
+    def put(self, array: Any, values: Any) -> None:
+        """Give an array of Warp's other values, in place."""
+        if self.device.is_cpu:
+            array.numpy()[...] = values
+        else:
+            array.assign(np.ascontiguousarray(values, dtype=array.numpy().dtype))
+
     def read_partials(self, sums: Field | None, maxima: Field) -> tuple[FloatArray, FloatArray]:
         """What tables of partial sums and maxima hold by slots; of a GPU by rows: that is read sooner."""
         if self.device.is_cpu:
