@@ -2,8 +2,8 @@
 
 All patches lie in one field of shape (patches, lines · vectors of a line): a row is a patch, its lines of
 cells (along axis 1 of the domain) one after another, each padded to whole vectors. A tile is `TILE_VECTORS`
-vectors of one line, or what is left of it. A slot is a patch; tiles whose lowest gap, before any wear, is above
-the patch's approach are skipped.
+vectors of one line, or what is left of it. A slot is a patch; tiles whose lowest gap, before any wear, is
+above the patch's approach are skipped.
 """
 
 import warp as wp

@@ -62,7 +62,8 @@ WARPWEAR_FN void give_answer(Table& answer, int patch, const Table& trial, doubl
 }
 
 // Give the answer of a patch that is not reached at an approach: nothing, up to its lowest cell.
-template <typename Curves> WARPWEAR_FN void give_nothing(Curves& curves, int patch, double base, double offset)
+template <typename Curves>
+WARPWEAR_FN void give_nothing(Curves& curves, int patch, double base, double offset)
 {
     wp::index(curves.answer, 0, patch) = 0.0;
     wp::index(curves.answer, 1, patch) = 0.0;
@@ -71,7 +72,8 @@ template <typename Curves> WARPWEAR_FN void give_nothing(Curves& curves, int pat
 
 // What the cells of a patch carry at its trial approach.
 template <typename Curves, typename Surfaces>
-WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& curves, const Surfaces& surfaces)
+WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& curves,
+                             const Surfaces& surfaces)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
@@ -107,9 +109,10 @@ WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& cu
         const Lanes near = open < full ? open : full;
         nearest = nearest < near ? nearest : near;
     });
-    leave_each({{total(pressure), &wp::index(surfaces.trial, 0, patch), true},
-                {count(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
-                {-wp::min(-most(-nearest), beside * stiffness), &wp::index(surfaces.trial, 2, patch), false}});
+    leave_each(
+        {{total(pressure), &wp::index(surfaces.trial, 0, patch), true},
+         {count(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
+         {-wp::min(-most(-nearest), beside * stiffness), &wp::index(surfaces.trial, 2, patch), false}});
     give_answer(curves.answer, patch, surfaces.trial, surfaces.cells, stiffness);
 }
 
@@ -161,9 +164,9 @@ WARPWEAR_FN void wear_patch(int patch, const Rules& rules, const Now& now, Curve
         if (rules.looks_ahead) give_nothing(curves, patch, base_next, offset_next);
         return;
     }
-    const WearBy by = {base,        offset,        rules.load.hardness, 0.0,         0.0,
-                       now.stiffness, now.removal, now.reference,       base_next,   offset_next,
-                       now.stiffness_next};
+    const WearBy by = {base,      offset,        rules.load.hardness, 0.0,
+                       0.0,       now.stiffness, now.removal,         now.reference,
+                       base_next, offset_next,   now.stiffness_next};
     const int of_line = surfaces.layout.vectors * OF_VECTOR;
     const bool parted = surfaces.parts.shape[0] > 0;
     const Stored* const unworn = row_of(surfaces.unworn, patch);
@@ -189,6 +192,5 @@ WARPWEAR_FN void wear_patch(int patch, const Rules& rules, const Now& now, Curve
     });
     const Extents extents = extents_of(patch, surfaces, by, now.extents, was_reached);
     leave_wear(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);
-    if (rules.looks_ahead)
-        give_answer(curves.answer, patch, books.ahead, surfaces.cells, by.stiffness_next);
+    if (rules.looks_ahead) give_answer(curves.answer, patch, books.ahead, surfaces.cells, by.stiffness_next);
 }

@@ -3,6 +3,7 @@
 import warp as wp
 
 from warpwear.kernels import native_code
+from warpwear.kernels.balance import sum_of
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.newton import HALF, LOOKS, MET, Bracket, bracket_at, next_trial
 from warpwear.kernels.two_scale import sharing
@@ -14,7 +15,6 @@ from warpwear.kernels.two_scale.sharing import (
     Load,
     Search,
     lane,
-    sum_of_line,
     wait_for_slot,
     width,
 )
@@ -60,8 +60,8 @@ def smooth_pressure(smooth: Smooth, k: wp.int32, base: wp.float64, offset: wp.fl
 def prescribe(smooth: Smooth, load: Load, flexibility: wp.float64, removal: wp.float64):
     """Solve the smooth contact, leave its pressures, and wear it by removal [mm³/N] times them, implicitly.
 
-    The pressures add up to the load to rounding: what the search leaves is taken off those below the hardness.
-    flexibility: 1/K_N [mm³/N].
+    The pressures add up to the load to rounding: what the search leaves is taken off those below the
+    hardness. flexibility: 1/K_N [mm³/N].
     """
     count = smooth.initial.shape[0]
     base = smooth.approach[0]
@@ -74,16 +74,16 @@ def prescribe(smooth: Smooth, load: Load, flexibility: wp.float64, removal: wp.f
             q = smooth_pressure(smooth, k, base, b.offset, stiffness)
             smooth.room[0, k] = wp.min(wp.max(q, ZERO), load.hardness)
             smooth.room[1, k] = wp.where(q > ZERO and q < load.hardness, ONE, ZERO)
-        force = load.area * sum_of_line(smooth.room, 0)
-        slope = load.area * stiffness * sum_of_line(smooth.room, 1)
+        force = load.area * sum_of(smooth.room, 0)
+        slope = load.area * stiffness * sum_of(smooth.room, 1)
         b = next_trial(b, force, slope, load.load, load.tolerance * load.load, ZERO)
     for k in range(lane(), count, width()):
         q = smooth_pressure(smooth, k, base, b.offset, stiffness)
         p = wp.min(wp.max(q, ZERO), load.hardness)
         smooth.target[0, k] = p
         smooth.room[1, k] = wp.where(p > ZERO and p < load.hardness, p, ZERO)
-    total = sum_of_line(smooth.target, 0)
-    between = sum_of_line(smooth.room, 1)
+    total = sum_of(smooth.target, 0)
+    between = sum_of(smooth.room, 1)
     scale = ONE - (total - load.load / load.area) / wp.where(between > ZERO, between, ONE)
     for k in range(lane(), count, width()):
         p = smooth.target[0, k]
@@ -179,9 +179,9 @@ def judge(
             curves.offset[k] = b.offset
         curves.room[0, k] = wp.where(b.state == LOOKS, ONE, ZERO)
         curves.room[1, k] = wp.where(b.state == MET, ZERO, ONE)
-    looking = sum_of_line(curves.room, 0)
-    unmet = sum_of_line(curves.room, 1)
-    s.residual = load.area * sum_of_line(curves.answer, PRESSURE) - load.load
+    looking = sum_of(curves.room, 0)
+    unmet = sum_of(curves.room, 1)
+    s.residual = load.area * sum_of(curves.answer, PRESSURE) - load.load
     if looking == ZERO:
         s.number += 1
         s.state = wp.where(unmet == ZERO, sharing.SHARED, sharing.LOOKS)

@@ -5,14 +5,15 @@ A patch k carries the mean pressure p_k at its approach u_k; behind it is a spri
     u_k + p_k / K_N = δ,   A Σ p_k = F
 
 with one δ. A pass evaluates all patches at trial approaches u_k = base_k + offset_k, and so finds a point of
-the curve p_k(δ) of each, at δ_k = u_k + p_k / K_N. Newton's method follows all curves to a common δ; where it
-takes too long δ is held, and the patches are solved at it in brackets. Lengths are offsets from bases near the
-solution, which together hold more digits than their sum.
+the curve p_k(δ) of each, at δ_k = u_k + p_k / K_N. Newton's method follows all curves to a common δ; where
+it takes too long δ is held, and the patches are solved at it in brackets. Lengths are offsets from bases near
+the solution, which together hold more digits than their sum.
 """
 
 import warp as wp
 
 from warpwear.kernels import native_code
+from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO
 from warpwear.kernels.newton import DIGITS, FIRST_REACH, GROWS, HALF, HOPELESS, SURELY
 
@@ -30,8 +31,8 @@ LOOKS = wp.constant(wp.int32(0))
 SHARED = wp.constant(wp.int32(1))
 FAILED = wp.constant(wp.int32(2))
 
-#: Lines of what patches answer: mean pressure [MPa], its slope [N/mm³], and how far an approach may move while
-#: the pressure follows that slope [mm].
+#: Lines of what patches answer: mean pressure [MPa], its slope [N/mm³], and how far an approach may move
+#: while the pressure follows that slope [mm].
 PRESSURE = wp.constant(wp.int32(0))
 SLOPE = wp.constant(wp.int32(1))
 STRAIGHT = wp.constant(wp.int32(2))
@@ -111,18 +112,6 @@ def width() -> wp.int32:
     ...
 
 
-@wp.func_native("return sum_of_line(table, line, 0, table.shape[1]);")
-def sum_of_line(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
-    """Return the sum of a line of a table, to every thread of the slot."""
-    ...
-
-
-@wp.func_native("return most_of_line(table, line, 0, table.shape[1]);")
-def most_of_line(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
-    """Return the largest number of a line of a table, to every thread of the slot."""
-    ...
-
-
 @wp.func_native("return next_number(number, to);")
 def next_number(number: wp.float64, to: wp.float64) -> wp.float64:
     """Return the number after another one in a direction."""
@@ -137,7 +126,7 @@ def wait_for_slot():
 
 @wp.func
 def point_of(curves: Curves, s: Search, k: wp.int32):
-    """δ at which a patch with a spring is where it was evaluated, as an offset; free ones hang on the body."""
+    """The point of a patch's curve: δ at which it is where it was evaluated, as an offset."""
     p = curves.answer[PRESSURE, k]
     shift = s.common_base - curves.base[k]  # exact where both are of one size
     point = (curves.offset[k] - shift) + s.flexibility * p
@@ -249,11 +238,11 @@ def take_sure_step(curves: Curves, load: Load, before: Search, newton: wp.float6
         curves.room[2, k] = after
         curves.room[3, k] = carries
         curves.room[4, k] = apart_of(free, (after - shift) + s.flexibility * carries, newton)
-    leaving = most_of_line(curves.room, 0) > ZERO
-    digits = load.area * sum_of_line(curves.room, 1)
-    residual = load.area * sum_of_line(curves.room, 3) - load.load
-    apart = most_of_line(curves.room, 4)
-    allowed = load.tolerance * s.flexibility * most_of_line(curves.room, 3)
+    leaving = most_of(curves.room, 0) > ZERO
+    digits = load.area * sum_of(curves.room, 1)
+    residual = load.area * sum_of(curves.room, 3) - load.load
+    apart = most_of(curves.room, 4)
+    allowed = load.tolerance * s.flexibility * most_of(curves.room, 3)
     if leaving or digits > DIGITS * load.load:
         return s
     if wp.abs(residual) > load.tolerance * load.load or apart > allowed:
@@ -290,10 +279,10 @@ def total_at(curves: Curves, load: Load, s: Search, hardness: wp.float64):
         part = (s.common - below) / (curves.high[POINT, k] - below)
         curves.room[0, k] = wp.where(far and next_number(low, high) < high, ONE, ZERO)
         curves.room[1, k] = wp.where(far, least + part * (curves.high[CARRIES, k] - least), p)
-    least_of_all = sum_of_line(curves.low, CARRIES)
-    most_of_all = sum_of_line(curves.high, CARRIES)
-    is_open = most_of_line(curves.room, 0) > ZERO
-    total = sum_of_line(curves.room, 1)
+    least_of_all = sum_of(curves.low, CARRIES)
+    most_of_all = sum_of(curves.high, CARRIES)
+    is_open = most_of(curves.room, 0) > ZERO
+    total = sum_of(curves.room, 1)
     if is_open:
         total = -ONE
     if most_of_all < wanted:
@@ -304,9 +293,7 @@ def total_at(curves: Curves, load: Load, s: Search, hardness: wp.float64):
 
 
 @wp.func
-def next_common(
-    before: Search, residual: wp.float64, newton: wp.float64, rises: wp.bool, exact: wp.bool
-):
+def next_common(before: Search, residual: wp.float64, newton: wp.float64, rises: wp.bool, exact: wp.bool):
     """The search with its next trial approach of the bodies, by Newton's step and the bracket of it.
 
     exact: whether the bracket is as narrow as what is known. While patches move as well, it is wide and what
@@ -371,9 +358,9 @@ def evaluated(curves: Curves, load: Load, before: Search):
         joined = slope / (ONE + s.flexibility * slope)
         curves.room[0, k] = joined
         curves.room[1, k] = joined * (point_of(curves, s, k) - x)
-    carried = sum_of_line(curves.answer, PRESSURE)
-    stiffness = sum_of_line(curves.room, 0)
-    pull = sum_of_line(curves.room, 1)
+    carried = sum_of(curves.answer, PRESSURE)
+    stiffness = sum_of(curves.room, 0)
+    pull = sum_of(curves.room, 1)
     residual = load.area * carried - load.load
     rises = stiffness > ZERO
     newton = x + ((load.load / load.area - carried) + pull) / wp.where(rises, stiffness, ONE)
@@ -385,10 +372,10 @@ def evaluated(curves: Curves, load: Load, before: Search):
         curves.room[1, k] = -point
         curves.room[2, k] = wp.where(free, -NONE, point)
     s.residual = residual
-    s.spring_residual = most_of_line(curves.room, 0)
-    s.spring_allowed = load.tolerance * s.flexibility * most_of_line(curves.answer, PRESSURE)
-    nearest = -most_of_line(curves.room, 1)
-    furthest = most_of_line(curves.room, 2)
+    s.spring_residual = most_of(curves.room, 0)
+    s.spring_allowed = load.tolerance * s.flexibility * most_of(curves.answer, PRESSURE)
+    nearest = -most_of(curves.room, 1)
+    furthest = most_of(curves.room, 2)
     solved = s.spring_residual <= s.spring_allowed
     if solved and wp.abs(residual) <= load.tolerance * load.load:
         s.common = common

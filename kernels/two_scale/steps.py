@@ -3,6 +3,7 @@
 import warp as wp
 
 from warpwear.kernels import native_code
+from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO, WearMost, WearSum
 from warpwear.kernels.newton import HALF
 from warpwear.kernels.two_scale.sharing import (
@@ -12,9 +13,7 @@ from warpwear.kernels.two_scale.sharing import (
     Load,
     Search,
     lane,
-    most_of_line,
     search_from,
-    sum_of_line,
     wait_for_slot,
     width,
 )
@@ -67,8 +66,10 @@ class Memory:
     approach: wp.float64  # of the bodies [mm]
     slid: wp.float64  # Σ K ΔL of both bodies [mm³/N]
     rates: wp.float64  # how many are known
-    place: wp.vec2d  # of each, the earlier one first [mm³/N]
-    rate: wp.vec2d  # of the approach [MPa]
+    where_0: wp.float64  # of each, the earlier one first [mm³/N]
+    rate_0: wp.float64  # of the approach [MPa]
+    where_1: wp.float64
+    rate_1: wp.float64
     gives: wp.float64  # 1 where it is known how fast springs give way
     ahead: wp.float64  # K ΔL for which the patches have answered ahead; negative where they have not
 
@@ -101,10 +102,10 @@ class Books:
 def foreseen_step(m: Memory, removal: wp.float64):
     """How far a step goes on [mm], on the line through the rates at which the approach grew."""
     where = m.slid + HALF * removal
-    rate = m.rate[0]
-    if m.rates > ONE:
-        rate = m.rate[0] * ((where - m.place[1]) / (m.place[0] - m.place[1]))
-        rate = rate + m.rate[1] * ((where - m.place[0]) / (m.place[1] - m.place[0]))
+    rate = m.rate_0
+    if m.rates > ONE:  # Lagrange's line
+        rate = m.rate_0 * ((where - m.where_1) / (m.where_0 - m.where_1))
+        rate = rate + m.rate_1 * ((where - m.where_0) / (m.where_1 - m.where_0))
     return removal * rate
 
 
@@ -113,20 +114,20 @@ def noted(before: Memory, approach: wp.float64, removal: wp.float64):
     """What is known after a step that ended at an approach [mm], and removed K ΔL [mm³/N]."""
     m = before
     where = m.slid + HALF * removal
-    last = wp.where(m.rates > ONE, m.place[1], m.place[0])
+    last = wp.where(m.rates > ONE, m.where_1, m.where_0)
     # A law that decays ends with steps too small to be told apart by where they are.
     is_new = m.rates == ZERO or where > last
     if m.steps > ZERO and removal > ZERO and is_new:
         rate = (approach - m.approach) / removal
+        if m.rates > ONE:
+            m.where_0 = m.where_1
+            m.rate_0 = m.rate_1
         if m.rates == ZERO:
-            m.place = wp.vec2d(where, ZERO)
-            m.rate = wp.vec2d(rate, ZERO)
-        elif m.rates == ONE:
-            m.place = wp.vec2d(m.place[0], where)
-            m.rate = wp.vec2d(m.rate[0], rate)
+            m.where_0 = where
+            m.rate_0 = rate
         else:
-            m.place = wp.vec2d(m.place[1], where)
-            m.rate = wp.vec2d(m.rate[1], rate)
+            m.where_1 = where
+            m.rate_1 = rate
         m.rates = wp.min(m.rates + ONE, ONE + ONE)
     m.approach = approach
     m.slid += removal
@@ -270,11 +271,11 @@ def end(
         books.areas[row, k] = books.sums[WearSum.CONTACT, k] * of_cell
     sums = books.sums.shape[0]
     for line in range(sums):
-        total = sum_of_line(books.sums, line)
+        total = sum_of(books.sums, line)
         if lane() == 0:
             books.rows[row, FIRST + line] = total
     for line in range(books.maxima.shape[0]):
-        largest = most_of_line(books.maxima, line)
+        largest = most_of(books.maxima, line)
         if lane() == 0:
             books.rows[row, FIRST + sums + line] = largest
     wait_for_slot()

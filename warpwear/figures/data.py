@@ -12,6 +12,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from warpwear.engine.executor import Executor
 from warpwear.figures.view import (
     About,
     Bodies,
@@ -24,7 +25,6 @@ from warpwear.figures.view import (
     Window,
     sag_or_nan,
 )
-from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.elastic import Hertz

@@ -5,6 +5,7 @@ from typing import ClassVar
 import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
 from warpwear.kernels.two_scale import steps as kernels
 
 
@@ -14,7 +15,13 @@ class PatchForesight:
     executor: with one row a patch.
     """
 
-    STATE: ClassVar = {"memory": Field, "start": Field, "deflection": Field, "giving": Field, "reached": Field}
+    STATE: ClassVar = {
+        "memory": Numbers,
+        "start": Field,
+        "deflection": Field,
+        "giving": Field,
+        "reached": Field,
+    }
 
     def __init__(self, executor: Executor) -> None:
         count, device = executor.grid.nx, executor.device
@@ -22,7 +29,7 @@ class PatchForesight:
         def of_patches(value: float = 0.0) -> Field:
             return wp.full(count, value, dtype=wp.float64, device=device)
 
-        self.memory = wp.zeros(1, dtype=kernels.Memory, device=device)
+        self.memory = Numbers(kernels.Memory, device)
         self.start, self.deflection, self.giving = of_patches(), of_patches(), of_patches()
         #: Largest approach that each patch has had [mm].
         self.reached = of_patches(-float("inf"))

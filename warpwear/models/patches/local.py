@@ -1,6 +1,5 @@
 """Two scales: patches of fine cells that share the load of a macro contact."""
 
-import math
 from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
@@ -9,6 +8,7 @@ import warp as wp
 
 from warpwear.contact.balance import stiffness_of
 from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
@@ -24,7 +24,7 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
 from warpwear.models.patches.cells import PatchContact
 from warpwear.models.patches.foresight import PatchForesight
-from warpwear.models.patches.shares import LoadSharing, write
+from warpwear.models.patches.shares import LoadSharing
 from warpwear.models.patches.smooth import SmoothContact
 
 #: Work of a patch where no cell has touched yet, over that of one where all have.
@@ -93,7 +93,7 @@ class TwoScaleModel(Model):
         made = {name: wp.zeros(shape, dtype=wp.float64, device=device) for name, shape in tables.items()}
         self._books = arguments(kernels.Books, ahead=self.contact.surfaces.trial, **made)
         self._plan = wp.zeros((self.longest_block + 1, 3), dtype=wp.float64, device=device)
-        self._now = wp.zeros(1, dtype=kernels.Now, device=device)
+        self._now = Numbers(kernels.Now, device)
         self._work = np.full(count, LEAST_WORK * patches.side**2)
         self._chunks: list[tuple[int, int]] = []
         self._find, self._wear, self._steps = (Program(executor) for _ in range(3))
@@ -110,10 +110,10 @@ class TwoScaleModel(Model):
         """Add the search for the approaches of a step to a program."""
         sharing, smooth = self.sharing, self._smooth
         given = self._rules, self._plan, sharing.curves, self._foresight.courses
-        found = self._foresight.memory, self._now, sharing.search, sharing.flags
+        found = self._foresight.memory.array, self._now.array, sharing.search.array, sharing.flags
 
         def evaluate() -> None:
-            inputs = self._rules, self._now, sharing.curves, self.contact.surfaces
+            inputs = self._rules, self._now.array, sharing.curves, self.contact.surfaces
             self._pass(program, passes.carried, *inputs)
 
         if smooth is None:
@@ -124,17 +124,16 @@ class TwoScaleModel(Model):
         with program.loop(sharing.flags.searching):
             evaluate()
             inputs = sharing.load, sharing.curves, smooth.smooth, smooth.brackets
-            program.decide(pressing.judge, *inputs, sharing.search, sharing.flags)
+            program.decide(pressing.judge, *inputs, sharing.search.array, sharing.flags)
 
     def _say_wear(self, program: Program) -> None:
         """Add the wear of a step whose approaches are found to a program."""
-        sharing, now, memory = self.sharing, self._now, self._foresight.memory
-        curves, courses, books = sharing.curves, self._foresight.courses, self._books
-        program.decide(
-            kernels.foresee, self._rules, self._plan, curves, courses, sharing.search, memory, now
-        )
-        self._pass(program, passes.wear, self._rules, now, curves, courses, self.contact.surfaces, books)
-        program.decide(kernels.end, self._rules, curves, courses, sharing.search, now, books, sharing.flags)
+        sharing, now, memory = self.sharing, self._now.array, self._foresight.memory.array
+        rules, books, search = self._rules, self._books, sharing.search.array
+        patches = sharing.curves, self._foresight.courses
+        program.decide(kernels.foresee, rules, self._plan, *patches, search, memory, now)
+        self._pass(program, passes.wear, rules, now, *patches, self.contact.surfaces, books)
+        program.decide(kernels.end, rules, *patches, search, now, books, sharing.flags)
 
     def _pass(self, program: Program, kernel: object, *inputs: object) -> None:
         """Add a pass over all patches to a program."""
@@ -152,7 +151,7 @@ class TwoScaleModel(Model):
             left = increments[done:]
             removals = self._begin(left, then)
             self._steps.run()
-            count = int(self._now.numpy()[0]["number"])
+            count = self._now["number"]
             for number in range(count):
                 self.steps_in_flight = count - 1 - number
                 yield self._enter(number, left[number], removals[number])
@@ -205,7 +204,7 @@ class TwoScaleModel(Model):
         if not self._plan.device.is_cpu:
             self._plan.assign(plan)
         extents = [self._ledger.most[name] for name in EXTENTS]
-        write(self._now, mean=row["pressure_mean"], extents=extents, number=0, steps=len(increments))
+        self._now.set(mean=row["pressure_mean"], extents=extents, number=0, steps=len(increments))
         self.sharing.flags.stepping.fill_(1)
         self._chunks = self._executor.split_rows(self._work)
         return removals
@@ -214,7 +213,7 @@ class TwoScaleModel(Model):
         """The pressure of every cell at the approaches that are found [MPa]."""
         if self._pressed is None:
             field, program = self._executor.zeros(), Program(self._executor)
-            inputs = self._rules, self._now, self.sharing.curves, self.contact.surfaces
+            inputs = self._rules, self._now.array, self.sharing.curves, self.contact.surfaces
             self._pass(program, passes.pressures, *inputs, field)
             self._pressed = field, program
         field, program = self._pressed

@@ -10,26 +10,18 @@ affair: any increasing p_k(u_k). The rules of the search stand in `warpwear.kern
 """
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import MAX_EVALUATIONS, TOLERANCE
 from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels.two_scale import sharing as kernels
-
-
-def write(array: Field, **numbers: Any) -> None:
-    """Give members of a struct that lies in an array of one element other numbers."""
-    host = array.numpy()
-    for name, value in numbers.items():
-        host[name] = value
-    if not array.device.is_cpu:
-        array.assign(host)
 
 
 class LoadSharing:
@@ -70,7 +62,7 @@ class LoadSharing:
             tolerance=TOLERANCE,
             evaluations=MAX_EVALUATIONS - 1,
         )
-        self.search = wp.zeros(1, dtype=kernels.Search, device=device)
+        self.search = Numbers(kernels.Search, device)
         names = ("searching", "unanswered", "balanced", "stepping")
         flags = {name: wp.zeros(1, dtype=wp.int32, device=device) for name in names}
         self.flags = arguments(kernels.Flags, **flags)
@@ -84,7 +76,7 @@ class LoadSharing:
         with program.loop(flags.searching):
             with program.branch(flags.unanswered):
                 evaluate()
-            program.decide(kernels.judge, self.load, self.curves, self.search, flags)
+            program.decide(kernels.judge, self.load, self.curves, self.search.array, flags)
 
     @property
     def is_balanced(self) -> bool:
@@ -94,8 +86,7 @@ class LoadSharing:
     @property
     def common(self) -> tuple[float, float]:
         """Approach of the bodies, base and offset [mm]."""
-        s = self.search.numpy()[0]
-        return float(s["common_base"]), float(s["common"])
+        return self.search["common_base"], self.search["common"]
 
     @property
     def approaches(self) -> FloatArray:
@@ -104,7 +95,7 @@ class LoadSharing:
 
     def failure(self) -> ConvergenceError:
         """What is wrong with a search that has not ended well."""
-        s, load = self.search.numpy()[0], self.load.load
+        s, load = self.search, self.load.load
         return ConvergenceError(
             f"the load shares of {self.count} patches did not converge in {s['evaluations']} evaluations: "
             f"{s['residual']:.3g} N of {load:.6g} N are left (allowed {TOLERANCE * load:.1g} N), and "

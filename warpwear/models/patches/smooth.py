@@ -89,9 +89,9 @@ class SmoothContact:
                 f"{self._load:.6g} N are left near an approach of {self.approach.numpy()[0]:.9g} mm."
             )
         target, p = self.smooth.target.numpy()[0], sharing.answer.numpy()[0]
-        worst = int(np.argmax(np.abs(p - target) - 0.5 * TOLERANCE * target))
+        worst = int(np.argmax(np.abs(p - target) - float(kernels.PART) * TOLERANCE * target))
         return ConvergenceError(
             "the patches did not converge to their prescribed loads in "
-            f"{sharing.search.numpy()[0]['evaluations']} evaluations: patch {worst} carries {p[worst]:.9g} MPa "
+            f"{sharing.search['evaluations']} evaluations: patch {worst} carries {p[worst]:.9g} MPa "
             f"of {target[worst]:.9g} MPa, at an approach of {sharing.approaches[worst]:.9g} mm."
         )
