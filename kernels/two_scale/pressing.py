@@ -182,10 +182,11 @@ def judge(
     looking = sum_of(curves.room, 0)
     unmet = sum_of(curves.room, 1)
     s.residual = load.area * sum_of(curves.answer, PRESSURE) - load.load
-    if looking == ZERO:
+    spent = s.evaluations >= load.evaluations
+    if looking == ZERO or spent:
         s.number += 1
         s.state = wp.where(unmet == ZERO, sharing.SHARED, sharing.LOOKS)
-        if unmet > ZERO and s.number >= ROUNDS:
+        if unmet > ZERO and (s.number >= ROUNDS or spent):
             s.state = sharing.FAILED
         if s.state == sharing.LOOKS:
             for k in range(lane(), count, width()):

@@ -121,10 +121,7 @@ class TwoScaleModel(Model):
             sharing.say(program, evaluate)
             return
         program.decide(pressing.begin, *given, smooth.smooth, smooth.brackets, *found)
-        with program.loop(sharing.flags.searching):
-            evaluate()
-            inputs = sharing.load, sharing.curves, smooth.smooth, smooth.brackets
-            program.decide(pressing.judge, *inputs, sharing.search.array, sharing.flags)
+        smooth.say(program, sharing, evaluate)
 
     def _say_wear(self, program: Program) -> None:
         """Add the wear of a step whose approaches are found to a program."""

@@ -79,6 +79,11 @@ class LoadSharing:
             program.decide(kernels.judge, self.load, self.curves, self.search.array, flags)
 
     @property
+    def trial(self) -> tuple[Field, Field]:
+        """Base and offset of the approach of every patch [mm]."""
+        return self.base, self.offset
+
+    @property
     def is_balanced(self) -> bool:
         """Whether the last search has ended well."""
         return bool(self.flags.balanced.numpy()[0])

@@ -1,5 +1,6 @@
 """The smooth macro contact that prescribes the load of each patch (coupling = "load")."""
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
@@ -64,6 +65,16 @@ class SmoothContact:
         self._step = wp.zeros(2, dtype=wp.float64, device=device)
         self._alone = Program(executor)
         self._alone.decide(kernels.press_smoothly, self.smooth, load, self._step)
+
+    def say(self, program: Program, sharing: LoadSharing, evaluate: Callable[[], None]) -> None:
+        """Add the search of patches for what is prescribed to a program, from where a decision begins.
+
+        evaluate: adds the pass that asks the patches.
+        """
+        with program.loop(sharing.flags.searching):
+            evaluate()
+            patches = sharing.curves, self.smooth, self.brackets
+            program.decide(kernels.judge, sharing.load, *patches, sharing.search.array, sharing.flags)
 
     @property
     def is_balanced(self) -> bool:
