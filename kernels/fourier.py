@@ -1,7 +1,7 @@
 """Convolutions of fields: on a CPU by transforms of its own, on any device around those of a library.
 
 The C++ is in `native/fourier.h`, which says how modes lie. Kernels of transforms are of single and of double
-precision; `of` names one.
+precision, by kind of number.
 """
 
 from typing import Any
@@ -20,6 +20,21 @@ wp.set_module_options(native_code.options("transforms.h", "fourier.h") | {"cpu_c
 LINES = {np.float32: 16, np.float64: 8}
 
 
+def of_both(function: Any) -> dict[Any, Any]:
+    """Kernels of a function, with arrays of either type of number wherever any will do.
+
+    Each has a name of its own: overloads of one kernel are one and the same for a recording on a CPU.
+    """
+    kernels = {}
+    for kind in LINES:
+        kernel = wp.kernel(function, name=f"{function.__name__}_{kind.__name__}")
+        arrays = {a.label: a.type for a in kernel.adj.args if getattr(a.type, "dtype", None) is Any}
+        real = wp.dtype_from_numpy(kind)
+        types = {name: wp.array(dtype=real, ndim=array.ndim) for name, array in arrays.items()}
+        kernels[kind] = wp.overload(kernel, types)
+    return kernels
+
+
 @wp.struct
 class Plan:
     """A convolution of grids that lie one after another, by the order of its modes."""
@@ -31,7 +46,9 @@ class Plan:
     groups: wp.int32  # of columns of modes
     divides: wp.bool  # instead of multiplying
     scale: wp.float64  # of a factor
-    along: wp.array(dtype=wp.int32)  # stages of a row, of half its length: 2, 3, 4, 5; −2: 2, half of it zeros
+    along: wp.array(
+        dtype=wp.int32
+    )  # stages of a row, of half its length: 2, 3, 4, 5; −2: 2, half of it zeros
     across: wp.array(dtype=wp.int32)  # stages of a column
     partners: wp.array(dtype=wp.int32)  # place of mode n − k of a row, by that of k; of mode 0 its own
     folded: wp.array(dtype=wp.int32)  # line of the table, by the place of a mode of a column
@@ -81,7 +98,7 @@ def back_rows(
     ...
 
 
-@wp.kernel
+@of_both
 def forward(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -95,7 +112,7 @@ def forward(
     forward_rows(first_slot + wp.tid(), slots, plan, turns_in, field_in, scratch_out, spectrum_out)
 
 
-@wp.kernel
+@of_both
 def across(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -110,7 +127,7 @@ def across(
     across_columns(first_slot + wp.tid(), slots, plan, turns_in, table_in, line_in, scratch_out, spectrum_out)
 
 
-@wp.kernel
+@of_both
 def back(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -143,7 +160,7 @@ def convolve_grids(
     ...
 
 
-@wp.kernel
+@of_both
 def convolve(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -220,7 +237,7 @@ def multiply_modes(
     ...
 
 
-@wp.kernel
+@of_both
 def pad(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -232,7 +249,7 @@ def pad(
     pad_rows(first_slot + wp.tid() // wp.block_dim(), slots, grids, field_in, padded_out)
 
 
-@wp.kernel
+@of_both
 def crop(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -244,7 +261,7 @@ def crop(
     crop_rows(first_slot + wp.tid() // wp.block_dim(), slots, grids, padded_in, field_out)
 
 
-@wp.kernel
+@of_both
 def multiply(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -255,19 +272,3 @@ def multiply(
 ):
     """Multiply, or divide, modes by the table and the line of their row, in place."""
     multiply_modes(first_slot + wp.tid() // wp.block_dim(), slots, grids, table_in, line_in, modes)
-
-
-def of(kernel: Any, kind: Any) -> Any:
-    """A kernel of single or of double precision; kind: np.float32 or np.float64."""
-    return _OF_KIND[kernel, kind]
-
-
-def _of_kind(kernel: Any, kind: Any) -> Any:
-    """The kernel with arrays of a type of number wherever any will do."""
-    real = wp.dtype_from_numpy(kind)
-    arrays = {a.label: a.type for a in kernel.adj.args if getattr(a.type, "dtype", None) is Any}
-    return wp.overload(kernel, {name: wp.array(dtype=real, ndim=of.ndim) for name, of in arrays.items()})
-
-
-_KERNELS = forward, across, back, convolve, pad, crop, multiply
-_OF_KIND = {(kernel, kind): _of_kind(kernel, kind) for kernel in _KERNELS for kind in LINES}

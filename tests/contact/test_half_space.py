@@ -17,7 +17,7 @@ from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense
 from warpwear.contact.half_space import nested as half_space_nested
 from warpwear.contact.half_space.search import SearchRules
 from warpwear.contact.half_space.solver import HalfSpace
-from warpwear.contact.half_space.transforms import CupyTransforms, stream_of
+from warpwear.contact.half_space.transforms import load_cupy, stream_of
 from warpwear.engine import executor as execution
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError
@@ -265,7 +265,7 @@ def test_a_surface_that_is_flat_but_for_rounding(height: float, compliance: floa
 def test_a_gpu_without_its_library_is_told_in_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cupy", None)
     with Executor(GRID) as executor, pytest.raises(InputError, match=r"needs CuPy .*pip install") as refused:
-        CupyTransforms(executor, GRID.shape)
+        load_cupy(executor.device)
     assert "\n" not in str(refused.value)
     # What it names are the extras of the package.
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))

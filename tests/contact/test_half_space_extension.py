@@ -48,9 +48,9 @@ class Drawn:
 
 def neighbours(influence: Influence) -> FloatArray:
     """Weights from all coefficients of the inverse."""
-    table = influence.near_elastic
+    nx = influence.near_elastic.shape[0] * 2 - 2
+    table = influence.near_elastic[np.minimum(np.arange(nx), nx - np.arange(nx))]
     inverse = np.divide(1.0, table, out=np.zeros_like(table), where=table > 0.0)
-    nx = table.shape[0]
     found = fft.irfft2(inverse, s=(nx, 2 * (table.shape[1] - 1)))
     weights = -found[np.ix_([-1, 0, 1], [-1, 0, 1])] / found[0, 0]
     weights[1, 1] = 0.0

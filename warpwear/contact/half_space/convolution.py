@@ -75,7 +75,7 @@ class Convolution(Filter):
         own = groups if grids.count == 1 else groups * self._slots
         real = wp.dtype_from_numpy(kind)
         places = within.memory if isinstance(within, Convolution) else (None, None)
-        self.memory = (
+        self.memory: tuple[Field, Field] = (
             lying(places[0], (self._slots, 2 * lines * longest), real, executor.device),
             lying(places[1], (own, grids.rows, 2 * lines), real, executor.device),
         )
@@ -91,8 +91,7 @@ class Convolution(Filter):
 
         def launch(kernel: Any, *given: Any) -> None:
             chunks = [(slot, slot + 1) for slot in range(self._slots)]
-            kernel = fourier.of(kernel, self._kind)
-            program.launch(kernel, plan, self._turns, *given, slots=self._slots, chunks=chunks)
+            program.launch(kernel[self._kind], plan, self._turns, *given, slots=self._slots, chunks=chunks)
 
         if self._grids.count > 1:
             launch(fourier.convolve, self._table, line, field_in, scratch, modes, field_out)
@@ -126,7 +125,7 @@ def _turns(length: int, stages: list[int]) -> FloatArray:
     return np.concatenate(turns)
 
 
-def _pairs(angle: FloatArray) -> FloatArray:
+def _pairs(angle: Any) -> FloatArray:
     """Cosine and sine of each angle."""
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1).ravel()
 

@@ -3,6 +3,7 @@
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,12 @@ from warpwear.contact.half_space.convolution import Convolution, fits
 from warpwear.contact.half_space.transforms import ALIGNED, Filter, Grids, load_cupy, lying, stream_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program
-from warpwear.grid import FloatArray
 from warpwear.kernels import fourier
 
 fft = lazy.module("scipy.fft")
 
-#: Blocks of rows, and columns of a block, that threads take one by one.
+#: Modes of a block that a thread takes at a time at least, blocks of rows at most, and columns of a block.
+MODES_PER_BLOCK = 4_000
 ROW_BLOCKS = 16
 COLUMNS = 128
 
@@ -43,19 +44,19 @@ class PaddedFilter(Filter):
         device, real = executor.device, wp.dtype_from_numpy(kind)
         self._executor, self._grids, self._kind, self.shape = executor, grids, kind, shape
         #: Shared by filters of one table, which a GPU makes itself.
-        self._table = wp.array(table, dtype=wp.float64, device=device, copy=False)
+        self._table: Field = wp.array(table, dtype=wp.float64, device=device, copy=False)
         padded = grids.count, *shape
         modes = grids.count, shape[0], 2 * (shape[1] // 2 + 1)
         places: tuple[Any, Any] = None, None
         half = 0
         if isinstance(within, PaddedFilter):
-            assert kind is np.float32 and shape == (grids.rows, grids.columns)  # of no padding to stay zero
+            assert shape == (grids.rows, grids.columns)  # of no padding to stay zero
             places = within.made, within.waves
-            half = within.waves.capacity // 2 // ALIGNED * ALIGNED
+            half = -(-math.prod(modes) * wp.types.type_size_in_bytes(real) // ALIGNED) * ALIGNED
         #: Before and after; between, by modes: real and imaginary parts in turn.
-        self.given = lying(places[0], padded, real, device)
-        self.waves = lying(places[1], modes, real, device)
-        self.made = lying(places[1], padded, real, device, start=half)
+        self.given: Field = lying(places[0], padded, real, device)
+        self.waves: Field = lying(places[1], modes, real, device)
+        self.made: Field = lying(places[1], padded, real, device, start=half)
 
     def set_mean(self, value: float) -> None:
         self._table[:1, :1].fill_(value)
@@ -69,7 +70,7 @@ class PaddedFilter(Filter):
 
         def launch(kernel: Any, rows: int, *given: Any) -> None:
             slots = executor.slots_of(grids.count * rows)
-            program.launch(fourier.of(kernel, self._kind), around, *given, slots=slots)
+            program.launch(kernel[self._kind], around, *given, slots=slots)
 
         launch(fourier.pad, grids.rows, field_in, self.given)
         program.call(self.forward)
@@ -89,57 +90,69 @@ class PaddedFilter(Filter):
 class ScipyFilter(PaddedFilter):
     """On a CPU. Blocks, which do not depend on the threads, are shared among them."""
 
-    def __init__(self, executor: Executor, grids: Grids, *where: Any, **options: Any) -> None:
-        super().__init__(executor, grids, *where, **options)
-        rows, modes = grids.count * self.shape[0], self.shape[1] // 2 + 1
-        self._rows = _blocks(rows, max(1, -(-rows // ROW_BLOCKS)))
-        self._columns: list[Any] = [np.s_[:, :, block] for block in _blocks(modes, COLUMNS)]
-        if grids.count > 1:
-            self._columns = list(_blocks(grids.count, max(1, COLUMNS // modes)))
-
     def forward(self) -> None:
         """Transform what is given."""
-        lines, modes = self.given.numpy().reshape(-1, self.shape[1]), self._modes
-        of_rows = modes.reshape(len(lines), -1)
+        modes = self._modes
 
-        def along(block: slice) -> None:
-            of_rows[block] = fft.rfft(lines[block], axis=1)
+        def along(rows: slice) -> None:
+            self._by_rows(modes)[rows] = fft.rfft(self._by_rows(self.given.numpy())[rows], axis=1)
 
         def across(block: Any) -> None:
             modes[block] = fft.fft(modes[block], axis=1)
 
-        self._for_each(along, self._rows)
-        self._for_each(across, self._columns)
+        self._for_each(along, self._rows())
+        self._for_each(across, self._columns())
 
     def back(self) -> None:
         """Transform the modes back; they are lost."""
-        lines, modes = self.made.numpy().reshape(-1, self.shape[1]), self._modes
-        of_rows = modes.reshape(len(lines), -1)
+        modes = self._modes
 
         def across(block: Any) -> None:
             modes[block] = fft.ifft(modes[block], axis=1)
 
-        def along(block: slice) -> None:
-            lines[block] = fft.irfft(of_rows[block], n=self.shape[1], axis=1)
+        def along(rows: slice) -> None:
+            lines = fft.irfft(self._by_rows(modes)[rows], n=self.shape[1], axis=1)
+            self._by_rows(self.made.numpy())[rows] = lines
 
-        self._for_each(across, self._columns)
-        self._for_each(along, self._rows)
+        self._for_each(across, self._columns())
+        self._for_each(along, self._rows())
 
     @property
     def _modes(self) -> Any:
         """The modes as complex numbers, shape (grids, n, m//2 + 1)."""
-        values = self.waves.numpy()
-        return values.view(np.complex64 if self._kind is np.float32 else np.complex128)
+        return self.waves.numpy().view(np.complex64 if self._kind is np.float32 else np.complex128)
+
+    @staticmethod
+    def _by_rows(values: Any) -> Any:
+        return values.reshape(-1, values.shape[2])
+
+    @property
+    def _visited(self) -> int:
+        return int(self._grids.visited.numpy()[0])
+
+    def _rows(self) -> list[slice]:
+        """Blocks of rows of the grids that are visited."""
+        rows, modes = self._grids.count * self.shape[0], self.shape[1] // 2 + 1
+        length = max(-(-rows // ROW_BLOCKS), -(-MODES_PER_BLOCK // modes))
+        return _blocks(self._visited * self.shape[0], length)
+
+    def _columns(self) -> list[Any]:
+        """Blocks of columns of one grid, or of several grids as a whole."""
+        modes = self.shape[1] // 2 + 1
+        if self._grids.count == 1:
+            return [np.s_[:, :, block] for block in _blocks(modes, COLUMNS)]
+        return [*_blocks(self._visited, max(1, MODES_PER_BLOCK // (self.shape[0] * modes)))]
 
     def _for_each(self, work: Callable[[Any], None], blocks: Sequence[Any]) -> None:
         """Do the work on every block, shared among the executor's threads."""
-        threads = len(self._executor.equal_chunks(self._executor.grid.nx))
+        executor = self._executor
+        threads = len(executor.equal_chunks(executor.grid.nx))
 
         def share(first: int) -> None:
             for block in blocks[first::threads]:
                 work(block)
 
-        self._executor.on_threads([lambda first=first: share(first) for first in range(threads)])  # type: ignore[misc]
+        executor.on_threads([partial(share, first) for first in range(threads)])
 
 
 class CupyFilter(PaddedFilter):
@@ -154,13 +167,10 @@ class CupyFilter(PaddedFilter):
         double = self._kind is np.float64
         there = cufft.CUFFT_D2Z if double else cufft.CUFFT_R2C
         back = cufft.CUFFT_Z2D if double else cufft.CUFFT_C2R
-        cells, modes = math.prod(shape), shape[0] * (shape[1] // 2 + 1)
         with self._device:
             self._stream = stream_of(cupy.cuda, executor.device)
-            apart = {there: (cells, modes), back: (modes, cells)}
             self._plans = [
-                cufft.PlanNd(shape, None, 1, apart[way][0], None, 1, apart[way][1], way, count, "C", 1, None)
-                for way in (there, back)
+                cufft.PlanNd(shape, None, 1, 0, None, 1, 0, way, count, "C", 1, None) for way in (there, back)
             ]
             kind = cupy.complex128 if double else cupy.complex64
             given, waves, made = (cupy.asarray(values) for values in (self.given, self.waves, self.made))
@@ -191,7 +201,7 @@ def filter_of(
     """A filter where the executor's fields are.
 
     table: rows 0 … n//2 and columns 0 … m//2 of an even one. kind: of number. grids: the executor's grid by
-    default. within: of double precision and no smaller a shape, in whose memory one of single precision works.
+    default. within: of double precision and no smaller a shape, whose memory serves one of single precision.
     """
     kinds: type[Any] = CupyFilter
     if executor.device.is_cpu:

@@ -58,7 +58,14 @@ class Operator(ABC):
         )
         #: The weights as programs read them: along x, along y and across corners.
         self.neighbours = wp.zeros(3, dtype=wp.float32, device=executor.device)
+        #: How many rows of the fields it is about, the first ones; an array of one number.
+        self.visited = wp.full(1, executor.grid.nx, dtype=wp.int32, device=executor.device)
         self._last: tuple[tuple[Field, Field, bool], Program] | None = None
+
+    @property
+    def rows_visited(self) -> int:
+        """How many rows of the fields it is about, the first ones."""
+        return int(self.visited.numpy()[0])
 
     @abstractmethod
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
@@ -159,6 +166,8 @@ class Influence(Operator):
             self._few: FloatArray = few if xp is np else few.get()
         self._sums = _sums(grid.shape, along, across)
         self._means: dict[tuple[int, int], FloatArray] = {}
+        #: What compliances add to the coefficients in a column, by distance along x, where that is read.
+        self._along: Any = None
         self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)
 
@@ -189,6 +198,8 @@ class Influence(Operator):
         for line, rows in ((self.line, self.far_shape[0]), (self.near_line, self._executor.grid.nx)):
             write(line, self._line(rows, *compliance))
         write(self.neighbours, np.array(self.weights(own, streak, window), dtype=np.float32))
+        if self._along is not None:
+            write(self._along, self._along_x)
 
     def _within(self, window: int | None) -> int:
         rows = self._executor.grid.nx
@@ -200,15 +211,23 @@ class Influence(Operator):
             return np.full(rows // 2 + 1, own)
         return own + streak * self._mean_of(rows, window)[: rows // 2 + 1]
 
-    def coefficients(self, rows: IntArray, columns: IntArray) -> FloatArray:
-        """Displacement of each cell listed under a unit pressure on each [mm/MPa], compliances included."""
-        shape = self.far_shape
-        away = [np.abs(places[:, np.newaxis] - places) for places in (rows, columns)]
-        along, across = (np.minimum(d, size - d) for d, size in zip(away, shape, strict=True))
+    def coefficients(self) -> tuple[Any, Any]:
+        """Displacement under a unit pressure on a cell [mm/MPa], as arrays of the device.
+
+        By distance in cells along both axes without compliances, which is even in both directions; and what
+        compliances add to it in a column, by distance along x, which programs heed when they change.
+        """
+        if self._along is None:
+            device = self._executor.device
+            self._along = wp.array(self._along_x, dtype=wp.float64, device=device)
+            self._table = wp.array(self._coefficients, dtype=wp.float64, device=device)
+        return self._table, self._along
+
+    @property
+    def _along_x(self) -> FloatArray:
+        rows = self.far_shape[0]
         # A line by row is a response of the cells of one column alone.
-        own = fft.irfft(self.line.numpy(), n=shape[0])
-        response: FloatArray = self._coefficients[along, across] + np.where(across == 0, own[along], 0.0)
-        return response
+        return np.asarray(fft.irfft(self.line.numpy(), n=rows)[: rows // 2 + 1])
 
     @cached_property
     def _coefficients(self) -> FloatArray:

@@ -254,12 +254,14 @@ class Search:
         self._operator.say_response(program, getattr(fields, field), fields.response, single=single)
 
     def _pass(self, program: Program, kernel: Any) -> None:
-        program.launch(kernel, self._solve, slots=self._slots, chunks=self._operator.chunks)
+        operator = self._operator
+        chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, self._slots)]
+        program.launch(kernel, self._solve, slots=self._slots, chunks=chunks)
 
     @property
     def _visited_groups(self) -> int:
         groups: int = self._solve.groups.shape[0]
-        return groups if groups == 1 else int(self._operator.visited.numpy()[0])
+        return groups if groups == 1 else self._operator.rows_visited
 
     def _kernel_rules(self, groups: int) -> Any:
         """The rules as kernels take them."""
@@ -270,7 +272,7 @@ class Search:
 
     def _take_coefficients(self) -> None:
         """Give the operator's coefficients to the search, which is said anew."""
-        elastic, along = self._operator.elastic_coefficients()
+        elastic, along = self._operator.coefficients()
         room, (rows, columns) = self._solve.few, self._operator.far_shape
         room.elastic, room.along, room.rows, room.columns = elastic, along, rows, columns
         self._solve.few = room

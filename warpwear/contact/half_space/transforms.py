@@ -6,7 +6,8 @@ import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, NamedTuple, Self
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 import warp as wp
@@ -21,7 +22,8 @@ from warpwear.kernels.cells import LANES
 ALIGNED = 256
 
 
-class Grids(NamedTuple):
+@dataclass(frozen=True)
+class Grids:
     """Grids of one size that lie one after another in a field.
 
     visited: how many of them are filtered, the first ones; an array of one number. stride: numbers from one
@@ -77,7 +79,7 @@ def lying(place: Any, shape: tuple[int, ...], dtype: Any, device: Any, *, start:
     size = math.prod(shape) * wp.types.type_size_in_bytes(dtype)
     if place is None or start + size > place.capacity:
         return wp.zeros(shape, dtype=dtype, device=device)
-    array = wp.array(ptr=place.ptr + start, dtype=dtype, shape=shape, device=device, copy=False)
+    array: Any = wp.array(ptr=place.ptr + start, dtype=dtype, shape=shape, device=device, copy=False)
     array._place = place  # whose memory must last
     return array
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from warpwear.contact.certificate import columns_of
 from warpwear.contact.half_space.contact import HalfSpaceContact
-from warpwear.contact.half_space.passes import NO_CAP
+from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import BoundedPressure
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.grid import FloatArray
@@ -104,7 +104,7 @@ class HalfSpacePatches(Model):
         Raises ConvergenceError when the contact cannot be solved.
         """
         removals = self._ledger.removals(0.0, increment)
-        before, start = self._influence.transforms, self._ledger.row["distance"]
+        start = self._ledger.row["distance"]
         if self._film is not None:
             self._film.look(start)
         if self._smooth is None:
@@ -121,8 +121,9 @@ class HalfSpacePatches(Model):
         if self._film is not None:
             worn = replace(worn, bare=self._film.under(contact.pressure_field, self._influence.chunks))
             self._film.rub(start + increment)
-        transforms = self._influence.transforms - before
-        made = self._ledger.enter(worn, (approach, 0.0), increment, removals, reference, pressure, transforms)
+        made = self._ledger.enter(
+            worn, (approach, 0.0), increment, removals, reference, pressure, contact.transforms
+        )
         made.row.update(columns_of(contact.certificate))
         return made
 
@@ -157,16 +158,18 @@ class HalfSpacePatches(Model):
         # As many as carry the load at the hardness.
         carriers = load / self.task.least_hardness * self._influence.cells
         needed = max(needed, int(np.searchsorted(self._cells, carriers, side="right")) + 1)
+        transforms = 0
         while True:
             self.visited = min(needed, self.patches.count)
             self._influence.visit(self.visited)
             contact = self._solver.solve(
                 self.gap, mean_pressure=load, compliance=removal, parts=self._parts, certified=certified
             )
+            transforms += contact.transforms
             needed = self._below(contact.approach)
             if needed <= self.visited:
                 self._reached = max(self._reached, contact.approach)
-                return contact
+                return replace(contact, transforms=transforms)
 
     def _below(self, approach: float) -> int:
         """How many patches had their lowest point below an approach or at it before any wear [mm]."""

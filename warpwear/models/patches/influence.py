@@ -36,11 +36,12 @@ class PatchInfluence(Operator):
         self.cells = patches.count * side**2
         self.shortest_response = shortest_response(cell, modulus)
         self._grids = Grids.squares(executor, side)
+        self.visited = self._grids.visited
         self._near_table = periodic_spectrum(grid, modulus, rows=side // 2 + 1)
         self._longest = float(self._near_table.max())
-        self._far_table = self._near_table
-        if self._is_free:
-            self._far_table = free_quarter(grid, modulus, self.far_shape)
+        self._far_table = (
+            free_quarter(grid, modulus, self.far_shape) if self._is_free else self._near_table.copy()
+        )
         self._bulk = self._own = 0.0
         self._set_means()
         self.visit(patches.count)
