@@ -20,8 +20,8 @@ from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import BoundedPressure
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.program import Program
 from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
@@ -74,7 +74,7 @@ class HalfSpacePatches(Model):
         curvature = task.curvature
         _, layout = unworn(patches, heights, executor, curvature=curvature)
         of_patches = layout.lowest.numpy().min(axis=1)
-        self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
+        self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None
         reached = of_patches if self._smooth is None else self._smooth.initial
         self._order = np.argsort(reached, kind="stable")
         #: As they are stored here.
@@ -197,7 +197,7 @@ class HalfSpacePatches(Model):
         for name, values in sums.items():
             values[self._order[: self.visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
         most = {name: float(largest[PressureMost[OF_BOTH.get(name, name).upper()]]) for name in PATCH_MAXIMA}
-        return Worn(sums, most)
+        return self._ledger.worn(sums, most)
 
     def _say_wear(self, contact: HalfSpaceContact) -> Program:
         """Say how bodies wear by the pressure that the solver leaves."""

@@ -14,8 +14,8 @@ from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.program import Program
 from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, wear_from_pressure
