@@ -26,7 +26,7 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import NONE
 from warpwear.kernels.half_space import decisions, extension, few, passes, solve
-from warpwear.kernels.half_space.solve import Request
+from warpwear.kernels.half_space.solve import Flag, Request
 
 #: Stands for no cap: kernels compare with it.
 NO_CAP = float(NONE)
@@ -104,8 +104,6 @@ class Search:
         self._few = rules.few if operator.of_one_grid and on_cpu and hardness < NO_CAP and groups == 1 else 0
         gathered = (grid.nx, 8 * executor.vectors) if self._extends and on_cpu else (0, 0)
         slots = grid.nx if groups > 1 else executor.slots_of(grid.nx)
-        flags = ("starts", "anew", "searching", "renews", "renews_exactly", "renews_roughly", "moves")
-        flags += ("moves_few", "aimed_at_few", "steps", "descends", "preconditions", "extends", "extends_not")
 
         def array(size: int | tuple[int, ...], dtype: Any) -> Field:
             return wp.zeros(size, dtype=dtype, device=device)
@@ -114,7 +112,7 @@ class Search:
             solve.Solve,
             columns=grid.ny,
             wraps=int(operator.wraps),
-            rules=self._kernel_rules(groups),
+            rules=wp.array([self._kernel_rules(groups)], dtype=solve.Rules, device=device),
             fields=arguments(
                 solve.Fields,
                 **fields,
@@ -122,17 +120,17 @@ class Search:
                 fractions=executor.zeros(0) if fractions is None else fractions,
                 gathered=array(gathered, wp.float32),
             ),
-            few=room_for_few(self._few, device),
             request=array(len(Request), wp.float64),
             loads=array(groups, wp.float64),
             visited=operator.visited,
             groups=array(groups, solve.Group),
             numbers=array(1, solve.Numbers),
             table=array((solve.LINES, slots), wp.float64),
-            **{name: array(1, wp.int32) for name in (*flags, "balancing")},
+            flags=array(len(Flag), wp.int32),
         )
         if self._extends:
             self._solve.neighbours = operator.neighbours
+        self._room = room_for_few(self._few, device) if self._few else None
         self._slots = slots
         self._program = self._say()
 
@@ -160,22 +158,22 @@ class Search:
         """Say the search: how it starts, and an iteration, which is made until a decision ends it."""
         program, search = Program(self._executor), self._solve
         program.decide(decisions.start, search)
-        with program.branch(search.starts):
+        with program.branch(self._flag(Flag.STARTS)):
             for _ in range(2):  # about 0, then about the mean
                 self._pass(program, passes.moments)
                 program.decide(decisions.measure, search)
-        with program.branch(search.anew):
+        with program.branch(self._flag(Flag.ANEW)):
             self._pass(program, passes.springs)
             self._balance(program)
             self._pass(program, passes.take)
-        with program.loop(search.searching):
-            with program.branch(search.renews):
+        with program.loop(self._flag(Flag.SEARCHING)):
+            with program.branch(self._flag(Flag.RENEWS)):
                 self._renew(program)
-            with program.branch(search.moves):
+            with program.branch(self._flag(Flag.MOVES)):
                 if self._few:
-                    with program.branch(search.moves_few):
+                    with program.branch(self._flag(Flag.MOVES_FEW)):
                         self._move_few(program)
-                with program.branch(search.steps):
+                with program.branch(self._flag(Flag.STEPS)):
                     self._step(program)
             self._pass(program, passes.advance)
             program.decide(decisions.judge, search)
@@ -186,10 +184,10 @@ class Search:
         search = self._solve
         if search.fields.fractions.shape[0]:
             self._pass(program, passes.bound)
-        with program.branch(search.renews_exactly):
+        with program.branch(self._flag(Flag.RENEWS_EXACTLY)):
             self._respond(program, "pressure", single=False)
         if self._single:
-            with program.branch(search.renews_roughly):
+            with program.branch(self._flag(Flag.RENEWS_ROUGHLY)):
                 self._respond(program, "pressure", single=True)
         self._pass(program, passes.gradient)
         program.decide(decisions.renew, search)
@@ -197,11 +195,11 @@ class Search:
     def _step(self, program: Program) -> None:
         """Aim at a trial, balance it, and go along the step to it as far as is best."""
         search = self._solve
-        with program.branch(search.preconditions):
+        with program.branch(self._flag(Flag.PRECONDITIONS)):
             self._precondition(program)
         self._pass(program, passes.products)
         program.decide(decisions.aim, search)
-        with program.branch(search.descends):
+        with program.branch(self._flag(Flag.DESCENDS)):
             self._pass(program, passes.direction)
             self._balance(program)
             self._respond_to_step(program)
@@ -210,7 +208,7 @@ class Search:
     def _balance(self, program: Program) -> None:
         """Shift the trial, whose sums were left, until it carries the load."""
         program.decide(decisions.begin_balance, self._solve)
-        with program.loop(self._solve.balancing):
+        with program.loop(self._flag(Flag.BALANCING)):
             self._pass(program, passes.carried)
             program.decide(decisions.balance, self._solve)
 
@@ -229,34 +227,37 @@ class Search:
         self._pass(program, passes.scatter)
         program.decide(decisions.judge_scatter, search)
         blocks = -(-self._executor.grid.nx // extension.ROWS)
-        with program.branch(search.extends):
+        with program.branch(self._flag(Flag.EXTENDS)):
             program.launch(extension.extend, search, slots=blocks)
-        with program.branch(search.extends_not):
+        with program.branch(self._flag(Flag.EXTENDS_NOT)):
             self._pass(program, passes.residual)
         self._operator.say_inverse(program, trial, trial)
-        with program.branch(search.extends):
+        with program.branch(self._flag(Flag.EXTENDS)):
             program.launch(extension.gather, search, slots=blocks)
 
     def _move_few(self, program: Program) -> None:
         """Move the few cells whose place between the bounds is open at once, exactly."""
         search = self._solve
-        self._pass(program, few.count_open)
-        program.decide(few.place_open, search)
-        with program.branch(search.aimed_at_few):
-            self._pass(program, few.list_open)
-            program.decide(few.aim_few, search)
-        with program.branch(search.aimed_at_few):
+        self._pass(program, few.count_open, self._room)
+        program.decide(few.place_open, search, self._room)
+        with program.branch(self._flag(Flag.AIMED_AT_FEW)):
+            self._pass(program, few.list_open, self._room)
+            program.decide(few.aim_few, search, self._room)
+        with program.branch(self._flag(Flag.AIMED_AT_FEW)):
             self._respond_to_step(program)
             program.decide(few.go_few, search)
+
+    def _flag(self, flag: Flag) -> Field:
+        return self._solve.flags[flag : flag + 1]
 
     def _respond(self, program: Program, field: str, *, single: bool) -> None:
         fields = self._solve.fields
         self._operator.say_response(program, getattr(fields, field), fields.response, single=single)
 
-    def _pass(self, program: Program, kernel: Any) -> None:
+    def _pass(self, program: Program, kernel: Any, *more: Any) -> None:
         operator = self._operator
         chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, self._slots)]
-        program.launch(kernel, self._solve, slots=self._slots, chunks=chunks)
+        program.launch(kernel, self._solve, *more, slots=self._slots, chunks=chunks)
 
     @property
     def _visited_groups(self) -> int:
@@ -273,9 +274,11 @@ class Search:
     def _take_coefficients(self) -> None:
         """Give the operator's coefficients to the search, which is said anew."""
         elastic, along = self._operator.coefficients()
-        room, (rows, columns) = self._solve.few, self._operator.far_shape
+        room, (rows, columns) = self._room, self._operator.far_shape
         room.elastic, room.along, room.rows, room.columns = elastic, along, rows, columns
-        self._solve.few = room
+        rules = self._solve.rules.numpy()
+        rules["has_coefficients"] = 1
+        self._solve.rules.assign(rules)
         self._program = self._say()
 
 
