@@ -10,14 +10,13 @@ from cases_bare import BARE, FILM, FILMED, GROWN, STUDIES, history_of, needs_tra
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import Study
-from warpwear.contact.search import LoadSearch
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.contact.half_space.window import WindowedHalfSpace
-from warpwear.engine.executor import Executor, arguments
+from warpwear.contact.search import LoadSearch
+from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
-from warpwear.kernels.contact import Law
 from warpwear.runs.make import executor_of, model_of, plan_of
 from warpwear.study.surface import surface_in
 
@@ -50,9 +49,7 @@ def test_a_foundation_with_caps(device: str, threads: int) -> None:
         own = executor.field(parts, padding=1.0)
         tiles = Tiles(executor, field, field, least=10.0)
         stiffness = executor.field(np.full((1, 1), 1.0 / compliance), padding=1.0 / compliance)
-        search = LoadSearch(
-            executor, field, tiles, load=load, hardness=590.0, stiffness=stiffness, parts=own
-        )
+        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, stiffness=stiffness, parts=own)
         found = search.solve()
         pressure = search.pressures().copy()
     low, high = gap.min(), gap.max() + 1.0
@@ -73,9 +70,7 @@ def test_a_bearing_area_with_caps(device: str, threads: int) -> None:
         field = executor.field(gap.copy(), padding=PADDING)
         tiles = Tiles(executor, field, field, least=10.0)
         own, tolerance = executor.field(parts, padding=1.0), 590.0 * grid.cell_area
-        search = LoadSearch(
-            executor, field, tiles, load=load, hardness=590.0, tolerance=tolerance, parts=own
-        )
+        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, tolerance=tolerance, parts=own)
         found = search.solve()
         pressure = search.pressures().copy()
     below = gap < found.approach

@@ -1,4 +1,4 @@
-"""The load balance of cells that do not feel each other, as a part of a program: springs, or a bearing area."""
+"""The load balance of cells that do not feel each other, as a part of a program."""
 
 from typing import Any
 
@@ -79,7 +79,7 @@ class LoadSearch:
             program.decide(judge, self.springs, *state)
 
     def solve(self) -> Balance:
-        """Search where nothing is known, not even of the stiffness but by its field. Raises ConvergenceError."""
+        """Search where nothing is known, on springs of a field of stiffnesses. Raises ConvergenceError."""
         program, smallest = Program(self._executor), self._tiles.smallest
         if self.is_rigid:
             program.decide(bearing.begin, self.springs, smallest)

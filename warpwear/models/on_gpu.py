@@ -13,11 +13,10 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import TOLERANCE, Balance, residual_of
-from warpwear.contact.foresight import Foresight
 from warpwear.engine.executor import Executor, Field, arguments, set_numbers
-from warpwear.kernels.cells import LANES, NO_INDEX, PressureMost, PressureSum, WearMost, WearSum, names_of
+from warpwear.kernels.cells import LANES, NO_INDEX, PressureMost, PressureSum, names_of
 from warpwear.kernels.gpu import steps as gpu_steps
-from warpwear.kernels.gpu import steps_rest, steps_sliding
+from warpwear.kernels.gpu import steps_sliding
 from warpwear.kernels.gpu.steps import Search, Steps
 from warpwear.kernels.sliding import Bodies, OfRows, OfTiles
 from warpwear.laws.task import ContactTask
@@ -30,7 +29,6 @@ PIECE = 128
 #: Steps of a graph: launching one takes the host about as long as a small step takes the device.
 STEPS_OF_GRAPH = 8
 BLOCK = 256  # threads
-BLOCKS_AT_REST = 4  # of each multiprocessor: as many as their registers let run at a time
 BLOCKS_DISPLACED = 2112  # at most
 HEADER = int(gpu_steps.HEADER)  # columns of a row before the others
 
@@ -39,7 +37,7 @@ Pass = tuple[Any, int, Sequence[Any]]
 
 
 class DeviceSteps:
-    """Steps of one contact on a foundation, with the same law for every cell. `at_rest`, `displaced` make it.
+    """Steps of one contact on a foundation, with the same law for every cell. `displaced` makes it.
 
     lines: sums and maxima in the order in which the passes leave them, pressure and contact as in `WearSum`.
     passes: the one that a search evaluates, then those that wear, over fields that change in place. kept: of
@@ -98,16 +96,14 @@ class DeviceSteps:
         *,
         approach: float,
         mean_pressure: float,
-        foresight: Foresight | None = None,
         shifts: Sequence[int] = (),
         wander: float = 0.0,
     ) -> Iterator[Found]:
         """Make steps that wear sphere and disc by K ΔL = removals [mm³/N] each, at most LONGEST_BLOCK.
 
-        approach [mm], mean_pressure [MPa]: of the step before. foresight: what is known of the approaches.
-        shifts: displacements of the disc [rows], and wander: how far off the next approach may be [mm]. Steps
-        are given a few at a time; the fields are those after the last one when that is given. Raises
-        ConvergenceError for an unbalanced one.
+        approach [mm], mean_pressure [MPa]: of the step before. shifts: displacements of the disc [rows], and
+        wander: how far off the next approach may be [mm]. Steps are given a few at a time; the fields are
+        those after the last one when that is given. Raises ConvergenceError for an unbalanced one.
         """
         steps, count = self._steps, len(removals)
         wp.copy(steps.wear_per_pressure, wp.array([*removals], dtype=wp.vec2d, device="cpu"), count=count)
@@ -116,9 +112,6 @@ class DeviceSteps:
         removed = sum(removals[0])
         last = arguments(Search, approach=approach, wander=wander, mean=mean_pressure, rate=mean_pressure)
         set_numbers(last, place=-1.0, ahead=removed * mean_pressure)
-        line, ahead = (foresight.line, foresight.expected(removed)) if foresight else (None, None)
-        if line is not None and ahead is not None:
-            set_numbers(last, slid=line.slid, place=line.place, rate=line.rate, trend=line.trend, ahead=ahead)
         steps.search.assign([last])
         steps.step.zero_()
         self._launch(gpu_steps.begin, 1)
@@ -196,19 +189,6 @@ class DeviceSteps:
             yield Found(made, balance, reference, total, maxima)
         if wrong.size:
             residual_of(residual[made] + load, load, approach=base[made] + offset[made])
-
-
-def at_rest(executor: Executor, task: ContactTask, gap: Field, unworn: Field) -> DeviceSteps:
-    """Steps that wear a gap. gap, unworn: fields of `RestingBodies`."""
-
-    def numbers(field: Field) -> Field:
-        shape = field.size * LANES
-        return wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=executor.device, copy=False)
-
-    gap, unworn = numbers(gap), numbers(unworn)
-    blocks = 3 if executor.device.is_cpu else BLOCKS_AT_REST * executor.device.sm_count
-    passes = [(steps_rest.carried, blocks, [gap]), (steps_rest.wear_step, blocks, [unworn, gap])]
-    return DeviceSteps(executor, task, (WearSum, WearMost), passes)
 
 
 def displaced(
