@@ -90,9 +90,10 @@ class LoadSearch:
         program.run()
         law, search = self.law.numpy()[0], self._search.numpy()[0]
         self.check()
-        numbers = (float(law[name]) for name in ("base", "offset", "cap"))
-        ties = (float(law[name]) for name in ("tie_width", "tie_pressure"))
-        return Balance(*numbers, float(search["residual"]), *ties, int(search["evaluations"]))
+        numbers = {name: float(law[name]) for name in law.dtype.names}
+        return Balance(
+            load_residual=float(search["residual"]), evaluations=int(search["evaluations"]), **numbers
+        )
 
     def pressures(self, at: Balance | None = None) -> FloatArray:
         """The pressure of every cell [MPa], shape (nx, ny). at: a balance; None: the one that was found."""
