@@ -54,15 +54,6 @@ class Carried(NamedTuple):
     straight: float = 0.0  # change of the pressures as far as which the force is a straight line [MPa]
 
 
-@dataclass(frozen=True)
-class Lookahead:
-    """What was evaluated before its step begins, in the pass that ended the last one."""
-
-    stiffness: float  # 1/c that it is made for [N/mm³]
-    offset: float  # from the approach of the last step [mm]
-    carried: Carried
-
-
 class Balance(NamedTuple):
     """A solved contact: what `contact.pressure_of` needs, and how well the load is met."""
 
@@ -129,8 +120,6 @@ class Balancer:
         self._executor = executor
         self._law = arguments(Law)
         self._sums = executor.partials(3)
-        #: Where a pass that wears leaves what `evaluated` reads, as `contact.carried` does.
-        self.lookahead = executor.partials(3)
         self._cell_area = executor.grid.cell_area
 
     def solve(

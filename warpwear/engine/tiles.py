@@ -9,8 +9,8 @@ import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
-from warpwear.engine.program import Program
-from warpwear.kernels import balance
+from warpwear.engine.program import Chunks, Program
+from warpwear.kernels import tiles as kernels
 from warpwear.kernels.cells import TileSums
 
 #: Stands for the limit of a list of every tile [mm], as in kernels.
@@ -85,7 +85,7 @@ class Tiles:
     """Tiles of one gap that lies still and only opens: those with a cell whose gap does not exceed a limit.
 
     The list serves every approach up to the limit. Kernels decide when it is made anew, see
-    `kernels.balance.reached`; what they decide by is in `lists`. At first every tile is listed. On a GPU
+    `kernels.tiles.reached`; what they decide by is in `lists`. At first every tile is listed. On a GPU
     every one always is: a pass over the memory costs less there than to decide about it.
 
     least: cells that a list holds at least, so that a capped contact can carry its load on them.
@@ -114,7 +114,7 @@ class Tiles:
         #: Of the tiles of each row that are not listed: cells touched, and their wear [mm].
         self.rest = wp.zeros(nx, dtype=TileSums, device=device)
         self.lists = Numbers(
-            balance.Listing,
+            kernels.Listing,
             device,
             limit=NO_LIMIT,
             asked=NO_LIMIT,
@@ -124,9 +124,9 @@ class Tiles:
         )
         #: Flag: a list is asked for.
         self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
-        self._split: tuple[int, list[tuple[int, int]]] | None = None  # for the number of a list
+        self._split: tuple[int, Chunks] | None = None  # for the number of a list
         find = Program(executor)
-        find.launch(balance.lowest, gap, self._lowest)
+        find.launch(kernels.lowest, gap, self._lowest)
         find.run()
         #: Lowest gap before anything was worn [mm]; none is lower later.
         self.smallest = float(self._lowest.numpy().min())
@@ -141,7 +141,7 @@ class Tiles:
         if not self._executor.device.is_cpu:
             return
         tiles = arguments(
-            balance.Tiles,
+            kernels.Tiles,
             list=self.list,
             count=self.count,
             lowest=self._lowest,
@@ -149,10 +149,11 @@ class Tiles:
             rest=self.rest,
         )
         with program.loop(self.listing):
-            program.launch(balance.select, self.lists.array, self._gap, self._unworn, tiles)
-            program.decide(balance.listed, self.lists.array, self.listing, tiles, self._least)
+            program.launch(kernels.select, self.lists.array, self._gap, self._unworn, tiles)
+            program.decide(kernels.listed, self.lists.array, self.listing, tiles, self._least)
 
-    def chunks(self) -> "list[tuple[int, int]]":
+    @property
+    def chunks(self) -> Chunks:
         """Ranges of slots for the threads, of passes over what is listed."""
         number = self.lists["lists"]
         if self._split is None or self._split[0] != number:
