@@ -8,7 +8,16 @@ approach meets it, the tied cells share what is missing.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import STEPS_AHEAD, TWO, Listing, Search, Springs, ask_for, most_of, reached, sum_of
+from warpwear.kernels.balance import (
+    TWO,
+    Listing,
+    Search,
+    Springs,
+    ask_for,
+    most_of,
+    reached,
+    sum_of,
+)
 from warpwear.kernels.cells import NONE, ZERO, Cells
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import EVALUATIONS, GROWS, HALF, HOPELESS, LOOKS, MET, STUCK, bracket_at

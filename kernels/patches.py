@@ -1,31 +1,29 @@
-"""Patches of a contact, each at an approach of its own: what they carry, their pressures, their wear.
+"""Passes over the patches of a contact, each at an approach of its own: what they carry, their wear.
 
 All patches lie in one field of shape (patches, lines · vectors of a line): a row is a patch, its lines of
 cells (along axis 1 of the domain) one after another, each padded to whole vectors. A tile is `TILE_VECTORS`
-vectors of one line, or what is left of it. A slot is a place in the list of patches visited (one of several
-that share a patch on a GPU); tiles whose lowest gap, before any wear, is above the patch's approach are
-skipped.
+vectors of one line, or what is left of it. A slot is a patch; tiles whose lowest gap, before any wear, is
+above the patch's approach are skipped.
 """
 
 import warp as wp
 
+from warpwear.kernels import native_code
 from warpwear.kernels.cells import (
     ABSENT,
     LANES,
-    NO_INDEX,
     ONE,
     TILE_VECTORS,
     ZERO,
     Cells,
-    WearMost,
-    WearSum,
     lowest_of,
-    sum_of,
 )
-from warpwear.kernels.contact import Law, pressure_of, sag
-from warpwear.kernels.wear_loops import Approaches, Increment, Layout, Tables, wear_patches
+from warpwear.kernels.contact import sag
+from warpwear.kernels.two_scale.sharing import Curves
+from warpwear.kernels.two_scale.steps import Books, Courses, Now, Rules
+from warpwear.kernels.wear_loops import Layout
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(native_code.options("wear.h", "patches.h"))
 
 
 @wp.struct
@@ -38,10 +36,22 @@ class Ball:
     curvature: wp.float64  # 1/R [1/mm]
 
 
+@wp.struct
+class Surfaces:
+    """The cells of all patches."""
+
+    layout: Layout
+    cells: wp.float64  # of a patch
+    gap: wp.array2d(dtype=Cells)  # [mm]
+    unworn: wp.array2d(dtype=Cells)
+    parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
+    trial: wp.array2d(dtype=wp.float64)  # what a pass adds up for `Curves.answer`
+
+
 @wp.kernel
 def gap(
     first_slot: wp.int32,
-    slots_per_row: wp.int32,
+    slots: wp.int32,
     columns: wp.int32,
     ball: Ball,
     layout: Layout,
@@ -52,11 +62,10 @@ def gap(
 
     columns: of a line.
     """
-    slot = first_slot + wp.tid()
-    patch = slot // slots_per_row
+    patch = first_slot + wp.tid() // wp.block_dim()
     vectors = layout.vectors
     tiles = (vectors + TILE_VECTORS - 1) // TILE_VECTORS
-    for n in range(slot % slots_per_row, layout.lowest.shape[1], slots_per_row):
+    for n in range(wp.tid() % wp.block_dim(), layout.lowest.shape[1], wp.block_dim()):
         line = n // tiles
         first = (n - line * tiles) * TILE_VECTORS
         x = ball.x_first + wp.float64(layout.first_row[patch] + line) * ball.cell
@@ -74,150 +83,89 @@ def gap(
         layout.lowest[patch, n] = lowest_of(low)
 
 
+@wp.func_native("carry_patch(patch, rules.load.hardness, now.stiffness, curves, surfaces);")
+def carry_patch(patch: wp.int32, rules: Rules, now: Now, curves: Curves, surfaces: Surfaces):
+    """Add up what the cells of a patch carry, and give its answer."""
+    ...
+
+
 @wp.kernel
 def carried(
     first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    patches_in: wp.array(dtype=wp.int32),
-    layout: Layout,
-    at: Approaches,
-    law: Law,
-    step: Increment,
-    gap_in: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
+    slots: wp.int32,
+    rules: Rules,
+    now: wp.array(dtype=Now),
+    curves: Curves,
+    surfaces: Surfaces,
 ):
-    """Sum of the pressures, and of the stiffnesses of the cells that are neither open nor capped.
+    """What every patch answers at its trial approach, see `Curves.answer`.
 
-    Third: the change of pressure that the cell nearest to it needs to open, close or reach the cap. As far as
-    that the sum of the pressures is a straight line.
+    As far as the change of pressure that the cell nearest to it needs to open, close or reach the cap, the
+    pressure is a straight line.
     """
-    slot = first_slot + wp.tid()
-    patch = patches_in[slot // slots_per_row]
-    base = at.base[patch]
-    offset = at.offset[patch]
-    cap = law.cap
-    stiffness = step.stiffness
-    parted = at.parts.shape[0] > 0
-    vectors = layout.vectors
-    tiles = (vectors + TILE_VECTORS - 1) // TILE_VECTORS
-    pressure = Cells(ZERO)
-    between = Cells(ZERO)
-    nearest = Cells(ABSENT)
-    beside = ABSENT  # of the tiles that are skipped
-    for n in range(slot % slots_per_row, layout.lowest.shape[1], slots_per_row):
-        overlap = (base - layout.lowest[patch, n]) + offset
-        if overlap <= ZERO:
-            beside = wp.min(beside, -overlap)
-        else:
-            line = n // tiles
-            first = (n - line * tiles) * TILE_VECTORS
-            last = line * vectors + wp.min(first + TILE_VECTORS, vectors)
-            for k in range(line * vectors + first, last):
-                g = gap_in[patch, k]
-                p = Cells(ZERO)
-                b = Cells(ZERO)
-                near = Cells(ZERO)
-                caps = Cells(cap)
-                if parted:
-                    caps = cap * at.parts[patch, k]
-                for j in range(LANES):
-                    q = ((base - g[j]) + offset) * stiffness
-                    p[j] = wp.min(wp.max(q, ZERO), caps[j])
-                    b[j] = wp.where(q > ZERO and q < caps[j], ONE, ZERO)
-                    near[j] = wp.min(wp.abs(q), wp.abs(q - caps[j]))
-                pressure += p
-                between += b
-                nearest = wp.min(nearest, near)
-    sums_out[0, slot] = sum_of(pressure)
-    sums_out[1, slot] = sum_of(between) * stiffness
-    sums_out[2, slot] = wp.min(wp.min(nearest), beside * stiffness)
+    carry_patch(first_slot + wp.tid() // wp.block_dim(), rules, now[0], curves, surfaces)
 
 
 @wp.kernel
 def pressures(
     first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    patches_in: wp.array(dtype=wp.int32),
-    at: Approaches,
-    law: Law,
-    step: Increment,
-    gap_in: wp.array2d(dtype=Cells),
+    slots: wp.int32,
+    rules: Rules,
+    now: wp.array(dtype=Now),
+    curves: Curves,
+    surfaces: Surfaces,
     pressure_out: wp.array2d(dtype=Cells),
 ):
-    """The pressure field of solved approaches, in the patches visited."""
-    slot = first_slot + wp.tid()
-    patch = patches_in[slot // slots_per_row]
-    law_here = law
-    law_here.base = at.base[patch]
-    law_here.offset = at.offset[patch]
-    for k in range(slot % slots_per_row, gap_in.shape[1], slots_per_row):
-        g = gap_in[patch, k]
-        part = Cells(ONE)
-        if at.parts.shape[0] > 0:
-            part = at.parts[patch, k]
+    """The pressure field of solved approaches."""
+    patch = first_slot + wp.tid() // wp.block_dim()
+    base = curves.base[patch]
+    offset = curves.offset[patch]
+    cap = rules.load.hardness
+    stiffness = now[0].stiffness
+    touches = (base - curves.lowest[patch]) + offset > ZERO
+    for k in range(wp.tid() % wp.block_dim(), surfaces.gap.shape[1], wp.block_dim()):
         p = Cells(ZERO)
-        for j in range(LANES):
-            p[j] = wp.min(pressure_of(law_here, g[j], step.stiffness), law_here.cap * part[j])
+        if touches:
+            g = surfaces.gap[patch, k]
+            part = Cells(ONE)
+            if surfaces.parts.shape[0] > 0:
+                part = surfaces.parts[patch, k]
+            for j in range(LANES):
+                overlap = (base - g[j]) + offset
+                p[j] = wp.min(wp.min(wp.max(overlap * stiffness, ZERO), cap), cap * part[j])
         pressure_out[patch, k] = p
 
 
+@wp.func_native("wear_patch(patch, rules, now, curves, courses, surfaces, books);")
+def wear_patch(
+    patch: wp.int32,
+    rules: Rules,
+    now: Now,
+    curves: Curves,
+    courses: Courses,
+    surfaces: Surfaces,
+    books: Books,
+):
+    """Wear the cells of a patch, add up what they leave, and evaluate it for the next step."""
+    ...
+
+
 @wp.kernel
-def wear_step(
+def wear(
     first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    patches_in: wp.array(dtype=wp.int32),
-    layout: Layout,
-    at: Approaches,
-    law: Law,
-    step: Increment,
-    initial_in: wp.array2d(dtype=Cells),
-    gap_out: wp.array2d(dtype=Cells),
-    tables: Tables,
+    slots: wp.int32,
+    rules: Rules,
+    now: wp.array(dtype=Now),
+    curves: Curves,
+    courses: Courses,
+    surfaces: Surfaces,
+    books: Books,
 ):
     """One increment of wear in place: the gap opens by K p ΔL of both bodies.
 
     Sums and maxima are those of the step and of each patch. A tile above the largest approach that its patch
     has had was never touched; every other one is visited, so that the sums of what was touched and worn are
-    those of the whole patch. Rows and columns count in the domain.
+    those of the whole patch.
     """
-    slot = first_slot + wp.tid()
-    patch = patches_in[slot // slots_per_row]
-    lane = slot % slots_per_row
-    wear_patches(slot, slots_per_row, patch, layout, at, law, step, initial_in, gap_out, tables)
-    here = law
-    here.base = at.base[patch]
-    here.offset = at.offset[patch]
-    first_row = NO_INDEX + ZERO  # a variable of its own
-    last_row = NO_INDEX + ZERO
-    first_column = NO_INDEX + ZERO
-    last_column = NO_INDEX + ZERO
-    if tables.sums[WearSum.TOUCHED, slot] > ZERO:
-        vectors = layout.vectors
-        tiles = (vectors + TILE_VECTORS - 1) // TILE_VECTORS
-        for n in range(lane, layout.lowest.shape[1], slots_per_row):
-            low = layout.lowest[patch, n]
-            line = n // tiles
-            first = (n - line * tiles) * TILE_VECTORS
-            last = wp.min(first + TILE_VECTORS, vectors)
-            row = layout.first_row[patch] + line
-            column = layout.first_column[patch]
-            known = row >= step.first_row and row <= step.last_row
-            known = known and column + first * LANES >= step.first_column
-            known = known and column + last * LANES - 1 <= step.last_column
-            if not known and (low < at.reached[patch] or (here.base - low) + here.offset > ZERO):
-                for v in range(first, last):
-                    g = gap_out[patch, line * vectors + v]
-                    u = initial_in[patch, line * vectors + v]
-                    for j in range(LANES):
-                        # Where nothing wears the gap is as it was, and what touched does so still.
-                        p = pressure_of(here, g[j], step.stiffness)
-                        if p + (g[j] - u[j]) > ZERO:
-                            place = wp.float64(column + v * LANES + j)
-                            first_row = wp.max(first_row, -wp.float64(row))
-                            last_row = wp.max(last_row, wp.float64(row))
-                            first_column = wp.max(first_column, -place)
-                            last_column = wp.max(last_column, place)
-    tables.maxima[WearMost.FIRST_ROW, slot] = first_row
-    tables.maxima[WearMost.LAST_ROW, slot] = last_row
-    tables.maxima[WearMost.FIRST_COLUMN, slot] = first_column
-    tables.maxima[WearMost.LAST_COLUMN, slot] = last_column
+    patch = first_slot + wp.tid() // wp.block_dim()
+    wear_patch(patch, rules, now[0], curves, courses, surfaces, books)

@@ -13,15 +13,14 @@ typedef double Stored;
 typedef float SingleLanes;
 typedef float StoredSingle;
 typedef long long Counts;
-typedef bool Mask;
 #else
 typedef double Lanes __attribute__((ext_vector_type(8)));
 typedef double Stored __attribute__((ext_vector_type(8), aligned(8)));
 typedef float SingleLanes __attribute__((ext_vector_type(8)));
 typedef float StoredSingle __attribute__((ext_vector_type(8), aligned(4)));
 typedef long long Counts __attribute__((ext_vector_type(8)));
-typedef decltype(Lanes() < Lanes()) Mask; // of the same width, and a type of its own
 #endif
+typedef decltype(Lanes() < Lanes()) Mask; // what a comparison gives
 
 // Cells of `Lanes`, `Lanes` of a stored vector and of a tile of four stored vectors.
 static const int LANES = sizeof(Lanes) / sizeof(double);

@@ -12,8 +12,8 @@ table of pieces has no room stops all, until the host has emptied it; what was b
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells
 from warpwear.kernels.balance import Springs, law_of_cell
+from warpwear.kernels.cells import LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells
 from warpwear.kernels.contact import pressure_of
 from warpwear.kernels.slide import Slide, beneath
 

@@ -11,16 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-import warp as wp
 from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense_streak, rough
 
-from warpwear.contact.half_space import few as half_space_few
 from warpwear.contact.half_space import nested as half_space_nested
-from warpwear.contact.half_space import on_gpu, passes
-from warpwear.contact.half_space import search as half_space_search
-from warpwear.contact.half_space.passes import FOLDED
+from warpwear.contact.half_space.search import SearchRules
 from warpwear.contact.half_space.solver import HalfSpace
-from warpwear.contact.half_space.transforms import CupyTransforms, stream_of
+from warpwear.contact.half_space.transforms import load_cupy, stream_of
 from warpwear.engine import executor as execution
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError
@@ -36,14 +32,6 @@ def device(device: str) -> str:
     if device != "cpu":
         pytest.importorskip("cupy")
     return device
-
-
-@pytest.fixture(params=["pass by pass", "in one launch"])
-def on_device(request: pytest.FixtureRequest, device: str) -> bool:
-    """Whether a solve is one launch: on a GPU always, on a CPU for tests."""
-    if device != "cpu" and request.param == "pass by pass":
-        pytest.skip("a GPU makes a solve in one launch")
-    return bool(request.param == "in one launch")
 
 
 @cache
@@ -72,13 +60,12 @@ def test_against_active_sets_on_the_dense_matrix(
     streak: float,
     window: int | None,
     device: str,
-    on_device: bool,
 ) -> None:
     gap = rough(GRID)
     matrix, expected, approach = by_active_sets(boundary, hardness, compliance, streak, window)
     assert 0.1 < (expected > 0.0).mean() < 0.9
     with Executor(GRID, device=device) as executor:
-        options: dict[str, Any] = {"boundary": boundary, "hardness": hardness, "on_device": on_device}
+        options: dict[str, Any] = {"boundary": boundary, "hardness": hardness}
         solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-11, **options)
         compliances: dict[str, Any] = {"compliance": compliance, "streak_compliance": streak}
         compliances["streak_window"] = window
@@ -238,57 +225,28 @@ def test_no_convergence_is_an_error_with_its_residual() -> None:
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("hardness", [math.inf, 1.5, 0.3])
-def test_a_solve_in_one_launch_makes_the_iterations_of_one_pass_by_pass(
-    boundary: str, hardness: float, monkeypatch: pytest.MonkeyPatch
+def test_a_recorded_search_makes_the_iterations_of_one_whose_passes_are_shared(
+    boundary: str, hardness: float, threads: int
 ) -> None:
     """From nothing, from the last pressure, with values extended, and where plain steps take over."""
     grid = Grid(40, 37, 0.5)
     gap = rough(grid, shortest=9)
-    monkeypatch.setattr(half_space_few, "FEW", 0)  # which a GPU does without
+    asked: dict[str, Any] = {"mean_pressure": 0.12, "streak_window": 5}
     for elastic_fraction, scattered in ((0.3, 1.0), (0.9, 1.0), (0.1, 0.0)):
-        monkeypatch.setattr(half_space_search, "ELASTIC_FRACTION", elastic_fraction)
-        for module in (passes, on_gpu):
-            monkeypatch.setattr(module, "SCATTERED", scattered)
-        found = []
-        with Executor(grid) as executor:
-            for on_device in (False, True):
-                options: dict[str, Any] = {"boundary": boundary, "hardness": hardness}
-                solver = HalfSpace(executor, modulus=MODULUS, on_device=on_device, tolerance=1e-8, **options)
+        rules = SearchRules(elastic_fraction=elastic_fraction, scattered=scattered, few=0)
+        contacts = []
+        for count in (1, threads):
+            with Executor(grid, threads=count) as executor:
+                options: dict[str, Any] = {"boundary": boundary, "hardness": hardness, "rules": rules}
+                solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8, **options)
                 for scale, streak in ((1.0, 0.0), (1.03, 0.2), (0.9, 0.2)):
-                    contact = solver.solve(
-                        executor.field(scale * gap),
-                        mean_pressure=0.12,
-                        streak_compliance=streak,
-                        streak_window=5,
-                    )
-                    found.append((contact, contact.pressure.copy()))
-        for (one, pressure), (other, of_other) in zip(found[:3], found[3:], strict=True):
+                    contact = solver.solve(executor.field(scale * gap), streak_compliance=streak, **asked)
+                    contacts.append((contact, contact.pressure.copy()))
+        for (one, pressure), (other, of_other) in zip(contacts[:3], contacts[3:], strict=True):
             assert one.iterations > 3
             assert (other.iterations, other.transforms) == (one.iterations, one.transforms)
-            assert other.approach == pytest.approx(one.approach, rel=1e-9)
-            np.testing.assert_allclose(of_other, pressure, atol=1e-9)
-
-
-def test_no_convergence_in_one_launch_is_an_error_too() -> None:
-    with Executor(GRID) as executor:
-        solver = HalfSpace(executor, modulus=1.0, max_iterations=2, on_device=True)
-        with pytest.raises(ConvergenceError, match=r"in 2 iterations.*of the rms height"):
-            solver.solve(executor.field(rough(GRID)), mean_pressure=0.1)
-
-
-def test_partial_results_may_be_reduced_on_the_device() -> None:
-    """As they are on a GPU; sums differ in rounding alone."""
-    gap = rough(GRID)
-    with Executor(GRID) as executor:
-        solver = HalfSpace(executor, modulus=MODULUS, hardness=1.5, tolerance=1e-9)
-        plain = solver.solve(executor.field(gap), mean_pressure=0.3)
-        pressure, approach = plain.pressure.copy(), plain.approach
-        solver = HalfSpace(executor, modulus=MODULUS, hardness=1.5, tolerance=1e-9)
-        solver._iterate._folded = wp.zeros((9, FOLDED), dtype=wp.float64, device="cpu")
-        folded = solver.solve(executor.field(gap), mean_pressure=0.3)
-        np.testing.assert_allclose(folded.pressure, pressure, atol=1e-7)
-        assert folded.approach == pytest.approx(approach, abs=1e-9)
-        assert folded.cells_in_contact == plain.cells_in_contact
+            assert other.approach == one.approach
+            np.testing.assert_array_equal(of_other, pressure)
 
 
 @pytest.mark.parametrize("compliance", [0.0, 0.3])
@@ -306,7 +264,7 @@ def test_a_surface_that_is_flat_but_for_rounding(height: float, compliance: floa
 def test_a_gpu_without_its_library_is_told_in_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cupy", None)
     with Executor(GRID) as executor, pytest.raises(InputError, match=r"needs CuPy .*pip install") as refused:
-        CupyTransforms(executor, GRID.shape)
+        load_cupy(executor.device)
     assert "\n" not in str(refused.value)
     # What it names are the extras of the package.
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))

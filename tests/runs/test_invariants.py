@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,9 @@ import warpwear
 from warpwear import ConvergenceError, InputError, Result, Study
 from warpwear.cli import main as cli
 from warpwear.engine import state as saved
+from warpwear.engine.program import Program
 from warpwear.errors import InvariantError
-from warpwear.models.patches.shares import _Search
+from warpwear.models.patches.shares import LoadSharing
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.local import SlidingContact
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
@@ -314,14 +316,18 @@ def test_without_a_checkpoint_a_stopped_run_begins_again(
 
 
 def test_a_load_that_patches_do_not_carry_stops_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is booked is what wore: a search whose last step went wrong, unseen, is no success."""
+    """What is booked is what wore: a search that is told what is wrong is no success."""
     study = Study.load("two-scale").replace({"grid.cell": "10 um", "sliding.distance": "0.1 mm"})
-    sure = _Search._sure
+    say = LoadSharing.say
 
-    def too_sure(self: Any, p: Any, slope: Any, straight: Any, free: Any, newton: float) -> Any:
-        return sure(self, p, slope, np.full_like(straight, math.inf), free, newton)
+    def say_wrong(self: LoadSharing, program: Program, evaluate: Callable[[], None]) -> None:
+        def evaluate_wrong() -> None:
+            evaluate()
+            program.call(lambda: self.answer.assign(self.answer.numpy() * (1.0 + 1e-9)))
 
-    monkeypatch.setattr(_Search, "_sure", too_sure)
+        say(self, program, evaluate_wrong)
+
+    monkeypatch.setattr(LoadSharing, "say", say_wrong)
     with pytest.raises(ConvergenceError, match=r"^\S+ N of 8 N are left at an approach"):
         warpwear.run(study)
 

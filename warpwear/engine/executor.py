@@ -21,7 +21,7 @@ from warpwear.engine.kernel_cache import begin_to_load
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
-setup = lazy.module("warpwear.kernels.half_space.setup")  # a GPU's tables need it
+fold = lazy.module("warpwear.kernels.fold")  # a GPU's tables need it
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000
@@ -261,6 +261,13 @@ class Executor:
         if not self.device.is_cpu:
             field.assign(host)
 
+    def put(self, array: Any, values: Any) -> None:
+        """Give an array of Warp's other values, in place."""
+        if self.device.is_cpu:
+            array.numpy()[...] = values
+        else:
+            array.assign(np.ascontiguousarray(values, dtype=array.numpy().dtype))
+
     def read_partials(self, sums: Field | None, maxima: Field) -> tuple[FloatArray, FloatArray]:
         """What tables of partial sums and maxima hold by slots; of a GPU by rows: that is read sooner."""
         if self.device.is_cpu:
@@ -270,7 +277,7 @@ class Executor:
         folded = wp.empty((every, rows), dtype=wp.float64, device=self.device)
         numbers = [rows, adds, self.slots, wp.vec3i(of_row, 1, of_row)]
         tables, threads = [sums if adds else maxima, maxima], [(0, every * rows)]
-        self.launch(setup.fold, inputs=[*numbers, *tables], outputs=[folded], chunks=threads)
+        self.launch(fold.fold, inputs=[*numbers, *tables], outputs=[folded], chunks=threads)
         found: FloatArray = folded.numpy()
         return found[:adds], found[adds:]
 

@@ -12,6 +12,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from warpwear.engine.executor import Executor
 from warpwear.figures.view import (
     About,
     Bodies,
@@ -379,7 +380,13 @@ def smooth_shares(result: ResultFile, rows: Sequence[int]) -> FloatArray | None:
     study = result.study
     if isinstance(study.contact.bulk_stiffness, str) and study.hertz is None:
         return None
-    smooth = SmoothContact(study.contact_task, study.patch_layout)
+    patches = study.patch_layout
+    with Executor(Grid(patches.count, 1, patches.domain.cell), threads=1) as executor:
+        return _smooth_shares(SmoothContact(study.contact_task, patches, executor), result, rows)
+
+
+def _smooth_shares(smooth: SmoothContact, result: ResultFile, rows: Sequence[int]) -> FloatArray:
+    study = result.study
     found: dict[int, FloatArray] = {}
     slid = 0.0
     for row, increment in enumerate(result.history["increment"][: max(rows) + 1]):

@@ -1,7 +1,7 @@
 """The books of a contact of patches: its history, what each patch did, and whose wear it was."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -17,10 +17,12 @@ from warpwear.laws.task import ContactTask
 
 @dataclass(frozen=True, eq=False)
 class Worn:
-    """What a step did to the patches; one value a patch, 0 for those that never touched."""
+    """What a step did to the patches; of loads and areas one value a patch."""
 
-    sums: dict[str, FloatArray]  # by the names of `kernels.cells.PATCH_SUMS`
-    most: dict[str, float]  # over all patches, by those of `MAXIMA`; "worn" is by both bodies
+    total: dict[str, float]  # over all patches, by the names of `kernels.cells.PATCH_SUMS`
+    most: dict[str, float]  # by those of `PATCH_MAXIMA`; "worn" is by both bodies
+    loads: FloatArray  # [N]
+    areas: FloatArray  # in contact [mm²]
     bare: float | None = None  # cells in contact that were bare of film; None without one
 
 
@@ -71,6 +73,8 @@ class PatchLedger:
         margin = 1 if patches.cover_everything else patches.pitch
         self._ledger = Ledger(task, patches.domain, weight=patches.weight, margin=margin)
         self.book = PatchBook(patches)
+        #: Area that a cell stands for [mm²].
+        self._of_cell = patches.domain.cell_area * patches.weight
         #: Fractions of sphere and disc in what both lose.
         self._fractions = task.wear_fractions
 
@@ -95,6 +99,16 @@ class PatchLedger:
             return math.inf
         return self._task.bulk_stiffness_at(math.sqrt(self.row["area_nominal"] / math.pi) or None)
 
+    @property
+    def within(self) -> tuple[float, ...]:
+        """Extents of what is touched neither at the edge nor at the rim, by `kernels.cells.EXTENTS`."""
+        return self._ledger.within
+
+    def worn(self, sums: dict[str, FloatArray], most: dict[str, float]) -> Worn:
+        """What a step did, by its sums over each patch; 0 for those that never touched."""
+        total = {name: float(values.sum()) for name, values in sums.items()}
+        return Worn(total, most, sums["pressure"] * self._of_cell, sums["contact"] * self._of_cell)
+
     def enter(
         self,
         worn: Worn,
@@ -111,15 +125,12 @@ class PatchLedger:
         reference: pressure from which the squares count [MPa]. pressure: on the domain [MPa], where it was
         asked for. Raises ConvergenceError where the pressures do not add up to the load.
         """
-        sums = worn.sums
-        found = {name: float(values.sum()) for name, values in sums.items()}
-        total, most = (divided(both, self._fractions) for both in (found, worn.most))
+        total, most = (divided(both, self._fractions) for both in (worn.total, worn.most))
         if worn.bare is not None:
             total["bare"] = worn.bare
-        of_cell = self._patches.domain.cell_area * self._patches.weight
-        carried = total["pressure"] * of_cell
+        carried = total["pressure"] * self._of_cell
         residual = residual_of(carried, self._task.load, approach=sum(approach))
-        self.book.enter(load_share=sums["pressure"] * of_cell, area_patch=sums["contact"] * of_cell)
+        self.book.enter(load_share=worn.loads, area_patch=worn.areas)
         balance = Balance(*approach, self._task.hardness, residual, evaluations=evaluations)
         return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
 
@@ -141,7 +152,7 @@ class PatchLedger:
         """
         assert step.pressure is not None
         worn = patches.on_domain(worn)
-        return Snapshot(
+        made = Snapshot(
             distance,
             pressure=step.pressure,
             wear_sphere=self._fractions[0] * worn,
@@ -149,3 +160,4 @@ class PatchLedger:
             gap=patches.on_domain(gap, beside=math.nan),
             bare=None if bare is None else patches.on_domain(bare),
         )
+        return replace(made, fresh=frozenset(made.fields))  # all are made for it

@@ -8,8 +8,8 @@ import numpy as np
 import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.program import Program
 from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import film as kernels
 from warpwear.kernels.running_in.film import Coat, Films

@@ -14,12 +14,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.contact.half_space import transforms
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
-from warpwear.models.patches import influence as patch_influence
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.study.surface import surface_in
 
@@ -99,14 +97,12 @@ def test_every_patch_is_a_contact_of_its_own(boundary: str, bulk: float, complia
 
 
 @pytest.mark.parametrize("coupling", ["approach", "load"])
-def test_threads_change_nothing(threads: int, coupling: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(transforms, "MODES_PER_THREAD", 1)
-    monkeypatch.setattr(patch_influence, "BLOCK", 40)
+def test_threads_change_nothing(threads: int, coupling: str) -> None:
     found = []
     for count in (1, threads):
-        model = Stepped(quick(patches__coupling=coupling), threads=count).model
-        found.append([model.advance(increment).row for increment in (0.003, 0.3, 3.0)])
-        assert (model._influence._near._pool is None) == (count == 1)
+        stepped = Stepped(quick(patches__coupling=coupling), threads=count)
+        found.append([stepped.model.advance(increment).row for increment in (0.003, 0.3, 3.0)])
+        assert stepped.executor.is_shared == (count > 1)
     assert found[0] == found[1]
 
 

@@ -1,9 +1,9 @@
 """Two scales: patches that share a load, against the one-scale run and an independent NumPy solver."""
 
 import json
-from functools import cache, partial
+from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,14 +12,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import ConvergenceError, Study
-from warpwear.contact import balance
-from warpwear.contact.balance import SearchResult, newton_in_bracket
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
-from warpwear.models.patches import shares as load_shares
-from warpwear.models.patches import shares as prescribed_loads
+from warpwear.kernels import patches as passes
 from warpwear.models.patches.local import TwoScaleModel
+from warpwear.models.patches.shares import LoadSharing
 from warpwear.models.patches.smooth import SmoothContact
 from warpwear.study.surface import surface_in
 
@@ -96,7 +95,7 @@ def test_what_is_conserved_in_every_step(kind: str, device: str) -> None:
     increments = (3e-3, 3e-3, 3e-3, 0.01, 0.03, 0.1, 0.1, 0.3, 0.3)
     unworn = before = stepped.gap()
     slid = 0.0
-    for increment, step in zip(increments, stepped.model.steps((d, False) for d in increments), strict=True):
+    for increment, step in zip(increments, stepped.model.steps((d, True) for d in increments), strict=True):
         row = step.row
         slid += increment
         share = stepped.model.book.table("load_share")[-1]
@@ -150,22 +149,30 @@ def test_steps_evaluated_ahead_are_the_steps(kind: str, device: str) -> None:
 def test_what_is_evaluated_ahead_is_what_patches_answer(kind: str, device: str) -> None:
     """Pressure, slope, and how far they are a straight line, by the kernel that evaluates alone."""
     stepped = Stepped(of_kind(kind), device=device)
-    contact = stepped.model.contact
-    compared = 0
+    model, compared = stepped.model, 0
+    sharing, foresight = model.sharing, model._foresight
+    asks = Program(stepped.executor)
+    model._pass(asks, passes.carried, model._rules, model._now.array, sharing.curves, model.contact.surfaces)
     for increment, then in pairwise((3e-3, 3e-3, 0.01, 0.03, 0.1, 0.3)):
-        stepped.model.advance(increment, then=then)
-        if (ahead := contact.lookahead) is None:
+        model.advance(increment, then=then)
+        if foresight.memory["ahead"] < 0.0:
             continue
-        contact.lookahead, contact.stiffness = None, ahead.stiffness
-        answer = contact.response(ahead.base, ahead.offset)
-        contact.lookahead = ahead
-        assert answer.pressure.any()
-        for found, expected in zip(ahead.response[:2], answer[:2], strict=True):
+        ahead, before = (sharing.answer.numpy().copy(), [field.numpy().copy() for field in sharing.trial])
+        base, offset = foresight.courses.base_next.numpy(), foresight.courses.offset_next.numpy()
+        for field, values in zip(sharing.trial, (base, offset), strict=True):
+            field.assign(values)
+        model._now.set(stiffness=model._now["stiffness_next"])
+        asks.run()
+        answer = sharing.answer.numpy()
+        assert answer[0].any()
+        for found, expected in zip(ahead[:2], answer[:2], strict=True):
             assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * expected.max())
         # Of tiles that touched and do so no more, the lowest gap before any wear is told otherwise.
-        deeper = ahead.base + ahead.offset >= contact.reached
+        deeper = base + offset >= foresight.reached.numpy()
         compared += int(deeper.sum())
-        assert_allclose(ahead.response.straight[deeper], answer.straight[deeper], rtol=1e-6, atol=1e-16)
+        assert_allclose(ahead[2][deeper], answer[2][deeper], rtol=1e-6, atol=1e-16)
+        for field, values in zip([sharing.answer, *sharing.trial], [ahead, *before], strict=True):
+            field.assign(values)
     assert compared > stepped.patches.count
 
 
@@ -218,17 +225,18 @@ def test_a_bulk_spring_in_series_against_bisection(spring: float) -> None:
             load=study.contact.load,
         )
         step = stepped.model.advance(increment)
-        shares = stepped.model._last
-        assert shares is not None
+        sharing = stepped.model.sharing
+        approaches = sharing.approaches
+        shares = stepped.model.book.table("load_share")[-1] / stepped.patches.area
         assert step.row["approach"] == pytest.approx(delta, abs=1e-11)
-        assert_allclose(shares.pressure, p, rtol=0.0, atol=1e-6 * p.max())
+        assert_allclose(shares, p, rtol=0.0, atol=1e-6 * p.max())
         touching = p > 1e-6 * p.max()
-        assert_allclose(shares.approaches[touching], u[touching], rtol=0.0, atol=1e-11)
-        assert shares.spring_residual <= 1e-12 * shares.pressure.max() / spring
-        series = shares.approaches + shares.pressure / spring
-        allowed = 2e-12 * shares.pressure.max() / spring + 1e-15
+        assert_allclose(approaches[touching], u[touching], rtol=0.0, atol=1e-11)
+        assert sharing.search["spring_residual"] <= 1e-12 * shares.max() / spring
+        series = approaches + shares / spring
+        allowed = 2e-12 * shares.max() / spring + 1e-15
         assert_allclose(series[touching], step.row["approach"], rtol=0.0, atol=allowed)
-        pressure = np.clip((shares.approaches[:, None] - gap) / (wear * increment), 0.0, study.hardness)
+        pressure = np.clip((approaches[:, None] - gap) / (wear * increment), 0.0, study.hardness)
         gap = gap + wear * increment * pressure
 
 
@@ -246,56 +254,94 @@ def test_iterations_and_residuals_of_a_run(distance: str) -> None:
 @pytest.mark.parametrize("kind", ["no bulk", "bulk", "load"])
 def test_a_step_that_does_not_converge_stops_the_run(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("warpwear.models.patches.shares.MAX_EVALUATIONS", 3)
-    if kind == "load":
-        found = partial(balance.find_offsets, most=3)
-        monkeypatch.setattr("warpwear.models.patches.shares.find_offsets", found)
     with pytest.raises(ConvergenceError, match=r"did not converge .*[0-9] (N|MPa) of") as caught:
         warpwear.run(of_kind(kind))
     assert "\n" not in str(caught.value)
 
 
-def _staircase(base: FloatArray, offset: FloatArray) -> load_shares.PatchResponse:
+#: Mean pressures of patches, their slopes, and how far these are a straight line, at base + offset.
+Response = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
+
+
+class Shared:
+    """The search of a step, of patches that answer in NumPy."""
+
+    def __init__(self, lowest: FloatArray, response: Response, **task: float) -> None:
+        self._executor = Executor(Grid(lowest.size, 8, 1.0))
+        self.sharing = LoadSharing(self._executor, lowest, **task)
+        self._program, self._response, self._lowest = Program(self._executor), response, lowest
+        self.sharing.say(self._program, lambda: self._program.call(self._answer))
+
+    def _answer(self) -> None:
+        base, offset = (field.numpy() for field in self.sharing.trial)
+        self.sharing.answer.assign(np.array(self._response(base, offset)))
+
+    def solve(self, flexibility: float, *, step: float) -> None:
+        """Share the load from where the last solve has ended, or from the lowest cell."""
+        sharing, load = self.sharing, self.sharing.load
+        pressure, is_first = self.pressure, not self.sharing.search["evaluations"]
+        approach = float(self._lowest.min()) if is_first else sum(sharing.common)
+        start = np.where(pressure > 0.0, sharing.approaches, approach)
+        none = np.full(start.size, np.inf)
+        values = {
+            sharing.base: start,
+            sharing.offset: np.full(start.size, step),
+            sharing.curves.low: np.stack([-none, -none, 0.0 * start]),
+            sharing.curves.high: np.stack([none, none, np.full(start.size, load.hardness)]),
+        }
+        for field, numbers in values.items():
+            field.assign(numbers)
+        numbers = {"evaluation": 0, "evaluations": 0, "bracketed": 0, "waited": 0, "number": 0, "state": 0}
+        ends = {"low": 0.0 if is_first else -1e300, "high": 1e300, "width": 1e300, "reach": abs(step)}
+        sharing.search.set(flexibility=flexibility, common_base=approach, common=step, **ends, **numbers)
+        for flag in (sharing.flags.searching, sharing.flags.unanswered):
+            flag.fill_(1)
+        self._program.run()
+        assert sharing.is_balanced
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Mean of every patch [MPa]."""
+        return self.sharing.answer.numpy()[0].copy()
+
+
+def _staircase(base: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Flat treads joined by steep risers: Newton's method alone leaps to and fro."""
     u = base + offset
     whole = np.floor(u * 1e4)
     part = np.clip((u * 1e4 - whole - 0.99) * 100.0, 0.0, 1.0)
     p = np.clip((whole + part) * 1e-1, 0.0, 40.0)
     slope = np.where((part > 0.0) & (p > 0.0) & (p < 40.0), 1e5, 0.0)
-    return load_shares.PatchResponse(p, slope, np.zeros_like(p))
+    return p, slope, np.zeros_like(p)
 
 
 @pytest.mark.parametrize("flexibility", [0.0, 1e-6, 1e-3, 1.0])
 def test_the_safeguards_hold_where_newton_leaps(flexibility: float) -> None:
-    task = load_shares.SharingTask(
-        load=40.0, area=1.0, flexibility=flexibility, hardness=40.0, lowest=np.zeros(7)
-    )
     heights = np.linspace(0.0, 3e-3, 7)
-
-    def response(base: FloatArray, offset: FloatArray) -> load_shares.PatchResponse:
-        return _staircase(base - heights, offset)
-
-    found = load_shares.share_load(response, task, None, step=1e-5)
-    assert found.pressure.sum() == pytest.approx(40.0, rel=1e-12)
-    at = found.approaches + flexibility * found.pressure
-    carrying = found.pressure > 0.0
-    assert_allclose(at[carrying], found.approach, rtol=1e-11)
+    shared = Shared(np.zeros(7), lambda b, o: _staircase(b - heights, o), load=40.0, area=1.0, hardness=40.0)
+    shared.solve(flexibility, step=1e-5)
+    pressure = shared.pressure
+    assert pressure.sum() == pytest.approx(40.0, rel=1e-12)
+    at = shared.sharing.approaches + flexibility * pressure
+    carrying = pressure > 0.0
+    assert_allclose(at[carrying], sum(shared.sharing.common), rtol=1e-11)
 
 
 class _Cells:
     """Patches on a capped foundation, in NumPy."""
 
     def __init__(self, gap: FloatArray, c: float, hardness: float) -> None:
-        self.gap, self._c, self._hardness = gap, c, hardness
+        self.gap, self.c, self._hardness = gap, c, hardness
 
     def pressures(self, base: FloatArray, offset: FloatArray) -> FloatArray:
-        return np.clip(((base[:, None] - self.gap) + offset[:, None]) / self._c, 0.0, self._hardness)
+        return np.clip(((base[:, None] - self.gap) + offset[:, None]) / self.c, 0.0, self._hardness)
 
-    def response(self, base: FloatArray, offset: FloatArray) -> load_shares.PatchResponse:
+    def response(self, base: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         p = self.pressures(base, offset)
         overlap = (base[:, None] - self.gap) + offset[:, None]
         between = (p > 0.0) & (p < self._hardness)
-        nearest = np.minimum(np.abs(overlap), np.abs(overlap - self._c * self._hardness))
-        return load_shares.PatchResponse(p.mean(axis=1), between.mean(axis=1) / self._c, nearest.min(axis=1))
+        nearest = np.minimum(np.abs(overlap), np.abs(overlap - self.c * self._hardness))
+        return p.mean(axis=1), between.mean(axis=1) / self.c, nearest.min(axis=1)
 
 
 def test_springs_behind_cells_that_are_almost_rigid() -> None:
@@ -312,20 +358,21 @@ def test_springs_behind_cells_that_are_almost_rigid() -> None:
         area = cells * cell
         load = count * area * hardness * 10.0 ** drawn.uniform(-3.5, -0.1)
         spring = 10.0 ** drawn.uniform(2.0, 7.5)
-        task = load_shares.SharingTask(load, area, 1.0 / spring, hardness, gap.min(axis=1))
-        last = None
-        for c in 10.0 ** drawn.uniform(-18.0, -6.0, 2):
-            of_cells = _Cells(gap, c, hardness)
-            last = load_shares.share_load(of_cells.response, task, last, step=0.5 * hardness * c)
-            pressures = of_cells.pressures(last.base, last.offset)
+        of_cells = _Cells(gap, 0.0, hardness)
+        shared = Shared(gap.min(axis=1), of_cells.response, load=load, area=area, hardness=hardness)
+        for of_cells.c in 10.0 ** drawn.uniform(-18.0, -6.0, 2):
+            shared.solve(1.0 / spring, step=0.5 * hardness * of_cells.c)
+            base, offset = (field.numpy() for field in shared.sharing.trial)
+            pressures = of_cells.pressures(base, offset)
             p = pressures.mean(axis=1)
             assert area * p.sum() == pytest.approx(load, rel=2e-12)
-            deflection = (last.common_base - last.base) + (last.common_offset - last.offset)
+            common_base, common_offset = shared.sharing.common
+            deflection = (common_base - base) + (common_offset - offset)
             allowed = 2e-12 * p.max() / spring + 1e-17  # and the rounding of lengths near 0.05 mm
             assert np.abs(deflection - p / spring)[p > 0.0].max() <= allowed
             assert (deflection[p == 0.0] <= allowed).all()
-            assert last.evaluations < 400
-            gap = gap + c * pressures
+            assert shared.sharing.search["evaluations"] < 400
+            of_cells.gap = of_cells.gap + of_cells.c * pressures
 
 
 @pytest.mark.parametrize("first", ["1e-6 mm", "1e-10 mm"])
@@ -361,29 +408,34 @@ def test_a_smooth_contact_prescribes_the_loads() -> None:
 def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where every patch and the smooth contact stop on the same side, as far off as they may."""
     stepped = Stepped(of_kind("load"))
-    smooth = SmoothContact(stepped.study.contact_task, stepped.patches)
     load, area = stepped.study.contact.load, stepped.patches.area
-
-    def just_converged(carried: Any, load: float, *others: Any) -> SearchResult:
-        found = newton_in_bracket(carried, load, *others)
-        offset = found.offset + 0.9e-12 * load / carried(found.offset).slope
-        return found._replace(offset=offset, force=carried(offset).force)
-
-    monkeypatch.setattr("warpwear.models.patches.smooth.newton_in_bracket", just_converged)
+    with monkeypatch.context() as patch:
+        patch.setattr("warpwear.models.patches.smooth.TOLERANCE", 1e-6)
+        smooth = SmoothContact(stepped.study.contact_task, stepped.patches, stepped.executor)
     wear = 0.003 * sum(stepped.study.wear_coefficients)
     target = smooth.press(foundation=stepped.study.bulk_stiffness(), removal=wear)
     assert area * target.sum() == pytest.approx(load, rel=1e-14)
 
-    def response(base: FloatArray, offset: FloatArray) -> load_shares.PatchResponse:
-        """Straight, and a slope that is wrong by a millionth: what is left after a step is as much of it."""
-        p = 1e5 * np.maximum(base + offset, 0.0)
-        return load_shares.PatchResponse(p, np.full_like(p, 1e5 * (1.0 + 0.9e-6)), np.zeros_like(p))
+    lowest = np.zeros(target.size)
+    sharing = LoadSharing(stepped.executor, lowest, load=load, area=area, hardness=np.inf)
 
-    base = 1e-5 * target * (1.0 - 1e-6) - 1e-4
-    start = load_shares.Shares(base, 0.0 * target, 0.0, 0.0, target, 0.0, 0.0, 0)
-    task = prescribed_loads.SharingTask(load, area, 0.0, np.inf, 0.0 * target)
-    found = prescribed_loads.press(response, task, target, start, step=1e-4, first=1e-5, common=0.0)
-    assert abs(found.load_residual) < 0.6e-12 * load
+    def answer() -> None:
+        """Straight, and a slope that is wrong by a millionth: what is left after a step is as much of it."""
+        base, offset = (field.numpy() for field in sharing.trial)
+        p = 1e5 * np.maximum(base + offset, 0.0)
+        sharing.answer.assign(np.stack([p, np.full_like(p, 1e5 * (1.0 + 0.9e-6)), np.zeros_like(p)]))
+
+    sharing.base.assign(1e-5 * target * (1.0 - 1e-6) - 1e-4)
+    sharing.offset.fill_(1e-4)
+    brackets = smooth.brackets.numpy()
+    for name, value in {"offset": 1e-4, "low": -1e300, "high": 1e300, "reach": 1e-4, "width": 1e300}.items():
+        brackets[name] = value
+    program = Program(stepped.executor)
+    smooth.say(program, sharing, lambda: program.call(answer))
+    sharing.flags.searching.fill_(1)
+    program.run()
+    assert sharing.is_balanced
+    assert abs(sharing.search["residual"]) < 0.6e-12 * load
 
 
 def test_patches_of_a_field_come_back() -> None:
@@ -425,7 +477,8 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
             if number == restart:
                 arrays, numbers = saved.save(stepped.model)
                 kept = {name: np.array(values) for name, values in arrays.items()}
-                assert ("contact.lookahead.response.slope" in kept) == (kind != "load")
+                assert "sharing.answer" in kept
+                assert (stepped.model._foresight.memory["ahead"] > 0.0) == (kind != "load")
                 stepped = Stepped(study)
                 saved.restore(stepped.model, kept, json.loads(json.dumps(numbers)))
             then = increments[number + 1] if number + 1 < len(increments) else None
@@ -437,3 +490,31 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
     assert again[0] == alone[0]
     assert_array_equal(again[1], alone[1])
     assert_array_equal(again[2], alone[2])
+
+
+@pytest.mark.parametrize("kind", ["no bulk", "bulk", "load"])
+def test_steps_of_a_block_are_the_steps(kind: str, threads: int) -> None:
+    """Bit for bit, however many are made in a row."""
+
+    def rows(longest: int) -> tuple[list[dict[str, float]], FloatArray, FloatArray]:
+        stepped = Stepped(of_kind(kind), threads=threads)
+        stepped.model.longest_block = longest
+        found = [step.row for step in stepped.model.steps((d, False) for d in PLAN)]
+        return found, stepped.gap(), stepped.model.book.table("load_share")
+
+    alone, together = rows(1), rows(13)
+    assert together[0] == alone[0]
+    assert_array_equal(together[1], alone[1])
+    assert_array_equal(together[2], alone[2])
+
+
+def test_a_block_ends_where_the_contact_reaches_the_edge() -> None:
+    """So that a run that stops there is kept as it is; the steps after it are made one by one."""
+    stepped = Stepped(quick(grid__extent="0.5 mm"))
+    ahead = []
+    for step in stepped.model.steps((d, False) for d in [3e-3] * 3 + [3.0] * 20):
+        ahead.append(stepped.model.steps_in_flight)
+        if step.touches_edge:
+            assert stepped.model.steps_in_flight == 0
+    assert ahead[0] > 0
+    assert len(ahead) == 23

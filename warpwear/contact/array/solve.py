@@ -16,7 +16,7 @@ from warpwear.contact.array.memory import check_memory, giving_back
 from warpwear.contact.array.springs import solve_cells
 from warpwear.contact.array.task import ROUNDING, Found, Gap, Task, surface_of
 from warpwear.contact.certificate import Certificate, cells_of, certify
-from warpwear.contact.half_space.solver import ROUNDING as OF_DIGITS
+from warpwear.contact.half_space.search import SearchRules
 from warpwear.contact.half_space.solver import TOLERANCE
 from warpwear.engine.device import check_threads
 from warpwear.engine.executor import Executor
@@ -219,6 +219,6 @@ def _certify(task: Task, found: Found, tolerance: float) -> Certificate:
         approaches=np.full(1, found.approach),
         asked=asked,
         scale=np.full(1, scale),
-        allowed=np.full(1, max(tolerance * scale, OF_DIGITS * yielded, found.allowed)),
+        allowed=np.full(1, max(tolerance * scale, SearchRules.rounding * yielded, found.allowed)),
         cell_area=1.0,
     )

@@ -1,4 +1,4 @@
-"""Convolutions of fields in single precision on a CPU, by the kernels of `kernels.fourier`."""
+"""Convolutions of fields on a CPU, by the transforms of `kernels.fourier`."""
 
 import math
 from typing import Any
@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from warpwear.contact.half_space.transforms import Filter, Grids, lying
 from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, IntArray
 from warpwear.kernels import fourier
-from warpwear.kernels.fourier import LINES
 
 #: What a length may be made of, in the order of the stages.
 RADICES = (4, 2, 3, 5)
@@ -32,75 +33,72 @@ def fits(shape: tuple[int, int]) -> bool:
     return shape[1] % 2 == 0 and bool(radices_of(shape[0])) and bool(radices_of(shape[1] // 2))
 
 
-class Convolution:
-    """Multiplies the modes of fields of one executor, zero-padded to a shape that `fits`, by a table.
+class Convolution(Filter):
+    """Multiplies the modes of grids, zero-padded to a shape that `fits`, by a table and a line.
 
-    within: another one of no smaller a shape, whose memory it works in.
+    One grid is shared among threads, of several each thread has its own.
     """
 
     def __init__(
-        self, executor: Executor, shape: tuple[int, int], within: "Convolution | None" = None
+        self,
+        executor: Executor,
+        grids: Grids,
+        table: FloatArray,
+        shape: tuple[int, int],
+        kind: Any,
+        within: Filter | None = None,
     ) -> None:
-        self._executor, self.shape = executor, shape
-        half, nx = shape[1] // 2, executor.grid.nx
-        stages = _stages(half, -(-executor.grid.ny // 2))
-        order = _order(half, stages)
-        place = np.argsort(order)
+        self._grids, self._kind, half = grids, kind, shape[1] // 2
+        self._slots = len(executor.split_rows(np.full(executor.grid.nx, executor.grid.ny)))
+        along, across = _stages(half, -(-grids.columns // 2)), _stages(shape[0], grids.rows)
+        order, order_across = _order(half, along), _order(shape[0], across)
+        lines = fourier.LINES[kind]
+        groups = -(-(half + 1) // lines)
         angle = math.pi / half * order
-        self._along = arguments(
-            fourier.Rows,
-            plan=_plan(half, stages),
-            partners=_array(place[-order % half], wp.int32),
-            turns=_array(np.stack([np.cos(angle), -np.sin(angle)], axis=1).ravel(), wp.float32),
-        )
-        stages_across = _stages(shape[0], nx)
-        self._across = _plan(shape[0], stages_across)
-        across = _order(shape[0], stages_across)
-        self._folded = _array(np.minimum(across, shape[0] - across), wp.int32)
-        self._order = order
-        self._groups = -(-(half + 1) // LINES)
-        self._batches = -(-nx // LINES)
-        threads = len(executor.split_rows(np.full(nx, executor.grid.ny)))
-        longest = max(self._groups * LINES, shape[0] if shape[0] > nx else 0)
-        if within is None:
-            self._scratch = wp.zeros((threads, 2 * LINES * longest), dtype=wp.float32, device="cpu")
-            self._modes = wp.zeros((self._groups, nx, 2 * LINES), dtype=wp.float32, device="cpu")
-        else:
-            self._scratch, self._modes = within._scratch, within._modes[: self._groups]
-
-    @property
-    def memory(self) -> FloatArray:
-        """Where it works, as one line of numbers; free for others between convolutions."""
-        return np.asarray(self._modes.numpy().reshape(-1))
-
-    def table(self, values: FloatArray) -> Any:
-        """A table to apply, from rows 0 … n//2 of an even one, for a transform that is scaled back."""
-        half, lines = self._order.size, self.shape[0] // 2 + 1
-        columns = np.resize(np.append(self._order, half), self._groups * LINES)
-        made = np.empty((self._groups, lines, LINES), dtype=np.float32)
-        scale = 1.0 / (4.0 * half * self.shape[0])
-        for first in range(0, lines, TOGETHER):
-            rows = (values[first : min(first + TOGETHER, lines)] * scale).astype(np.float32)[:, columns]
-            made[:, first : first + TOGETHER] = rows.reshape(-1, self._groups, LINES).swapaxes(0, 1)
-        return wp.array(made, dtype=wp.float32, device="cpu", copy=False)
-
-    def apply(self, field_in: Field, table: Any, field_out: Field) -> None:
-        """Convolve a field; may be in place."""
-        columns = self._executor.grid.ny
-        self._launch(
-            fourier.forward, self._batches, [columns, self._along, field_in], [self._scratch, self._modes]
-        )
-        self._launch(
-            fourier.across, self._groups, [self._across, self._folded, table], [self._scratch, self._modes]
-        )
-        self._launch(
-            fourier.back, self._batches, [columns, self._along, self._modes], [self._scratch, field_out]
+        turns = [_pairs(-angle), _turns(half, along), _turns(shape[0], across)]
+        self._turns = _array(np.concatenate(turns), kind)
+        self._plan = {
+            "visited": grids.visited,
+            "rows": grids.rows,
+            "columns": grids.columns,
+            "stride": grids.stride,
+            "groups": groups,
+            "scale": 1.0 / (4.0 * half * shape[0]),
+            "along": _array(along, np.int32),
+            "across": _array(across, np.int32),
+            "partners": _array(np.argsort(order)[-order % half], np.int32),
+            "folded": _array(np.minimum(order_across, shape[0] - order_across), np.int32),
+            "turns_across": turns[0].size + turns[1].size,
+        }
+        self._table = _in_groups(table, np.resize(np.append(order, half), groups * lines), lines, kind)
+        longest = max(groups * lines, shape[0] if shape[0] > grids.rows else 0)
+        own = groups if grids.count == 1 else groups * self._slots
+        real = wp.dtype_from_numpy(kind)
+        places = within.memory if isinstance(within, Convolution) else (None, None)
+        self.memory: tuple[Field, Field] = (
+            lying(places[0], (self._slots, 2 * lines * longest), real, executor.device),
+            lying(places[1], (own, grids.rows, 2 * lines), real, executor.device),
         )
 
-    def _launch(self, kernel: Any, slots: int, inputs: list[Any], outputs: list[Any]) -> None:
-        of_slab = -(-slots // self._scratch.shape[0])
-        chunks = [(first, min(first + of_slab, slots)) for first in range(0, slots, of_slab)]
-        self._executor.launch(kernel, inputs=[of_slab, *inputs], outputs=outputs, chunks=chunks, often=True)
+    def set_mean(self, value: float) -> None:
+        self._table.numpy()[0, 0, 0] = value
+
+    def say(
+        self, program: Program, field_in: Field, line: Any, field_out: Field, *, divides: bool = False
+    ) -> None:
+        plan = arguments(fourier.Plan, divides=divides, **self._plan)
+        scratch, modes = self.memory
+
+        def launch(kernel: Any, *given: Any) -> None:
+            chunks = [(slot, slot + 1) for slot in range(self._slots)]
+            program.launch(kernel[self._kind], plan, self._turns, *given, slots=self._slots, chunks=chunks)
+
+        if self._grids.count > 1:
+            launch(fourier.convolve, self._table, line, field_in, scratch, modes, field_out)
+            return
+        launch(fourier.forward, field_in, scratch, modes)
+        launch(fourier.across, self._table, line, scratch, modes)
+        launch(fourier.back, scratch, modes, field_out)
 
 
 def _stages(length: int, filled: int) -> list[int]:
@@ -118,19 +116,31 @@ def _order(length: int, stages: list[int]) -> IntArray:
     return np.concatenate([inner + q for q in range(radix)])
 
 
-def _plan(length: int, stages: list[int]) -> Any:
-    turns, size = [], length
+def _turns(length: int, stages: list[int]) -> FloatArray:
+    """Factors between the stages of a transform, one stage after another."""
+    turns, size = [np.empty(0)], length
     for radix in (abs(stage) for stage in stages):
-        angle = -2.0 * math.pi / size * np.arange(size // radix)[:, np.newaxis] * np.arange(1, radix)
-        turns.append(np.stack([np.cos(angle), np.sin(angle)], axis=2).ravel())
+        turns.append(_pairs(-2.0 * math.pi / size * np.outer(np.arange(size // radix), np.arange(1, radix))))
         size //= radix
-    return arguments(
-        fourier.Plan,
-        length=length,
-        radices=_array(np.array(stages), wp.int32),
-        turns=_array(np.concatenate(turns), wp.float32),
-    )
+    return np.concatenate(turns)
 
 
-def _array(values: Any, dtype: Any) -> Any:
-    return wp.array(values, dtype=dtype, device="cpu")
+def _pairs(angle: Any) -> FloatArray:
+    """Cosine and sine of each angle."""
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1).ravel()
+
+
+def _in_groups(table: FloatArray, columns: IntArray, lines: int, kind: Any) -> Any:
+    """Rows 0 … n//2 of an even table, by groups of columns."""
+    rows = table.shape[0]
+    grouped = np.empty((columns.size // lines, rows, lines), dtype=kind)
+    for first in range(0, rows, TOGETHER):
+        part = table[first : first + TOGETHER, columns]
+        grouped[:, first : first + TOGETHER] = part.reshape(len(part), -1, lines).swapaxes(0, 1)
+    return _array(grouped, kind)
+
+
+def _array(values: Any, kind: Any) -> Any:
+    """An array of a CPU."""
+    values = np.ascontiguousarray(values, dtype=kind)
+    return wp.array(values, dtype=wp.dtype_from_numpy(kind), device="cpu", copy=False)

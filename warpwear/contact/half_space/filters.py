@@ -1,94 +1,182 @@
-"""Transforms of a plan in memory of their own, for the graphs of a search on a GPU."""
+"""Filters of waves: kernels of a CPU's own, or around the transforms of SciPy, or of CuPy on a GPU."""
 
 import math
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import warp as wp
 
 from warpwear import lazy
-from warpwear.contact.half_space.transforms import load_cupy, stream_of
-from warpwear.engine.executor import Executor, Field
+from warpwear.contact.half_space.convolution import Convolution, fits
+from warpwear.contact.half_space.transforms import ALIGNED, Filter, Grids, load_cupy, lying, stream_of
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.program import Program
+from warpwear.kernels import fourier
 
 fft = lazy.module("scipy.fft")
 
-#: Bytes at whose multiples arrays begin.
-ALIGNED = 256
+#: Modes of a block that a thread takes at a time at least, blocks of rows at most, and columns of a block.
+MODES_PER_BLOCK = 4_000
+ROW_BLOCKS = 16
+COLUMNS = 128
 
 
-class Filter:
-    """Transforms of a plan in fields of their own, so that a graph can hold them; `filter_of` makes them.
+class PaddedFilter(Filter):
+    """Transforms of a library, step by step of a program, between fields padded in memory of their own.
 
-    given, made: before and after, zero where nobody writes, shape `shape`. waves: between, by modes, shape
-    (n, m//2 + 1). scale: that takes off what forward and back together multiply by. within: a filter of
-    double precision and no smaller a shape, whose memory serves one of single precision.
+    within: a filter of double precision and no smaller a shape, whose memory serves one of single precision.
     """
+
+    scale = 1.0  # that takes off what forward and back together multiply by
 
     def __init__(
         self,
         executor: Executor,
+        grids: Grids,
+        table: Any,
         shape: tuple[int, int],
-        kind: type[np.floating[Any]],
-        within: "Filter | None" = None,
+        kind: Any,
+        within: Filter | None = None,
     ) -> None:
-        device = executor.device
-        real, complex_ = (wp.float64, wp.vec2d) if kind is np.float64 else (wp.float32, wp.vec2f)
-        self.shape, self.scale = shape, 1.0
-        modes = shape[0], shape[1] // 2 + 1
-        if within is None:
-            self.given, self.made = (wp.zeros(shape, dtype=real, device=device) for _ in range(2))
-            self.waves = wp.zeros(modes, dtype=complex_, device=device)
-            return
-        assert kind is np.float32
-        half = within.waves.capacity // 2 // ALIGNED * ALIGNED
-        self._of = within  # whose memory must last
-        self.given = _lying(within.made, 0, shape, real)
-        self.waves = _lying(within.waves, 0, modes, complex_)
-        self.made = _lying(within.waves, half, shape, real)
+        device, real = executor.device, wp.dtype_from_numpy(kind)
+        self._executor, self._grids, self._kind, self.shape = executor, grids, kind, shape
+        #: Shared by filters of one table, which a GPU makes itself.
+        self._table: Field = wp.array(table, dtype=wp.float64, device=device, copy=False)
+        padded = grids.count, *shape
+        modes = grids.count, shape[0], 2 * (shape[1] // 2 + 1)
+        places: tuple[Any, Any] = None, None
+        half = 0
+        if isinstance(within, PaddedFilter):
+            assert shape == (grids.rows, grids.columns)  # of no padding to stay zero
+            places = within.made, within.waves
+            half = -(-math.prod(modes) * wp.types.type_size_in_bytes(real) // ALIGNED) * ALIGNED
+        #: Before and after; between, by modes: real and imaginary parts in turn.
+        self.given: Field = lying(places[0], padded, real, device)
+        self.waves: Field = lying(places[1], modes, real, device)
+        self.made: Field = lying(places[1], padded, real, device, start=half)
+
+    def set_mean(self, value: float) -> None:
+        self._table[:1, :1].fill_(value)
+
+    def say(
+        self, program: Program, field_in: Field, line: Any, field_out: Field, *, divides: bool = False
+    ) -> None:
+        grids, executor = self._grids, self._executor
+        members = {name: getattr(grids, name) for name in ("visited", "rows", "columns", "stride")}
+        around = arguments(fourier.Around, divides=divides, scale=self.scale, **members)
+
+        def launch(kernel: Any, rows: int, *given: Any) -> None:
+            slots = executor.slots_of(grids.count * rows)
+            program.launch(kernel[self._kind], around, *given, slots=slots)
+
+        launch(fourier.pad, grids.rows, field_in, self.given)
+        program.call(self.forward)
+        launch(fourier.multiply, self.shape[0], self._table, line, self.waves)
+        program.call(self.back)
+        launch(fourier.crop, grids.rows, self.made, field_out)
+
+    @abstractmethod
+    def forward(self) -> None:
+        """Transform what is given."""
+
+    @abstractmethod
+    def back(self) -> None:
+        """Transform the modes back; they are lost."""
+
+
+class ScipyFilter(PaddedFilter):
+    """On a CPU. Blocks, which do not depend on the threads, are shared among them."""
 
     def forward(self) -> None:
         """Transform what is given."""
-        self._modes[:] = fft.rfft2(self.given.numpy())
+        modes = self._modes
+
+        def along(rows: slice) -> None:
+            self._by_rows(modes)[rows] = fft.rfft(self._by_rows(self.given.numpy())[rows], axis=1)
+
+        def across(block: Any) -> None:
+            modes[block] = fft.fft(modes[block], axis=1)
+
+        self._for_each(along, self._rows())
+        self._for_each(across, self._columns())
 
     def back(self) -> None:
         """Transform the modes back; they are lost."""
-        self.made.numpy()[:] = fft.irfft2(self._modes, s=self.shape)
+        modes = self._modes
 
-    def transform(self) -> None:
-        """Do both."""
-        self.forward()
-        self.back()
+        def across(block: Any) -> None:
+            modes[block] = fft.ifft(modes[block], axis=1)
+
+        def along(rows: slice) -> None:
+            lines = fft.irfft(self._by_rows(modes)[rows], n=self.shape[1], axis=1)
+            self._by_rows(self.made.numpy())[rows] = lines
+
+        self._for_each(across, self._columns())
+        self._for_each(along, self._rows())
 
     @property
     def _modes(self) -> Any:
-        values = self.waves.numpy()
-        return values.view(np.complex128 if values.dtype == np.float64 else np.complex64)[..., 0]
+        """The modes as complex numbers, shape (grids, n, m//2 + 1)."""
+        return self.waves.numpy().view(np.complex64 if self._kind is np.float32 else np.complex128)
+
+    @staticmethod
+    def _by_rows(values: Any) -> Any:
+        return values.reshape(-1, values.shape[2])
+
+    @property
+    def _visited(self) -> int:
+        return int(self._grids.visited.numpy()[0])
+
+    def _rows(self) -> list[slice]:
+        """Blocks of rows of the grids that are visited."""
+        rows, modes = self._grids.count * self.shape[0], self.shape[1] // 2 + 1
+        length = max(-(-rows // ROW_BLOCKS), -(-MODES_PER_BLOCK // modes))
+        return _blocks(self._visited * self.shape[0], length)
+
+    def _columns(self) -> list[Any]:
+        """Blocks of columns of one grid, or of several grids as a whole."""
+        modes = self.shape[1] // 2 + 1
+        if self._grids.count == 1:
+            return [np.s_[:, :, block] for block in _blocks(modes, COLUMNS)]
+        return [*_blocks(self._visited, max(1, MODES_PER_BLOCK // (self.shape[0] * modes)))]
+
+    def _for_each(self, work: Callable[[Any], None], blocks: Sequence[Any]) -> None:
+        """Do the work on every block, shared among the executor's threads."""
+        executor = self._executor
+        threads = len(executor.equal_chunks(executor.grid.nx))
+
+        def share(first: int) -> None:
+            for block in blocks[first::threads]:
+                work(block)
+
+        executor.on_threads([partial(share, first) for first in range(threads)])
 
 
-class CupyFilter(Filter):
-    """On a GPU, by plans of CuPy in the stream of Warp's device."""
+class CupyFilter(PaddedFilter):
+    """On a GPU, by plans of CuPy in the stream of Warp's device, all grids at once."""
 
-    def __init__(
-        self,
-        executor: Executor,
-        shape: tuple[int, int],
-        kind: type[np.floating[Any]],
-        within: Filter | None = None,
-    ) -> None:
-        super().__init__(executor, shape, kind, within)
+    def __init__(self, executor: Executor, grids: Grids, *where: Any, **options: Any) -> None:
+        super().__init__(executor, grids, *where, **options)
         cupy = load_cupy(executor.device)
-        cufft = cupy.cuda.cufft
-        self.scale = 1.0 / (shape[0] * shape[1])
+        cufft, shape, count = cupy.cuda.cufft, self.shape, grids.count
+        self.scale = 1.0 / math.prod(shape)
         self._device = cupy.cuda.Device(executor.device.ordinal)
-        double = kind is np.float64
+        double = self._kind is np.float64
         there = cufft.CUFFT_D2Z if double else cufft.CUFFT_R2C
         back = cufft.CUFFT_Z2D if double else cufft.CUFFT_C2R
         with self._device:
             self._stream = stream_of(cupy.cuda, executor.device)
             self._plans = [
-                cufft.PlanNd(shape, None, 1, 0, None, 1, 0, way, 1, "C", 1, None) for way in (there, back)
+                cufft.PlanNd(shape, None, 1, 0, None, 1, 0, way, count, "C", 1, None) for way in (there, back)
             ]
-            self._views = [cupy.asarray(values) for values in (self.given, self.waves, self.made)]
+            kind = cupy.complex128 if double else cupy.complex64
+            given, waves, made = (cupy.asarray(values) for values in (self.given, self.waves, self.made))
+            self._views = given, waves.view(kind), made
+        for transform in (self.forward, self.back):
+            transform()  # once before a graph captures them: the library loads what it needs
 
     def forward(self) -> None:
         """Transform what is given."""
@@ -103,18 +191,24 @@ class CupyFilter(Filter):
 
 def filter_of(
     executor: Executor,
+    table: Any,
     shape: tuple[int, int],
-    kind: type[np.floating[Any]],
+    kind: Any,
     *,
+    grids: Grids | None = None,
     within: Filter | None = None,
 ) -> Filter:
-    """Transforms where the executor's fields are. kind: of number. within: where its memory lies."""
-    return (Filter if executor.device.is_cpu else CupyFilter)(executor, shape, kind, within)
+    """A filter where the executor's fields are.
+
+    table: rows 0 … n//2 and columns 0 … m//2 of an even one. kind: of number. grids: the executor's grid by
+    default. within: of double precision and no smaller a shape, whose memory serves one of single precision.
+    """
+    kinds: type[Any] = CupyFilter
+    if executor.device.is_cpu:
+        kinds = Convolution if fits(shape) else ScipyFilter
+    filtered: Filter = kinds(executor, grids or Grids.whole(executor), table, shape, kind, within=within)
+    return filtered
 
 
-def _lying(place: Field, start: int, shape: tuple[int, int], dtype: Any) -> Field:
-    """An array in the memory of another, from a byte on; of its own where it does not fit."""
-    size = math.prod(shape) * wp.types.type_size_in_bytes(dtype)
-    if start + size > place.capacity:
-        return wp.zeros(shape, dtype=dtype, device=place.device)
-    return wp.array(ptr=place.ptr + start, dtype=dtype, shape=shape, device=place.device, copy=False)
+def _blocks(end: int, length: int) -> list[slice]:
+    return [slice(start, min(start + length, end)) for start in range(0, end, length)]

@@ -1,17 +1,21 @@
 """What a pressure does to an elastic half-space, and the inverse that preconditions the solver.
 
-Displacement and pressure are tied by a convolution, done in Fourier space by `transforms`.
+Displacement and pressure are tied by a convolution, done in Fourier space by `filters`.
 """
 
 import math
 from abc import ABC, abstractmethod
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+import warp as wp
 
 from warpwear import lazy
-from warpwear.contact.half_space.transforms import CupyTransforms, ScipyTransforms, Transforms, unfolded
+from warpwear.contact.half_space.filters import filter_of
+from warpwear.contact.half_space.transforms import Filter, arrays_of
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.program import Program
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid, IntArray
 from warpwear.kernels.half_space import extension
@@ -25,25 +29,43 @@ Box = tuple[int, int, int, int]
 
 
 class Operator(ABC):
-    """A symmetric operator on the fields of an executor, and an approximate inverse, as filters of waves."""
+    """A symmetric operator on the fields of an executor, and an approximate inverse, as filters of waves.
+
+    Tables of the waves are made once. What compliances add to them is a line of numbers by row, in arrays
+    that programs read when they run.
+    """
 
     cells: int  # of the surface: what padding there is in the fields does not count
     shortest_response: float  # displacement under a pressure that alternates from cell to cell [mm/MPa]
     #: Ranges of slots for the threads, from 0 on; None: all, by whole rows.
     chunks: list[tuple[int, int]] | None = None
 
-    _far: Transforms  # of the response, with a table of it
-    _response: Any
-    _near: Transforms  # of the inverse, with a table of what it divides by; may be those of the response
-    _nearby: Any
     #: Whether it is one convolution of all cells, so that there are `coefficients`.
     of_one_grid = False
     #: Whether that repeats beyond the edges of the grid.
     wraps = False
     #: Weights with which next neighbours extend what the inverse is given; none where it is not extended.
     of_neighbours: Any = None
-    #: A table of the response, and its coefficients by distance in cells.
-    _coefficients: tuple[Any, Any] = None, None
+
+    def __init__(self, executor: Executor, shape: tuple[int, int], near_shape: tuple[int, int]) -> None:
+        self._executor = executor
+        #: Shape of what is transformed for the response.
+        self.far_shape = shape
+        #: What compliances add to modes of the response and of its inverse, by row up to the middle.
+        self.line, self.near_line = (
+            wp.zeros(rows // 2 + 1, dtype=wp.float64, device=executor.device)
+            for rows in (shape[0], near_shape[0])
+        )
+        #: The weights as programs read them: along x, along y and across corners.
+        self.neighbours = wp.zeros(3, dtype=wp.float32, device=executor.device)
+        #: How many rows of the fields it is about, the first ones; an array of one number.
+        self.visited = wp.full(1, executor.grid.nx, dtype=wp.int32, device=executor.device)
+        self._last: tuple[tuple[Field, Field, bool], Program] | None = None
+
+    @property
+    def rows_visited(self) -> int:
+        """How many rows of the fields it is about, the first ones."""
+        return int(self.visited.numpy()[0])
 
     @abstractmethod
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
@@ -51,39 +73,56 @@ class Operator(ABC):
 
         S is a mean along x over `window` cells, around each of them: of an even number the cell at either end
         counts half. None, or as many cells as the grid has rows: S is the mean of the line, and so is S S.
+        Programs of this operator heed it, those recorded before as well.
         """
 
     @property
-    def transforms(self) -> int:
-        """Pairs of transforms done so far, of the response and of its inverse."""
-        return self._far.transforms + (self._near.transforms if self._near is not self._far else 0)
+    @abstractmethod
+    def _far(self) -> Filter:
+        """What makes the response, in double precision."""
 
-    def respond(
-        self, pressure: Field, displacement: Field, *, counted: bool = True, single: bool = False
+    @property
+    @abstractmethod
+    def _far_single(self) -> Filter:
+        """What makes it in single precision, where that is quicker."""
+
+    @property
+    @abstractmethod
+    def _near(self) -> Filter:
+        """What makes the inverse, by a table of what it divides by."""
+
+    def say_response(
+        self, program: Program, field_in: Field, field_out: Field, *, single: bool = False
     ) -> None:
-        """Displacement [mm] under a pressure [MPa], compliances included. counted: among the transforms.
+        """Add to a program: displacement [mm] under a pressure [MPa], compliances included; may be in place.
 
-        single: whether single precision will do, where the transforms have it.
+        single: whether single precision will do.
         """
-        self._far.filter(pressure, self._response, displacement, single=single)
-        self._far.transforms -= not counted
+        (self._far_single if single else self._far).say(program, field_in, self.line, field_out)
 
-    def coefficients(self, rows: IntArray, columns: IntArray) -> FloatArray:
-        """Displacement of each cell listed under a unit pressure on each [mm/MPa], compliances included."""
-        table, shape = self._response, self._far.shape
-        if self._coefficients[0] is not table:
-            # The response is even in both directions, so that a quarter of it is all.
-            quarter = fft.irfft(table[: shape[0] // 2 + 1], n=shape[1], axis=1)[:, : shape[1] // 2 + 1]
-            quarter = fft.irfft(quarter, n=shape[0], axis=0)[: shape[0] // 2 + 1]
-            self._coefficients = table, np.ascontiguousarray(quarter)
-        away = [np.abs(places[:, np.newaxis] - places) for places in (rows, columns)]
-        along, across = (np.minimum(d, size - d) for d, size in zip(away, shape, strict=True))
-        found: FloatArray = self._coefficients[1][along, across]
-        return found
+    def say_inverse(self, program: Program, field_in: Field, field_out: Field) -> None:
+        """Add to a program: about the pressure [MPa] of a displacement [mm], in single precision.
+
+        It is |q| E*/2 without compliances. May be in place.
+        """
+        self._near.say(program, field_in, self.near_line, field_out, divides=True)
+
+    def respond(self, pressure: Field, displacement: Field) -> None:
+        """Displacement [mm] under a pressure [MPa], compliances included, at once."""
+        self._run(pressure, displacement, inverse=False)
 
     def invert(self, displacement: Field, pressure: Field) -> None:
-        """About the pressure [MPa] of a displacement [mm]: |q| E*/2 without compliances. May be in place."""
-        self._near.filter(displacement, self._nearby, pressure, divide=True)
+        """About the pressure [MPa] of a displacement [mm], at once."""
+        self._run(displacement, pressure, inverse=True)
+
+    def _run(self, field_in: Field, field_out: Field, *, inverse: bool) -> None:
+        """Run a program of one filter; the last one is there for the next time."""
+        fields = field_in, field_out, inverse
+        if self._last is None or any(a is not b for a, b in zip(fields, self._last[0], strict=True)):
+            program = Program(self._executor)
+            (self.say_inverse if inverse else self.say_response)(program, field_in, field_out)
+            self._last = fields, program
+        self._last[1].run()
 
 
 class Influence(Operator):
@@ -92,7 +131,7 @@ class Influence(Operator):
     modulus: E* of both bodies together [MPa]. boundary: "periodic" (the mean displacement is left out, since
     it has no limit: gaps count from the mean planes) or "free" (nothing outside the grid; the displacement is
     that of uniform pressures on square cells, exact; Love 1929, Phil. Trans. R. Soc. A 228, 377; Johnson,
-    Contact Mechanics, 1985, section 3.3). Call `set_compliance` before use.
+    Contact Mechanics, 1985, section 3.3).
     """
 
     of_one_grid = True
@@ -105,69 +144,99 @@ class Influence(Operator):
             raise InputError(
                 f'contact.boundary = {boundary!r} is unknown; allowed are "periodic" and "free".'
             )
-        self._streak_cells = grid.nx
         self.wraps = boundary == "periodic"
+        super().__init__(executor, grid.shape if self.wraps else padded_shape(grid), grid.shape)
         self.cells = grid.cells
         self.shortest_response = shortest_response(grid.cell, modulus)
-        make = _transforms_of(executor)
-        #: Shape of what is transformed for the response.
-        self.far_shape = grid.shape if boundary == "periodic" else padded_shape(grid)
-        self._far = make(executor, self.far_shape)
-        if boundary == "periodic":
-            self._near = self._far
-            elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
-            self._elastic = self._near_elastic = self._near.table(elastic)
-        else:
-            self._near = make(executor, grid.shape, within=self._far)
-            elastic = self._near.on_device(lambda xp: periodic_spectrum(grid, modulus, xp))
-            # The mean that a periodic surface leaves out: that of a uniform pressure, about.
-            elastic[0, 0] = 3.0 * elastic.max()
-            self._near_elastic = self._near.table(elastic)
-            self._elastic = self._far.table(free_quarter(grid, modulus, self.far_shape))
-        self._steps = [max(1, size // MODES_OF_WEIGHTS) for size in grid.shape]
-        few = elastic[:: self._steps[0], :: self._steps[1]]
-        #: Modes of the inverse far apart, on the host.
-        self._few: FloatArray = self._near.on_device(lambda xp: few.copy() if xp is np else few.get())
-        self._weights: tuple[Any, extension.Weights] | None = None
+        with arrays_of(executor) as (xp, _):
+            near = periodic_spectrum(grid, modulus, xp, rows=grid.nx // 2 + 1)
+            if not self.wraps:
+                # The mean that a periodic surface leaves out: that of a uniform pressure, about.
+                near[0, 0] = 3.0 * near.max()
+            #: Tables of the response without compliances and of what the inverse divides by, rows up to the
+            #: middle.
+            self.near_elastic = self.elastic = near
+            if not self.wraps:
+                self.elastic = xp.asarray(free_quarter(grid, modulus, self.far_shape))
+            along, across = (np.arange(0, n, max(1, n // MODES_OF_WEIGHTS)) for n in grid.shape)
+            across = across[2 * across <= grid.ny]
+            #: Lines of modes of the inverse far apart, and these modes, on the host.
+            self._few_lines = np.minimum(along, grid.nx - along)
+            few = near[xp.asarray(self._few_lines)[:, np.newaxis], xp.asarray(across)]
+            self._few: FloatArray = few if xp is np else few.get()
+        self._sums = _sums(grid.shape, along, across)
+        self._means: dict[tuple[int, int], FloatArray] = {}
+        #: What compliances add to the coefficients in a column, by distance along x, where that is read.
+        self._along: Any = None
         self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)
 
-    @property
-    def elastic(self) -> Any:
-        """The table of the response without compliances, all rows of it."""
-        return unfolded(self._elastic, self._far.shape[0])
+    @cached_property
+    def _far(self) -> Filter:
+        return filter_of(self._executor, self.elastic, self.far_shape, np.float64)
 
-    @property
-    def near_elastic(self) -> Any:
-        """The table of what the inverse divides by, likewise."""
-        return unfolded(self._near_elastic, self._near.shape[0])
+    @cached_property
+    def _far_single(self) -> Filter:
+        if not self._executor.device.is_cpu:
+            return self._far
+        return filter_of(self._executor, self.elastic, self.far_shape, np.float32, within=self._far)
+
+    @cached_property
+    def _near(self) -> Filter:
+        # The inverse runs before the response, which then writes all that it reads: one memory for both.
+        if self.wraps and self._executor.device.is_cpu:
+            return self._far_single
+        shape = self._executor.grid.shape
+        return filter_of(self._executor, self.near_elastic, shape, np.float32, within=self._far)
 
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
         """Add to the elastic response, as `Operator.set_compliance` says."""
-        line = self._streak_cells
-        asked = own, streak, line if window is None else min(window, line)
-        if self._compliance == asked:
+        compliance = own, streak, self._within(window)
+        if self._compliance == compliance:
             return
-        self._compliance = asked
-        self._response = self._with(self._far, self._elastic, *asked)
-        self._nearby = self._response
-        if self._near is not self._far:
-            self._nearby = self._with(self._near, self._near_elastic, *asked)
+        self._compliance = compliance
+        for line, rows in ((self.line, self.far_shape[0]), (self.near_line, self._executor.grid.nx)):
+            write(line, self._line(rows, *compliance))
+        write(self.neighbours, np.array(self.weights(own, streak, window), dtype=np.float32))
+        if self._along is not None:
+            write(self._along, self._along_x)
 
-    def _with(self, transforms: Transforms, elastic: Any, own: float, streak: float, window: int) -> Any:
-        if own == 0.0 and streak == 0.0:
-            return elastic
-        return transforms.added(elastic, own, streak * self._mean_of(transforms.shape[0], window))
+    def _within(self, window: int | None) -> int:
+        rows = self._executor.grid.nx
+        return rows if window is None else min(window, rows)
 
-    def lines(self, own: float, streak: float, window: int | None) -> tuple[FloatArray, FloatArray]:
-        """What compliances, as of `set_compliance`, add to the response and its inverse, by row."""
-        line = self._streak_cells
-        window = line if window is None else min(window, line)
-        of_response, of_inverse = (
-            own + (streak * self._mean_of(rows, window) if streak else np.zeros(rows))
-            for rows in (self._far.shape[0], self._near.shape[0])
-        )
-        return of_response, of_inverse
+    def _line(self, rows: int, own: float, streak: float, window: int) -> FloatArray:
+        """What compliances add to the modes of rows, up to the middle."""
+        if streak == 0.0:
+            return np.full(rows // 2 + 1, own)
+        return own + streak * self._mean_of(rows, window)[: rows // 2 + 1]
+
+    def coefficients(self) -> tuple[Any, Any]:
+        """Displacement under a unit pressure on a cell [mm/MPa], as arrays of the device.
+
+        By distance in cells along both axes without compliances, which is even in both directions; and what
+        compliances add to it in a column, by distance along x, which programs heed when they change.
+        """
+        if self._along is None:
+            device = self._executor.device
+            self._along = wp.array(self._along_x, dtype=wp.float64, device=device)
+            self._table: Field = wp.array(self._coefficients, dtype=wp.float64, device=device)
+        return self._table, self._along
+
+    @property
+    def _along_x(self) -> FloatArray:
+        rows = self.far_shape[0]
+        # A line by row is a response of the cells of one column alone.
+        return np.asarray(fft.irfft(self.line.numpy(), n=rows)[: rows // 2 + 1])
+
+    @cached_property
+    def _coefficients(self) -> FloatArray:
+        """Displacement without compliances by distance in cells; it is even in both directions."""
+        with arrays_of(self._executor) as (xp, _):
+            table = self.elastic if xp is np else self.elastic.get()
+        shape = self.far_shape
+        quarter = fft.irfft(table, n=shape[1], axis=1)[:, : shape[1] // 2 + 1]
+        return np.ascontiguousarray(fft.irfft(quarter, n=shape[0], axis=0)[: shape[0] // 2 + 1])
 
     def weights(self, own: float, streak: float, window: int | None) -> extension.Weights:
         """Weights of neighbours along x, along y and across corners, with which a cell needs no pressure.
@@ -175,21 +244,11 @@ class Influence(Operator):
         They are coefficients of the inverse under compliances, as of `set_compliance`, over that of the cell
         itself, by few modes.
         """
-        if self._weights is None or self._weights[0] != (own, streak, window):
-            shape = self._near.shape
-            line = self.lines(own, streak, window)[1][:: self._steps[0], np.newaxis]
-            response = self._few + line
-            inverse = np.divide(1.0, response, out=np.zeros_like(response), where=response > 0.0)
-            # A real transform holds half of the modes, without the other side of the first and the last.
-            inverse[:, 1 : (shape[1] - 1) // (2 * self._steps[1]) + 1] *= 2.0
-            along, across = (
-                np.cos(2.0 * math.pi / size * step * np.arange(count))
-                for size, step, count in zip(shape, self._steps, inverse.shape, strict=True)
-            )
-            rows = inverse.sum(axis=1), (inverse * across).sum(axis=1)
-            sums = (along * rows[0]).sum(), rows[1].sum(), (along * rows[1]).sum()
-            self._weights = (own, streak, window), extension.Weights(*(-one / inverse.sum() for one in sums))
-        return self._weights[1]
+        line = self._line(self._executor.grid.nx, own, streak, self._within(window))
+        response = self._few + line[self._few_lines, np.newaxis]
+        inverse = np.divide(1.0, response, out=np.zeros_like(response), where=response > 0.0)
+        sums = self._sums @ inverse.ravel()
+        return extension.Weights(*(-sums[1:] / sums[0]))
 
     @property
     def of_neighbours(self) -> extension.Weights | None:
@@ -198,16 +257,35 @@ class Influence(Operator):
 
     def _mean_of(self, rows: int, window: int) -> FloatArray:
         """The spectrum of S S, which is that of its coefficients, of `rows` modes."""
-        distance = np.minimum(np.arange(rows), rows - np.arange(rows))
-        if window == self._streak_cells:
-            return np.asarray(np.fft.fft(np.where(distance < window, 1.0 / window, 0.0)).real)
-        inside = np.where(2 * distance < window, 1.0, np.where(2 * distance == window, 0.5, 0.0))
-        return np.asarray(np.fft.fft(inside / window).real ** 2)
+        if (rows, window) not in self._means:
+            distance = np.minimum(np.arange(rows), rows - np.arange(rows))
+            if window == self._executor.grid.nx:
+                mean = np.fft.fft(np.where(distance < window, 1.0 / window, 0.0)).real
+            else:
+                inside = np.where(2 * distance < window, 1.0, np.where(2 * distance == window, 0.5, 0.0))
+                mean = np.fft.fft(inside / window).real ** 2
+            self._means[rows, window] = np.asarray(mean)
+        return self._means[rows, window]
 
 
-def _transforms_of(executor: Executor) -> Any:
-    """The kind of transforms that works on the executor's fields."""
-    return ScipyTransforms if executor.device.is_cpu else CupyTransforms
+def _sums(shape: tuple[int, int], along: IntArray, across: IntArray) -> FloatArray:
+    """What adds modes up to coefficients, a row each: of a cell itself, along x, along y, across a corner.
+
+    along, across: the modes; of those of columns half is there, without the other side of first and last.
+    """
+    counts = np.where((across == 0) | (2 * across == shape[1]), 1.0, 2.0)
+    x = np.cos(2.0 * math.pi / shape[0] * along)[:, np.newaxis]
+    y = counts * np.cos(2.0 * math.pi / shape[1] * across)
+    one = np.ones((along.size, 1))
+    return np.stack([one * counts, x * counts, one * y, x * y]).reshape(4, -1)
+
+
+def write(array: Any, values: FloatArray) -> None:
+    """Give an array other values, which recorded programs read."""
+    if array.device.is_cpu:
+        array.numpy()[:] = values
+    else:
+        array.assign(values)
 
 
 def displace(executor: Executor, pressure: Field, displacement: Field, *, modulus: float, box: Box) -> None:
@@ -215,10 +293,11 @@ def displace(executor: Executor, pressure: Field, displacement: Field, *, modulu
 
     The convolution is padded no further than cells of the box and of the grid lie apart.
     """
-    grid = executor.grid
-    shape = apart_shape(grid, box)
-    far = _transforms_of(executor)(executor, shape)
-    far.filter(pressure, far.table(free_quarter(grid, modulus, shape)), displacement)
+    shape, program = apart_shape(executor.grid, box), Program(executor)
+    line = wp.zeros(shape[0] // 2 + 1, dtype=wp.float64, device=executor.device)
+    table = free_quarter(executor.grid, modulus, shape)
+    filter_of(executor, table, shape, np.float64).say(program, pressure, line, displacement)
+    program.run()
 
 
 def apart_shape(grid: Grid, box: Box) -> tuple[int, int]:
@@ -234,12 +313,13 @@ def apart_shape(grid: Grid, box: Box) -> tuple[int, int]:
     return along, across
 
 
-def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np) -> Any:
+def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np, *, rows: int | None = None) -> Any:
     """2/(E*|q|) of the modes of a real transform [mm/MPa], shape (nx, ny//2 + 1), 0 for the mean.
 
-    xp: NumPy, or CuPy: a billion modes take NumPy longer than their contact takes a GPU.
+    rows: of modes, the first ones; by default all. xp: NumPy, or CuPy: a billion modes take NumPy longer than
+    their contact takes a GPU.
     """
-    q_x = 2.0 * math.pi * xp.fft.fftfreq(grid.nx, grid.cell)
+    q_x = 2.0 * math.pi * xp.fft.fftfreq(grid.nx, grid.cell)[:rows]
     q_y = 2.0 * math.pi * xp.fft.rfftfreq(grid.ny, grid.cell)
     spectrum = q_x[:, None] ** 2 + q_y**2
     spectrum[0, 0] = math.inf
@@ -258,13 +338,8 @@ def padded_shape(grid: Grid) -> tuple[int, int]:
     return along, across
 
 
-def free_spectrum(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
-    """Response of the modes of a real transform [mm/MPa], on an even shape: (shape[0], shape[1]//2 + 1)."""
-    return np.asarray(unfolded(free_quarter(grid, modulus, shape), shape[0]))
-
-
 def free_quarter(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
-    """Its rows up to the middle, which the others repeat: (shape[0]//2 + 1, shape[1]//2 + 1).
+    """Response of the modes on an even shape [mm/MPa]: (shape[0]//2 + 1, shape[1]//2 + 1), a quarter of all.
 
     The coefficients are even in both directions: a cosine transform of a quarter of them is their spectrum.
     """

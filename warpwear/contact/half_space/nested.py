@@ -44,12 +44,12 @@ def wider(grid: Grid) -> Grid:
     return Grid(-(-grid.nx // 2), -(-grid.ny // 2), 2.0 * grid.cell)
 
 
-def gather(executor: Executor, field: Field, wide: Executor) -> Field:
-    """Means of a field over wide cells, as a field of theirs; `PADDING` where one of the four is that."""
+def gather(executor: Executor, field: Field, wide: Executor, field_out: Field) -> Field:
+    """Give a field of wide cells the means of another one; `PADDING` where one of the four cells is that."""
     nx, ny = executor.grid.shape
-    made = wide.zeros()
     with arrays_of(executor) as (_, view), arrays_of(wide) as (_, view_wide):
-        values, means = view(field), view_wide(made)
+        values, means = view(field), view_wide(field_out)
+        means[:] = 0.0
         for first in range(2):
             for second in range(2):
                 part = values[first::2, second::2]
@@ -61,7 +61,7 @@ def gather(executor: Executor, field: Field, wide: Executor) -> Field:
             means[:, -1] *= 2.0
         means *= 0.25
         means[means >= NO_SURFACE] = PADDING
-    return made
+    return field_out
 
 
 def spread(wide: Executor, field: Field, executor: Executor, field_out: Field) -> None:

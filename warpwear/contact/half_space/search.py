@@ -1,168 +1,290 @@
-"""Projected conjugate gradients for a pressure between bounds that carries a load.
+"""Projected conjugate gradients for a pressure between bounds that carries a load, as a program of a device.
 
 A trial step is clipped to 0 ≤ p ≤ H and shifted to the load, then the minimum along the way to it is taken,
 so that every iterate is feasible, none is worse than the last, and an iteration costs one pair of transforms,
 two with the preconditioner |q| E*/2. The root is Polonsky and Keer 1999, Wear 231, 206; Almqvist et al. 2007,
 Tribol. Int. 40, 574 added the cap, Vollebregt 2014, J. Comput. Phys. 257, 333 the preconditioner.
 
-Parts with loads of their own have levels and shifts of their own, and the length and the memory of a step in
-common: together they are one problem, whose matrix has a block for each.
+Groups of rows with loads of their own have levels and shifts of their own, and the length and the memory of a
+step in common: together they are one problem, whose matrix has a block for each.
+
+The passes are in `kernels.half_space.passes`, the decisions, which hold the rules, in
+`kernels.half_space.decisions`.
 """
 
-import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import warp as wp
 
 from warpwear.contact.balance import TOLERANCE
-from warpwear.contact.half_space import few
-from warpwear.contact.half_space.passes import NO_CAP, Iterate, Products, SearchSums
+from warpwear.contact.half_space.influence import Operator
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
-from warpwear.kernels.cells import PADDING
+from warpwear.kernels.cells import NONE
+from warpwear.kernels.half_space import decisions, extension, few, passes, solve
+from warpwear.kernels.half_space.solve import Request
 
-#: Where a smaller fraction of the cells in contact is below the cap, |q| is no guide: steps then follow the
-#: plain gradient.
-ELASTIC_FRACTION = 0.1
-#: Plain steps of a solve; |q| leads on where so many have not led to its end.
-PATIENCE = 16
-#: A step is taken whole, bounds and all, if it is at least this fraction of the best length; else the best
-#: length is taken.
-WHOLE_STEP = 0.9
-#: A preconditioned step whose best length is below this led nowhere: plain steps follow.
-SHORTEST_USEFUL_STEP = 0.05
-#: Plain steps that follow then.
-PLAIN_STEPS = 5
-#: Cells at a bound are pushed outward this many times harder than free cells move, in a preconditioned step.
-OUTWARD = 1.0e3
+#: Stands for no cap: kernels compare with it.
+NO_CAP = float(NONE)
+#: Cells of a grid from which responses to steps are made in single precision.
+LEAST_SINGLE = 2**14
+
+
+@dataclass(frozen=True)
+class SearchRules:
+    """The rules of a search; those of `kernels.half_space.decisions` go by them."""
+
+    #: Where a smaller fraction of the cells in contact is below the cap, |q| is no guide: steps then follow
+    #: the plain gradient.
+    elastic_fraction: float = 0.1
+    #: Plain steps of a solve; |q| leads on where this many have not led to its end.
+    patience: int = 16
+    #: A step is taken whole, bounds and all, if it is at least this fraction of the best length; else the
+    #: best length is taken.
+    whole_step: float = 0.9
+    #: A preconditioned step whose best length is below this led nowhere: plain steps follow.
+    shortest_useful_step: float = 0.05
+    #: Plain steps that follow then.
+    plain_steps: int = 5
+    #: Cells at a bound are pushed outward this many times harder than free cells move, in a preconditioned
+    #: step.
+    outward: float = 1.0e3
+    #: Largest violation of complementarity, over the rms height of the gap.
+    tolerance: float = 1.0e-6
+    #: Smaller differences of displacements, relative to them, are those of the last digits.
+    rounding: float = 16.0 * float(np.finfo(np.float64).eps)
+    #: Residual of the load, relative to it.
+    load_tolerance: float = TOLERANCE
+    #: What a trial may miss of the load, relatively: the next step makes up for it.
+    rough_balance: float = 1.0e-3
+    iterations: int = 1000
+    #: Ends of the lines of cells between the bounds, over these cells, from which their gradient is extended
+    #: to others: 0.4 where waves are two cells long, 0.08 where they are sixteen, 0.01 under a smooth ball.
+    scattered: float = 0.15
+    #: One of this many rows is looked at for that.
+    every: int = 8
+    #: Error of the gradient, over the violation left, from which it is made anew.
+    drift: float = 0.2
+    #: Error of a response in single precision, over its largest value: measured were 4e-7 to 7e-7.
+    single_rounding: float = 8.0 * float(np.finfo(np.float32).eps)
+    #: Cells that are moved at once, exactly, at most.
+    few: int = 256
+    #: Gap or overlap of a cell that may change sides then, over the largest violation of complementarity.
+    near: float = 0.25
 
 
 class Search:
-    """The iterations of one solve: what the next step remembers of the last."""
+    """The search for a pressure under one operator, on one gap.
+
+    gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1, all
+    rows together, or as many as the executor has rows, each of which has a load of its own. pressure: what it
+    starts from and ends with. Numbers of each group are arrays of that length.
+    """
 
     def __init__(
-        self, iterate: Iterate, asked: FloatArray | None, approach: float | None, stiffness: float
+        self,
+        executor: Executor,
+        operator: Operator,
+        *,
+        hardness: float,
+        rules: SearchRules,
+        fields: Mapping[str, Field],
+        fractions: Field | None,
+        groups: int,
     ) -> None:
-        self._iterate = iterate
-        self._asked = asked
-        self._approach = approach
-        #: Length of a trial step by kind, plain or not, and whether it has been measured.
-        self._length = {True: stiffness, False: 1.0}
-        self._measured = {True: False, False: False}
-        self._curvature = 0.0
-        self._last: bool | None = None  # kind of the last step; None: nothing to remember
-        self._plain_left = 0
-        self._plain_steps = 0  # so far
-        #: Violation from which moving few cells alone is not tried [mm].
-        self._few_below = math.inf
+        self._executor, self._operator, self._rules = executor, operator, rules
+        device, grid = executor.device, executor.grid
+        on_cpu = device.is_cpu
+        self._single = operator.of_one_grid and on_cpu and operator.cells >= LEAST_SINGLE
+        self._extends = operator.of_one_grid
+        self._few = rules.few if operator.of_one_grid and on_cpu and hardness < NO_CAP and groups == 1 else 0
+        gathered = (grid.nx, 8 * executor.vectors) if self._extends and on_cpu else (0, 0)
+        slots = grid.nx if groups > 1 else executor.slots_of(grid.nx)
+        flags = ("starts", "anew", "searching", "renews", "renews_exactly", "renews_roughly", "moves")
+        flags += ("moves_few", "aimed_at_few", "steps", "descends", "preconditions", "extends", "extends_not")
 
-    def level(self, state: SearchSums) -> FloatArray:
-        """Approach λ of each part [mm]: given, or the mean gap of the cells between the bounds.
+        def array(size: int | tuple[int, ...], dtype: Any) -> Field:
+            return wp.zeros(size, dtype=dtype, device=device)
 
-        Where there are none, it is the gap of the cell which is next to take load, or to give it.
-        """
-        if self._approach is not None or self._asked is None:
-            return np.full(1, self._approach or 0.0)
-        if state.between.all():
-            return state.level / state.between
-        # Where no cell touches, or all that there are carry the hardness, one of the two is missing.
-        highest = np.where(state.highest > -NO_CAP, state.highest, state.lowest)
-        lowest = np.where(state.lowest < PADDING, state.lowest, state.highest)
-        loaded = np.abs(state.total - self._asked) <= TOLERANCE * self._asked
-        following = np.where(state.total < self._asked, lowest, highest)
-        following = np.where(loaded, 0.5 * (highest + lowest), following)
-        return np.where(state.between > 0.0, state.level / np.maximum(state.between, 1.0), following)
-
-    def move(self, state: SearchSums, level: FloatArray, *, loaded: bool) -> SearchSums | None:
-        """Make one iteration; None where no step leads on.
-
-        loaded: whether the pressure carries the load. If not, the step is taken whole, so that it does.
-        """
-        while True:
-            between = state.between.sum()
-            capped = between <= ELASTIC_FRACTION * state.touching.sum()
-            patient = self._plain_steps < PATIENCE or between == 0.0
-            plain = self._plain_left > 0 or (capped and patient)
-            self._plain_left = max(self._plain_left - 1, 0)
-            self._plain_steps += plain
-            if (plain or capped) and loaded and (settled := self._settle_few(state, level)) is not None:
-                return settled
-            remembers = self._last is plain
-            aimed = self._aim(level, plain)
-            if aimed is not None:
-                slope, curvature, used = self._iterate.step(level, aimed)
-                best = -slope / curvature if curvature > 0.0 else math.nan
-                if best > 0.0 or not loaded:
-                    self._curvature = curvature
-                    return self._go(plain, aimed, best, used, loaded)
-            # The step leads up. Without memory and preconditioner it cannot, but for rounding.
-            if plain and not remembers:
-                if aimed is None or used < 1.0:
-                    return None
-                # A pressure off its bound by the last digit of the load hides where the others want to go.
-                return self._go(plain, aimed, 1.0, used, loaded)
-            self._last, self._plain_left = None, PLAIN_STEPS
-
-    def _settle_few(self, state: SearchSums, level: FloatArray) -> SearchSums | None:
-        """Move the few cells alone whose place is open; None where that is no way."""
-        if self._asked is None or not self._iterate.can_aim_at_few or state.between.sum() > few.FEW:
-            return None
-        violation = max(float((state.highest - level).max()), float((level - state.lowest).max()))
-        if violation > self._few_below:
-            return None
-        self._few_below = 0.5 * violation
-        if not few.aim(self._iterate, level.item(), violation):
-            return None
-        shift = np.zeros_like(level)
-        slope, curvature, _ = self._iterate.step(level, shift)
-        if not -slope > 0.5 * curvature > 0.0:  # it leads up
-            return None
-        self._last = None
-        return self._iterate.advance(1.0, shift=shift)
-
-    def _aim(self, level: FloatArray, plain: bool) -> FloatArray | None:
-        """Make the trial pressure; return the shifts that restore its load, None where it leads up."""
-        z, z_level = self._iterate.descent(level, plain=plain)
-        sums = self._iterate.products(level, z, z_level)
-        mean = np.zeros_like(level) if self._asked is None else sums.z / np.maximum(sums.cells, 1.0)
-        memory = 0.0
-        if self._last is plain:
-            memory = max(0.0, float((sums.zy - mean * sums.y).sum()) / self._curvature)
-        downhill = float((sums.zr - mean * sums.r).sum())
-        if memory * float(sums.sr.sum()) >= downhill:
-            memory = 0.0
-        if not plain and not downhill > 0.0:
-            return None
-        outward = 1.0 if plain else OUTWARD * _ratio(sums)
-        carried = self._iterate.aim(
-            level, z, z_level + mean, memory=memory, length=self._length[plain], outward=outward
+        self._solve = arguments(
+            solve.Solve,
+            columns=grid.ny,
+            wraps=int(operator.wraps),
+            rules=self._kernel_rules(groups),
+            fields=arguments(
+                solve.Fields,
+                **fields,
+                cap=min(hardness, NO_CAP),
+                fractions=executor.zeros(0) if fractions is None else fractions,
+                gathered=array(gathered, wp.float32),
+            ),
+            few=room_for_few(self._few, device),
+            request=array(len(Request), wp.float64),
+            loads=array(groups, wp.float64),
+            visited=operator.visited,
+            groups=array(groups, solve.Group),
+            numbers=array(1, solve.Numbers),
+            table=array((solve.LINES, slots), wp.float64),
+            **{name: array(1, wp.int32) for name in (*flags, "balancing")},
         )
-        if self._asked is None:
-            return np.zeros_like(level)
-        unit = self._length[plain] * np.maximum(sums.largest_z, sums.largest_r * outward)
-        return self._iterate.balance(self._asked, *carried, unit=unit)
+        if self._extends:
+            self._solve.neighbours = operator.neighbours
+        self._slots = slots
+        self._program = self._say()
 
-    def _go(self, plain: bool, shift: FloatArray, best: float, used: float, loaded: bool) -> SearchSums:
-        """Go along the step as far as is best.
+    def run(self, request: Mapping[Request, float], loads: FloatArray) -> int:
+        """Search; returns how it ended, by the numbers of `kernels.half_space.solve`.
 
-        best: length at which the minimum along it lies, in steps. used: largest fraction of its room to a
-        bound that a cell uses in a whole step.
+        loads: Σ p of each group [MPa]; at approaches those [mm].
         """
-        if not loaded or WHOLE_STEP < best <= 1.0 or (best > 1.0 and best * used > 1.0):
-            state = self._iterate.advance(1.0, shift=shift)
-        else:
-            state = self._iterate.advance(best)
-        if not loaded:
-            return state
-        if not plain and best <= SHORTEST_USEFUL_STEP:
-            self._plain_left = PLAIN_STEPS
-        # The best length of a step that the bounds cut short may say nothing.
-        factor = min(max(best, 0.5), 2.0) if self._measured[plain] else min(best, 2.0)
-        self._length[plain] *= factor
-        self._measured[plain] = True
-        self._last = plain
-        return state
+        executor = self._executor
+        executor.put(self._solve.loads, np.resize(loads, self._solve.loads.shape))
+        values = np.array([request.get(name, 0.0) for name in Request])
+        executor.put(self._solve.request, values)
+        self._program.run()
+        self.numbers = self._solve.numbers.numpy()[0]
+        if self.numbers["status"] == solve.NEEDS_COEFFICIENTS:
+            self._take_coefficients()
+            values[Request.RESUMES] = 1.0
+            executor.put(self._solve.request, values)
+            self._program.run()
+            self.numbers = self._solve.numbers.numpy()[0]
+        self.groups = self._solve.groups.numpy()[: self._visited_groups]
+        return int(self.numbers["status"])
+
+    def _say(self) -> Program:
+        """Say the search: how it starts, and an iteration, which is made until a decision ends it."""
+        program, search = Program(self._executor), self._solve
+        program.decide(decisions.start, search)
+        with program.branch(search.starts):
+            for _ in range(2):  # about 0, then about the mean
+                self._pass(program, passes.moments)
+                program.decide(decisions.measure, search)
+        with program.branch(search.anew):
+            self._pass(program, passes.springs)
+            self._balance(program)
+            self._pass(program, passes.take)
+        with program.loop(search.searching):
+            with program.branch(search.renews):
+                self._renew(program)
+            with program.branch(search.moves):
+                if self._few:
+                    with program.branch(search.moves_few):
+                        self._move_few(program)
+                with program.branch(search.steps):
+                    self._step(program)
+            self._pass(program, passes.advance)
+            program.decide(decisions.judge, search)
+        return program
+
+    def _renew(self, program: Program) -> None:
+        """Make the gradient of the present pressure anew."""
+        search = self._solve
+        if search.fields.fractions.shape[0]:
+            self._pass(program, passes.bound)
+        with program.branch(search.renews_exactly):
+            self._respond(program, "pressure", single=False)
+        if self._single:
+            with program.branch(search.renews_roughly):
+                self._respond(program, "pressure", single=True)
+        self._pass(program, passes.gradient)
+        program.decide(decisions.renew, search)
+
+    def _step(self, program: Program) -> None:
+        """Aim at a trial, balance it, and go along the step to it as far as is best."""
+        search = self._solve
+        with program.branch(search.preconditions):
+            self._precondition(program)
+        self._pass(program, passes.products)
+        program.decide(decisions.aim, search)
+        with program.branch(search.descends):
+            self._pass(program, passes.direction)
+            self._balance(program)
+            self._respond_to_step(program)
+            program.decide(decisions.go, search)
+
+    def _balance(self, program: Program) -> None:
+        """Shift the trial, whose sums were left, until it carries the load."""
+        program.decide(decisions.begin_balance, self._solve)
+        with program.loop(self._solve.balancing):
+            self._pass(program, passes.carried)
+            program.decide(decisions.balance, self._solve)
+
+    def _respond_to_step(self, program: Program) -> None:
+        self._pass(program, passes.step)
+        self._respond(program, "step", single=self._single)
+        self._pass(program, passes.curvature)
+
+    def _precondition(self, program: Program) -> None:
+        """Make the descent of the free cells from their gradient, extended to the others where that pays."""
+        search, trial = self._solve, self._solve.fields.trial
+        if not self._extends:
+            self._pass(program, passes.residual)
+            self._operator.say_inverse(program, trial, trial)
+            return
+        self._pass(program, passes.scatter)
+        program.decide(decisions.judge_scatter, search)
+        blocks = -(-self._executor.grid.nx // extension.ROWS)
+        with program.branch(search.extends):
+            program.launch(extension.extend, search, slots=blocks)
+        with program.branch(search.extends_not):
+            self._pass(program, passes.residual)
+        self._operator.say_inverse(program, trial, trial)
+        with program.branch(search.extends):
+            program.launch(extension.gather, search, slots=blocks)
+
+    def _move_few(self, program: Program) -> None:
+        """Move the few cells whose place between the bounds is open at once, exactly."""
+        search = self._solve
+        self._pass(program, few.count_open)
+        program.decide(few.place_open, search)
+        with program.branch(search.aimed_at_few):
+            self._pass(program, few.list_open)
+            program.decide(few.aim_few, search)
+        with program.branch(search.aimed_at_few):
+            self._respond_to_step(program)
+            program.decide(few.go_few, search)
+
+    def _respond(self, program: Program, field: str, *, single: bool) -> None:
+        fields = self._solve.fields
+        self._operator.say_response(program, getattr(fields, field), fields.response, single=single)
+
+    def _pass(self, program: Program, kernel: Any) -> None:
+        operator = self._operator
+        chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, self._slots)]
+        program.launch(kernel, self._solve, slots=self._slots, chunks=chunks)
+
+    @property
+    def _visited_groups(self) -> int:
+        groups: int = self._solve.groups.shape[0]
+        return groups if groups == 1 else self._operator.rows_visited
+
+    def _kernel_rules(self, groups: int) -> Any:
+        """The rules as kernels take them."""
+        rules = dict(vars(self._rules)) | {"few": self._few}
+        rules["single_rounding"] *= self._single
+        cells = self._operator.cells / (self._executor.grid.nx if groups > 1 else 1)
+        return arguments(solve.Rules, **rules, group_cells=float(cells))
+
+    def _take_coefficients(self) -> None:
+        """Give the operator's coefficients to the search, which is said anew."""
+        elastic, along = self._operator.coefficients()
+        room, (rows, columns) = self._solve.few, self._operator.far_shape
+        room.elastic, room.along, room.rows, room.columns = elastic, along, rows, columns
+        self._solve.few = room
+        self._program = self._say()
 
 
-def _ratio(sums: Products) -> float:
-    """Largest descent over largest gradient [MPa/mm]."""
-    largest_z, largest_r = float(sums.largest_z.max()), float(sums.largest_r.max())
-    return largest_z / largest_r if largest_r > 0.0 else 0.0
+def room_for_few(most: int, device: Any) -> Any:
+    """Room for the cells that are moved at once, without coefficients yet."""
+    integers = dict.fromkeys(("row", "column", "side", "next", "free", "order"), most) | {"count": 1}
+    numbers = dict.fromkeys(("slope", "low", "high", "change", "rest", "along"), most)
+    numbers |= {"pair": 2 * most, "matrix": most**2}
+    numbers |= dict.fromkeys(("equations", "factor"), most * (most + 2))
+    arrays = {name: wp.zeros(size, dtype=wp.int32, device=device) for name, size in integers.items()}
+    arrays |= {name: wp.zeros(size, dtype=wp.float64, device=device) for name, size in numbers.items()}
+    return arguments(solve.Few, **arrays, elastic=wp.zeros((0, 0), dtype=wp.float64, device=device))

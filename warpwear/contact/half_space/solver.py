@@ -5,36 +5,31 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 
 import math
 from dataclasses import replace
-from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 
-from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
-from warpwear.contact.certificate import Certificate
+from warpwear.contact.certificate import TOGETHER, TOGETHER_ON_GPU, Certificate, cells_of, certify
 from warpwear.contact.half_space import nested
 from warpwear.contact.half_space.contact import HalfSpaceContact, residual_of, worst_of
 from warpwear.contact.half_space.influence import Influence, Operator
-from warpwear.contact.half_space.on_gpu import DeviceSearch
-from warpwear.contact.half_space.passes import Iterate
-from warpwear.contact.half_space.search import Search
-from warpwear.contact.half_space.transforms import release
+from warpwear.contact.half_space.search import NO_CAP, Search, SearchRules
+from warpwear.contact.half_space.transforms import arrays_of, release
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
-from warpwear.kernels.gpu.half_space.solve import CONVERGED, Told
+from warpwear.kernels.half_space.solve import CONVERGED, UNBALANCED, Request
 
 #: Largest violation of complementarity, over the rms height of the gap.
-TOLERANCE = 1.0e-6
-MAX_ITERATIONS = 1000
-#: Smaller differences of displacements, relative to them, are those of the last digits.
-ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
-#: Error of the gradient, over the violation left, from which it is made anew.
-DRIFT = 0.2
+TOLERANCE = SearchRules.tolerance
+MAX_ITERATIONS = SearchRules.iterations
 #: Tolerance from which single precision may be enough for a whole search.
 LOOSE = 1.0e-5
 #: Times that a search goes on from its own result where that cannot be certified.
 RENEWALS = 3
+
+#: Own, streak and window, as of `influence.Operator.set_compliance`.
+Compliances = tuple[float, float, int | None]
 
 
 class BoundedPressure:
@@ -42,7 +37,7 @@ class BoundedPressure:
 
     hardness: H [MPa]. tolerance: of the largest violation of complementarity (|t − λ| where 0 < p < H, λ − t
     where p = 0, t − λ where p = H; t gap after deformation, λ approach), over the rms height of the gap. The
-    load is met to 1e-12.
+    load is met to 1e-12. rules: of the search, but for the tolerance and the iterations.
     """
 
     STATE: ClassVar = {"pressure_field": Field, "_started": bool}
@@ -55,23 +50,20 @@ class BoundedPressure:
         hardness: float = math.inf,
         tolerance: float = TOLERANCE,
         max_iterations: int = MAX_ITERATIONS,
+        rules: SearchRules | None = None,
     ) -> None:
         if not hardness > 0.0:
             raise InputError(f"contact.hardness = {hardness:g} MPa is not possible; it must be positive.")
         self._executor = executor
         self._hardness = hardness
-        self._tolerance = tolerance
-        self._max_iterations = max_iterations
+        self._rules = replace(rules or SearchRules(), tolerance=tolerance, iterations=max_iterations)
         self._influence = influence
-        self._iterate = Iterate(executor, influence, hardness)
+        names = "pressure", "gradient", "trial", "step", "response"
+        self._fields = {name: executor.zeros() for name in names}
+        self._search: Search | None = None
+        #: Gap, cap fractions and groups that the search is said for.
+        self._said: tuple[Any, ...] = ()
         self._started = False
-        #: Displacement under the pressure that was certified last, where a device has made it.
-        self._displaced: Any = None
-
-    @property
-    def on_device(self) -> DeviceSearch | None:
-        """What makes whole solves at a load, where there is that."""
-        return None
 
     @property
     def started(self) -> bool:
@@ -89,7 +81,7 @@ class BoundedPressure:
     @property
     def pressure_field(self) -> Field:
         """Where the next solve starts after `go_on`, to be changed in place between 0 and H [MPa]."""
-        return self._iterate.pressure
+        return self._fields["pressure"]
 
     def solve(
         self,
@@ -116,24 +108,21 @@ class BoundedPressure:
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
         """
-        asked = self._asked(mean_pressure, approach)
-        self._iterate.set_parts(parts)
+        loads = self._loads(mean_pressure, approach)
         compliances = compliance, streak_compliance, streak_window
         certified = not self._started if certified is None else certified
-        transforms = 0 if self._started else self._start(gap, asked, approach, compliances, parts)
+        transforms = 0 if self._started else self._start(gap, mean_pressure, approach, compliances, parts)
+        search = self._search_for(gap, parts, groups=isinstance(mean_pressure, np.ndarray))
+        self._influence.set_compliance(*compliances)
         iterations = 0
         for renewal in range(1 + RENEWALS):
-            search = None if asked is None or self._iterate.parts > 1 else self.on_device
-            if search is not None and asked is not None:
-                contact = self._solve_on(search, gap, float(asked.item()), compliances, parts)
-            else:
-                rough = self._tolerance >= LOOSE and not renewal
-                contact = self._search(gap, asked, approach, compliances, rough)
+            rough = self._rules.tolerance >= LOOSE and not renewal
+            contact = self._searched(search, loads, approach, compliance, rough)
             iterations, transforms = iterations + contact.iterations, transforms + contact.transforms
             contact = replace(contact, iterations=iterations, transforms=transforms)
             if not certified:
                 return contact
-            certificate = self.certificate_of(gap, contact, asked, compliances)
+            certificate = self.certificate_of(gap, contact, loads, compliances, parts)
             if not certificate.fault:
                 return replace(contact, certificate=certificate)
             # What the search added up has drifted: it goes on from the gradient made anew.
@@ -145,9 +134,9 @@ class BoundedPressure:
     def _start(
         self,
         gap: Field,
-        asked: FloatArray | None,
+        mean_pressure: float | FloatArray | None,
         approach: float | None,
-        compliances: tuple[float, float, int | None],
+        compliances: Compliances,
         parts: Field | None,
     ) -> int:
         """Find a first pressure, where there is a way to; the pairs of transforms that it took."""
@@ -157,136 +146,98 @@ class BoundedPressure:
         self,
         gap: Field,
         contact: HalfSpaceContact,
-        asked: FloatArray | None,
-        compliances: tuple[float, float, int | None],
+        loads: FloatArray | None,
+        compliances: Compliances,
+        parts: Field | None = None,
     ) -> Certificate:
         """Certify the pressure field as it stands, at the approaches of a contact. It does not change.
 
-        asked: Σ p of each part [MPa]; None at an approach. compliances: own, streak and window, as of the
-        solve of the contact.
+        loads: Σ p of each group [MPa]; None at an approach. compliances, parts: as of the solve of the
+        contact.
         """
-        displaced = self._displaced = None
-        if asked is not None and self._iterate.parts == 1 and self.on_device is not None:
-            displaced = self._displaced = self.on_device.displacement()
-        else:
-            self._influence.set_compliance(*compliances)
-        terms = {"approaches": contact.approaches, "scale": contact.scale, "allowed": contact.allowed}
-        return self._iterate.certificate(gap, asked, displaced=displaced, **terms)
-
-    def displacement(self) -> Any:
-        """Displacement under the pressure that was certified last [mm]; lost in a solve.
-
-        Where a device made the whole solve it is an array of that, shape (nx, ny); else a field.
-        """
-        return self._iterate.fields["response"] if self._displaced is None else self._displaced
-
-    def _search(
-        self,
-        gap: Field,
-        asked: FloatArray | None,
-        approach: float | None,
-        compliances: tuple[float, float, int | None],
-        rough: bool,
-    ) -> HalfSpaceContact:
-        """Search as `solve` says, pass by pass. rough: begin in single precision."""
-        cells, compliance = self._iterate.cells, compliances[0]
+        executor, cap = self._executor, self._hardness if self._hardness < NO_CAP else math.inf
         self._influence.set_compliance(*compliances)
-        done = self._influence.transforms
-        moments = self._iterate.moments(gap)
-        response = self._influence.shortest_response + compliance
-        stiffness = 1.0 / response
-        if not self._started:
-            level = moments.mean if approach is None else np.full(1, approach)
-            unit = stiffness * (moments.mean - moments.lowest)
-            carried = self._iterate.foundation(gap, stiffness=stiffness, level=level)
-            self._iterate.take_trial(
-                np.zeros(1) if asked is None else self._iterate.balance(asked, *carried, unit=unit)
+        self._influence.respond(self._fields["pressure"], self._fields["response"])
+        terms = {"approaches": contact.approaches, "scale": contact.scale, "allowed": contact.allowed}
+        with arrays_of(executor) as (xp, view):
+            visited = self._influence.rows_visited
+            p, g, u = view(self._fields["pressure"]), view(gap), view(self._fields["response"])
+            fractions = None if parts is None else view(parts)
+            together = TOGETHER if xp is np else TOGETHER_ON_GPU
+            one = contact.approaches.size == 1
+            rows = [slice(visited)] if one else [slice(n, n + 1) for n in range(visited)]
+            groups = [
+                cells_of(p[r], g[r], u[r], cap, None if fractions is None else fractions[r], together) for r in rows
+            ]
+            return certify(groups, asked=loads, cell_area=executor.grid.cell_area, xp=xp, **terms)
+
+    def displacement(self) -> Field:
+        """Displacement under the pressure that was certified last [mm]; lost in a solve."""
+        return self._fields["response"]
+
+    def _search_for(self, gap: Field, parts: Field | None, *, groups: bool) -> Search:
+        """The search for contacts with a gap and cap fractions; it is said once for each."""
+        said = gap.ptr, None if parts is None else parts.ptr, groups
+        if self._search is None or said != self._said:
+            self._search = None  # and its memory, before the next takes its own
+            self._search = Search(
+                self._executor,
+                self._influence,
+                hardness=self._hardness,
+                rules=self._rules,
+                fields={"gap": gap, **self._fields},
+                fractions=parts,
+                groups=self._executor.grid.nx if groups else 1,
             )
-            self._started = True
-        search = Search(self._iterate, asked, approach, stiffness)
-        state = self._iterate.begin(gap, single=rough)
-        for iteration in range(self._max_iterations + 1):
-            level = search.level(state)
-            violation = np.maximum(np.maximum(state.highest - level, level - state.lowest), 0.0)
-            yielded = np.abs(level) + response * state.total / cells
-            scale = np.where(moments.rms > 0.0, moments.rms, yielded)
-            allowed = np.maximum(self._tolerance * scale, ROUNDING * yielded)
-            off = residual_of(state.total, asked)
-            loaded = abs(off) <= LOAD_TOLERANCE
-            if self._iterate.drift > DRIFT * max(float(violation.min()), float(allowed.min())):
-                state = self._iterate.begin(gap)
-                continue
-            if loaded and (violation <= allowed).all():
-                return HalfSpaceContact(
-                    approaches=level,
-                    mean_pressure=float(state.total.sum()) / self._influence.cells,
-                    violation=worst_of(violation, scale),
-                    load_residual=off,
-                    cells_in_contact=round(float(state.touching.sum())),
-                    iterations=iteration,
-                    transforms=self._influence.transforms - done,
-                    pressure_field=self._iterate.pressure,
-                    gradient_field=self._iterate.gradient,
-                    executor=self._executor,
-                    cells=self._influence.cells,
-                    scale=scale,
-                    allowed=allowed,
-                )
-            moved = search.move(state, level, loaded=loaded)
-            if moved is None:
-                break
-            state = moved
-        self._started = False
-        raise self._not_converged(iteration, float(violation.max()), worst_of(violation, scale))
+            self._said = said
+        return self._search
 
-    def _not_converged(self, iterations: int, violation: float, relative: float) -> ConvergenceError:
-        return ConvergenceError(
-            f"the half-space contact did not converge in {iterations} iterations: complementarity is "
-            f"violated by {violation:.3g} mm, {relative:.3g} of the rms height (allowed {self._tolerance:g})."
-        )
-
-    def _solve_on(
-        self,
-        search: DeviceSearch,
-        gap: Field,
-        asked: float,
-        compliance: tuple[float, float, int | None],
-        parts: Field | None,
+    def _searched(
+        self, search: Search, loads: FloatArray | None, approach: float | None, compliance: float, rough: bool
     ) -> HalfSpaceContact:
-        """Solve as `solve` does, in one launch."""
-        stiffness = 1.0 / (self._influence.shortest_response + compliance[0])
-        anew, self._started = not self._started, False
-        found = search.solve(
-            gap, asked=asked, stiffness=stiffness, compliance=compliance, anew=anew, parts=parts
-        )
-        violation = found[Told.VIOLATION]
-        relative = violation / found[Told.SCALE] if violation else 0.0
-        if found[Told.STATUS] != CONVERGED:
-            raise self._not_converged(round(found[Told.ITERATION]), violation, relative)
+        """Search as `solve` says. rough: begin in single precision."""
+        response = self._influence.shortest_response + compliance
+        request = {
+            Request.RESPONSE: response,
+            Request.AT_LOAD: loads is not None,
+            Request.ANEW: not self._started,
+            Request.ROUGH: rough,
+        }
+        self._started = False
+        status = search.run(request, np.full(1, approach) if loads is None else loads)
+        groups, numbers = search.groups, search.numbers
+        if status == UNBALANCED:
+            raise ConvergenceError(
+                f"the load balance of the half-space missed {self._rules.rough_balance:g} of the load."
+            )
+        if status != CONVERGED:
+            violation = worst_of(groups["violation"], groups["scale"])
+            raise ConvergenceError(
+                f"the half-space contact did not converge in {numbers['iteration']} iterations: complementarity "
+                f"is violated by {groups['violation'].max():.3g} mm, {violation:.3g} of the rms height "
+                f"(allowed {self._rules.tolerance:g})."
+            )
         self._started = True
-        scale = found[Told.SCALE]
-        yielded = abs(found[Told.LEVEL]) + found[Told.TOTAL] / self._influence.cells / stiffness
         return HalfSpaceContact(
-            approaches=np.full(1, found[Told.LEVEL]),
-            mean_pressure=found[Told.TOTAL] / self._influence.cells,
-            violation=relative,
-            load_residual=found[Told.TOTAL] / asked - 1.0,
-            cells_in_contact=round(found[Told.TOUCHING]),
-            iterations=round(found[Told.ITERATION]),
-            transforms=round(found[Told.TRANSFORMS]),
-            pressure_field=self._iterate.pressure,
-            gradient_field=self._iterate.gradient,
+            approaches=groups["level"].copy(),
+            mean_pressure=float(groups["total"].sum()) / self._influence.cells,
+            violation=worst_of(groups["violation"], groups["scale"]),
+            load_residual=residual_of(groups["total"], loads),
+            cells_in_contact=round(float(groups["touching"].sum())),
+            iterations=int(numbers["iteration"]),
+            transforms=int(numbers["transforms"]),
+            pressure_field=self._fields["pressure"],
+            gradient_field=self._fields["gradient"],
             executor=self._executor,
             cells=self._influence.cells,
-            scale=np.full(1, scale),
-            allowed=np.full(1, max(self._tolerance * scale, ROUNDING * yielded)),
+            scale=groups["scale"].copy(),
+            allowed=groups["allowed"].copy(),
         )
 
-    def _asked(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
-        """Sums of the pressures that the parts are to carry [MPa]; None at an approach."""
+    def _loads(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
+        """Sums of the pressures that the groups are to carry [MPa]; None at an approach."""
         if (mean_pressure is None) == (approach is None):
             raise InputError("a half-space contact needs either a mean pressure or an approach.")
-        self._iterate.divide(mean_pressure.size if isinstance(mean_pressure, np.ndarray) else None)
         if mean_pressure is None:
             return None
         means = np.atleast_1d(mean_pressure)
@@ -296,99 +247,72 @@ class BoundedPressure:
                 f"a mean pressure of {wrong[0]:g} MPa is not possible; it must be positive and at most the "
                 f"hardness, {self._hardness:g} MPa."
             )
-        return means * self._iterate.cells
+        cells = self._influence.cells
+        if isinstance(mean_pressure, np.ndarray):
+            cells //= self._executor.grid.nx
+        return means * cells
 
 
 class HalfSpace(BoundedPressure):
     """Solves contacts of one grid, as `BoundedPressure` says.
 
-    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free". on_device: whether a solve at a load is
-    one launch; by default on a GPU.
+    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free". options: of `BoundedPressure`.
     """
 
     def __init__(
-        self,
-        executor: Executor,
-        *,
-        modulus: float,
-        boundary: str = "periodic",
-        hardness: float = math.inf,
-        tolerance: float = TOLERANCE,
-        max_iterations: int = MAX_ITERATIONS,
-        on_device: bool | None = None,
+        self, executor: Executor, *, modulus: float, boundary: str = "periodic", **options: Any
     ) -> None:
-        self._like: dict[str, Any] = {
-            "modulus": modulus,
-            "boundary": boundary,
-            "hardness": hardness,
-            "on_device": on_device,
+        self._like: dict[str, Any] = {"modulus": modulus, "boundary": boundary} | {
+            name: options[name] for name in ("hardness", "rules") if name in options
         }
+        #: The solver on wide cells, and its gap and cap fractions.
         self._wide: HalfSpace | None = None
+        self._wide_fields: tuple[Field, Field] = None, None
         influence = Influence(executor, modulus=modulus, boundary=boundary)
-        super().__init__(
-            executor, influence, hardness=hardness, tolerance=tolerance, max_iterations=max_iterations
-        )
-        self._operator = influence
-        self._searches_on_device = executor.device.is_cuda if on_device is None else on_device
-
-    @cached_property
-    def on_device(self) -> DeviceSearch | None:
-        """What makes whole solves at a load, where there is that; made after a start on wide cells.
-
-        So its memory is not held beside theirs.
-        """
-        if not self._searches_on_device:
-            return None
-        return DeviceSearch(
-            self._executor,
-            self._iterate,
-            self._operator,
-            hardness=self._hardness,
-            tolerance=self._tolerance,
-            rounding=ROUNDING,
-            max_iterations=self._max_iterations,
-        )
+        super().__init__(executor, influence, **options)
 
     def _start(
         self,
         gap: Field,
-        asked: FloatArray | None,
+        mean_pressure: float | FloatArray | None,
         approach: float | None,
-        compliances: tuple[float, float, int | None],
+        compliances: Compliances,
         parts: Field | None,
     ) -> int:
         """Start from the contact on cells twice as wide, of whose transforms four count as one."""
         fine = self._executor
         if not nested.pays(fine):
             return 0
-        if self._wide is None:
-            grid = nested.wider(fine.grid)
+        if self._wide is None or (self._wide_fields[1] is None) != (parts is None):
             self._wide = HalfSpace(
-                Executor(grid, device=str(fine.device), threads=fine.threads),
+                Executor(nested.wider(fine.grid), device=str(fine.device), threads=fine.threads),
                 tolerance=nested.TOLERANCE,
                 max_iterations=nested.MAX_ITERATIONS,
                 **self._like,
             )
+            of_wide = self._wide._executor
+            self._wide_fields = of_wide.zeros(), None if parts is None else of_wide.zeros()
         wide, on = self._wide, self._wide._executor
         own, streak, window = compliances
+        wide_gap, wide_parts = self._wide_fields
         wide.forget()
         try:
-            found = wide.solve(
-                nested.gather(fine, gap, on),
-                mean_pressure=None if asked is None else float(asked.item()) / fine.grid.cells,
+            contact = wide.solve(
+                nested.gather(fine, gap, on, wide_gap),
+                mean_pressure=mean_pressure,
                 approach=approach,
                 compliance=own,
                 streak_compliance=streak,
                 streak_window=None if window is None else max(window // 2, 1),
-                parts=None if parts is None else nested.gather(fine, parts, on),
+                parts=None if parts is None else nested.gather(fine, parts, on, wide_parts),
                 certified=False,
             )
         except (ConvergenceError, InputError):
             return 0
-        nested.spread(on, found.pressure_field, fine, self._iterate.pressure)
-        self._started, transforms = True, -(-found.transforms // 4)
+        nested.spread(on, contact.pressure_field, fine, self.pressure_field)
+        self._started, transforms = True, -(-contact.transforms // 4)
         if nested.is_short(fine):
-            self._wide = None
-            del wide, on, found
+            self._wide, self._wide_fields = None, (None, None)
+            del wide, on, contact, wide_gap, wide_parts
             release(fine.device)
         return transforms

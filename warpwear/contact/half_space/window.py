@@ -20,7 +20,7 @@ from warpwear.engine.executor import Executor, Field
 from warpwear.engine.state import Columns
 from warpwear.grid import Grid
 from warpwear.kernels.cells import LANES, Cells
-from warpwear.kernels.half_space import setup
+from warpwear.kernels.half_space.extents import extents
 
 fft = lazy.module("scipy.fft")
 
@@ -144,7 +144,6 @@ class WindowedHalfSpace:
     ) -> None:
         self._executor, self._modulus, self._boundary = executor, modulus, boundary
         self._hardness, self._tolerance = hardness, tolerance
-        executor.load(setup.moments)
         self._pressure = executor.zeros()
         self._gradient = executor.zeros()
         self._extents = executor.partials(4)
@@ -313,7 +312,7 @@ class WindowedHalfSpace:
     def _below(self, gap: Field, level: float) -> list[int]:
         """First and last row, first and last column of the cells that do not exceed a level [mm]."""
         inputs = [self._executor.grid.ny, level, gap]
-        self._executor.launch(setup.extents, inputs=inputs, outputs=[self._extents])
+        self._executor.launch(extents, inputs=inputs, outputs=[self._extents])
         _, found = self._executor.read_partials(None, self._extents)
         first_row, last_row, first, last = found.max(axis=1).tolist()
         return [round(-first_row), round(last_row), round(-first), round(last)]

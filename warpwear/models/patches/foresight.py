@@ -2,35 +2,43 @@
 
 from typing import ClassVar
 
-from warpwear.contact.foresight import Foresight
-from warpwear.grid import FloatArray
-from warpwear.models.patches.shares import Shares
+import warp as wp
+
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
+from warpwear.kernels.two_scale import steps as kernels
 
 
 class PatchForesight:
-    """Continues the rate of the common approach, and of every spring's deflection the last one."""
+    """Continues the rate of the common approach, and of every spring's deflection the last one.
 
-    STATE: ClassVar = {"_common": Foresight, "_giving": FloatArray}
+    executor: with one row a patch.
+    """
 
-    def __init__(self) -> None:
-        self._common = Foresight()
-        #: How fast each spring gave way, over what a unit of pressure removes [MPa].
-        self._giving: FloatArray | None = None
+    STATE: ClassVar = {
+        "memory": Numbers,
+        "start": Field,
+        "deflection": Field,
+        "giving": Field,
+        "reached": Field,
+    }
 
-    def note(self, shares: Shares, last: Shares | None, removal: float, *, sprung: bool) -> None:
-        """Learn from a step that ended with shares, after the last one; removal: its K ΔL [mm³/N]."""
-        self._giving = None
-        if sprung and last is not None and removal > 0.0:
-            deflection, before = (s.approach - s.bases for s in (shares, last))
-            self._giving = (deflection - before) / removal
-        self._common.note(shares.approach, removal)
+    def __init__(self, executor: Executor) -> None:
+        count, device = executor.grid.nx, executor.device
 
-    def expected(self, removal: float) -> tuple[float | None, FloatArray | None]:
-        """Tell how far a step of K ΔL = removal [mm³/N] goes on [mm]: the bodies, each patch from its base.
+        def of_patches(value: float = 0.0) -> Field:
+            return wp.full(count, value, dtype=wp.float64, device=device)
 
-        None before it can be told, and of patches where they go with the bodies.
-        """
-        step = self._common.expected(removal)
-        if step is None or self._giving is None:
-            return step, None
-        return step, step - removal * self._giving
+        self.memory = Numbers(kernels.Memory, device)
+        self.start, self.deflection, self.giving = of_patches(), of_patches(), of_patches()
+        #: Largest approach that each patch has had [mm].
+        self.reached = of_patches(-float("inf"))
+        self.courses = arguments(
+            kernels.Courses,
+            start=self.start,
+            deflection=self.deflection,
+            giving=self.giving,
+            reached=self.reached,
+            base_next=of_patches(),
+            offset_next=of_patches(),
+        )

@@ -17,11 +17,11 @@ import warp as wp
 
 from warpwear.contact.certificate import columns_of
 from warpwear.contact.half_space.contact import HalfSpaceContact
-from warpwear.contact.half_space.passes import NO_CAP
+from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import BoundedPressure
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.program import Program
 from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
@@ -74,7 +74,7 @@ class HalfSpacePatches(Model):
         curvature = task.curvature
         _, layout = unworn(patches, heights, executor, curvature=curvature)
         of_patches = layout.lowest.numpy().min(axis=1)
-        self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
+        self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None
         reached = of_patches if self._smooth is None else self._smooth.initial
         self._order = np.argsort(reached, kind="stable")
         #: As they are stored here.
@@ -114,7 +114,7 @@ class HalfSpacePatches(Model):
         Raises ConvergenceError when the contact cannot be solved.
         """
         removals = self._ledger.removals(0.0, increment)
-        before, start = self._influence.transforms, self._ledger.row["distance"]
+        start = self._ledger.row["distance"]
         if self._film is not None:
             self._film.look(start)
         if self._smooth is None:
@@ -131,8 +131,9 @@ class HalfSpacePatches(Model):
         if self._film is not None:
             worn = replace(worn, bare=self._film.under(contact.pressure_field, self.visited))
             self._film.rub(start + increment)
-        transforms = self._influence.transforms - before
-        made = self._ledger.enter(worn, (approach, 0.0), increment, removals, reference, pressure, transforms)
+        made = self._ledger.enter(
+            worn, (approach, 0.0), increment, removals, reference, pressure, contact.transforms
+        )
         made.row.update(columns_of(contact.certificate))
         return made
 
@@ -167,16 +168,18 @@ class HalfSpacePatches(Model):
         # As many as carry the load at the hardness.
         carriers = load / self.task.least_hardness * self._influence.cells
         needed = max(needed, int(np.searchsorted(self._cells, carriers, side="right")) + 1)
+        transforms = 0
         while True:
             self.visited = min(needed, self.patches.count)
             self._influence.visit(self.visited)
             contact = self._solver.solve(
                 self.gap, mean_pressure=load, compliance=removal, parts=self._parts, certified=certified
             )
+            transforms += contact.transforms
             needed = self._below(contact.approach)
             if needed <= self.visited:
                 self._reached = max(self._reached, contact.approach)
-                return contact
+                return replace(contact, transforms=transforms)
 
     def _below(self, approach: float) -> int:
         """How many patches had their lowest point below an approach or at it before any wear [mm]."""
@@ -194,7 +197,7 @@ class HalfSpacePatches(Model):
         for name, values in sums.items():
             values[self._order[: self.visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
         most = {name: float(largest[PressureMost[OF_BOTH.get(name, name).upper()]]) for name in PATCH_MAXIMA}
-        return Worn(sums, most)
+        return self._ledger.worn(sums, most)
 
     def _say_wear(self, contact: HalfSpaceContact) -> Program:
         """Say how bodies wear by the pressure that the solver leaves."""

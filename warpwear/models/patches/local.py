@@ -1,24 +1,36 @@
 """Two scales: patches of fine cells that share the load of a macro contact."""
 
-import math
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 import numpy as np
+import warp as wp
 
 from warpwear.contact.balance import stiffness_of
-from warpwear.engine.executor import Executor
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
-from warpwear.history.recorder_patches import PatchLedger
+from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
+from warpwear.kernels import patches as passes
+from warpwear.kernels.cells import EXTENTS, PATCH_MAXIMA, PATCH_SUMS
+from warpwear.kernels.two_scale import pressing
+from warpwear.kernels.two_scale import steps as kernels
+from warpwear.laws.archard import removals_of
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
 from warpwear.models.patches.cells import PatchContact
 from warpwear.models.patches.foresight import PatchForesight
-from warpwear.models.patches.shares import Shares, SharingTask, press, share_load
+from warpwear.models.patches.shares import LoadSharing
 from warpwear.models.patches.smooth import SmoothContact
+
+#: Work of a patch where no cell has touched yet, over that of one where all have.
+LEAST_WORK = 0.05
+#: Steps of a block at most, and numbers of every patch that it leaves.
+LONGEST_BLOCK, MOST_NUMBERS = 64, 2**20
 
 
 class TwoScaleModel(Model):
@@ -34,27 +46,115 @@ class TwoScaleModel(Model):
         "contact": PatchContact,
         "_ledger": PatchLedger,
         "_smooth": SmoothContact,
-        "_last": Shares,
+        "sharing": LoadSharing,
         "_foresight": PatchForesight,
     }
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self.patches = task, patches
         self._executor = executor
+        executor.foresee([passes.wear, kernels.begin])
         self.contact = PatchContact(
             patches,
             heights,
             executor,
             curvature=task.curvature,
-            hardness=task.hardness,
             film=task.film,
             fractions=task.wear_fractions,
         )
         self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
-        self._smooth = SmoothContact(task, patches) if task.prescribed_loads else None
-        self._last: Shares | None = None
-        self._foresight = PatchForesight()
+        self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None
+        lowest = self.contact.lowest
+        self.sharing = LoadSharing(
+            executor, lowest, load=task.load, area=patches.area, hardness=task.hardness
+        )
+        self._foresight = PatchForesight(executor)
+        self.longest_block = max(1, min(LONGEST_BLOCK, MOST_NUMBERS // patches.count))
+        self._rules = arguments(
+            kernels.Rules,
+            load=self.sharing.load,
+            lowest=float(lowest.min()),
+            cell_area=patches.domain.cell_area,
+            weight=patches.weight,
+            sprung=int(task.uses_bulk_stiffness),
+            # Where a film is, wear changes the caps.
+            looks_ahead=int(self._smooth is None and task.film is None),
+            within=wp.vec4d(*self._ledger.within),
+        )
+        count, device = patches.count, executor.device
+        tables = {
+            "sums": (len(PATCH_SUMS), count),
+            "maxima": (len(PATCH_MAXIMA), count),
+            "rows": (self.longest_block, len(kernels.HEADER) + len(PATCH_SUMS) + len(PATCH_MAXIMA)),
+            "loads": (self.longest_block, count),
+            "areas": (self.longest_block, count),
+        }
+        made = {name: wp.zeros(shape, dtype=wp.float64, device=device) for name, shape in tables.items()}
+        self._books = arguments(kernels.Books, ahead=self.contact.surfaces.trial, **made)
+        self._plan = wp.zeros((self.longest_block + 1, 3), dtype=wp.float64, device=device)
+        self._now = Numbers(kernels.Now, device)
+        self._work = np.full(count, LEAST_WORK * patches.side**2)
+        self._chunks: list[tuple[int, int]] = []
+        self._find, self._wear, self._steps = (Program(executor) for _ in range(3))
+        self._say_find(self._find)
+        self._say_wear(self._wear)
+        flags = self.sharing.flags
+        with self._steps.loop(flags.stepping):
+            self._say_find(self._steps)
+            with self._steps.branch(flags.balanced):
+                self._say_wear(self._steps)
+        self._pressed: tuple[Field, Program] | None = None
+
+    def _say_find(self, program: Program) -> None:
+        """Add the search for the approaches of a step to a program."""
+        sharing, smooth = self.sharing, self._smooth
+        given = self._rules, self._plan, sharing.curves, self._foresight.courses
+        found = self._foresight.memory.array, self._now.array, sharing.search.array, sharing.flags
+
+        def evaluate() -> None:
+            inputs = self._rules, self._now.array, sharing.curves, self.contact.surfaces
+            self._pass(program, passes.carried, *inputs)
+
+        if smooth is None:
+            program.decide(kernels.begin, *given, *found)
+            sharing.say(program, evaluate)
+            return
+        program.decide(pressing.begin, *given, smooth.smooth, smooth.brackets, *found)
+        smooth.say(program, sharing, evaluate)
+
+    def _say_wear(self, program: Program) -> None:
+        """Add the wear of a step whose approaches are found to a program."""
+        sharing, now, memory = self.sharing, self._now.array, self._foresight.memory.array
+        rules, books, search = self._rules, self._books, sharing.search.array
+        patches = sharing.curves, self._foresight.courses
+        program.decide(kernels.foresee, rules, self._plan, *patches, search, memory, now)
+        self._pass(program, passes.wear, rules, now, *patches, self.contact.surfaces, books)
+        program.decide(kernels.end, rules, *patches, search, now, books, sharing.flags)
+
+    def _pass(self, program: Program, kernel: object, *inputs: object) -> None:
+        """Add a pass over all patches to a program."""
+        program.launch(kernel, *inputs, slots=self.patches.count, chunks=lambda: self._chunks)
+
+    @property
+    def in_blocks(self) -> bool:
+        """Whether the device makes the next steps by itself."""
+        return self.contact.film is None and not self.task.bulk_updated
+
+    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
+        """Steps made on the device in one go, or in a few where the contact grows to where that is told."""
+        done = 0
+        while done < len(increments):
+            left = increments[done:]
+            removals = self._begin(left, then)
+            self._steps.run()
+            count = self._now["number"]
+            for number in range(count):
+                self.steps_in_flight = count - 1 - number
+                yield self._enter(number, left[number], removals[number])
+            if not self.sharing.is_balanced:
+                raise self._failure()
+            done += count
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Share the load, then slide by the increment [mm] and wear both bodies.
@@ -63,40 +163,20 @@ class TwoScaleModel(Model):
 
         Raises ConvergenceError when the load cannot be shared.
         """
-        task, row = self.task, self._ledger.row
-        removals = self._ledger.removals(0.0, increment)
-        removal = sum(removals)
-        self.contact.stiffness = self._stiffness(removal)
-        evaluations = self.contact.evaluations
-        self.contact.look(row["distance"])
-        shares = self._share(removal)
-        evaluations = self.contact.evaluations - evaluations
-        self._foresight.note(shares, self._last, removal, sprung=task.uses_bulk_stiffness)
-        self._last = shares
+        distance, film = self._ledger.row["distance"], self.contact.film
+        removals = self._begin([increment], then)
+        self.contact.look(distance)
+        self._find.run()
+        if not self.sharing.is_balanced:
+            raise self._failure()
+        pressed = self._press() if with_pressure or film is not None else None
+        bare = None if film is None else film.under(pressed)
         pressure = None
         if with_pressure:
-            pressure = self.patches.on_domain(self.contact.pressures(shares.base, shares.offset))
-        reference = row["pressure_mean"] or (task.hardness if math.isfinite(task.hardness) else 0.0)
-        foreseen = None
-        if then is not None and self._smooth is None and task.film is None:  # whose wear changes the caps
-            removal_next = sum(self._ledger.removals(increment, then))
-            step, steps = self._foresight.expected(removal_next)
-            if step is not None:
-                offset = np.full_like(shares.base, step) if steps is None else steps
-                foreseen = self._stiffness(removal_next), shares.bases, offset
-        bare = self.contact.bare(shares.base, shares.offset)
-        worn = self.contact.wear(
-            shares.base,
-            shares.offset,
-            removal=removal,
-            reference=reference,
-            known=self._ledger.most,
-            foreseen=foreseen,
-        )
-        worn = replace(worn, bare=bare)
-        self.contact.rub(row["distance"] + increment)
-        approach = shares.common_base, shares.common_offset
-        return self._ledger.enter(worn, approach, increment, removals, reference, pressure, evaluations)
+            pressure = self.patches.on_domain(self._executor.to_numpy(pressed))
+        self._wear.run()
+        self.contact.rub(distance + increment)
+        return self._enter(0, increment, removals[0], pressure=pressure, bare=bare)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -104,29 +184,59 @@ class TwoScaleModel(Model):
         bare = None if self.contact.film is None else self._executor.to_numpy(self.contact.film.bare)
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial, bare=bare)
 
-    def _share(self, removal: float) -> Shares:
-        task, last, response = self.task, self._last, self.contact.response
-        foundation = self._ledger.foundation
-        step, steps = self._foresight.expected(removal)
-        if step is None:
-            step = removal * self._ledger.row["pressure_mean"]
-        sharing = SharingTask(
-            task.load, self.patches.area, 1.0 / foundation, task.hardness, self.contact.lowest
+    def _begin(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
+        """Plan steps; return K ΔL of sphere and disc in each [mm³/N].
+
+        then: the increment after them [mm], where it is known.
+        """
+        task, row = self.task, self._ledger.row
+        known = [*increments, *([] if then is None else [then])]
+        removals = removals_of(task.wear, row["distance"], known)
+        flexibility = 1.0 / self._ledger.foundation
+        plan = self._plan.numpy()
+        plan[:, 0] = -1.0  # where no step follows
+        for number, removal in enumerate(map(sum, removals)):
+            stiffness = stiffness_of(task.compliance + (removal if task.implicit else 0.0))
+            plan[number] = removal, stiffness, flexibility
+        if not self._plan.device.is_cpu:
+            self._plan.assign(plan)
+        extents = [self._ledger.most[name] for name in EXTENTS]
+        self._now.set(mean=row["pressure_mean"], extents=extents, number=0, steps=len(increments))
+        self.sharing.flags.stepping.fill_(1)
+        self._chunks = self._executor.split_rows(self._work)
+        return removals
+
+    def _press(self) -> Field:
+        """The pressure of every cell at the approaches that are found [MPa]."""
+        if self._pressed is None:
+            field, program = self._executor.zeros(), Program(self._executor)
+            inputs = self._rules, self._now.array, self.sharing.curves, self.contact.surfaces
+            self._pass(program, passes.pressures, *inputs, field)
+            self._pressed = field, program
+        field, program = self._pressed
+        program.run()
+        return field
+
+    def _enter(
+        self,
+        number: int,
+        increment: float,
+        removals: tuple[float, float],
+        *,
+        pressure: FloatArray | None = None,
+        bare: float | None = None,
+    ) -> Step:
+        """Book a step that was made, by its number in the plan."""
+        rows, loads, areas = (t.numpy() for t in (self._books.rows, self._books.loads, self._books.areas))
+        base, offset, reference, evaluations, *found = rows[number].tolist()
+        total = dict(zip(PATCH_SUMS, found, strict=False))
+        most = dict(zip(PATCH_MAXIMA, found[len(PATCH_SUMS) :], strict=True))
+        worn = Worn(total, most, loads[number].copy(), areas[number].copy(), bare)
+        self._work = self._books.sums.numpy()[PATCH_SUMS.index("touched")] + LEAST_WORK * self.patches.side**2
+        return self._ledger.enter(
+            worn, (base, offset), increment, removals, reference, pressure, int(evaluations)
         )
-        if self._smooth is not None:
-            target = self._smooth.press(foundation=foundation, removal=removal)
-            common = self._smooth.approach
-            return press(response, sharing, target, last, step=step, first=self._first, common=common)
-        if last is None:
-            return share_load(response, sharing, None, step=self._first)
-        return share_load(response, sharing, last, step=step, steps=steps)
 
-    def _stiffness(self, removal: float) -> float:
-        """1/c [N/mm³] of a step that wears both bodies by K ΔL = removal [mm³/N]."""
-        return stiffness_of(self.task.compliance + (removal if self.task.implicit else 0.0))
-
-    @property
-    def _first(self) -> float:
-        """First step of a search from the lowest cell [mm]."""
-        pressure = min(self.task.hardness, self.task.load / self.patches.domain.cell_area)
-        return 0.5 * pressure / self.contact.stiffness
+    def _failure(self) -> Exception:
+        """What is wrong with a step that could not be made."""
+        return self.sharing.failure() if self._smooth is None else self._smooth.failure(self.sharing)

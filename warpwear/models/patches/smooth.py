@@ -1,15 +1,22 @@
 """The smooth macro contact that prescribes the load of each patch (coupling = "load")."""
 
-import math
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
+import warp as wp
 
-from warpwear.contact.balance import Carried, newton_in_bracket
+from warpwear.contact.balance import TOLERANCE
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
+from warpwear.kernels.newton import Bracket
+from warpwear.kernels.two_scale import pressing as kernels
+from warpwear.kernels.two_scale.sharing import Load
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
+from warpwear.models.patches.shares import LoadSharing
 from warpwear.surfaces.sphere import sag
 
 
@@ -22,59 +29,80 @@ class SmoothContact:
     Raises InputError for a load that the others do not carry.
     """
 
-    STATE: ClassVar = {"worn": FloatArray, "approach": float}
+    STATE: ClassVar = {"worn": Field, "approach": Field}
 
-    def __init__(self, task: ContactTask, patches: Patches) -> None:
-        self._load, self._hardness = task.load, task.hardness
+    def __init__(self, task: ContactTask, patches: Patches, executor: Executor) -> None:
+        self._load = task.load
         self.area = patches.area  # of a macro cell [mm²]
-        curvature = task.curvature
+        curvature, count, device = task.curvature, patches.count, executor.device
         heights = sag(patches.domain.x, patches.domain.y, radius=1.0 / curvature if curvature else np.inf)
-        stored = patches.stored(heights).reshape(patches.count, patches.side, -1)[:, :, : patches.side]
+        stored = patches.stored(heights).reshape(count, patches.side, -1)[:, :, : patches.side]
         self.initial: FloatArray = stored.mean(axis=(1, 2))  # gap before any wear [mm]
         whole = int(np.isfinite(self.initial).sum())
-        if whole * self.area * self._hardness < self._load:
+        if whole * self.area * task.hardness < self._load:
             raise InputError(
                 f"contact.load = {self._load:g} N is more than the {whole} macro cells that lie wholly under "
-                f"the sphere carry at the hardness ({whole * self.area * self._hardness:.4g} N), as "
+                f"the sphere carry at the hardness ({whole * self.area * task.hardness:.4g} N), as "
                 "patches.coupling = 'load' needs it; allowed are smaller loads or a smaller "
                 "patches.macro_cell."
             )
-        self.worn = np.zeros(patches.count)  # by both bodies [mm]
-        self.approach = float(self.initial.min())  # [mm]
+        self.worn = wp.zeros(count, dtype=wp.float64, device=device)  # by both bodies [mm]
+        self.approach = wp.array([self.initial.min()], dtype=wp.float64, device=device)  # [mm]
+        self.smooth = arguments(
+            kernels.Smooth,
+            initial=wp.array(self.initial, dtype=wp.float64, device=device),
+            worn=self.worn,
+            approach=self.approach,
+            balanced=wp.zeros(1, dtype=wp.int32, device=device),
+            left=wp.zeros(1, dtype=wp.float64, device=device),
+            target=wp.zeros((1, count), dtype=wp.float64, device=device),
+            room=wp.zeros((2, count), dtype=wp.float64, device=device),
+        )
+        load = arguments(
+            Load, load=task.load, area=self.area, hardness=task.hardness, tolerance=TOLERANCE, evaluations=0
+        )
+        self.brackets = wp.zeros(count, dtype=Bracket, device=device)
+        self._step = wp.zeros(2, dtype=wp.float64, device=device)
+        self._alone = Program(executor)
+        self._alone.decide(kernels.press_smoothly, self.smooth, load, self._step)
+
+    def say(self, program: Program, sharing: LoadSharing, evaluate: Callable[[], None]) -> None:
+        """Add the search of patches for what is prescribed to a program, from where a decision begins.
+
+        evaluate: adds the pass that asks the patches.
+        """
+        with program.loop(sharing.flags.searching):
+            evaluate()
+            patches = sharing.curves, self.smooth, self.brackets
+            program.decide(kernels.judge, sharing.load, *patches, sharing.search.array, sharing.flags)
+
+    @property
+    def is_balanced(self) -> bool:
+        """Whether the last search has ended well."""
+        return bool(self.smooth.balanced.numpy()[0])
 
     def press(self, *, foundation: float, removal: float) -> FloatArray:
         """Pressures [MPa] that carry the load, then worn by removal [mm³/N] times them, implicitly.
 
         They add up to the load to rounding. foundation: K_N [N/mm³]. Raises ConvergenceError.
         """
-        base = self.approach
-        stiffness = 1.0 / (1.0 / foundation + removal)
-        overlap = base - (self.initial + self.worn)
+        self._step.assign([1.0 / foundation, removal])
+        self._alone.run()
+        if not self.is_balanced:
+            raise self.failure()
+        return self.smooth.target.numpy()[0].copy()
 
-        def pressure(offset: float) -> FloatArray:
-            return np.clip((overlap + offset) * stiffness, 0.0, self._hardness)
-
-        def carried(offset: float) -> Carried:
-            p = pressure(offset)
-            between = np.count_nonzero((p > 0.0) & (p < self._hardness))
-            return Carried(self.area * float(p.sum()), self.area * stiffness * between, 0.0)
-
-        step = self._load / (self.area * stiffness * self.worn.size)
-        found = newton_in_bracket(carried, self._load, step, -math.inf, math.inf, 0.0, stiffness, None)
-        if not found.converged(self._load):
-            raise ConvergenceError(
-                f"the smooth macro contact did not converge: {found.force - self._load:.3g} N of "
-                f"{self._load:.6g} N are left near an approach of {base + found.offset:.9g} mm."
+    def failure(self, sharing: LoadSharing | None = None) -> ConvergenceError:
+        """What is wrong with a search that has not ended well: its own, or that of the patches."""
+        if sharing is None or not self.is_balanced:
+            return ConvergenceError(
+                f"the smooth macro contact did not converge: {self.smooth.left.numpy()[0]:.3g} N of "
+                f"{self._load:.6g} N are left near an approach of {self.approach.numpy()[0]:.9g} mm."
             )
-        p = self._adding_up(pressure(found.offset))
-        self.approach = base + found.offset
-        self.worn = self.worn + removal * p
-        return p
-
-    def _adding_up(self, p: FloatArray) -> FloatArray:
-        """Without what the search left of the load: that of the patches comes on top of it."""
-        between = (p > 0.0) & (p < self._hardness)
-        if carried := float(p[between].sum()):
-            scale = 1.0 - (float(p.sum()) - self._load / self.area) / carried
-            p[between] = np.minimum(p[between] * scale, self._hardness)
-        return p
+        target, p = self.smooth.target.numpy()[0], sharing.answer.numpy()[0]
+        worst = int(np.argmax(np.abs(p - target) - float(kernels.PART) * TOLERANCE * target))
+        return ConvergenceError(
+            "the patches did not converge to their prescribed loads in "
+            f"{sharing.search['evaluations']} evaluations: patch {worst} carries {p[worst]:.9g} MPa "
+            f"of {target[worst]:.9g} MPa, at an approach of {sharing.approaches[worst]:.9g} mm."
+        )

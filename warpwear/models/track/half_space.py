@@ -11,16 +11,16 @@ import warp as wp
 from warpwear.contact.balance import Balance, residual_of
 from warpwear.contact.certificate import Certificate, columns_of
 from warpwear.contact.half_space.contact import HalfSpaceContact
-from warpwear.contact.half_space.passes import NO_CAP
+from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.program import Program
 from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
-from warpwear.kernels.half_space import search, setup
+from warpwear.kernels.half_space import decisions, passes
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfRows
 from warpwear.kernels.wear_from_pressure import Pressed
@@ -90,7 +90,7 @@ class SlidingHalfSpace:
         track_fraction: float = 1.0,
         moves: bool = True,
     ) -> None:
-        executor.foresee([contact.gap, wear_from_pressure.gaps, search.advance, setup.moments])
+        executor.foresee([contact.gap, wear_from_pressure.gaps, passes.advance, decisions.judge])
         self.state = SlidingBodies.of(task, executor, disc)
         self.task = task
         self.periodic = periodic

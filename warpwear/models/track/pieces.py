@@ -7,8 +7,8 @@ import numpy as np
 import warp as wp
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
-from warpwear.engine.program import Program
 from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.history.pieces import PieceBook
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import pieces as kernels

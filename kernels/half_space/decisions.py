@@ -1,0 +1,426 @@
+"""What follows from a pass of a search of the half-space solver: the rules of `contact.half_space.search`.
+
+Every decision is one slot. Symbols as in `native/search.h`.
+"""
+
+import warp as wp
+
+from warpwear.kernels import native_code
+from warpwear.kernels.cells import ABSENT, NONE, ONE, ZERO
+from warpwear.kernels.half_space.solve import (
+    CONVERGED,
+    LED_NOWHERE,
+    NEEDS_COEFFICIENTS,
+    RUNS,
+    UNBALANCED,
+    Group,
+    Numbers,
+    Request,
+    Rules,
+    Solve,
+    first_group,
+    groups_of,
+    lane,
+    most_of,
+    most_of_columns,
+    over_groups,
+    stride,
+    sum_of,
+    sum_of_columns,
+    width,
+    writes,
+)
+from warpwear.kernels.newton import HALF, LOOKS, STUCK, bracket_at, next_trial
+
+wp.set_module_options(native_code.options())
+
+TWO = wp.constant(wp.float64(2.0))
+
+
+@wp.kernel
+def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Begin a search as the host asks, or go on with one that waited for the host."""
+    resumes = solve.request[wp.static(int(Request.RESUMES))] > ZERO
+    at_load = solve.request[wp.static(int(Request.AT_LOAD))] > ZERO
+    anew = solve.request[wp.static(int(Request.ANEW))] > ZERO
+    rough = solve.request[wp.static(int(Request.ROUGH))] > ZERO and solve.rules.single_rounding > ZERO
+    if not resumes:
+        for i in range(lane(), groups_of(solve), width()):
+            group = Group()
+            group.load = solve.loads[i]
+            group.level = wp.where(at_load, ZERO, group.load)
+            solve.groups[i] = group
+    if lane() == 0:
+        if resumes:
+            n = solve.numbers[0]
+            n.status = RUNS
+            solve.numbers[0] = n
+        else:
+            n = Numbers()
+            n.response = solve.request[wp.static(int(Request.RESPONSE))]
+            n.stiffness = ONE / n.response
+            n.at_load = wp.where(at_load, 1, 0)
+            n.plain_length = n.stiffness
+            n.near_length = ONE
+            n.last = -1
+            n.few_below = NONE
+            solve.numbers[0] = n
+            solve.renews[0] = 1
+            solve.renews_roughly[0] = wp.where(rough, 1, 0)
+            solve.renews_exactly[0] = wp.where(rough, 0, 1)
+            solve.moves[0] = 0
+        solve.starts[0] = wp.where(resumes, 0, 1)
+        solve.anew[0] = wp.where(anew and not resumes, 1, 0)
+        solve.searching[0] = 1
+
+
+@wp.kernel
+def measure(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Measure the gap: its mean, its rms height and its lowest point, about 0, then about the mean."""
+    n = solve.numbers[0]
+    i = first_group(solve)
+    while i < groups_of(solve):
+        cells = sum_of(solve, 0, i)
+        first = sum_of(solve, 1, i) / cells
+        second = sum_of(solve, 2, i) / cells
+        lowest = -most_of(solve, 3, i)
+        if writes(solve):
+            group = solve.groups[i]
+            group.mean = group.mean + first
+            group.rms = wp.sqrt(wp.max(second - first * first, ZERO))
+            group.lowest = lowest
+            if n.at_load == 1:
+                group.level = group.mean
+            group.unit = n.stiffness * (group.mean - lowest)
+            solve.groups[i] = group
+        i += stride(solve)
+
+
+@wp.func
+def begun(rules: Rules, before: Group, total: wp.float64, between: wp.float64):
+    """Begin to balance a group whose trial carries a total without a shift, with so many cells between."""
+    group = before
+    group.unit = wp.max(group.unit, wp.where(between > ZERO, total / wp.max(between, ONE), ZERO))
+    group.unit = wp.max(group.unit, wp.where(group.load > ZERO, group.load, total) / rules.group_cells)
+    group.bracket = bracket_at(ZERO, ONE)
+    return group
+
+
+@wp.func
+def balanced(solve: Solve, begins: wp.bool):
+    """Judge what the shifted trial carries of each group; tell how many look on, and how many are stuck."""
+    n = solve.numbers[0]
+    many = solve.groups.shape[0] > 1
+    looking = ZERO
+    stuck = ZERO
+    i = first_group(solve)
+    while i < groups_of(solve):
+        total = sum_of(solve, 0, i)
+        between = sum_of(solve, 1, i)
+        group = solve.groups[i]
+        if begins:
+            group = begun(solve.rules, group, total, between)
+        if n.at_load == 0:
+            group.shift = ZERO
+        elif group.bracket.state == LOOKS:
+            # Of each of many, so that their sum is well within it.
+            allowed = wp.where(many, HALF, ONE) * solve.rules.load_tolerance * group.load
+            group.bracket = next_trial(
+                group.bracket, total, between * group.unit, group.load, allowed, ZERO
+            )
+            group.shift = group.bracket.offset * group.unit
+            looking += wp.where(group.bracket.state == LOOKS, ONE, ZERO)
+            misses = not (wp.abs(total - group.load) <= solve.rules.rough_balance * group.load)
+            stuck += wp.where(group.bracket.state == STUCK and misses, ONE, ZERO)
+        if writes(solve):
+            solve.groups[i] = group
+        i += stride(solve)
+    looking = over_groups(solve, looking, True)
+    stuck = over_groups(solve, stuck, True)
+    if lane() == 0:
+        solve.balancing[0] = wp.where(looking > ZERO and stuck == ZERO, 1, 0)
+        if stuck > ZERO:
+            n.status = UNBALANCED
+            solve.numbers[0] = n
+            solve.searching[0] = 0
+
+
+@wp.kernel
+def begin_balance(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Begin to shift the trial of each group until it carries its load."""
+    balanced(solve, True)
+
+
+@wp.kernel
+def balance(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Shift the trial of each group on until it carries its load."""
+    balanced(solve, False)
+
+
+@wp.kernel
+def renew(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Note how far off the gradient may be that was made anew."""
+    largest = most_of(solve, 0, 0)
+    if lane() == 0:
+        n = solve.numbers[0]
+        n.drift = wp.where(solve.renews_roughly[0] == 1, solve.rules.single_rounding * largest, ZERO)
+        n.step_drift = ZERO
+        n.length = ZERO
+        n.whole = 0
+        n.moved = 0
+        n.transforms = n.transforms + 1
+        solve.numbers[0] = n
+
+
+@wp.func
+def level_of(
+    group: Group,
+    between: wp.float64,
+    level: wp.float64,
+    high: wp.float64,
+    low: wp.float64,
+    loaded: wp.bool,
+):
+    """Find the approach of a group [mm]: the mean gap of the cells between the bounds.
+
+    Where there are none, it is the gap of the cell which is next to take load, or to give it.
+    """
+    if between > ZERO:
+        return level / between
+    # Where no cell touches, or all that there are carry the hardness, one of the two is missing.
+    highest = wp.where(high > -NONE, high, low)
+    lowest = wp.where(low < ABSENT, low, highest)
+    if loaded:
+        return HALF * (highest + lowest)
+    return wp.where(group.total < group.load, lowest, highest)
+
+
+@wp.kernel
+def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Judge the pressure: is it the solution, and if not of what kind is the next step?"""
+    rules = solve.rules
+    n = solve.numbers[0]
+    all_between = ZERO
+    all_touching = ZERO
+    off_load = ZERO
+    off_bounds = ZERO
+    largest = ZERO
+    reach = -NONE
+    least_violation = -NONE
+    least_allowed = -NONE
+    i = first_group(solve)
+    while i < groups_of(solve):
+        group = solve.groups[i]
+        group.total = sum_of(solve, 0, i)
+        group.touching = sum_of(solve, 1, i)
+        between = sum_of(solve, 2, i)
+        level = sum_of(solve, 3, i)
+        highest = most_of(solve, 4, i)
+        lowest = -most_of(solve, 5, i)
+        loaded = n.at_load == 0 or wp.abs(group.total - group.load) <= rules.load_tolerance * group.load
+        if n.at_load == 1:
+            group.level = level_of(group, between, level, highest, lowest, loaded)
+        off = wp.max(highest - group.level, group.level - lowest)
+        group.violation = wp.max(off, ZERO)
+        yielded = wp.abs(group.level) + n.response * group.total / rules.group_cells
+        group.scale = wp.where(group.rms > ZERO, group.rms, yielded)
+        group.allowed = wp.max(rules.tolerance * group.scale, rules.rounding * yielded)
+        if writes(solve):
+            solve.groups[i] = group
+        all_between += between
+        all_touching += group.touching
+        off_load += wp.where(loaded, ZERO, ONE)
+        off_bounds += wp.where(group.violation <= group.allowed, ZERO, ONE)
+        largest = wp.max(largest, group.violation)
+        reach = wp.max(reach, off)
+        least_violation = wp.max(least_violation, -group.violation)
+        least_allowed = wp.max(least_allowed, -group.allowed)
+        i += stride(solve)
+    all_between = over_groups(solve, all_between, True)
+    all_touching = over_groups(solve, all_touching, True)
+    off_load = over_groups(solve, off_load, True)
+    off_bounds = over_groups(solve, off_bounds, True)
+    reach = over_groups(solve, reach, False)
+    least = wp.max(-over_groups(solve, least_violation, False), -over_groups(solve, least_allowed, False))
+    if lane() == 0:
+        n.iteration = n.iteration + n.moved
+        n.moved = 0
+        n.loaded = wp.where(off_load == ZERO, 1, 0)
+        drifts = n.drift > rules.drift * least
+        if not drifts and n.status == RUNS:
+            if n.loaded == 1 and off_bounds == ZERO:
+                n.status = CONVERGED
+            elif n.iteration >= rules.iterations:
+                n.status = LED_NOWHERE
+        solve.renews[0] = wp.where(drifts, 1, 0)
+        if drifts:
+            solve.renews_roughly[0] = 0
+            solve.renews_exactly[0] = 1
+        goes_on = not drifts and n.status == RUNS
+        solve.moves[0] = wp.where(goes_on, 1, 0)
+        solve.moves_few[0] = 0
+        solve.steps[0] = 1
+        if goes_on:
+            capped = all_between <= rules.elastic_fraction * all_touching
+            patient = n.plain_done < rules.patience or all_between == ZERO
+            n.plain = wp.where(n.plain_left > 0 or (capped and patient), 1, 0)
+            n.plain_left = wp.max(n.plain_left - 1, 0)
+            n.plain_done = n.plain_done + n.plain
+            solve.preconditions[0] = 1 - n.plain
+            few = (n.plain == 1 or capped) and n.loaded == 1 and n.at_load == 1
+            if few and all_between <= wp.float64(rules.few) and reach <= n.few_below and rules.few > 0:
+                if solve.few.elastic.shape[0] == 0:
+                    n.status = NEEDS_COEFFICIENTS
+                n.few_below = HALF * reach
+                n.near = rules.near * reach
+                solve.moves_few[0] = 1
+        solve.searching[0] = wp.where(n.status == RUNS, 1, 0)
+        solve.numbers[0] = n
+
+
+@wp.kernel
+def judge_scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Decide whether extending the gradient pays: cells between the bounds lie in small spots then."""
+    cells = sum_of_columns(solve.table, 0, wp.min(solve.visited[0], solve.table.shape[1]))
+    ends = sum_of_columns(solve.table, 1, wp.min(solve.visited[0], solve.table.shape[1]))
+    if lane() == 0:
+        n = solve.numbers[0]
+        n.extended = wp.where(ends > solve.rules.scattered * cells, 1, 0)
+        solve.extends[0] = n.extended
+        solve.extends_not[0] = 1 - n.extended
+        solve.numbers[0] = n
+
+
+@wp.kernel
+def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Decide how the next trial is made of descent and last step, and whether that leads down at all."""
+    n = solve.numbers[0]
+    zy = ZERO
+    zr = ZERO
+    sr = ZERO
+    largest_z = ZERO
+    largest_r = ZERO
+    i = first_group(solve)
+    while i < groups_of(solve):
+        group = solve.groups[i]
+        cells = sum_of(solve, 0, i)
+        z = sum_of(solve, 1, i)
+        r = sum_of(solve, 2, i)
+        y = sum_of(solve, 3, i)
+        group.descent_mean = wp.where(n.at_load == 1, z / wp.max(cells, ONE), ZERO)
+        zy += sum_of(solve, 4, i) - group.descent_mean * y
+        zr += sum_of(solve, 5, i) - group.descent_mean * r
+        sr += sum_of(solve, 6, i)
+        largest_z = wp.max(largest_z, most_of(solve, 7, i))
+        largest_r = wp.max(largest_r, most_of(solve, 8, i))
+        if writes(solve):
+            solve.groups[i] = group
+        i += stride(solve)
+    zy = over_groups(solve, zy, True)
+    downhill = over_groups(solve, zr, True)
+    sr = over_groups(solve, sr, True)
+    largest_z = over_groups(solve, largest_z, False)
+    largest_r = over_groups(solve, largest_r, False)
+    n.memory = ZERO
+    if n.last == n.plain:
+        n.memory = wp.max(ZERO, zy / n.curvature)
+    if n.memory * sr >= downhill:
+        n.memory = ZERO
+    n.outward = ONE
+    n.trial_length = n.plain_length
+    if n.plain == 0:
+        n.outward = wp.where(largest_r > ZERO, solve.rules.outward * largest_z / largest_r, ZERO)
+        n.trial_length = n.near_length
+        n.transforms = n.transforms + 1
+    leads_down = n.plain == 1 or downhill > ZERO
+    i = first_group(solve)
+    while i < groups_of(solve):
+        group = solve.groups[i]
+        reach = wp.max(most_of(solve, 7, i), most_of(solve, 8, i) * n.outward)
+        group.unit = n.trial_length * reach
+        if writes(solve):
+            solve.groups[i] = group
+        i += stride(solve)
+    if lane() == 0:
+        if not leads_down:
+            n = without_memory(solve.rules, n)
+        solve.descends[0] = wp.where(leads_down, 1, 0)
+        solve.numbers[0] = n
+
+
+@wp.func
+def without_memory(rules: Rules, before: Numbers):
+    """Stay where the pressure is, and follow the plain gradient next, without memory."""
+    n = before
+    n.last = -1
+    n.plain_left = rules.plain_steps
+    n.whole = 0
+    n.length = ZERO
+    return n
+
+
+@wp.func
+def gone(rules: Rules, before: Numbers, best: wp.float64, used: wp.float64):
+    """Go along a step as far as is best, which is where the minimum along it lies.
+
+    best: in steps. used: largest fraction of its room to a bound that a cell uses in a whole step.
+    """
+    n = before
+    far = best > ONE and best * used > ONE
+    n.moved = 1
+    n.whole = wp.where(n.loaded == 0 or (best > rules.whole_step and best <= ONE) or far, 1, 0)
+    n.length = wp.where(n.whole == 1, ONE, best)
+    if n.loaded == 1:
+        if n.plain == 0 and best <= rules.shortest_useful_step:
+            n.plain_left = rules.plain_steps
+        factor = wp.min(best, TWO)
+        # The best length of a step that the bounds cut short may say nothing.
+        if n.plain == 1:
+            factor = wp.where(n.measured_plain == 1, wp.max(factor, HALF), factor)
+            n.plain_length = n.plain_length * factor
+            n.measured_plain = 1
+        else:
+            factor = wp.where(n.measured_near == 1, wp.max(factor, HALF), factor)
+            n.near_length = n.near_length * factor
+            n.measured_near = 1
+        n.last = n.plain
+    return n
+
+
+@wp.func
+def drifted(before: Numbers):
+    """Note how far off the gradient may be once the step is gone."""
+    n = before
+    n.drift = n.drift + n.length * n.step_drift
+    return n
+
+
+@wp.kernel
+def go(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Decide how far to go along the step."""
+    columns = wp.min(solve.visited[0], solve.table.shape[1])
+    slope = sum_of_columns(solve.table, 0, columns)
+    used = most_of_columns(solve.table, 1, columns)
+    curvature = sum_of_columns(solve.table, 2, columns)
+    largest = most_of_columns(solve.table, 3, columns)
+    if lane() == 0:
+        n = solve.numbers[0]
+        n.transforms = n.transforms + 1
+        n.step_drift = solve.rules.single_rounding * largest
+        best = wp.where(curvature > ZERO, -slope / wp.where(curvature > ZERO, curvature, ONE), ZERO)
+        remembers = n.last == n.plain
+        if best > ZERO or n.loaded == 0:
+            n.curvature = curvature
+            n = gone(solve.rules, n, best, used)
+        elif n.plain == 1 and not remembers:
+            # The step leads up, which without memory and preconditioner it cannot, but for rounding: a
+            # pressure off its bound by the last digit of the load hides where the others want to go.
+            if used < ONE:
+                n.status = LED_NOWHERE
+                n = without_memory(solve.rules, n)
+                solve.searching[0] = 0
+            else:
+                n = gone(solve.rules, n, ONE, used)
+        else:
+            n = without_memory(solve.rules, n)
+        solve.numbers[0] = drifted(n)

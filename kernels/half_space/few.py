@@ -1,0 +1,95 @@
+"""The exact move of the few cells of a half-space contact whose place is open; see `native/few.h`. On a CPU."""
+
+import warp as wp
+
+from warpwear.kernels import native_code
+from warpwear.kernels.cells import ONE, ZERO
+from warpwear.kernels.half_space.decisions import drifted
+from warpwear.kernels.half_space.solve import Few, Solve, most_of_columns, sum_of_columns
+from warpwear.kernels.newton import HALF
+
+wp.set_module_options(native_code.options("search.h", "few.h"))
+
+
+@wp.func_native("open_cells(slot, slots, solve, false);")
+def _count_open(slot: wp.int32, slots: wp.int32, solve: Solve): ...
+
+
+@wp.kernel
+def count_open(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Count the cells whose place between the bounds is open."""
+    _count_open(first_slot + wp.tid() // wp.block_dim(), slots, solve)
+
+
+@wp.func_native("open_cells(slot, slots, solve, true);")
+def _list_open(slot: wp.int32, slots: wp.int32, solve: Solve): ...
+
+
+@wp.kernel
+def list_open(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """List them; the trial becomes the pressure."""
+    _list_open(first_slot + wp.tid() // wp.block_dim(), slots, solve)
+
+
+@wp.kernel
+def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Give the open cells of every slot their places in the list; tell whether there are few enough."""
+    if wp.tid() == 0:
+        place = ZERO
+        for slot in range(wp.min(solve.visited[0], solve.table.shape[1])):
+            cells = solve.table[0, slot]
+            solve.table[1, slot] = place
+            place += cells
+        solve.few.count[0] = wp.int32(place)
+        few = place > ZERO and place <= wp.float64(solve.rules.few)
+        solve.aimed_at_few[0] = wp.where(few, 1, 0)
+
+
+@wp.func_native("return move_few(solve, count);")
+def move_few(solve: Solve, count: wp.int32) -> wp.bool:
+    """Move the few open cells in the trial; tell whether there is a way."""
+    ...
+
+
+@wp.kernel
+def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Make the trial pressure the best one for the few cells that are open."""
+    if wp.tid() == 0:
+        solve.aimed_at_few[0] = wp.where(move_few(solve, solve.few.count[0]), 1, 0)
+        group = solve.groups[0]
+        group.shift = ZERO
+        solve.groups[0] = group
+
+
+@wp.kernel
+def go_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Take the step of the few whole if it leads down; else a common step follows."""
+    columns = wp.min(solve.visited[0], solve.table.shape[1])
+    slope = sum_of_columns(solve.table, 0, columns)
+    curvature = sum_of_columns(solve.table, 2, columns)
+    largest = most_of_columns(solve.table, 3, columns)
+    if wp.tid() == 0:
+        n = solve.numbers[0]
+        n.transforms = n.transforms + 1
+        if curvature > ZERO and -slope > HALF * curvature:
+            n.step_drift = solve.rules.single_rounding * largest
+            n.last = -1
+            n.moved = 1
+            n.whole = 1
+            n.length = ONE
+            n = drifted(n)
+            solve.steps[0] = 0
+        solve.numbers[0] = n
+
+
+@wp.func_native("return best_of_few(few, count);")
+def _best_of_few(few: Few, count: wp.int32) -> wp.bool: ...
+
+
+@wp.kernel
+def solve_few(
+    first_slot: wp.int32, slots: wp.int32, few: Few, count: wp.int32, solved_out: wp.array(dtype=wp.int32)
+):
+    """Find the best changes of some cells' pressures alone; tell whether there are such."""
+    if wp.tid() == 0:
+        solved_out[0] = wp.where(_best_of_few(few, count), 1, 0)

@@ -1,0 +1,273 @@
+"""What a search of the half-space solver knows: its rules, its fields, and the numbers of every group of rows.
+
+A group carries one load at one approach: all rows together, or each row for itself.
+"""
+
+from enum import IntEnum
+
+import warp as wp
+
+from warpwear.kernels import native_code
+from warpwear.kernels.cells import Cells
+from warpwear.kernels.newton import Bracket
+
+wp.set_module_options(native_code.options())
+
+#: How a search ended; `NEEDS_COEFFICIENTS`: it goes on once the operator's coefficients are there.
+RUNS = wp.constant(wp.int32(0))
+CONVERGED = wp.constant(wp.int32(1))
+LED_NOWHERE = wp.constant(wp.int32(2))
+UNBALANCED = wp.constant(wp.int32(3))
+NEEDS_COEFFICIENTS = wp.constant(wp.int32(4))
+#: Lines of the table of partial results.
+LINES = 9
+
+
+class Request(IntEnum):
+    """What the host asks of a search: places in `Solve.request`."""
+
+    RESPONSE = 0  # to a pressure that alternates from cell to cell, compliance included [mm/MPa]
+    AT_LOAD = 1  # 1 at loads, 0 at approaches
+    ANEW = 2  # 1 where it starts from nothing
+    ROUGH = 3  # 1 where single precision may do
+    RESUMES = 4  # 1 where it goes on as it ended
+
+
+@wp.struct
+class Rules:
+    """What a search goes by; see `contact.half_space.search.SearchRules`."""
+
+    elastic_fraction: wp.float64
+    patience: wp.int32
+    whole_step: wp.float64
+    shortest_useful_step: wp.float64
+    plain_steps: wp.int32
+    outward: wp.float64
+    tolerance: wp.float64
+    rounding: wp.float64
+    load_tolerance: wp.float64
+    rough_balance: wp.float64
+    iterations: wp.int32
+    scattered: wp.float64
+    every: wp.int32
+    drift: wp.float64
+    single_rounding: wp.float64  # 0 where responses to steps are made in double precision
+    few: wp.int32  # cells that are moved at once, at most; 0 where they are not
+    near: wp.float64
+    group_cells: wp.float64  # of the surface, in a group
+
+
+@wp.struct
+class Group:
+    """Rows that carry one load at one approach."""
+
+    load: wp.float64  # Σ p that is to be carried [MPa]
+    level: wp.float64  # approach λ [mm]
+    mean: wp.float64  # of the gap [mm]
+    rms: wp.float64  # height [mm]
+    lowest: wp.float64  # gap [mm]
+    total: wp.float64  # Σ p [MPa]
+    touching: wp.float64  # cells
+    violation: wp.float64  # of complementarity [mm]
+    scale: wp.float64  # that it counts over [mm]
+    allowed: wp.float64  # [mm]
+    descent_mean: wp.float64  # [mm] or, of the preconditioner, [MPa]
+    unit: wp.float64  # of shifts of the trial [MPa]
+    shift: wp.float64  # of the trial [MPa]
+    bracket: Bracket  # of the shift, in units
+
+
+@wp.struct
+class Numbers:
+    """What all groups have in common."""
+
+    response: wp.float64  # to a pressure that alternates from cell to cell [mm/MPa]
+    stiffness: wp.float64  # its reciprocal [MPa/mm]
+    at_load: wp.int32
+    plain_length: wp.float64  # of a trial step along the plain gradient
+    near_length: wp.float64  # of a preconditioned one
+    measured_plain: wp.int32  # whether a length has been measured
+    measured_near: wp.int32
+    trial_length: wp.float64
+    curvature: wp.float64  # along the last step
+    memory: wp.float64  # of the last step in the next
+    outward: wp.float64
+    length: wp.float64  # of the step that is gone, in steps
+    whole: wp.int32  # whether the trial itself is taken
+    last: wp.int32  # kind of the last step: 1 plain, 0 preconditioned, −1 nothing to remember
+    plain: wp.int32  # kind of this one
+    extended: wp.int32  # whether its descent was extended
+    plain_left: wp.int32
+    plain_done: wp.int32
+    loaded: wp.int32  # whether every group carries its load
+    few_below: wp.float64  # violation from which moving few cells alone is not tried [mm]
+    near: wp.float64  # gap or overlap of a cell that may change sides [mm]
+    drift: wp.float64  # by how much the gradient may be off [mm]
+    step_drift: wp.float64  # what a whole step adds to that [mm]
+    moved: wp.int32  # whether this was an iteration
+    iteration: wp.int32
+    transforms: wp.int32  # pairs
+    status: wp.int32
+
+
+@wp.struct
+class Fields:
+    """What a search moves, and the caps; arrays of the executor's fields."""
+
+    gap: wp.array2d(dtype=Cells)  # g [mm]
+    pressure: wp.array2d(dtype=Cells)  # p [MPa]
+    gradient: wp.array2d(dtype=Cells)  # t [mm]
+    trial: wp.array2d(dtype=Cells)  # pressure that a step aims at, before it is shifted and clipped [MPa]
+    step: wp.array2d(dtype=Cells)  # the last one [MPa]
+    response: wp.array2d(dtype=Cells)  # of the gradient to it [mm]
+    gathered: wp.array2d(dtype=wp.float32)  # descent that was extended and gathered; no rows where none is
+    cap: wp.float64  # H [MPa]
+    fractions: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear all of it
+
+
+@wp.struct
+class Few:
+    """The few cells whose place between the bounds is open, and room to move them; see `native/few.h`."""
+
+    count: wp.array(dtype=wp.int32)  # one number
+    row: wp.array(dtype=wp.int32)
+    column: wp.array(dtype=wp.int32)
+    slope: wp.array(dtype=wp.float64)  # t − λ [mm]
+    low: wp.array(dtype=wp.float64)  # change of the pressure that takes a cell to a bound [MPa]
+    high: wp.array(dtype=wp.float64)
+    change: wp.array(dtype=wp.float64)  # [MPa]
+    side: wp.array(dtype=wp.int32)
+    next: wp.array(dtype=wp.int32)
+    free: wp.array(dtype=wp.int32)
+    order: wp.array(dtype=wp.int32)
+    rest: wp.array(dtype=wp.float64)
+    pair: wp.array(dtype=wp.float64)
+    matrix: wp.array(dtype=wp.float64)
+    equations: wp.array(dtype=wp.float64)
+    factor: wp.array(dtype=wp.float64)
+    elastic: wp.array2d(dtype=wp.float64)  # coefficients by distance in cells [mm/MPa]
+    along: wp.array(dtype=wp.float64)  # what compliances add in a column, by distance along x [mm/MPa]
+    rows: wp.int32  # beyond which distances wrap
+    columns: wp.int32
+
+
+@wp.struct
+class Solve:
+    """A search, and where its passes leave what they find."""
+
+    columns: wp.int32  # of the grid, without padding
+    wraps: wp.int32  # 1 where the surface repeats beyond its edges
+    neighbours: wp.array(dtype=wp.float32)  # weights of those along x, along y and across corners
+    rules: Rules
+    fields: Fields
+    few: Few
+    request: wp.array(dtype=wp.float64)  # by `Request`
+    loads: wp.array(dtype=wp.float64)  # of each group, Σ p [MPa]; at approaches those [mm]
+    visited: wp.array(dtype=wp.int32)  # rows, one number
+    groups: wp.array(dtype=Group)
+    numbers: wp.array(dtype=Numbers)  # one
+    table: wp.array2d(dtype=wp.float64)  # a line a sum or maximum, a column a slot
+    #: Flags of the program, one number each.
+    starts: wp.array(dtype=wp.int32)
+    anew: wp.array(dtype=wp.int32)
+    searching: wp.array(dtype=wp.int32)
+    renews: wp.array(dtype=wp.int32)
+    renews_exactly: wp.array(dtype=wp.int32)
+    renews_roughly: wp.array(dtype=wp.int32)
+    moves: wp.array(dtype=wp.int32)
+    moves_few: wp.array(dtype=wp.int32)
+    aimed_at_few: wp.array(dtype=wp.int32)
+    steps: wp.array(dtype=wp.int32)
+    descends: wp.array(dtype=wp.int32)
+    preconditions: wp.array(dtype=wp.int32)
+    extends: wp.array(dtype=wp.int32)
+    extends_not: wp.array(dtype=wp.int32)
+    balancing: wp.array(dtype=wp.int32)
+
+
+@wp.func_native("return lane_of_slot();")
+def lane() -> wp.int32:
+    """Number of a thread in its slot."""
+    ...
+
+
+@wp.func_native("return width_of_slot();")
+def width() -> wp.int32:
+    """How many threads a slot has."""
+    ...
+
+
+@wp.func_native("return of_slot(value, adds);")
+def of_slot(value: wp.float64, adds: wp.bool) -> wp.float64:
+    """Bring what the threads of a slot have to one number."""
+    ...
+
+
+@wp.func_native("return sum_of_line(table, line, 0, columns);")
+def sum_of_columns(table: wp.array2d(dtype=wp.float64), line: wp.int32, columns: wp.int32) -> wp.float64:
+    """Sum the first columns of a line of a table."""
+    ...
+
+
+@wp.func_native("return most_of_line(table, line, 0, columns);")
+def most_of_columns(table: wp.array2d(dtype=wp.float64), line: wp.int32, columns: wp.int32) -> wp.float64:
+    """Find the largest of the first columns of a line of a table."""
+    ...
+
+
+# A decision is one slot. Where there is one group all of its threads look at it together; of many groups each
+# thread looks at some.
+
+
+@wp.func
+def is_one(solve: Solve):
+    """Tell whether all rows are one group."""
+    return solve.groups.shape[0] == 1
+
+
+@wp.func
+def groups_of(solve: Solve):
+    """Count the groups that are visited."""
+    return wp.where(is_one(solve), 1, solve.visited[0])
+
+
+@wp.func
+def first_group(solve: Solve):
+    """Name the first group that a thread looks at."""
+    return wp.where(is_one(solve), 0, lane())
+
+
+@wp.func
+def stride(solve: Solve):
+    """Count from one group of a thread to its next."""
+    return wp.where(is_one(solve), 1, width())
+
+
+@wp.func
+def writes(solve: Solve):
+    """Tell whether a thread writes what it has found of a group."""
+    return not is_one(solve) or lane() == 0
+
+
+@wp.func
+def sum_of(solve: Solve, line: wp.int32, group: wp.int32):
+    """Sum a line of the table over the slots of a group."""
+    if is_one(solve):
+        return sum_of_columns(solve.table, line, wp.min(solve.visited[0], solve.table.shape[1]))
+    return solve.table[line, group]
+
+
+@wp.func
+def most_of(solve: Solve, line: wp.int32, group: wp.int32):
+    """Find the largest of a line of the table over the slots of a group."""
+    if is_one(solve):
+        return most_of_columns(solve.table, line, wp.min(solve.visited[0], solve.table.shape[1]))
+    return solve.table[line, group]
+
+
+@wp.func
+def over_groups(solve: Solve, value: wp.float64, adds: wp.bool):
+    """Bring what the threads have of their groups to one number."""
+    if is_one(solve):
+        return value
+    return of_slot(value, adds)

@@ -1,0 +1,94 @@
+#pragma once
+// What the preconditioner of a search does beside its transforms: it extends values of free cells to others.
+//
+// |q| E*/2 is the inverse of the whole surface. Of free cells alone it is the inverse of their own operator
+// if their gradient is extended to the other cells so that no pressure is needed there. About that extension
+// is made here, by two of Jacobi's iterations with the coefficients of next neighbours alone. Whatever
+// extension E is made, E' |q| E is symmetric and positive as |q| is. In single precision, as the transforms
+// between. Symbols as in `search.h`. A GPU makes each iteration in a pass of its own, see
+// `half_space/extension.py`.
+#include "search.h"
+
+#if !defined(__CUDA_ARCH__)
+static const int BLOCK_ROWS = 16; // rows of a slot
+static const int TILE = 128;      // vectors of a row that are looked at together
+
+// Sum of the neighbours of eight cells, weighed: along x (rows above and below), across and at the corners.
+// Vectors to the left and right of these three must be there.
+struct Neighbours {
+    float along, across, corner;
+
+    SingleLanes operator()(const SingleLanes* above, const SingleLanes* here, const SingleLanes* below) const
+    {
+        CONTRACT_FAST
+        const SingleLanes before = above[-1] + below[-1], beside = above[0] + below[0],
+                          after = above[1] + below[1];
+        const SingleLanes left = __builtin_shufflevector(before, beside, 7, 8, 9, 10, 11, 12, 13, 14);
+        const SingleLanes right = __builtin_shufflevector(beside, after, 1, 2, 3, 4, 5, 6, 7, 8);
+        const SingleLanes own_left = __builtin_shufflevector(here[-1], here[0], 7, 8, 9, 10, 11, 12, 13, 14);
+        const SingleLanes own_right = __builtin_shufflevector(here[0], here[1], 1, 2, 3, 4, 5, 6, 7, 8);
+        return along * beside + across * (own_left + own_right) + corner * (left + right);
+    }
+};
+
+// Extend t - L of the free cells to the others, in the trial; or, where it gathers, add to the trial of free
+// cells what that of the others gives back, in `gathered`: the transpose. A slot is a block of rows.
+//
+// Cells of a tile and two around it begin with what the fields hold, `begun`, and from it those one further
+// in are made, `within`; eight at a time, after two vectors that end in what lies to the left. Where there is
+// no cell there is nothing.
+template <bool gathers, typename Solve> WARPWEAR_FN void extend(int slot, Solve& solve)
+{
+    const int ahead = 16, rows = solve.fields.pressure.shape[0], columns = solve.columns;
+    const bool wraps = solve.wraps == 1;
+    const Neighbours around = {solve.neighbours.data[0], solve.neighbours.data[1], solve.neighbours.data[2]};
+    const Lanes level = solve.groups.data[0].level;
+    SingleLanes begun[BLOCK_ROWS + 4][TILE + 4], bound[BLOCK_ROWS + 4][TILE + 4],
+        within[BLOCK_ROWS + 2][TILE + 4];
+    const int top = slot * BLOCK_ROWS, height = rows - top < BLOCK_ROWS ? rows - top : BLOCK_ROWS;
+    for (int left = 0; left < columns; left += LANES * TILE) {
+        const int size = columns - left < LANES * TILE ? columns - left : LANES * TILE;
+        const int vectors = (size + LANES - 1) / LANES;
+        for (int i = 0; i < height + 4; ++i) {
+            float *const begins = (float*)begun[i], *const bounds = (float*)bound[i];
+            const int place = top + i - 2, number = (place + 2 * rows) % rows;
+            const SearchRow row(solve.fields, number);
+            const auto load = [&](int v, SingleLanes& begin, SingleLanes& is_bound) {
+                const Lanes zero = 0.0, one = 1.0, t = row.gradient[v];
+                const Mask may = is_free(row.pressure[v], t, level, row.cap_of(v));
+                begin = halved(gathers ? (may ? zero : row.trial[v]) : (may ? t - level : zero));
+                is_bound = halved(may ? zero : one);
+            };
+            for (int v = 0; v < vectors; ++v) load(left / LANES + v, begun[i][v + 2], bound[i][v + 2]);
+            for (int side = 0; side < 4; ++side) {
+                const int k = side < 2 ? side - 2 : size + side - 2, j = (left + k + 2 * columns) % columns;
+                SingleLanes begin, is_bound;
+                load(j / LANES, begin, is_bound);
+                const bool there = wraps || j == left + k;
+                begins[ahead + k] = there ? begin[j % LANES] : 0.0f;
+                bounds[ahead + k] = there ? is_bound[j % LANES] : 0.0f;
+            }
+            if (!wraps && number != place)
+                for (int k = ahead - 2; k < ahead + size + 2; ++k) begins[k] = bounds[k] = 0.0f;
+        }
+        for (int i = 0; i < height + 2; ++i)
+            for (int v = 1; v < vectors + 3; ++v)
+                within[i][v] = begun[i + 1][v] +
+                               bound[i + 1][v] * around(begun[i] + v, begun[i + 1] + v, begun[i + 2] + v);
+        for (int i = 0; i < height; ++i) {
+            Stored* const trial = row_of(solve.fields.trial, top + i) + left / LANES;
+            StoredSingle* const gathered = single_row_of(solve.fields.gathered, top + i) + left / LANES;
+            for (int v = 0; v < vectors; ++v) {
+                const SingleLanes more =
+                    around(within[i] + v + 2, within[i + 1] + v + 2, within[i + 2] + v + 2);
+                if (gathers)
+                    gathered[v] = halved(trial[v]) + more;
+                else
+                    trial[v] = doubled(begun[i + 2][v + 2] + bound[i + 2][v + 2] * more);
+            }
+        }
+    }
+}
+#else
+template <bool gathers, typename Solve> WARPWEAR_FN void extend(int, Solve&) {}
+#endif

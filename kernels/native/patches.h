@@ -1,0 +1,196 @@
+#pragma once
+#include "wear.h"
+// Patches of cells on springs: what those of a patch carry, what a step wears off them, and what decisions
+// over patches need beside sums.
+
+WARPWEAR_FN void wait_for_slot()
+{
+#if defined(__CUDA_ARCH__)
+    __syncthreads();
+#endif
+}
+
+// The number after v in the direction of `to`.
+WARPWEAR_FN double next_number(double v, double to)
+{
+    if (!(v < to) && !(v > to)) return v;
+    union {
+        double number;
+        long long bits;
+    } next;
+    next.number = v;
+    if (v == 0.0) {
+        next.bits = 1;
+        return to > v ? next.number : -next.number;
+    }
+    next.bits += (v < to) == (v > 0.0) ? 1 : -1;
+    return next.number;
+}
+
+// Visit the cells of a patch in the tiles that it reaches: `Lanes` by line and place in it. reaches: tells by
+// the lowest gap of a tile before any wear.
+template <typename Layout, typename Reaches, typename Visit>
+WARPWEAR_FN void visit_patch(const Layout& layout, int patch, const Reaches& reaches, const Visit& visit)
+{
+    const double* const lowest = &wp::index(layout.lowest, patch, 0);
+    const int of_line = layout.vectors * OF_VECTOR, tiles = (of_line + OF_TILE - 1) / OF_TILE;
+#if defined(__CUDA_ARCH__)
+    for (int n = threadIdx.x; n < layout.lowest.shape[1] * OF_TILE; n += blockDim.x) {
+        const int tile = n / OF_TILE, line = tile / tiles;
+        const int place = (tile - line * tiles) * OF_TILE + n % OF_TILE;
+        if (reaches(lowest[tile]) && place < of_line) visit(line, place);
+    }
+#else
+    for (int tile = 0; tile < layout.lowest.shape[1]; ++tile) {
+        if (!reaches(lowest[tile])) continue;
+        const int line = tile / tiles, first = (tile - line * tiles) * OF_TILE;
+        const int end = first + OF_TILE < of_line ? first + OF_TILE : of_line;
+        for (int place = first; place < end; ++place) visit(line, place);
+    }
+#endif
+}
+
+// Give what was added up of a patch as its mean pressure, slope, and way of a straight line.
+template <typename Table>
+WARPWEAR_FN void give_answer(Table& answer, int patch, const Table& trial, double cells, double stiffness)
+{
+    wait_for_slot();
+    if (lane_of_slot() != 0) return;
+    wp::index(answer, 0, patch) = wp::index(trial, 0, patch) / cells;
+    wp::index(answer, 1, patch) = wp::index(trial, 1, patch) / cells;
+    wp::index(answer, 2, patch) = -wp::index(trial, 2, patch) / stiffness;
+}
+
+// Give the answer of a patch that is not reached at an approach: nothing, up to its lowest cell.
+template <typename Curves>
+WARPWEAR_FN void give_nothing(Curves& curves, int patch, double base, double offset)
+{
+    wp::index(curves.answer, 0, patch) = 0.0;
+    wp::index(curves.answer, 1, patch) = 0.0;
+    wp::index(curves.answer, 2, patch) = (wp::index(curves.lowest, patch) - base) - offset;
+}
+
+// What the cells of a patch carry at its trial approach.
+template <typename Curves, typename Surfaces>
+WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& curves,
+                             const Surfaces& surfaces)
+{
+#if !defined(__CUDA_ARCH__)
+#pragma clang fp contract(off)
+#endif
+    const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
+    if (!((base - wp::index(curves.lowest, patch)) + offset > 0.0)) {
+        if (lane_of_slot() == 0) give_nothing(curves, patch, base, offset);
+        return;
+    }
+    const int of_line = surfaces.layout.vectors * OF_VECTOR;
+    const bool parted = surfaces.parts.shape[0] > 0;
+    const Stored* const gap = row_of(surfaces.gap, patch);
+    const Stored* const parts = parted ? row_of(surfaces.parts, patch) : nullptr;
+    const Lanes zero = 0.0;
+    const Counts no = 0, yes = 1;
+    Lanes pressure = 0.0, nearest = ABSENT;
+    Counts between = 0;
+    double beside = ABSENT; // of the tiles that are skipped
+    const auto reaches = [&](double low) {
+        const double overlap = (base - low) + offset;
+        if (!(overlap > 0.0)) beside = wp::min(beside, -overlap);
+        return overlap > 0.0;
+    };
+    visit_patch(surfaces.layout, patch, reaches, [&](int line, int place) {
+        const int i = line * of_line + place;
+        const Lanes most_here = parted ? Lanes(cap * parts[i]) : Lanes(cap);
+        const Lanes q = ((base - gap[i]) + offset) * stiffness;
+        Lanes p = q > zero ? q : zero;
+        p = p < most_here ? p : most_here;
+        pressure += p;
+        between += p > zero && q < most_here ? yes : no;
+        const Lanes open = size_of(q), full = size_of(q - most_here);
+        const Lanes near = open < full ? open : full;
+        nearest = nearest < near ? nearest : near;
+    });
+    leave_each(
+        {{total(pressure), &wp::index(surfaces.trial, 0, patch), true},
+         {count(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
+         {-wp::min(-most(-nearest), beside * stiffness), &wp::index(surfaces.trial, 2, patch), false}});
+    give_answer(curves.answer, patch, surfaces.trial, surfaces.cells, stiffness);
+}
+
+// Rows and columns of the domain in which a worn patch was ever touched, beyond those that are known.
+template <typename Surfaces, typename Known, typename Reaches>
+WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy& by, const Known& known,
+                               const Reaches& reaches)
+{
+    Extents extents;
+    const int of_line = surfaces.layout.vectors * OF_VECTOR;
+    const int lines = surfaces.gap.shape[1] / surfaces.layout.vectors;
+    const int row = wp::index(surfaces.layout.first_row, patch);
+    const int column = wp::index(surfaces.layout.first_column, patch);
+    if (-row <= known[0] && row + lines - 1 <= known[1] && -column <= known[2] &&
+        column + of_line * LANES - 1 <= known[3])
+        return extents;
+    const double* const gap = (const double*)row_of(surfaces.gap, patch);
+    const double* const unworn = (const double*)row_of(surfaces.unworn, patch);
+    visit_patch(surfaces.layout, patch, reaches, [&](int line, int place) {
+        for (int i = place * LANES; i < place * LANES + LANES; ++i) {
+            const int cell = line * of_line * LANES + i;
+            if (!was_touched(by, gap[cell], unworn[cell])) continue;
+            extents.first_row = wp::max(extents.first_row, -double(row + line));
+            extents.last_row = wp::max(extents.last_row, double(row + line));
+            extents.first_column = wp::max(extents.first_column, -double(column + i));
+            extents.last_column = wp::max(extents.last_column, double(column + i));
+        }
+    });
+    return extents;
+}
+
+// Wear the cells of a patch that it has reached or reaches next, and leave what they add up to. Where the
+// next step is foreseen the patch answers for it as well.
+template <typename Rules, typename Now, typename Curves, typename Courses, typename Surfaces, typename Books>
+WARPWEAR_FN void wear_patch(int patch, const Rules& rules, const Now& now, Curves& curves,
+                            const Courses& courses, const Surfaces& surfaces, Books& books)
+{
+    const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
+    const double base_next = wp::index(courses.base_next, patch);
+    const double offset_next = wp::index(courses.offset_next, patch);
+    const double lowest = wp::index(curves.lowest, patch), reached = wp::index(courses.reached, patch);
+    const bool touches = (base - lowest) + offset > 0.0;
+    const bool touches_next = (base_next - lowest) + offset_next > 0.0;
+    if (!touches && !touches_next && !(lowest < reached)) {
+        if (lane_of_slot() != 0) return;
+        for (int line = 0; line < books.sums.shape[0]; ++line) wp::index(books.sums, line, patch) = 0.0;
+        for (int line = 0; line < books.maxima.shape[0]; ++line)
+            wp::index(books.maxima, line, patch) = line < 2 ? 0.0 : NO_INDEX;
+        if (rules.looks_ahead) give_nothing(curves, patch, base_next, offset_next);
+        return;
+    }
+    const WearBy by = {base,      offset,        rules.load.hardness, 0.0,
+                       0.0,       now.stiffness, now.removal,         now.reference,
+                       base_next, offset_next,   now.stiffness_next};
+    const int of_line = surfaces.layout.vectors * OF_VECTOR;
+    const bool parted = surfaces.parts.shape[0] > 0;
+    const Stored* const unworn = row_of(surfaces.unworn, patch);
+    const Stored* const parts = parted ? row_of(surfaces.parts, patch) : nullptr;
+    Stored* const gap = row_of(surfaces.gap, patch);
+    const Lanes cap = by.cap;
+    WearSums sums;
+    double beside = ABSENT;
+    const auto was_reached = [&](double low) { return low < reached || (base - low) + offset > 0.0; };
+    const auto reaches = [&](double low) {
+        const double next = (base_next - low) + offset_next;
+        const bool is_near = was_reached(low) || next > 0.0;
+        if (!is_near) beside = wp::min(beside, -next * by.stiffness_next);
+        return is_near;
+    };
+    visit_patch(surfaces.layout, patch, reaches, [&](int line, int place) {
+        const int i = line * of_line + place;
+        fetch((const double*)(gap + i + 16)); // a fifth of the time, where fields do not fit the cache
+        fetch((const double*)(unworn + i + 16));
+        const Lanes most_here = parted ? Lanes(by.cap * parts[i]) : cap;
+        Counts touched;
+        gap[i] = wear_cell(sums, by, gap[i], unworn[i], most_here, touched);
+    });
+    const Extents extents = extents_of(patch, surfaces, by, now.extents, was_reached);
+    leave_wear(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);
+    if (rules.looks_ahead) give_answer(curves.answer, patch, books.ahead, surfaces.cells, by.stiffness_next);
+}

@@ -1,0 +1,390 @@
+#pragma once
+// The passes over all cells of a search of the half-space solver, each with the sums that the next one needs.
+//
+// Symbols: p pressure, t = Gp + g its gradient (gap after deformation, from the mean planes), L the approach
+// (level), H the cap. At the solution t = L on cells with 0 < p < H, t >= L where p = 0, t <= L where p = H.
+// A cell is free if it may move: p > 0 or t < L, and p < H or t > L. Lines of the table are those of the
+// kernels in `half_space/passes.py`.
+#include "lanes.h"
+
+// Rounding of a sum of two numbers, relatively.
+static const double ROUNDING_OF_SUM = 4.0e-16;
+
+#if defined(__CUDA_ARCH__)
+#define CONTRACT_FAST
+#else
+#define CONTRACT_FAST _Pragma("clang fp contract(fast)")
+#endif
+
+// Where the cells of a row lie, and their caps.
+struct SearchRow {
+    Stored *pressure, *gradient, *trial, *step, *response;
+    const Stored *gap, *fractions;
+    const StoredSingle* gathered;
+    Lanes cap;
+    int number;
+
+    template <typename Fields>
+    CUDA_CALLABLE SearchRow(const Fields& fields, int row)
+        : pressure(row_of(fields.pressure, row)), gradient(row_of(fields.gradient, row)),
+          trial(row_of(fields.trial, row)), step(row_of(fields.step, row)),
+          response(row_of(fields.response, row)), gap(row_of(fields.gap, row)), fractions(nullptr),
+          gathered(nullptr), cap(fields.cap), number(row)
+    {
+        if (fields.fractions.shape[0] > 0) fractions = row_of(fields.fractions, row);
+        if (fields.gathered.shape[0] > 0) gathered = (const StoredSingle*)&wp::index(fields.gathered, row, 0);
+    }
+
+    CUDA_CALLABLE Lanes cap_of(int i) const { return fractions ? cap * fractions[i] : cap; }
+};
+
+// Visit every cell of a slot. `of_row` takes a row and the group that carries its load, and returns what is
+// done with each of its cells, by their place in the row.
+template <typename Solve, typename OfRow>
+WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const OfRow& of_row)
+{
+    const int rows = solve.visited.data[0], cells = solve.fields.pressure.shape[1] * OF_VECTOR;
+    const bool is_one = solve.groups.shape[0] == 1;
+    for (int row = slot; row < rows; row += slots) {
+        const auto of_cell = of_row(SearchRow(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
+        for (int i = lane_of_slot(); i < cells; i += width_of_slot()) of_cell(i);
+    }
+}
+
+// Whether cells are columns of the grid, not the padding behind its last one.
+WARPWEAR_FN Mask inside(int i, int columns)
+{
+#if defined(__CUDA_ARCH__)
+    return i < columns;
+#else
+    const Lanes places = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0};
+    return places + double(LANES * i) < Lanes(double(columns));
+#endif
+}
+
+WARPWEAR_FN Mask is_free(Lanes p, Lanes t, Lanes level, Lanes cap)
+{ return ((p > Lanes(0.0)) | (t < level)) & ((p < cap) | (t > level)); }
+
+// x between 0 and the cap.
+WARPWEAR_FN Lanes clipped(Lanes x, Lanes cap)
+{
+    const Lanes zero = 0.0;
+    x = x > zero ? x : zero;
+    return x < cap ? x : cap;
+}
+
+// x + shift between 0 and the cap; at a bound where it is off it by the rounding of the sum alone.
+WARPWEAR_FN Lanes shifted(Lanes x, Lanes shift, Lanes cap)
+{
+    CONTRACT_FAST
+    const Lanes zero = 0.0, y = x + shift, rounding = ROUNDING_OF_SUM * size_of(shift);
+    const Lanes low = y < rounding ? zero : y;
+    return y > cap - rounding ? cap : low;
+}
+
+// Where there is a surface, sums of cells, g - mean and its square. Maximum: -g.
+template <typename Solve> WARPWEAR_FN void moments(int slot, int slots, Solve& solve)
+{
+    const int columns = solve.columns;
+    Counts cells = 0;
+    Lanes first = 0.0, second = 0.0, lowest = -NO_LIMIT;
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+        const Lanes mean = group.mean;
+        return [&, row, mean](int i) {
+            CONTRACT_FAST
+            const Lanes zero = 0.0, none = NO_LIMIT, g = row.gap[i];
+            const Counts no = 0, yes = 1;
+            const Mask there = inside(i, columns) & (g < Lanes(ABSENT));
+            const Lanes above = there ? g - mean : zero, down = there ? -g : -none;
+            cells += there ? yes : no;
+            first += above;
+            second += above * above;
+            lowest = lowest > down ? lowest : down;
+        };
+    });
+    leave_sum(solve.table, 0, slot, count(cells));
+    leave_sum(solve.table, 1, slot, total(first));
+    leave_sum(solve.table, 2, slot, total(second));
+    leave_most(solve.table, 3, slot, most(lowest));
+}
+
+// Trial pressure of springs under the gap's mean; far below zero in the padding. Sums as those of `carried`.
+template <typename Solve> WARPWEAR_FN void springs(int slot, int slots, Solve& solve)
+{
+    const int columns = solve.columns;
+    const Lanes stiffness = solve.numbers.data[0].stiffness;
+    Lanes sum = 0.0;
+    Counts between = 0;
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+        const Lanes level = group.level;
+        return [&, row, level](int i) {
+            const Lanes zero = 0.0, none = NO_LIMIT, cap = row.cap_of(i);
+            const Counts no = 0, yes = 1;
+            const Lanes x = inside(i, columns) ? (level - row.gap[i]) * stiffness : -none;
+            row.trial[i] = x;
+            sum += clipped(x, cap);
+            between += ((x > zero) & (x < cap)) ? yes : no;
+        };
+    });
+    leave_sum(solve.table, 0, slot, total(sum));
+    leave_sum(solve.table, 1, slot, count(between));
+}
+
+// Sums of the trial pressures, shifted and clipped, and of the cells between the bounds. takes: whether they
+// become the pressure.
+template <typename Solve> WARPWEAR_FN void carried(int slot, int slots, Solve& solve, bool takes)
+{
+    Lanes sum = 0.0;
+    Counts between = 0;
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+        const Lanes shift = group.shift;
+        return [&, row, shift](int i) {
+            const Lanes zero = 0.0, cap = row.cap_of(i), q = shifted(row.trial[i], shift, cap);
+            const Counts no = 0, yes = 1;
+            if (takes) row.pressure[i] = q;
+            sum += q;
+            between += ((q > zero) & (q < cap)) ? yes : no;
+        };
+    });
+    leave_sum(solve.table, 0, slot, total(sum));
+    leave_sum(solve.table, 1, slot, count(between));
+}
+
+// Pressures down to caps that may have fallen since they were solved.
+template <typename Solve> WARPWEAR_FN void bound(int slot, int slots, Solve& solve)
+{
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
+        return [row](int i) {
+            const Lanes p = row.pressure[i], cap = row.cap_of(i);
+            row.pressure[i] = p < cap ? p : cap;
+        };
+    });
+}
+
+// t = Gp + g from the response Gp; without end in the padding, which therefore stays open. Maximum: |Gp|.
+template <typename Solve> WARPWEAR_FN void gradient(int slot, int slots, Solve& solve)
+{
+    const int columns = solve.columns;
+    Lanes largest = 0.0;
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
+        return [&, row](int i) {
+            const Lanes zero = 0.0, none = NO_LIMIT, u = row.response[i];
+            const Mask there = inside(i, columns);
+            row.gradient[i] = there ? row.gap[i] + u : none;
+            const Lanes size = there ? size_of(u) : zero;
+            largest = largest > size ? largest : size;
+        };
+    });
+    leave_most(solve.table, 0, slot, most(largest));
+}
+
+// p += length x step, t += length x response; a whole step takes the shifted trial itself, exact at the
+// bounds. Sums: p, cells in contact, cells between the bounds and their t. Maxima: t where p > 0, -t where p
+// < H.
+template <typename Solve> WARPWEAR_FN void advance(int slot, int slots, Solve& solve)
+{
+    const auto& numbers = solve.numbers.data[0];
+    const bool whole = numbers.whole == 1, moves = numbers.length > 0.0;
+    const Lanes by = numbers.length;
+    Lanes sum = 0.0, level = 0.0, highest = -NO_LIMIT, lowest = -NO_LIMIT;
+    Counts touching = 0, between = 0;
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+        const Lanes shift = group.shift;
+        return [&, row, shift](int i) {
+            CONTRACT_FAST
+            const Lanes zero = 0.0, none = NO_LIMIT, cap = row.cap_of(i);
+            const Counts no = 0, yes = 1;
+            Lanes p = row.pressure[i], t = row.gradient[i];
+            if (moves) { // else there may be no response
+                p = whole ? shifted(row.trial[i], shift, cap) : clipped(p + by * row.step[i], cap);
+                t += by * row.response[i];
+                row.pressure[i] = p;
+                row.gradient[i] = t;
+            }
+            const Mask touches = p > zero, below = p < cap;
+            const Lanes up = touches ? t : -none, down = below ? -t : -none;
+            sum += p;
+            touching += touches ? yes : no;
+            between += (touches & below) ? yes : no;
+            level += (touches & below) ? t : zero;
+            highest = highest > up ? highest : up;
+            lowest = lowest > down ? lowest : down;
+        };
+    });
+    leave_sum(solve.table, 0, slot, total(sum));
+    leave_sum(solve.table, 1, slot, count(touching));
+    leave_sum(solve.table, 2, slot, count(between));
+    leave_sum(solve.table, 3, slot, total(level));
+    leave_most(solve.table, 4, slot, most(highest));
+    leave_most(solve.table, 5, slot, most(lowest));
+}
+
+// t - L on the free cells, 0 elsewhere, in the place of the trial.
+template <typename Solve> WARPWEAR_FN void residual(int slot, int slots, Solve& solve)
+{
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+        const Lanes level = group.level;
+        return [row, level](int i) {
+            const Lanes zero = 0.0, t = row.gradient[i];
+            row.trial[i] = is_free(row.pressure[i], t, level, row.cap_of(i)) ? t - level : zero;
+        };
+    });
+}
+
+// In some rows, sums of cells between the bounds and of the ends of their lines.
+template <typename Solve> WARPWEAR_FN void scatter(int slot, int slots, Solve& solve)
+{
+    const int rows = solve.visited.data[0], every = solve.rules.every, cells = solve.columns;
+    double inner = 0.0, ends = 0.0;
+    for (int row = slot; row < rows; row += slots) {
+        if (row % every) continue;
+        const SearchRow here(solve.fields, row);
+        const double* const p = (const double*)here.pressure;
+        const double* const fractions = (const double*)here.fractions;
+        const auto is_between = [&](int i) {
+            const double cap = fractions ? solve.fields.cap * fractions[i] : solve.fields.cap;
+            return (p[i] > 0.0) & (p[i] < cap);
+        };
+        for (int i = lane_of_slot(); i < cells; i += width_of_slot()) {
+            const bool one = is_between(i);
+            inner += one;
+            if (i + 1 < cells) ends += one != is_between(i + 1);
+        }
+    }
+    leave_sum(solve.table, 0, slot, inner);
+    leave_sum(solve.table, 1, slot, ends);
+}
+
+// Where a step goes down from a cell: its gradient, or what the preconditioner made of that.
+struct Descent {
+    const Stored *gradient, *trial;
+    const StoredSingle* gathered;
+    Lanes level;
+
+    template <typename Numbers, typename Group>
+    CUDA_CALLABLE Descent(const SearchRow& row, const Numbers& numbers, const Group& group)
+        : gradient(nullptr), trial(row.trial), gathered(nullptr), level(group.level)
+    {
+        if (numbers.plain == 1)
+            gradient = row.gradient;
+        else if (numbers.extended == 1)
+            gathered = row.gathered;
+    }
+
+    CUDA_CALLABLE Lanes operator()(int i) const
+    {
+        if (gradient) return gradient[i] - level;
+        if (gathered) return doubled(gathered[i]);
+        return trial[i];
+    }
+};
+
+// Over the free cells, with descent z, r = t - L, last step s and its response y.
+// Sums: cells, z, r, y, z y, z r, s r. Maxima: |z|, |r|.
+template <typename Solve> WARPWEAR_FN void products(int slot, int slots, Solve& solve)
+{
+    const auto& numbers = solve.numbers.data[0];
+    Counts free_cells = 0;
+    Lanes sum_z = 0.0, sum_r = 0.0, sum_y = 0.0, zy = 0.0, zr = 0.0, sr = 0.0;
+    Lanes largest_z = 0.0, largest_r = 0.0;
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+        const Descent descent(row, numbers, group);
+        const Lanes level = group.level;
+        return [&, row, descent, level](int i) {
+            CONTRACT_FAST
+            const Lanes zero = 0.0, p = row.pressure[i], t = row.gradient[i];
+            const Counts no = 0, yes = 1;
+            const Mask may = is_free(p, t, level, row.cap_of(i));
+            if (!any(may)) return; // the others are not read
+            const Lanes z = may ? descent(i) : zero, r = may ? t - level : zero;
+            const Lanes y = may ? row.response[i] : zero, s = row.step[i], of_z = size_of(z),
+                        of_r = size_of(r);
+            free_cells += may ? yes : no;
+            sum_z += z;
+            sum_r += r;
+            sum_y += y;
+            zy += z * y;
+            zr += z * r;
+            sr += s * r;
+            largest_z = largest_z > of_z ? largest_z : of_z;
+            largest_r = largest_r > of_r ? largest_r : of_r;
+        };
+    });
+    leave_sum(solve.table, 0, slot, count(free_cells));
+    leave_sum(solve.table, 1, slot, total(sum_z));
+    leave_sum(solve.table, 2, slot, total(sum_r));
+    leave_sum(solve.table, 3, slot, total(sum_y));
+    leave_sum(solve.table, 4, slot, total(zy));
+    leave_sum(solve.table, 5, slot, total(zr));
+    leave_sum(solve.table, 6, slot, total(sr));
+    leave_most(solve.table, 7, slot, most(largest_z));
+    leave_most(solve.table, 8, slot, most(largest_r));
+}
+
+// Trial pressure p + length x d, with d = -(z - its mean) + memory x last step on the free cells. Elsewhere
+// d = -outward x (t - L), which points out of the bounds: such a cell moves only if the shift that restores
+// the load is larger. Sums as those of `carried`.
+template <typename Solve> WARPWEAR_FN void direction(int slot, int slots, Solve& solve)
+{
+    const auto& numbers = solve.numbers.data[0];
+    const Lanes memory = numbers.memory, length = numbers.trial_length, out = -numbers.outward;
+    Lanes sum = 0.0;
+    Counts between = 0;
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+        const Descent descent(row, numbers, group);
+        const Lanes level = group.level, mean = group.descent_mean;
+        return [&, row, descent, level, mean](int i) {
+            CONTRACT_FAST
+            const Lanes zero = 0.0, p = row.pressure[i], t = row.gradient[i], cap = row.cap_of(i);
+            const Counts no = 0, yes = 1;
+            const Mask may = is_free(p, t, level, cap);
+            Lanes d = out * (t - level);
+            if (any(may)) d = may ? memory * row.step[i] - (descent(i) - mean) : d;
+            const Lanes x = p + length * d;
+            row.trial[i] = x;
+            sum += clipped(x, cap);
+            between += ((x > zero) & (x < cap)) ? yes : no;
+        };
+    });
+    leave_sum(solve.table, 0, slot, total(sum));
+    leave_sum(solve.table, 1, slot, count(between));
+}
+
+// Feasible step to the shifted trial. Sum: step x (t - L). Maximum: fraction used of the room to a bound.
+template <typename Solve> WARPWEAR_FN void step(int slot, int slots, Solve& solve)
+{
+    Lanes slope = 0.0, used = 0.0;
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+        const Lanes level = group.level, shift = group.shift;
+        return [&, row, level, shift](int i) {
+            CONTRACT_FAST
+            const Lanes zero = 0.0, cap = row.cap_of(i), p = row.pressure[i];
+            const Lanes s = shifted(row.trial[i], shift, cap) - p;
+            row.step[i] = s;
+            const Mask moves = s != zero;
+            if (!any(moves)) return;
+            const Lanes room = s < zero ? p : cap - p;
+            const Mask more = moves & (size_of(s) > used * room);
+            if (any(more)) used = more ? size_of(s) / room : used; // a division is dear
+            slope += moves ? s * (row.gradient[i] - level) : zero;
+        };
+    });
+    leave_sum(solve.table, 0, slot, total(slope));
+    leave_most(solve.table, 1, slot, most(used));
+}
+
+// Sum of step x response. Maximum: |response|.
+template <typename Solve> WARPWEAR_FN void curvature(int slot, int slots, Solve& solve)
+{
+    Lanes sum = 0.0, largest = 0.0;
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
+        return [&, row](int i) {
+            CONTRACT_FAST
+            const Lanes y = row.response[i], size = size_of(y);
+            sum += row.step[i] * y;
+            largest = largest > size ? largest : size;
+        };
+    });
+    leave_sum(solve.table, 2, slot, total(sum));
+    leave_most(solve.table, 3, slot, most(largest));
+}

@@ -1,0 +1,203 @@
+"""Patches that carry what a smooth contact prescribes: its own balance, and the search of every patch."""
+
+import warp as wp
+
+from warpwear.kernels import native_code
+from warpwear.kernels.balance import sum_of
+from warpwear.kernels.cells import ONE, ZERO
+from warpwear.kernels.newton import HALF, LOOKS, MET, Bracket, bracket_at, next_trial
+from warpwear.kernels.two_scale import sharing
+from warpwear.kernels.two_scale.sharing import (
+    PRESSURE,
+    SLOPE,
+    Curves,
+    Flags,
+    Load,
+    Search,
+    lane,
+    wait_for_slot,
+    width,
+)
+from warpwear.kernels.two_scale.steps import (
+    FLEXIBILITY,
+    Courses,
+    Memory,
+    Now,
+    Rules,
+    begun,
+    first_guess,
+    guess_of,
+)
+
+wp.set_module_options(native_code.options("wear.h", "patches.h"))
+
+#: Searches of a patch, each from a base nearer the solution.
+ROUNDS = wp.constant(wp.int32(3))
+#: Of the tolerance, that each patch may be off by, so that their sum is well within it.
+PART = HALF
+
+
+@wp.struct
+class Smooth:
+    """A Winkler foundation of smooth bodies on the macro cells, with its own wear."""
+
+    initial: wp.array(dtype=wp.float64)  # gap before any wear [mm]
+    worn: wp.array(dtype=wp.float64)  # by both bodies [mm]
+    approach: wp.array(dtype=wp.float64)  # one number [mm]
+    balanced: wp.array(dtype=wp.int32)  # one number: whether its search has ended well
+    left: wp.array(dtype=wp.float64)  # one number: carried − load where it has not [N]
+    target: wp.array2d(dtype=wp.float64)  # one line: the pressures [MPa]
+    room: wp.array2d(dtype=wp.float64)  # where numbers lie that are added up
+
+
+@wp.func
+def smooth_pressure(smooth: Smooth, k: wp.int32, base: wp.float64, offset: wp.float64, stiffness: wp.float64):
+    """Pressure of a macro cell without its cap [MPa]."""
+    return ((base - (smooth.initial[k] + smooth.worn[k])) + offset) * stiffness
+
+
+@wp.func
+def prescribe(smooth: Smooth, load: Load, flexibility: wp.float64, removal: wp.float64):
+    """Solve the smooth contact, leave its pressures, and wear it by removal [mm³/N] times them, implicitly.
+
+    The pressures add up to the load to rounding: what the search leaves is taken off those below the
+    hardness. flexibility: 1/K_N [mm³/N].
+    """
+    count = smooth.initial.shape[0]
+    base = smooth.approach[0]
+    stiffness = ONE / (flexibility + removal)
+    step = load.load / (load.area * stiffness * wp.float64(count))
+    b = bracket_at(step, step)
+    force = ZERO + ZERO  # a variable of its own
+    while b.state == LOOKS:
+        for k in range(lane(), count, width()):
+            q = smooth_pressure(smooth, k, base, b.offset, stiffness)
+            smooth.room[0, k] = wp.min(wp.max(q, ZERO), load.hardness)
+            smooth.room[1, k] = wp.where(q > ZERO and q < load.hardness, ONE, ZERO)
+        force = load.area * sum_of(smooth.room, 0)
+        slope = load.area * stiffness * sum_of(smooth.room, 1)
+        b = next_trial(b, force, slope, load.load, load.tolerance * load.load, ZERO)
+    for k in range(lane(), count, width()):
+        q = smooth_pressure(smooth, k, base, b.offset, stiffness)
+        p = wp.min(wp.max(q, ZERO), load.hardness)
+        smooth.target[0, k] = p
+        smooth.room[1, k] = wp.where(p > ZERO and p < load.hardness, p, ZERO)
+    total = sum_of(smooth.target, 0)
+    between = sum_of(smooth.room, 1)
+    scale = ONE - (total - load.load / load.area) / wp.where(between > ZERO, between, ONE)
+    for k in range(lane(), count, width()):
+        p = smooth.target[0, k]
+        if p > ZERO and p < load.hardness:
+            p = wp.min(p * scale, load.hardness)
+            smooth.target[0, k] = p
+        smooth.worn[k] = smooth.worn[k] + removal * p
+    if lane() == 0:
+        smooth.approach[0] = base + b.offset
+        smooth.balanced[0] = wp.where(b.state == MET, 1, 0)
+        smooth.left[0] = force - load.load
+    return base + b.offset
+
+
+@wp.kernel
+def press_smoothly(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    smooth: Smooth,
+    load: Load,
+    step: wp.array(dtype=wp.float64),
+):
+    """Prescribe the loads of a step by itself. step: 1/K_N, and K ΔL of both bodies [mm³/N]."""
+    prescribe(smooth, load, step[0], step[1])
+
+
+@wp.func
+def press_from(curves: Curves, brackets: wp.array(dtype=Bracket), k: wp.int32):
+    """Begin the search of a patch at its trial approach."""
+    brackets[k] = bracket_at(curves.offset[k], wp.abs(curves.offset[k]))
+
+
+@wp.kernel
+def begin(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    rules: Rules,
+    plan: wp.array2d(dtype=wp.float64),
+    curves: Curves,
+    courses: Courses,
+    smooth: Smooth,
+    brackets: wp.array(dtype=Bracket),
+    memory: wp.array(dtype=Memory),
+    now_out: wp.array(dtype=Now),
+    search_out: wp.array(dtype=Search),
+    flags: Flags,
+):
+    """Begin a step whose loads a smooth contact prescribes: a search of every patch."""
+    m = memory[0]
+    now = begun(rules, plan, now_out[0])
+    s = Search()
+    s.common_base = prescribe(smooth, rules.load, plan[now.number, FLEXIBILITY], now.removal)
+    for k in range(lane(), curves.base.shape[0], width()):
+        is_pressed = smooth.target[0, k] > ZERO
+        touched = is_pressed and m.steps > ZERO and curves.answer[PRESSURE, k] > ZERO
+        curves.base[k] = wp.where(touched, curves.base[k] + curves.offset[k], curves.lowest[k])
+        beyond = wp.where(is_pressed, first_guess(rules, now), ZERO)
+        curves.offset[k] = wp.where(touched, guess_of(m, now), beyond)
+        press_from(curves, brackets, k)
+    wait_for_slot()
+    if lane() == 0:
+        now_out[0] = now
+        search_out[0] = s
+        flags.searching[0] = smooth.balanced[0]
+        flags.unanswered[0] = 1
+        flags.balanced[0] = 0
+        if smooth.balanced[0] == 0:
+            flags.stepping[0] = 0
+
+
+@wp.kernel
+def judge(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    load: Load,
+    curves: Curves,
+    smooth: Smooth,
+    brackets: wp.array(dtype=Bracket),
+    search_out: wp.array(dtype=Search),
+    flags: Flags,
+):
+    """Decide after an evaluation which patches carry what is prescribed, and where to look for the others."""
+    s = search_out[0]
+    s.evaluations += 1
+    count = curves.base.shape[0]
+    for k in range(lane(), count, width()):
+        b = brackets[k]
+        target = smooth.target[0, k]
+        if b.state == LOOKS:
+            p = curves.answer[PRESSURE, k]
+            b = next_trial(b, p, curves.answer[SLOPE, k], target, PART * load.tolerance * target, ZERO)
+            brackets[k] = b
+            curves.offset[k] = b.offset
+        curves.room[0, k] = wp.where(b.state == LOOKS, ONE, ZERO)
+        curves.room[1, k] = wp.where(b.state == MET, ZERO, ONE)
+    looking = sum_of(curves.room, 0)
+    unmet = sum_of(curves.room, 1)
+    s.residual = load.area * sum_of(curves.answer, PRESSURE) - load.load
+    spent = s.evaluations >= load.evaluations
+    if looking == ZERO or spent:
+        s.number += 1
+        s.state = wp.where(unmet == ZERO, sharing.SHARED, sharing.LOOKS)
+        if unmet > ZERO and (s.number >= ROUNDS or spent):
+            s.state = sharing.FAILED
+        if s.state == sharing.LOOKS:
+            for k in range(lane(), count, width()):
+                if brackets[k].state != MET:  # from a base at the solution the offset has digits again
+                    curves.base[k] = curves.base[k] + curves.offset[k]
+                    curves.offset[k] = ZERO
+                    press_from(curves, brackets, k)
+    if lane() == 0:
+        search_out[0] = s
+        flags.searching[0] = wp.where(s.state == sharing.LOOKS, 1, 0)
+        flags.unanswered[0] = 1
+        flags.balanced[0] = wp.where(s.state == sharing.SHARED, 1, 0)
+        if s.state == sharing.FAILED:
+            flags.stepping[0] = 0
