@@ -3,7 +3,7 @@
 import numpy as np
 
 from warpwear.engine.executor import Executor, arguments, set_numbers
-from warpwear.engine.tiles import TileList, Tiles
+from warpwear.engine.tiles import Tiles
 from warpwear.grid import Grid
 from warpwear.kernels import contact
 
@@ -12,7 +12,7 @@ def test_recorded_launches_see_what_changes_in_a_struct(device: str) -> None:
     gaps = np.random.default_rng(2).normal(size=(5, 40))
     with Executor(Grid(*gaps.shape, 0.1), device=device) as executor:
         gap, stiffness, sums = executor.field(gaps), executor.field(np.ones((1, 40))), executor.partials(3)
-        listed: TileList = Tiles(executor, gap, executor.zeros(), least=1e9)
+        listed = Tiles(executor, gap, executor.zeros(), least=1e9)
         law = arguments(contact.Law, cap=1.0e300)
         for base in (0.1, 0.2, -0.4):
             law.base = base
@@ -28,7 +28,7 @@ def test_recorded_launches_see_numbers_that_are_set(device: str) -> None:
     gaps = np.random.default_rng(3).normal(size=(5, 40))
     with Executor(Grid(*gaps.shape, 0.1), device=device) as executor:
         gap, stiffness, sums = executor.field(gaps), executor.field(np.ones((1, 40))), executor.partials(3)
-        listed: TileList = Tiles(executor, gap, executor.zeros(), least=1e9)
+        listed = Tiles(executor, gap, executor.zeros(), least=1e9)
         law = arguments(contact.Law)
         for base, cap in ((0.1, 1.0e300), (np.float64(0.2), 0.3), (0.5, 0.1)):
             set_numbers(law, base=base, cap=cap)

@@ -75,7 +75,7 @@ class LoadSearch:
         look, tiles = bearing.counted_below if self.is_rigid else balance.carried, self._tiles
         with program.loop(self.springs.searching):
             tiles.add_to(program)
-            program.launch(look, tiles.list, tiles.count, self.springs, *fields, chunks=tiles.chunks)
+            program.launch(look, tiles.list, tiles.count, self.springs, *fields, chunks=lambda: tiles.chunks)
             program.decide(judge, self.springs, *state)
 
     def solve(self) -> Balance:
@@ -108,7 +108,7 @@ class LoadSearch:
     def _launch_once(self, kernel: Any, *arguments: Any) -> None:
         """Launch a kernel over the listed tiles."""
         program, tiles = Program(self._executor), self._tiles
-        program.launch(kernel, tiles.list, tiles.count, *arguments, chunks=tiles.chunks)
+        program.launch(kernel, tiles.list, tiles.count, *arguments, chunks=lambda: tiles.chunks)
         program.run()
 
     def check(self) -> None:

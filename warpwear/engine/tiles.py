@@ -9,7 +9,7 @@ import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
-from warpwear.engine.program import Program
+from warpwear.engine.program import Chunks, Program
 from warpwear.kernels import balance
 from warpwear.kernels.cells import TileSums
 
@@ -124,7 +124,7 @@ class Tiles:
         )
         #: Flag: a list is asked for.
         self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
-        self._split: tuple[int, list[tuple[int, int]]] | None = None  # for the number of a list
+        self._split: tuple[int, Chunks] | None = None  # for the number of a list
         find = Program(executor)
         find.launch(balance.lowest, gap, self._lowest)
         find.run()
@@ -152,7 +152,8 @@ class Tiles:
             program.launch(balance.select, self.lists.array, self._gap, self._unworn, tiles)
             program.decide(balance.listed, self.lists.array, self.listing, tiles, self._least)
 
-    def chunks(self) -> "list[tuple[int, int]]":
+    @property
+    def chunks(self) -> Chunks:
         """Ranges of slots for the threads, of passes over what is listed."""
         number = self.lists["lists"]
         if self._split is None or self._split[0] != number:

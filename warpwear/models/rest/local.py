@@ -30,8 +30,8 @@ from warpwear.models.rest.bodies import RestingBodies
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
-#: Steps that a GPU makes before the first of them is given, at most: it makes them many times as fast.
-LONGEST_ON_GPU = 2000
+#: Steps made before the first of them is given, at most; a GPU makes them many times as fast.
+LONGEST, LONGEST_ON_GPU = 500, 2000
 SUMS, MAXIMA = names_of(WearSum), names_of(WearMost)
 
 
@@ -42,7 +42,7 @@ class OneScaleModel(Model):
     """
 
     #: Interrupts and checkpoints wait for the end of a block.
-    longest_block = 500
+    longest_block = LONGEST
     STATE: ClassVar = {"state": RestingBodies, "tiles": Tiles, "_course": Numbers, "_ledger": Ledger}
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
@@ -50,8 +50,9 @@ class OneScaleModel(Model):
         executor.foresee([contact.gap, (bearing.counted_below if task.rigid else balance.carried), wear.wear_step])
         self.task = task
         self._executor = executor
-        if executor.device.is_cuda:
-            self.longest_block = LONGEST_ON_GPU
+        longest = LONGEST_ON_GPU if executor.device.is_cuda else LONGEST
+        if longest > LONGEST:
+            self.longest_block = longest
         self._ledger = Ledger(task, executor.grid)
         self.state = RestingBodies.of(task, executor, heights)
         fully = task.load / (task.hardness * executor.grid.cell_area)
@@ -69,8 +70,8 @@ class OneScaleModel(Model):
         #: What the steps on the device remember.
         self._course = Numbers(wear.Course, device, **none)
         columns = len(wear.BALANCE) + len(SUMS) + len(MAXIMA)
-        self._plan = Table(self.longest_block + 1, len(wear.PLAN), device)
-        self._history = Table(self.longest_block, columns, device)
+        self._plan = Table(longest + 1, len(wear.PLAN), device)
+        self._history = Table(longest, columns, device)
         self._steps = arguments(
             wear.Steps,
             plan=self._plan.array,
@@ -111,7 +112,7 @@ class OneScaleModel(Model):
             wear.wear_step,
             *(tiles.list, tiles.count, self._search.law, steps.increment),
             *(state.unworn, tiles.rest, state.gap, self._tables),
-            chunks=tiles.chunks,
+            chunks=lambda: tiles.chunks,
         )
         program.decide(wear.record, self._search.springs, steps, self._tables)
 
