@@ -95,6 +95,7 @@ def search_from_lowest(springs: Springs, lowest: wp.float64, stiffness: wp.float
     b.low = ZERO
     s.bracket = b
     s.is_cold = 1
+    s.margin = ZERO  # how far the first step leads says nothing
     return s
 
 

@@ -128,9 +128,11 @@ template <typename Array> WARPWEAR_FN double end_of_rows(const Array& of_rows, b
 // Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is displaced
 // from the disc for good, not worn. Bounds and sums of the tiles are made anew. Each sum grows lane by lane, in
 // the order of the cells.
-template <typename List, typename Count, typename Slides, typename Springs, typename OfCells, typename Bodies,
-          typename OfTiles, typename Tables>
-WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
+// FACTORED: the sliding distance of the disc's cells has a factor each; RARE: cells have a stiffness or a part of
+// the cap each, carry a film, keep their dents, or belong to a sphere that does not wear.
+template <bool FACTORED, bool RARE, typename List, typename Count, typename Slides, typename Springs,
+          typename OfCells, typename Bodies, typename OfTiles, typename Tables>
+WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
                             const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
                             const OfTiles& of_tiles, Tables& tables)
 {
@@ -143,16 +145,17 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
     const double of_sphere = step.of_sphere, of_disc = step.of_disc;
     const double stiffness_of_all = wp::index(springs.search, 0).stiffness;
-    const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
-    const bool presses = full_depth < NO_LIMIT, factored = of_cells.factored == 1;
-    const bool own = of_cells.stiffness.shape[0] > 0, parted = of_cells.parts.shape[0] > 0;
-    const bool filmed = of_cells.bare.shape[0] > 0;
+    const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
+    const bool presses = RARE && full_depth < NO_LIMIT, factored = FACTORED;
+    const bool own = RARE && of_cells.stiffness.shape[0] > 0, parted = RARE && of_cells.parts.shape[0] > 0;
+    const bool filmed = RARE && of_cells.bare.shape[0] > 0;
     const int of_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;
     Lanes pressure = 0.0, weighted = 0.0, deviation = 0.0, highest = 0.0, deepest_sphere = 0.0;
-    Lanes deepest_disc = 0.0, first_column = NO_INDEX, last_column = NO_INDEX, bared = 0.0;
+    Lanes deepest_disc = 0.0, bared = 0.0;
     Counts contact = 0, capped = 0;
+    double first_column = NO_INDEX, last_column = NO_INDEX;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int listed = wp::index(counts, row);
         if (listed == 0) continue; // most rows
@@ -172,6 +175,7 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
             const bool beyond_known = first * LANES < step.first_column || last * LANES > step.end_column;
             Lanes low = ABSENT, high = -ABSENT, worn_sphere = 0.0, worn_disc = 0.0, pressed = 0.0;
             Counts touched = 0;
+            Lanes was_touched[OF_TILE / TEAM];
             for (int i = first + lane_of_team(); i < last; i += TEAM) {
                 const Lanes overlap = (base - gap[i]) + offset;
                 Lanes p = (overlap - tie_width) * (own ? (Lanes)stiffness[i] : (Lanes)stiffness_of_all);
@@ -212,11 +216,12 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
                 const Lanes ever = p + (keeps_reached ? (Lanes)reached[i] : a) > zero ? one : zero;
                 touched += ever > zero ? yes : no;
                 if (keeps_reached) reached[i] = ever;
-                if (beyond_known) {
-                    const Lanes column = columns_from(i * LANES);
-                    first_column = larger_of(first_column, ever > zero ? -column : none);
-                    last_column = larger_of(last_column, ever > zero ? column : none);
-                }
+                was_touched[(i - first) / TEAM] = ever;
+            }
+            for (int i = first + lane_of_team(); beyond_known && i < last; i += TEAM) {
+                const Lanes column = columns_from(i * LANES), ever = was_touched[(i - first) / TEAM];
+                first_column = wp::max(first_column, most(ever > zero ? -column : none));
+                last_column = wp::max(last_column, most(ever > zero ? column : none));
             }
             const double lowest = -of_team(most(-low), false), largest = of_team(most(high), false);
             const double sums[] = {of_team(total(worn_sphere), true), of_team(total(worn_disc), true),
@@ -236,8 +241,28 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     };
     leave_each({sum(0, total(pressure)), sum(1, total(deviation)), sum(2, count(contact)), sum(3, count(capped)),
                 sum(4, total(weighted)), sum(5, total(bared)), largest(0, most(highest)),
-                largest(1, most(deepest_sphere)), largest(2, most(deepest_disc)), largest(3, most(first_column)),
-                largest(4, most(last_column))});
+                largest(1, most(deepest_sphere)), largest(2, most(deepest_disc)), largest(3, first_column), largest(4, last_column)});
+}
+
+// The same, told what cells have one each of.
+template <typename List, typename Count, typename Slides, typename Springs, typename OfCells, typename Bodies,
+          typename OfTiles, typename Tables>
+WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
+                            const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
+                            const OfTiles& of_tiles, Tables& tables)
+{
+    const auto by = [&](auto factored, auto rare) {
+        wear_by<decltype(factored)::value, decltype(rare)::value>(slot, slots, list, counts, slides, springs,
+                                                                  of_cells, bodies, of_tiles, tables);
+    };
+    const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
+    const bool rare = keeps_reached || wp::index(slides, 0).full_depth < NO_LIMIT || of_cells.stiffness.shape[0] > 0
+        || of_cells.parts.shape[0] > 0 || of_cells.bare.shape[0] > 0;
+    const bool factored = of_cells.factored == 1;
+    if (!factored && !rare) by(Is<false>(), Is<false>());
+    if (!factored && rare) by(Is<false>(), Is<true>());
+    if (factored && !rare) by(Is<true>(), Is<false>());
+    if (factored && rare) by(Is<true>(), Is<true>());
 }
 
 // Sum the tiles of every row with a listed one, and those of the disc's row beneath it. Sums over the fields as

@@ -1,35 +1,11 @@
 """Launches that are kept for the next time run the kernel that was asked for, with the arguments of now."""
 
 import numpy as np
-from numpy.testing import assert_array_equal
 
-from warpwear import Study
-from warpwear.contact.search import LoadSearch
 from warpwear.engine.executor import Executor, arguments, set_numbers
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import Grid
-from warpwear.kernels import balance, contact, patches
-from warpwear.models.patches.cells import PatchContact
-from warpwear.study.surface import surface_in
-
-
-def test_kernels_of_one_name_in_two_modules(device: str) -> None:
-    """What patches answer is the same before and after a single contact was solved on their executor."""
-    assert balance.carried.key == patches.carried.key
-    study = Study.load("two-scale").replace({"grid.cell": "10 um", "disc.synthetic.cut_off": "20 um"})
-    layout, rough = study.patch_layout, surface_in(study).heights(study.cells.x, study.cells.y)
-    with Executor(layout.grid, device=device) as executor:
-        fine = PatchContact(layout, rough, executor, curvature=1.0 / 3.0, hardness=600.0)
-        fine.stiffness = 1.0e6
-        base, offset = fine.lowest + 1.0e-3, np.zeros(layout.count)
-        before = fine.response(base, offset)
-        gap, listed = fine.gap, Tiles(executor, fine.gap, fine.initial, least=1e9)
-        stiffness = executor.field(np.full((1, layout.grid.ny), 1.0e6))
-        LoadSearch(executor, gap, listed, stiffness=stiffness, load=1.0, hardness=600.0).solve()
-        after = fine.response(base, offset)
-    assert before.pressure.sum() > 0.0
-    for one, other in zip(before, after, strict=True):
-        assert_array_equal(one, other)
+from warpwear.kernels import contact
 
 
 def test_recorded_launches_see_what_changes_in_a_struct(device: str) -> None:

@@ -49,7 +49,9 @@ def test_a_foundation_with_caps(device: str, threads: int) -> None:
         own = executor.field(parts, padding=1.0)
         tiles = Tiles(executor, field, field, least=10.0)
         stiffness = executor.field(np.full((1, 1), 1.0 / compliance), padding=1.0 / compliance)
-        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, stiffness=stiffness, parts=own)
+        search = LoadSearch(
+            executor, field, tiles, load=load, hardness=590.0, stiffness=stiffness, parts=own
+        )
         found = search.solve()
         pressure = search.pressures().copy()
     low, high = gap.min(), gap.max() + 1.0
@@ -69,8 +71,11 @@ def test_a_bearing_area_with_caps(device: str, threads: int) -> None:
     with Executor(grid, device=device, threads=threads) as executor:
         field = executor.field(gap.copy(), padding=PADDING)
         tiles = Tiles(executor, field, field, least=10.0)
-        own, tolerance = executor.field(parts, padding=1.0), 590.0 * grid.cell_area
-        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, tolerance=tolerance, parts=own)
+        own = executor.field(parts, padding=1.0)
+        tolerance = 590.0 * grid.cell_area
+        search = LoadSearch(
+            executor, field, tiles, load=load, hardness=590.0, parts=own, tolerance=tolerance
+        )
         found = search.solve()
         pressure = search.pressures().copy()
     below = gap < found.approach
@@ -88,7 +93,7 @@ def test_tied_cells_share_what_is_missing_by_their_caps(device: str) -> None:
         field = executor.field(gap, padding=PADDING)
         tiles = Tiles(executor, field, field, least=10.0)
         own = executor.field(parts, padding=1.0)
-        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, tolerance=1e-6, parts=own)
+        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, parts=own, tolerance=1e-6)
         search.solve()
         pressure = search.pressures()
         assert_allclose(pressure, 0.5 * 590.0 * parts, rtol=1e-9)
@@ -188,9 +193,11 @@ def bared(study: Study, device: str, threads: int) -> tuple[FloatArray, dict[str
         holder = getattr(model, "contact", model)
         film = getattr(holder, "film", None) or getattr(holder, "_film", None)
         if film is not None:
-            film._thickness = -1.0
+            film.films.thickness = -1.0
             if hasattr(holder, "state"):
                 holder.state.columns = (0, executor.grid.ny)
+            if hasattr(holder, "_course"):
+                holder._course.set(first_column=0.0, last_column=executor.grid.ny - 1.0)
         step = model.advance(plan_of(study)[0][0], with_pressure=True)
         return step.pressure.copy(), step.row
 

@@ -170,7 +170,7 @@ class Executor:
             return [(0, rows)]
         done = np.concatenate([[0], np.cumsum(cells)])
         edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), rows]
-        return [(int(first), int(last)) for first, last in pairwise(edges)]
+        return [(int(first), int(last)) for first, last in pairwise(edges) if last > first]
 
     def launch(
         self,

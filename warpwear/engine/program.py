@@ -178,10 +178,13 @@ class Recording:
 
 
 class Program:
-    """A program on an executor. It is recorded when it is first run; nothing can be added then."""
+    """A program on an executor. It is recorded when it is first run; nothing can be added then.
 
-    def __init__(self, executor: Executor) -> None:
-        self._executor = executor
+    shares: whether threads share its passes, where there are enough cells; else it is of one core.
+    """
+
+    def __init__(self, executor: Executor, *, shares: bool = True) -> None:
+        self._executor, self._shares = executor, shares
         self._whole = Block()
         self._open = [self._whole]
         self._is_recorded = False
@@ -200,7 +203,9 @@ class Program:
         """
         executor = self._executor
         slots = executor.slots_of(executor.grid.nx) if slots is None else slots
-        if chunks is None:
+        if not self._shares:
+            chunks = [(0, slots)]
+        elif chunks is None:
             chunks = executor.equal_chunks(slots)
         self._add(Launch(executor, kernel, arguments, slots, chunks))
 

@@ -102,6 +102,11 @@ class SlidingTiles:
         enough = float(np.partition(bounds, rank)[rank]) if rank < bounds.size else NO_LIMIT
         return float(bounds.min()), enough
 
+    @property
+    def cells(self) -> float:
+        """Cells that the last list holds."""
+        return float(self.lists["listed"]) * self._cells_of_tile
+
     def chunks(self) -> list[tuple[int, int]]:
         """Ranges of slots for the threads, of passes over what is listed."""
         number = self.lists["lists"]
