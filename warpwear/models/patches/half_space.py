@@ -117,13 +117,11 @@ class HalfSpacePatches(Model):
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
-        worn = self._wear(contact, sum(removals), reference)
+        worn = self._wear(contact, sum(removals), reference, approach)
         if self._film is not None:
             worn = replace(worn, bare=self._film.under(contact.pressure_field, self._influence.chunks))
             self._film.rub(start + increment)
-        made = self._ledger.enter(
-            worn, (approach, 0.0), increment, removals, reference, pressure, contact.transforms
-        )
+        made = self._ledger.enter(worn, increment, removals, pressure)
         made.row.update(columns_of(contact.certificate))
         return made
 
@@ -175,7 +173,7 @@ class HalfSpacePatches(Model):
         """How many patches had their lowest point below an approach or at it before any wear [mm]."""
         return int(np.searchsorted(self.lowest, approach, side="right"))
 
-    def _wear(self, contact: HalfSpaceContact, removal: float, reference: float) -> Worn:
+    def _wear(self, contact: HalfSpaceContact, removal: float, reference: float, approach: float) -> Worn:
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
         cap = min(self.task.hardness, NO_CAP)
         made = arguments(Increment, wear_per_pressure_sphere=removal, cap=cap, reference=reference)
@@ -195,4 +193,6 @@ class HalfSpacePatches(Model):
         for name, values in sums.items():
             values[self._order[: self.visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
         most = {name: float(largest[PressureMost[OF_BOTH.get(name, name).upper()]]) for name in PATCH_MAXIMA}
-        return self._ledger.worn(sums, most)
+        return self._ledger.worn(
+            sums, most, approach=(approach, 0.0), reference=reference, evaluations=contact.transforms
+        )
