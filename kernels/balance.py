@@ -13,7 +13,7 @@ from warpwear.kernels import native_code
 from warpwear.kernels.cells import ABSENT, LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells, TileSums
 from warpwear.kernels.cells import sum_of as sum_of_lanes
 from warpwear.kernels.contact import Law, pressure_of
-from warpwear.kernels.newton import HALF, HOPELESS, LOOKS, MET, STUCK, SURE, Bracket, bracket_at, next_trial
+from warpwear.kernels.newton import HALF, HOPELESS, LOOKS, STUCK, SURE, Bracket, bracket_at, next_trial
 
 wp.set_module_options(native_code.options("wear.h"))
 

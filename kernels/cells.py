@@ -59,6 +59,7 @@ class TrackSum(IntEnum):
     CONTACT = 2
     CAPPED = 3
     PRESSURE_TIMES_FACTOR = 4
+    BARE = 5
 
 
 class TrackMost(IntEnum):
@@ -80,8 +81,6 @@ class PressureSum(IntEnum):
     CAPPED = 3
     TOUCHED = 4  # this and the next: of the whole fields, not of the step
     WEAR_SPHERE = 5  # [mm]
-    WEAR_DISC = 6
-    PRESSED_DISC = 7  # displaced for good
 
 
 class PressureMost(IntEnum):
@@ -108,6 +107,16 @@ MAXIMA = names_of(PressureMost)
 EXTENTS = ("first_row", "last_row", "first_column", "last_column")
 
 wp.set_module_options({"enable_backward": False})
+
+
+@wp.struct
+class Layout:
+    """How patches lie in their field."""
+
+    vectors: wp.int32  # of a line of a patch
+    first_row: wp.array(dtype=wp.int32)  # of the domain's cells, where a patch begins
+    first_column: wp.array(dtype=wp.int32)
+    lowest: wp.array2d(dtype=wp.float64)  # gap in every tile of a patch before any wear [mm]
 
 
 @wp.func

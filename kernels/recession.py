@@ -7,13 +7,17 @@ z(v) = m + s ln(q + (1 + q)(e^(v/s) − 1)) with q = e^(−m/s).
 
 import warp as wp
 
+from warpwear.kernels import native_code
 from warpwear.kernels.cells import LANES, ONE, ZERO, Cells
 from warpwear.kernels.contact import Law
+from warpwear.kernels.slide import Slide
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(native_code.options())
 
 #: Beyond this many scales s the rest of the curve is a straight line to rounding, and e^(v/s) may overflow.
 STRAIGHT = wp.constant(wp.float64(60.0))
+#: 1/c of cells that do not yield [N/mm³].
+RIGID = wp.constant(wp.float64(1.0e300))
 
 
 @wp.struct
@@ -44,31 +48,41 @@ def bearing_ratio(volume: wp.float64, curve: Curve):
 @wp.kernel
 def stiffness(
     first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    compliance: wp.float64,
-    wear_per_pressure_disc: wp.float64,
+    slots: wp.int32,
+    slides: wp.array(dtype=Slide),
     curve: Curve,
-    distance_factor_in: wp.array2d(dtype=Cells),
+    factor_in: wp.array2d(dtype=Cells),
     wear_disc_in: wp.array2d(dtype=Cells),
     stiffness_out: wp.array2d(dtype=Cells),
 ):
-    """1/c of an implicit step: `compliance` and K ΔL/φ of the disc, φ as it is at the step's start."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    factor_row = wp.min(row, distance_factor_in.shape[0] - 1)
-    for k in range(slot % slots_per_row, stiffness_out.shape[1], slots_per_row):
-        f = distance_factor_in[factor_row, k]
-        v = wear_disc_in[row, k]
-        c = Cells()
-        for j in range(LANES):
-            c[j] = ONE / (compliance + wear_per_pressure_disc * f[j] / bearing_ratio(v[j], curve))
-        stiffness_out[row, k] = c
+    """1/c of the cells in an implicit step: of its own compliance and the wear of both bodies, K ΔL/φ.
+
+    factor_in: of the sliding distance of the disc's cells. A curve without a scale bears everywhere; else φ is
+    as it is at the step's start.
+    """
+    slot = first_slot + wp.tid() // wp.block_dim()
+    slide = slides[0]
+    compliance = slide.own + slide.of_sphere
+    of_disc = slide.of_disc
+    for row in range(slot, stiffness_out.shape[0], slots):
+        factor_row = wp.min(row, factor_in.shape[0] - 1)
+        for k in range(wp.tid() % wp.block_dim(), stiffness_out.shape[1], wp.block_dim()):
+            f = factor_in[factor_row, k]
+            c = Cells()
+            if curve.scale > ZERO:
+                v = wear_disc_in[row, k]
+                for j in range(LANES):
+                    c[j] = ONE / (compliance + of_disc * f[j] / bearing_ratio(v[j], curve))
+            else:
+                for j in range(LANES):
+                    c[j] = wp.min(ONE / (f[j] * of_disc + compliance), RIGID)
+            stiffness_out[row, k] = c
 
 
 @wp.kernel
 def recede(
     first_slot: wp.int32,
-    slots_per_row: wp.int32,
+    slots: wp.int32,
     curve: Curve,
     wear_disc_in: wp.array2d(dtype=Cells),
     disc_out: wp.array2d(dtype=Cells),
@@ -78,39 +92,44 @@ def recede(
 
     No volume goes with it.
     """
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    for k in range(slot % slots_per_row, disc_out.shape[1], slots_per_row):
-        v = wear_disc_in[row, k]
-        d = disc_out[row, k]
-        b = beyond_out[row, k]
-        for j in range(LANES):
-            now = depth_beyond(v[j], curve)
-            d[j] = d[j] - (now - b[j])
-            b[j] = now
-        disc_out[row, k] = d
-        beyond_out[row, k] = b
+    slot = first_slot + wp.tid() // wp.block_dim()
+    for row in range(slot, disc_out.shape[0], slots):
+        for k in range(wp.tid() % wp.block_dim(), disc_out.shape[1], wp.block_dim()):
+            v = wear_disc_in[row, k]
+            d = disc_out[row, k]
+            b = beyond_out[row, k]
+            for j in range(LANES):
+                now = depth_beyond(v[j], curve)
+                d[j] = d[j] - (now - b[j])
+                b[j] = now
+            disc_out[row, k] = d
+            beyond_out[row, k] = b
+
+
+@wp.func_native("leave_sum(table, 0, slot, value);")
+def _leave(slot: wp.int32, value: wp.float64, table: wp.array2d(dtype=wp.float64)): ...
 
 
 @wp.kernel
 def borne(
     first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    law: Law,
+    slots: wp.int32,
+    laws: wp.array(dtype=Law),
     curve: Curve,
     sphere_in: wp.array2d(dtype=Cells),
     disc_in: wp.array2d(dtype=Cells),
     wear_disc_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
-    """Sum of φ over the cells in contact: how many cells' area bears."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    bears = ZERO
-    for k in range(slot % slots_per_row, sphere_in.shape[1], slots_per_row):
-        g = sphere_in[row, k] - disc_in[row, k]
-        v = wear_disc_in[row, k]
-        for j in range(LANES):
-            if (law.base - g[j]) + law.offset > ZERO:
-                bears += bearing_ratio(v[j], curve)
-    sums_out[0, slot] = bears
+    """Sum of φ over the cells in contact, before they wear: how many cells' area bears."""
+    slot = first_slot + wp.tid() // wp.block_dim()
+    law = laws[0]
+    bears = ZERO + ZERO
+    for row in range(slot, sphere_in.shape[0], slots):
+        for k in range(wp.tid() % wp.block_dim(), sphere_in.shape[1], wp.block_dim()):
+            g = sphere_in[row, k] - disc_in[row, k]
+            v = wear_disc_in[row, k]
+            for j in range(LANES):
+                if (law.base - g[j]) + law.offset > ZERO:
+                    bears += bearing_ratio(v[j], curve)
+    _leave(slot, bears, sums_out)

@@ -26,7 +26,7 @@ from warpwear.kernels.balance import (
     sum_of,
 )
 from warpwear.kernels.bearing import area_between, conclude_area, counted
-from warpwear.kernels.cells import NO_INDEX, NONE, ONE, ZERO, Cells, TileSums, WearMost, WearSum
+from warpwear.kernels.cells import NONE, ONE, ZERO, Cells, TileSums, WearMost, WearSum
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import HALF, LOOKS, STUCK
 

@@ -328,6 +328,16 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
     const int of_row = gap_out.shape[1] * OF_VECTOR;
     const bool first_thread = lane_of_slot() == 0;
     const Lanes cap = by.cap;
+#if !defined(__CUDA_ARCH__)
+    if (wp::index(counts, slot) == 0) { // most rows of an early contact
+        for (int line = 0; line < 6; ++line) {
+            wp::index(tables.sums, line, slot) = line < 4 ? 0.0 : wp::index(rest, slot)[line - 4];
+            wp::index(tables.maxima, line, slot) = line < 2 ? 0.0 : NO_INDEX;
+        }
+        for (int line = 0; line < 3; ++line) wp::index(tables.ahead, line, slot) = line < 2 ? 0.0 : -ABSENT;
+        return;
+    }
+#endif
     WearSums sums;
     Extents extents;
     double rest_touched = 0.0, rest_worn = 0.0;

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import warp as wp
 from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense_streak, rough
 
 from warpwear.contact.half_space import nested as half_space_nested

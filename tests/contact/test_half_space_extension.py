@@ -1,16 +1,16 @@
 """What the preconditioner extends from free cells to the others, and gathers back."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 from scipy import fft, ndimage
 
 from warpwear.contact.half_space.influence import Influence
-from warpwear.contact.half_space.passes import Iterate
+from warpwear.contact.half_space.search import Search, SearchRules
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine.executor import Executor
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
 
 MODULUS, CAP, LEVEL = 2.0, 1.0, 0.1
@@ -32,18 +32,31 @@ class Drawn:
         p = np.clip(draw.normal(0.3, 1.0, shape), 0.0, self.caps)
         t = draw.normal(size=shape)
         self.influence = Influence(executor, modulus=MODULUS, boundary=boundary)
-        self.iterate = Iterate(executor, self.influence, CAP)
-        if parted:
-            self.iterate.set_parts(executor.field(self.caps / CAP, padding=1.0))
-        executor.to_numpy(self.iterate.pressure)[:] = p
-        executor.to_numpy(self.iterate.gradient)[:] = t
+        self.influence.set_compliance(0.0, 0.0)
+        names = "gap", "pressure", "gradient", "trial", "step", "response"
+        self.fields = {name: executor.zeros() for name in names}
+        self.search = Search(
+            executor,
+            self.influence,
+            hardness=CAP,
+            rules=SearchRules(scattered=0.0, every=1),
+            fields=self.fields,
+            fractions=executor.field(self.caps / CAP, padding=1.0) if parted else None,
+            groups=1,
+        )
+        self.search._solve.groups.numpy()["level"] = LEVEL
+        self.program = Program(executor)
+        self.search._precondition(self.program)
+        executor.to_numpy(self.fields["pressure"])[:] = p
+        executor.to_numpy(self.fields["gradient"])[:] = t
         self.free = ((p > 0.0) | (t < LEVEL)) & ((p < self.caps) | (t > LEVEL))
         self.asked = np.where(self.free, t - LEVEL, 0.0)
 
     def descent(self, executor: Executor) -> FloatArray:
-        found, level = self.iterate.descent(np.full(1, LEVEL), plain=False)
-        assert not level.any()
-        return np.array(found.numpy().reshape(found.shape[0], -1)[:, : executor.grid.ny], dtype=float)
+        self.program.run()
+        assert self.search._solve.numbers.numpy()["extended"]
+        gathered = self.search._solve.fields.gathered.numpy()
+        return np.array(gathered[:, : executor.grid.ny], dtype=float)
 
 
 def neighbours(influence: Influence) -> FloatArray:
@@ -95,7 +108,7 @@ def test_the_preconditioner_is_symmetric_and_positive(boundary: str) -> None:
             t = LEVEL + draw.normal(size=drawn.free.shape)
             # cells at a bound that are free stay so
             t = np.where(drawn.free, np.where(drawn.asked < 0.0, -1.0, 1.0) * np.abs(t - LEVEL) + LEVEL, t)
-            gradient = executor.to_numpy(drawn.iterate.gradient)
+            gradient = executor.to_numpy(drawn.fields["gradient"])
             gradient[:] = np.where(drawn.free, t, gradient)
             values.append(np.where(drawn.free, t - LEVEL, 0.0))
             products.append(np.where(drawn.free, drawn.descent(executor), 0.0))
@@ -118,19 +131,16 @@ def test_weights_by_few_modes_are_those_of_all(shape: tuple[int, int], boundary:
 
 
 @pytest.mark.parametrize("hardness", [math.inf, 0.1])
-def test_extended_values_save_iterations(hardness: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_extended_values_save_iterations(hardness: float) -> None:
     grid = Grid(96, 96, 1.0 / 96)
     spectrum = fft.rfft2(np.random.default_rng(5).normal(size=grid.shape))
     q = np.hypot(fft.fftfreq(grid.nx)[:, np.newaxis], fft.rfftfreq(grid.ny))
     gap = fft.irfft2(np.where(q > 0.0, spectrum * np.maximum(q, 0.02) ** -1.8, 0.0), s=grid.shape)
     gap *= 0.1 / 30.0 / gap.std()  # an rms slope of 0.1
 
-    def iterations() -> int:
+    def iterations(rules: SearchRules) -> int:
         with Executor(grid) as executor:
-            solver = HalfSpace(executor, modulus=1.0, hardness=hardness, tolerance=1e-8, on_device=False)
+            solver = HalfSpace(executor, modulus=1.0, hardness=hardness, tolerance=1e-8, rules=rules)
             return solver.solve(executor.field(gap), mean_pressure=0.05).iterations
 
-    extended = iterations()
-    nothing: Any = property(lambda _: (0.0, 0.0, 0.0))
-    monkeypatch.setattr(Influence, "of_neighbours", nothing)
-    assert extended <= 0.8 * iterations()
+    assert iterations(SearchRules()) <= 0.8 * iterations(SearchRules(scattered=math.inf))

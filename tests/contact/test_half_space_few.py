@@ -59,22 +59,28 @@ def test_what_is_best_for_few_cells_meets_the_conditions_of_an_optimum() -> None
         assert (pull[x == low] >= level - 1e-10).all()
         assert (pull[x == high] <= level + 1e-10).all()
     elastic, along, two = np.eye(2), np.zeros(2), np.arange(2)
-    assert best_of_few(elastic, along, two, 0 * two, np.array([1.0, -1.0]), np.full(2, -0.1), np.full(2, 0.1)) is None
+    assert (
+        best_of_few(elastic, along, two, 0 * two, np.array([1.0, -1.0]), np.full(2, -0.1), np.full(2, 0.1))
+        is None
+    )
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("streak", [0.0, 0.02])
 @pytest.mark.parametrize("parted", [False, True])
-def test_few_moves_reach_the_pressure_of_many_steps(
-    boundary: str, streak: float, parted: bool
-) -> None:
+def test_few_moves_reach_the_pressure_of_many_steps(boundary: str, streak: float, parted: bool) -> None:
     found = []
     with Executor(GRID) as executor:
         gap = executor.field(rough(GRID))
         parts = np.where(np.random.default_rng(1).random(GRID.shape) < 0.5, 0.8, 1.0)
         for most in (256, 0):
             solver = HalfSpace(
-                executor, modulus=MODULUS, boundary=boundary, hardness=0.1, tolerance=1e-10, rules=SearchRules(few=most)
+                executor,
+                modulus=MODULUS,
+                boundary=boundary,
+                hardness=0.1,
+                tolerance=1e-10,
+                rules=SearchRules(few=most),
             )
             contact = solver.solve(
                 gap,

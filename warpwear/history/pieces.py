@@ -20,15 +20,17 @@ class PieceBook:
         self._steps = 0
 
     def enter(
-        self, body: int, row: "np.ndarray[Any, Any]", column: Any, volume: FloatArray, diameter: FloatArray
+        self, step: Any, body: Any, place: tuple[Any, Any], volume: FloatArray, diameter: FloatArray
     ) -> None:
-        """Enter pieces of a body in the step at hand: volume [mm³], and diameter as cut [mm], each."""
-        number, of_body = np.full(row.size, self._steps), np.full(row.size, body)
-        self._parts.append(np.stack([number, of_body, row, column, volume, diameter], axis=1))
+        """Enter pieces: of each the step from the one at hand on, its body, the row and column of its cell.
 
-    def end_step(self) -> None:
-        """Go on to the next step."""
-        self._steps += 1
+        volume [mm³] and diameter as cut [mm] are of each.
+        """
+        self._parts.append(np.stack([self._steps + step, body, *place, volume, diameter], axis=1))
+
+    def end_steps(self, count: int = 1) -> None:
+        """Go on by some steps."""
+        self._steps += count
 
     @property
     def table(self) -> FloatArray:

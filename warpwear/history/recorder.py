@@ -93,12 +93,12 @@ class Ledger:
         most: Mapping[str, float],
         *,
         pressure: FloatArray | None = None,
-        bearing: float | None = None,
     ) -> Step:
         """Book a step of an increment [mm] that wore sphere and disc by K ΔL = removal [mm³/N].
 
         total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
-        which the squares count [MPa]. bearing: cells' area that bears, where not all that is in contact does.
+        which the squares count [MPa]. The totals have "bearing", how many cells' area bears, where not all
+        that is in contact does.
         The row has `plastic_volume_disc` where the totals have "pressed_disc", and `bare_fraction` where they
         have "bare".
 
@@ -109,7 +109,7 @@ class Ledger:
         # What was reached once stays so, also where the tiles visited now do not show it.
         self.most = {name: max(most[name], kept) for name, kept in self.most.items()}
         largest = self.most | {"pressure": most["pressure"]}
-        row = self._row(balance, increment, removal, reference, total, largest, bearing)
+        row = self._row(balance, increment, removal, reference, total, largest)
         row["pressure_std"] = math.sqrt(max(row["pressure_std"], 0.0))
         for name in RUNNING:
             row[name] += self.row[name]
@@ -157,7 +157,6 @@ class Ledger:
         reference: Number,
         total: Mapping[str, Number],
         most: Mapping[str, Number],
-        bearing: Number | None = None,
     ) -> dict[str, Any]:
         """Return the columns of a step, or of many: of `RUNNING` what they grow by, of the std its square."""
         area, load = self._weight * self._grid.cell_area, self._task.load
@@ -166,7 +165,7 @@ class Ledger:
         mean = total["pressure"] / count
         apart = mean - reference  # squared by Python for many as for one: NumPy rounds squares differently
         squared = apart**2 if isinstance(apart, float) else np.array([one**2 for one in apart.tolist()])
-        in_contact = (count if bearing is None else bearing) * area
+        in_contact = total.get("bearing", count) * area
         row = {
             "distance": increment,
             "increment": increment,

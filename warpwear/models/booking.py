@@ -35,7 +35,6 @@ def booked(
     count, balance, reference, total, most = found
     if not count:
         return
-    wear = np.array(removals[:count]).T
     wide = np.zeros(count, dtype=bool)
     for name, limit in zip(EXTENTS, ledger.within, strict=True):
         wide |= most[name][:count] > limit
@@ -45,14 +44,15 @@ def booked(
     def part(values: dict[str, FloatArray], which: Any) -> dict[str, Any]:
         return {name: column[which] for name, column in values.items()}
 
-    yield from ledger.enter_all(
-        balance._make(column[before] for column in balance),
-        increments[before],
-        (wear[0, before], wear[1, before]),
-        reference[before],
-        part(total, before),
-        part(most, before),
-    )
+    if before.stop:
+        yield from ledger.enter_all(
+            balance._make(column[before] for column in balance),
+            increments[before],
+            tuple(np.array(removals[before]).T),
+            reference[before],
+            part(total, before),
+            part(most, before),
+        )
     for one in range(before.stop, count):
         alone = balance._make(float(column[one]) for column in balance)
         sums, maxima = ({n: float(v) for n, v in part(values, one).items()} for values in (total, most))

@@ -1,21 +1,25 @@
 """The films of a contact's bodies: which cells are bare as a step begins, and what cap that leaves them."""
 
 import math
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from collections.abc import Callable, Mapping
+from typing import ClassVar
 
 import numpy as np
+import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.tiles import TileList
+from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.kernels.cells import LANES
-from warpwear.kernels.contact import Law
 from warpwear.kernels.running_in import film as kernels
-from warpwear.kernels.running_in.film import Coat
+from warpwear.kernels.running_in.film import Coat, Films
+from warpwear.kernels.slide import Slide
 from warpwear.laws.film import Film
 
 #: What is kept of every cell of a body whose film forms anew.
 KEPT = ("whole", "seen", "rubbed")
+#: Whose film of a contact it is; that of bodies which wear in one proportion does not move, as the sphere's.
+AS = {"sphere": "sphere", "disc": "disc", "both": "sphere"}
 
 
 class BareCells:
@@ -30,10 +34,8 @@ class BareCells:
     def __init__(
         self, film: Film, executor: Executor, wear: Mapping[str, Field], *, thickness: float | None = None
     ) -> None:
-        self._executor, self._film = executor, film
-        self._thickness = film.thickness if thickness is None else thickness
-        executor.load(kernels.look)
-        self._sums = executor.partials(1)
+        self._executor = executor
+        heals = math.isfinite(film.regrowth)
         #: 1 where a cell was bare as the last step began, else 0.
         self.bare = executor.zeros()
         #: Cap of every cell over the hardness; None where it is the same for all.
@@ -43,20 +45,29 @@ class BareCells:
                 np.full(executor.grid.shape, film.part_filmed), padding=film.part_filmed
             )
         #: Of films that form anew: see `Coat`.
-        self.healing: dict[str, Field] = {}
-        if math.isfinite(film.regrowth):
-            self.healing = {
-                f"{name}_{body}": executor.zeros(field.shape[0])
-                for body, field in wear.items()
-                for name in KEPT
-            }
-        none = executor.zeros(0)
-        self._coats = {
-            body: arguments(
-                Coat, wear=field, **{name: self.healing.get(f"{name}_{body}", none) for name in KEPT}
-            )
+        self.healing: dict[str, Field] = {
+            f"{name}_{body}": executor.zeros(field.shape[0] if heals else 0)
             for body, field in wear.items()
+            for name in KEPT
         }
+        #: Both films, as kernels take them.
+        self.films = arguments(
+            Films,
+            thickness=film.thickness if thickness is None else thickness,
+            regrowth=film.regrowth,
+            cap_filmed=film.part_filmed,
+            cap_bare=film.part_bare,
+            bare=self.bare,
+            parts=executor.zeros(0) if self.parts is None else self.parts,
+        )
+        for body, field in wear.items():
+            coat = {name: self.healing[f"{name}_{body}"] for name in KEPT}
+            setattr(self.films, AS[body], arguments(Coat, wear=field, **coat))
+        self._heals = heals
+        #: For those who look between steps.
+        self._slides = Numbers(Slide, executor.device)
+        self._sums = wp.zeros((1, executor.slots_of(executor.grid.nx)), dtype=wp.float64, device=executor.device)
+        self._programs: dict[str, Program] = {}
 
     @classmethod
     def of_bodies(
@@ -81,53 +92,40 @@ class BareCells:
         least = min(part for part, on in zip(fractions, film.on, strict=True) if on)
         return cls(film, executor, {"both": worn}, thickness=film.thickness / least if least else math.inf)
 
-    def look(self, distance: float, *, shift: int = 0, columns: tuple[int, int] | None = None) -> None:
-        """See which cells are bare as a step begins at a sliding distance [mm].
+    def say_look(self, program: Program, slides: Field) -> None:
+        """Add to a program that it sees which cells are bare as a step begins. slides: a `Slide` in an array."""
+        program.launch(kernels.look, slides, self.films)
 
-        shift: rows by which the disc is displaced. columns: first that was ever touched and the one after
-        the last; by default all.
-        """
-        first, end = self._vectors(columns)
-        launch = self._executor.launch
-        for number, (body, coat) in enumerate(self._coats.items()):
-            rows = shift if body == "disc" else 0
-            if self.healing:
-                now = [rows, distance, self._film.regrowth]
-                launch(kernels.heal, inputs=[*now, first, end, coat], outputs=[])
-            inputs = [rows, self._thickness, first, end, number == 0, coat]
-            launch(kernels.look, inputs=inputs, outputs=[self.bare])
-        if self.parts is not None:
-            caps = [self._film.part_filmed, self._film.part_bare]
-            launch(kernels.parts, inputs=[*caps, first, end, self.bare], outputs=[self.parts])
+    def say_rub(self, program: Program, slides: Field) -> None:
+        """Add to a program that it notes what a step has worn."""
+        if self._heals:
+            program.launch(kernels.rub, slides, self.films)
 
-    def rub(self, distance: float, *, shift: int = 0, columns: tuple[int, int] | None = None) -> None:
-        """Note what a step that ends at a sliding distance [mm] has worn; other arguments as of `look`."""
-        if not self.healing:
-            return
-        first, end = self._vectors(columns)
-        for body, coat in self._coats.items():
-            rows = shift if body == "disc" else 0
-            self._executor.launch(kernels.rub, inputs=[rows, distance, first, end, coat], outputs=[])
+    def say_under(self, program: Program, slides: Field, pressure: Field, sums: Field) -> None:
+        """Add to a program that it counts the bare cells under a pressure, in the first line of `sums`."""
+        program.launch(kernels.bare_under_pressure, slides, self.films, pressure, sums, slots=sums.shape[1])
 
-    def under(self, pressure: Field, chunks: Any = None) -> float:
-        """Count the bare cells under a pressure. chunks: of the rows that have one, by default all."""
-        inputs = [pressure, self.bare]
-        self._executor.launch(kernels.bare_under_pressure, inputs=inputs, outputs=[self._sums], chunks=chunks)
-        end = chunks[-1][1] if chunks else self._executor.slots
-        return float(self._sums.numpy()[0, :end].sum())
+    def look(self, distance: float) -> None:
+        """See which cells are bare as a step begins at a sliding distance [mm]."""
+        self._slides.set(start=distance, end_column=self._executor.vectors * LANES)
+        self._run("look", self.say_look)
 
-    def in_contact(self, law: Law, stiffness: Field, gap: Field, tiles: TileList) -> float:
-        """Count the bare cells that a solved approach presses; arguments as of `Balancer.pressures`."""
-        self._executor.launch(
-            kernels.bare_in_contact,
-            inputs=[law, stiffness, gap, self.bare],
-            outputs=[self._sums],
-            over=tiles,
-        )
-        return float(self._sums.numpy()[0].sum())
+    def rub(self, distance: float) -> None:
+        """Note what a step that ends at a sliding distance [mm] has worn."""
+        self._slides.set(end=distance, end_column=self._executor.vectors * LANES)
+        self._run("rub", self.say_rub)
 
-    def _vectors(self, columns: tuple[int, int] | None) -> tuple[int, int]:
-        """First vector of a row, and the one after the last, that hold columns."""
-        if columns is None:
-            return 0, self._executor.vectors
-        return columns[0] // LANES, -(-columns[1] // LANES)
+    def under(self, pressure: Field, rows: int | None = None) -> float:
+        """Count the bare cells under a pressure. rows: that have one, by default all."""
+        program = Program(self._executor)
+        self._slides.set(rows=self._executor.grid.nx if rows is None else rows)
+        self.say_under(program, self._slides.array, pressure, self._sums)
+        program.run()
+        return float(self._sums.numpy()[0, :rows].sum())
+
+    def _run(self, name: str, say: Callable[[Program, Field], None]) -> None:
+        program = self._programs.get(name)
+        if program is None:
+            program = self._programs[name] = Program(self._executor)
+            say(program, self._slides.array)
+        program.run()

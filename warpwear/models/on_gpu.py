@@ -15,11 +15,10 @@ import warp as wp
 from warpwear.contact.balance import TOLERANCE, Balance, residual_of
 from warpwear.contact.foresight import Foresight
 from warpwear.engine.executor import Executor, Field, arguments, set_numbers
-from warpwear.kernels.cells import LANES, NO_INDEX, PressureMost, PressureSum, WearMost, WearSum, names_of
+from warpwear.kernels.cells import LANES, NO_INDEX, WearMost, WearSum, names_of
 from warpwear.kernels.gpu import steps as gpu_steps
-from warpwear.kernels.gpu import steps_rest, steps_sliding
+from warpwear.kernels.gpu import steps_rest
 from warpwear.kernels.gpu.steps import Search, Steps
-from warpwear.kernels.sliding import Bodies, OfRows, OfTiles
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import Found
 
@@ -31,7 +30,6 @@ PIECE = 128
 STEPS_OF_GRAPH = 8
 BLOCK = 256  # threads
 BLOCKS_AT_REST = 4  # of each multiprocessor: as many as their registers let run at a time
-BLOCKS_DISPLACED = 2112  # at most
 HEADER = int(gpu_steps.HEADER)  # columns of a row before the others
 
 #: A kernel, the blocks that run it, and its arguments after `Steps`.
@@ -209,19 +207,3 @@ def at_rest(executor: Executor, task: ContactTask, gap: Field, unworn: Field) ->
     blocks = 3 if executor.device.is_cpu else BLOCKS_AT_REST * executor.device.sm_count
     passes = [(steps_rest.carried, blocks, [gap]), (steps_rest.wear_step, blocks, [unworn, gap])]
     return DeviceSteps(executor, task, (WearSum, WearMost), passes)
-
-
-def displaced(
-    executor: Executor, task: ContactTask, bodies: Bodies, of_tiles: OfTiles, of_rows: OfRows
-) -> DeviceSteps:
-    """Steps that wear a sphere and the displaced disc. of_tiles, of_rows: what is kept of each."""
-    rows = executor.grid.nx
-    all_tiles = -(-rows * executor.tiles_per_row // BLOCK)
-    blocks = 3 if executor.device.is_cpu else min(all_tiles, BLOCKS_DISPLACED)
-    passes = [
-        (steps_sliding.carried, blocks, [bodies, of_tiles]),
-        (steps_sliding.wear_step, blocks, [bodies, of_tiles]),
-        (steps_sliding.rows, rows, [of_tiles, of_rows]),
-    ]
-    kept = [of_rows.touched, of_rows.worn_sphere, of_rows.worn_disc, of_rows.pressed_disc]
-    return DeviceSteps(executor, task, (PressureSum, PressureMost), passes, kept=kept, moves=True)

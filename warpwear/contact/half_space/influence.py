@@ -220,7 +220,7 @@ class Influence(Operator):
         if self._along is None:
             device = self._executor.device
             self._along = wp.array(self._along_x, dtype=wp.float64, device=device)
-            self._table = wp.array(self._coefficients, dtype=wp.float64, device=device)
+            self._table: Field = wp.array(self._coefficients, dtype=wp.float64, device=device)
         return self._table, self._along
 
     @property

@@ -13,20 +13,24 @@ from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
+import warp as wp
 
 from warpwear.contact.certificate import columns_of
 from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import BoundedPressure
 from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_from_pressure
 from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
-from warpwear.kernels.sliding import Bodies
-from warpwear.kernels.wear_from_pressure import Increment
+from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Bodies, OfRows
+from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
@@ -96,7 +100,14 @@ class HalfSpacePatches(Model):
         #: Largest approach so far [mm].
         self._reached = float(of_patches.min())
         executor.load(wear_from_pressure.gaps)
-        self._sums, self._maxima = executor.partials(len(PressureSum)), executor.partials(len(PressureMost))
+        rows, device = executor.grid.nx, executor.device
+        self._sums, self._maxima = (
+            wp.zeros((len(lines), rows), dtype=wp.float64, device=device)
+            for lines in (PressureSum, PressureMost)
+        )
+        self._of_rows = arguments(OfRows)
+        self._slides = Numbers(Slide, executor.device, window=1)
+        self._worn_by: Field = None
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact at the end of an increment [mm], and wear both bodies.
@@ -119,7 +130,7 @@ class HalfSpacePatches(Model):
         reference = self._ledger.row["pressure_mean"]
         worn = self._wear(contact, sum(removals), reference, approach)
         if self._film is not None:
-            worn = replace(worn, bare=self._film.under(contact.pressure_field, self._influence.chunks))
+            worn = replace(worn, bare=self._film.under(contact.pressure_field, self.visited))
             self._film.rub(start + increment)
         made = self._ledger.enter(worn, increment, removals, pressure)
         made.row.update(columns_of(contact.certificate))
@@ -175,20 +186,12 @@ class HalfSpacePatches(Model):
 
     def _wear(self, contact: HalfSpaceContact, removal: float, reference: float, approach: float) -> Worn:
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
-        cap = min(self.task.hardness, NO_CAP)
-        made = arguments(Increment, wear_per_pressure_sphere=removal, cap=cap, reference=reference)
-        if self._parts is not None:
-            made.parts = self._parts
-        pressure = contact.pressure_field
-        self._executor.launch(
-            wear_from_pressure.wear,
-            inputs=[made, self._layout, pressure, pressure, contact.gradient_field],
-            outputs=[self._bodies, self._sums, self._maxima],
-            chunks=self._influence.chunks,
-        )
-        slots = self.visited * self._executor.slots_per_row
-        table = self._sums.numpy()[:, :slots].reshape(len(PressureSum), self.visited, -1).sum(axis=2)
-        largest = self._maxima.numpy()[:, :slots].max(axis=1)
+        self._slides.set(rows=self.visited, of_sphere=removal, reference=reference)
+        if self._worn_by is not contact.pressure_field:
+            self._wearing, self._worn_by = self._say_wear(contact), contact.pressure_field
+        self._wearing.run()
+        table = self._sums.numpy()[:, : self.visited]
+        largest = self._maxima.numpy()[:, : self.visited].max(axis=1)
         sums = {name: np.zeros(self.patches.count) for name in PATCH_SUMS}
         for name, values in sums.items():
             values[self._order[: self.visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
@@ -196,3 +199,23 @@ class HalfSpacePatches(Model):
         return self._ledger.worn(
             sums, most, approach=(approach, 0.0), reference=reference, evaluations=contact.transforms
         )
+
+    def _say_wear(self, contact: HalfSpaceContact) -> Program:
+        """Say how bodies wear by the pressure that the solver leaves."""
+        pressure = contact.pressure_field
+        pressed = arguments(
+            Pressed,
+            pressure=pressure,
+            means=pressure,
+            gradient=contact.gradient_field,
+            cap=min(self.task.hardness, NO_CAP),
+        )
+        if self._parts is not None:
+            pressed.parts = self._parts
+        program = Program(self._executor)
+        tables = self._of_rows, self._sums, self._maxima
+        slides, count = self._slides.array, self.patches.count
+        program.launch(
+            wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables, slots=count
+        )
+        return program

@@ -14,7 +14,7 @@ import warp as wp
 from warpwear.contact.balance import Balance, residual_of, stiffness_of
 from warpwear.contact.search import LoadSearch
 from warpwear.engine.executor import Executor, arguments
-from warpwear.engine.numbers import Numbers
+from warpwear.engine.numbers import Numbers, Table
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
@@ -69,10 +69,12 @@ class OneScaleModel(Model):
         #: What the steps on the device remember.
         self._course = Numbers(wear.Course, device, **none)
         columns = len(wear.BALANCE) + len(SUMS) + len(MAXIMA)
+        self._plan = Table(self.longest_block + 1, len(wear.PLAN), device)
+        self._history = Table(self.longest_block, columns, device)
         self._steps = arguments(
             wear.Steps,
-            plan=wp.zeros((self.longest_block + 1, len(wear.PLAN)), dtype=wp.float64, device=device),
-            history=wp.zeros((self.longest_block, columns), dtype=wp.float64, device=device),
+            plan=self._plan.array,
+            history=self._history.array,
             within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
             course=self._course.array,
             increment=wp.zeros(1, dtype=wear.Increment, device=device),
@@ -146,13 +148,13 @@ class OneScaleModel(Model):
         """Steps made on the device in one go, before the first of them is seen."""
         done = 0
         while done < len(increments):
-            removals = self._plan(increments[done:], then)
+            removals = self._tell(increments[done:], then)
             self._many.run()
             made = self._course["step"]
             for beyond, step in enumerate(self._booked(increments[done:], removals)):
                 self.steps_in_flight = made - beyond - 1
                 yield step
-            self._search.check()
+            self._check()
             done += made
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
@@ -162,30 +164,34 @@ class OneScaleModel(Model):
 
         Raises ConvergenceError when the load cannot be balanced.
         """
-        removals = self._plan([increment], then if self.in_blocks else None)
+        removals = self._tell([increment], then if self.in_blocks else None)
         if not with_pressure:
             self._many.run()
-            self._search.check()
+            self._check()
             return next(self._booked([increment], removals))
         self._to_search.run()
-        self._search.check()
+        self._check()
         pressure = self._search.pressures()
         self._to_wear.run()
         return next(self._booked([increment], removals))._replace(pressure=pressure)
 
-    def _plan(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
+    def _check(self) -> None:
+        """Raise ConvergenceError for a step that was not made."""
+        if self._course["failed"]:
+            self._search.check()
+
+    def _tell(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
         """Tell the device of the next steps, and of the one after them; return K ΔL of sphere and disc."""
         known = [*increments, *([] if then is None else [then])]
         removals = removals_of(self.task.wear, self._ledger.row["distance"], known)
-        plan = np.array([(sum(removed), self._stiffness_of(*removed)) for removed in removals])
-        wp.copy(self._steps.plan, wp.array(plan, dtype=wp.float64, device="cpu"), count=plan.size)
+        self._plan.write([(sum(removed), self._stiffness_of(*removed)) for removed in removals])
         self._course.set(step=0, steps=len(increments), known=len(known))
         return removals
 
     def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
         """The steps that the device has made, as the ledger enters them."""
         made = self._course["step"]
-        table = np.ascontiguousarray(self._steps.history[:made].numpy().T) if made else np.zeros((20, 0))
+        table = np.ascontiguousarray(self._history.read(made).T)
         base, offset, cap, residual, width, tied, evaluations, reference = table[: len(wear.BALANCE)]
         sums, maxima = table[len(wear.BALANCE) :][: len(SUMS)], table[len(wear.BALANCE) + len(SUMS) :]
         total, most = dict(zip(SUMS, sums, strict=True)), dict(zip(MAXIMA, maxima, strict=True))

@@ -1,5 +1,6 @@
 """One grid on the elastic–plastic half-space: a sphere, and a disc that moves or lies still under it."""
 
+import itertools
 import math
 from collections.abc import Callable, Mapping
 from typing import ClassVar
@@ -13,18 +14,20 @@ from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, wear_from_pressure
-from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
+from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
 from warpwear.kernels.half_space import decisions, passes
-from warpwear.kernels.sliding import Bodies
-from warpwear.kernels.wear_from_pressure import Increment
-from warpwear.kernels.wear_loops import Layout
+from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Bodies, OfRows
+from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
-from warpwear.models.track.pieces import SlidingPieces
+from warpwear.models.track.pieces import BODIES, OF_BODY, SlidingPieces
 
 #: What a part of a step takes off the area of a contact, relative, over its length in contact lengths and the
 #: real over the nominal area: of a smooth one 1.2 in a first pass, 2.6 after twenty, as losses add up.
@@ -36,6 +39,7 @@ LARGEST_ERROR = 0.02
 #: Real over nominal area from which the last pressure, where it is, is a better start than none.
 KEEPS_PRESSURE = 0.7
 #: Sums over the cells of a part; the others grow, and the last part's are those of the step.
+DISC = {"worn_disc": "wear_disc", "pressed_disc": "pressed_disc"}
 OF_A_PART = ("pressure", "deviation_squared", "contact", "capped")
 
 
@@ -108,15 +112,23 @@ class SlidingHalfSpace:
         self._layout = arguments(
             Layout, vectors=executor.vectors, first_row=rows, first_column=wp.zeros_like(rows)
         )
-        self._sums, self._maxima = executor.partials(len(PressureSum)), executor.partials(len(MAXIMA))
+        device, slots = executor.device, executor.slots_of(executor.grid.nx)
+        self._sums, self._maxima = (
+            wp.zeros((len(lines), slots), dtype=wp.float64, device=device) for lines in (PressureSum, MAXIMA)
+        )
+        self._bare = wp.zeros((1, slots), dtype=wp.float64, device=device)
         #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
-        self._of_rows = {name: np.zeros(disc.shape[0]) for name in ("wear_disc", "pressed_disc")}
+        self._of_rows = {
+            name: wp.zeros(disc.shape[0], dtype=wp.float64, device=device) for name in ("worn_disc", "pressed_disc")
+        }
+        self._slides = Numbers(Slide, executor.device, rows=executor.grid.nx, window=1)
+        self._programs: dict[str, tuple[Field, Program]] = {}
+        self._goes = wp.zeros(1, dtype=wp.int32, device=device)
+        self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
         self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
         self._outline, self._asperities = math.inf if moves and task.curvature > 0.0 else 0.0, 0.0
-        self.pieces = SlidingPieces.of(
-            task, executor, self.state, periodic=periodic, track_fraction=track_fraction
-        )
+        self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         if self.pieces is not None:
             self._outline = 0.0  # no mean shortens it
         #: Contacts without wear in the step, which start from nothing: those with it are as they would be.
@@ -153,29 +165,31 @@ class SlidingHalfSpace:
         certificates: list[Certificate | None] = []
         asked = self._static is not None and self._steps_done % self.task.static_area_every == 0
         if self.pieces is not None:
-            self.pieces.begin()
+            self._run("begin", self.pieces.say_begin)
         while done < cells:
             of_part = self._cells_of_part(cells - done)
             weight = of_part / cells
             shift = self.state.row_of(row(done, of_part), periodic=self.periodic)
             start = before["distance"] + increment * (done / cells)
             removals = self.task.removals(start, increment * weight)
-            if self.film is not None:
-                self.film.look(start, shift=shift, columns=columns)
+            first, end = columns
+            self._slides.set(shift=shift, first_column=first, end_column=end, start=start)
+            self._slides.set(end=start + increment * weight, window=self.cells_passing(increment * weight))
             last = done + of_part == cells
             contact = self._solve(
-                shift, increment * weight, removals, certified=True if self.certified and last else None
+                increment * weight, removals, certified=True if self.certified and last else None
             )
             certificates.append(contact.certificate)
             if asked and not parts:
                 static = self._static_area()
             done, parts, transforms = done + of_part, parts + 1, transforms + contact.transforms
             pressure = contact.pressure.copy() if with_pressure and last else None
-            total, most = self._wear(contact, shift, increment * weight, removals)
+            total, most = self._wear(contact, removals)
             if self.film is not None:
-                total["bare"] = self.film.under(contact.pressure_field)
+                total["bare"] = float(self._bare.numpy().sum())
                 columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
-                self.film.rub(start + increment * weight, shift=shift, columns=columns)
+                self._slides.set(first_column=columns[0], end_column=columns[1])
+                self._run("rub", lambda program: self.film.say_rub(program, self._slides.array))
             carried = total["pressure"] * self._executor.grid.cell_area
             residual = max(residual, residual_of(carried, self.task.load, approach=contact.approach), key=abs)
             approach += weight * contact.approach
@@ -186,7 +200,7 @@ class SlidingHalfSpace:
             self._look(total, most)
             error = max(error, self._error_of_part(of_part))
         if self.pieces is not None:
-            total, most = self.pieces.shed(shift, total, most)
+            self._shed(total, most)
         cap = min(self.task.hardness, NO_CAP)
         balance = Balance(approach, 0.0, cap, residual, evaluations=transforms)
         step = self._ledger.enter(
@@ -236,13 +250,12 @@ class SlidingHalfSpace:
             self._asperities = self.task.dust * OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
 
     def _solve(
-        self, shift: int, increment: float, removals: tuple[float, float], *, certified: bool | None
+        self, increment: float, removals: tuple[float, float], *, certified: bool | None
     ) -> HalfSpaceContact:
         """Solve the contact at the end of an increment [mm] that wears sphere and disc by K ΔL [mm³/N]."""
-        state, (of_sphere, of_disc) = self.state, (self.task.dust * removal for removal in removals)
+        of_sphere, of_disc = (self.task.dust * removal for removal in removals)
         window = self.cells_passing(increment)
-        met = self._mean_along(state.wear_sphere, window)
-        self._executor.launch(wear_from_pressure.gaps, inputs=[shift, self._bodies, met], outputs=[self._gap])
+        self._run("gaps", self._say_gaps)
         own = of_sphere if window == 1 else 0.0  # a mean over one cell is none
         return self._half_space.solve(
             self._gap,
@@ -264,30 +277,70 @@ class SlidingHalfSpace:
         )
         return contact.cells_in_contact * self._executor.grid.cell_area
 
+    def _say_gaps(self, program: Program) -> None:
+        """Say how a part begins: what is bare of film, and the gap that the disc meets on its way."""
+        slides = self._slides.array
+        if self.film is not None:
+            self.film.say_look(program, slides)
+        program.launch(wear_from_pressure.means, slides, self.state.wear_sphere, self._means)
+        program.launch(wear_from_pressure.gaps, slides, self._bodies, self._means, self._gap)
+
+    def _say_wear(self, program: Program, contact: HalfSpaceContact) -> None:
+        """Say how both bodies wear by the pressure of a contact."""
+        slides, pressure = self._slides.array, contact.pressure_field
+        pressed = arguments(Pressed, pressure=pressure, means=self._means, gradient=contact.gradient_field)
+        pressed.cap = min(self.task.hardness, NO_CAP)
+        if self._parts is not None:
+            pressed.parts = self._parts
+        program.launch(wear_from_pressure.means, slides, pressure, self._means)
+        tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
+        program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
+        if self.film is not None:
+            self.film.say_under(program, slides, pressure, self._bare)
+        if self.pieces is not None:
+            self.pieces.say_take(program, slides, pressure)
+
+    def _run(self, name: str, say: Callable[[Program], None], field: Field = None) -> None:
+        """Run a program, which is said once for a field."""
+        said = self._programs.get(name)
+        if said is None or said[0] is not field:
+            program = Program(self._executor)
+            say(program)
+            said = self._programs[name] = field, program
+        said[1].run()
+
     def _wear(
-        self, contact: HalfSpaceContact, shift: int, increment: float, removals: tuple[float, float]
+        self, contact: HalfSpaceContact, removals: tuple[float, float]
     ) -> tuple[dict[str, float], dict[str, float]]:
         """Wear both bodies by the pressure of a contact; sums and maxima by name. Others as of `_solve`."""
-        executor = self._executor
-        # The scatter is summed about a value near the mean.
-        reference, cap = self._ledger.row["pressure_mean"], min(self.task.hardness, NO_CAP)
-        made = arguments(Increment, shift=shift, cap=cap, approach=contact.approach, reference=reference)
-        if self._parts is not None:
-            made.parts = self._parts
-        made.wear_per_pressure_sphere = self.task.dust * removals[0]
-        made.wear_per_pressure_disc = self.task.dust * self._track_fraction * removals[1]
-        passing = self._mean_along(contact.pressure_field, self.cells_passing(increment))
-        fields = [contact.pressure_field, passing, contact.gradient_field]
-        executor.launch(
-            wear_from_pressure.wear,
-            inputs=[made, self._layout, *fields],
-            outputs=[self._bodies, self._sums, self._maxima],
+        disc, dust = self._track_fraction * removals[1], self.task.dust
+        self._slides.set(
+            of_sphere=dust * removals[0],
+            of_disc=dust * disc,
+            pending_sphere=(1.0 - dust) * removals[0],
+            pending_disc=(1.0 - dust) * disc,
+            approach=contact.approach,
+            reference=self._ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
         )
-        sums, maxima = executor.read_partials(self._sums, self._maxima)
-        most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
-        if self.pieces is not None:
-            self.pieces.take(contact.pressure_field, shift, removals)
-        return self._totals(sums, shift), most
+        self._run("wear", lambda program: self._say_wear(program, contact), contact.pressure_field)
+        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
+        total = dict(zip(names_of(PressureSum), self._sums.numpy().sum(axis=1).tolist(), strict=True))
+        for name, values in self._of_rows.items():
+            total[DISC[name]] = float(values.numpy().sum())
+        return total, most
+
+    def _shed(self, total: dict[str, float], most: dict[str, float]) -> None:
+        """Let the pieces of a step leave; enter what is worn and pending then among sums and maxima."""
+        pieces, slides = self.pieces, self._slides.array
+        assert pieces is not None
+        for _ in itertools.count():
+            self._run("shed", lambda program: pieces.say_shed(program, slides, self._goes, self._of_pieces, 0))
+            if not pieces.drain():
+                break
+        pieces.book.end_steps()
+        for body, found in zip(BODIES, self._of_pieces.numpy().reshape(2, -1).tolist(), strict=True):
+            total[f"pieces_{body}"], total[f"wear_{body}"], total[f"pending_{body}"], deepest = found
+            most[f"wear_{body}"] = deepest
 
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
@@ -297,29 +350,3 @@ class SlidingHalfSpace:
         if self.task.curvature == 0.0:
             return grid.nx
         return min(max(round(self._track_fraction * increment / grid.cell), 1), grid.nx)
-
-    def _totals(self, table: FloatArray, shift: int) -> dict[str, float]:
-        """Sums over all cells by the names of `PressureSum`; those of the disc are over all of its rows.
-
-        table: of partial sums, as many a row of the grid.
-        """
-        total = dict(zip(names_of(PressureSum), table.sum(axis=1).tolist(), strict=True))
-        nx = self._executor.grid.nx
-        for name, rows in self._of_rows.items():
-            under = (np.arange(nx) + shift) % rows.size
-            rows[under] = table[PressureSum[name.upper()]].reshape(nx, -1).sum(axis=1)
-            total[name] = float(rows.sum())
-        return total
-
-    def _mean_along(self, field: Field, window: int) -> Field:
-        """S of a field, by rows, or one row for all; it lasts until the next."""
-        if window == 1:
-            return field
-        if window < self._executor.grid.nx:
-            kernel = wear_from_pressure.mean_passing
-            self._executor.launch(kernel, inputs=[window, field], outputs=[self._means])
-            return self._means
-        lines, every = self._means[:1], [(0, self._executor.vectors)]
-        kernel = wear_from_pressure.mean_of_lines
-        self._executor.launch(kernel, inputs=[field], outputs=[lines], chunks=every)
-        return lines

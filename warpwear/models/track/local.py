@@ -1,49 +1,46 @@
 """One grid in motion: a disc displaced by whole cells under a wearing sphere, step by step."""
 
 import math
-from collections import deque
 from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
 
-from warpwear.contact.balance import RIGID, Balance, Balancer, Foundation, stiffness_of
-from warpwear.contact.bearing_area import TIE, BearingArea
-from warpwear.engine.executor import Executor, Field, arguments, set_numbers
+from warpwear.contact.balance import Balance, stiffness_of
+from warpwear.contact.search import LoadSearch
+from warpwear.engine.executor import SMALL, Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
+from warpwear.engine.tiles import NO_LIMIT
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import contact, sliding
-from warpwear.kernels.blocks.steps import PLAN
-from warpwear.kernels.blocks.two_bodies import Lying, wear_bodies
-from warpwear.kernels.cells import LANES, PADDING, TrackMost, TrackSum, names_of
-from warpwear.kernels.contact import Law
-from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTiles, Slide, StepTables
+from warpwear.kernels import balance, bearing, recession, sliding
+from warpwear.kernels.cells import NO_INDEX, PADDING, TrackMost, TrackSum, names_of
+from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTiles, StepTables
+from warpwear.kernels.wear import BALANCE
 from warpwear.laws.archard import distance_factor, removals_of
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
-from warpwear.models.booking import booked
+from warpwear.models.booking import Found, booked
 from warpwear.models.film import BareCells
-from warpwear.models.on_cpu import Block, in_launches
-from warpwear.models.on_gpu import DeviceSteps, displaced
 from warpwear.models.track.bodies import SlidingBodies
-from warpwear.models.track.pieces import SlidingPieces
+from warpwear.models.track.pieces import BODIES, OF_BODY, SlidingPieces
 from warpwear.models.track.recession import Recession
-from warpwear.models.track.tiles import DEEPER, DEEPEST, FIRST_DEPTH, PerTile, SlidingTiles
+from warpwear.models.track.tiles import PerTile, SlidingTiles
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 1.25
-#: Changes of the approach from which the next is expected, and how many times the largest it may be.
-CHANGES, TIMES = 8, 2.0
-#: Sums over tiles and rows, and their names where they differ in the history.
-KEPT = ("touched", "worn_sphere", "worn_disc", "pressed_disc")
+#: Steps of a replay at most.
+LONGEST = 500
+#: Sums over tiles and rows, and what is found of them, as the history has them.
 RENAMED = {"worn_sphere": "wear_sphere", "worn_disc": "wear_disc"}
 #: Names of the sums and maxima of a step.
 SUMS, MAXIMA = names_of(TrackSum), names_of(TrackMost)
-#: Of a step before which nothing was touched.
-NO_ROWS = {"first_row": -math.inf, "last_row": -math.inf}
-#: What the approach may change by when nothing is known of it, and at least [mm].
-FIRST_SCATTER, LEAST_SCATTER = 1.0e-4, 1.0e-6
+#: Columns of the history on the device.
+COLUMNS = (*BALANCE, *SUMS, *(f"most_{name}" for name in MAXIMA), *sliding.KEPT, *sliding.LAST)
 
 
 class SlidingContact:
@@ -67,8 +64,8 @@ class SlidingContact:
         "tiles": SlidingTiles,
         "_kept": dict,
         "_totals": dict,
-        "_approach": float,
-        "_changes": deque,
+        "_course": Numbers,
+        "_changes": Field,
         "_recession": Recession,
         "pieces": SlidingPieces,
         "_ledger": Ledger,
@@ -87,70 +84,181 @@ class SlidingContact:
         moves: bool = True,
         bearing_curve: Logistic | None = None,
     ) -> None:
-        grid = executor.grid
-        executor.foresee([contact.gap, sliding.wear_step])
+        executor.foresee([balance.carried, bearing.counted_below, sliding.wear_step])
         self.state = SlidingBodies.of(task, executor, disc, sphere=sphere)
-        self.task = task
-        self.periodic = periodic
-        self._executor = executor
-        self._rows = disc.shape[0]
-        self._track_fraction = track_fraction
+        self.task, self.periodic, self._moves = task, periodic, moves
+        self._executor, self._track_fraction = executor, track_fraction
         self.keeps_dents = task.keeps_dents
-        self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
-        fully = task.load / (task.least_hardness * grid.cell_area)
+        grid, device = executor.grid, executor.device
         #: What is bare of film; None without one.
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_sphere, self.state.wear_disc)
-        self._parts = self._bearing_area.parts = None if self.film is None else self.film.parts
-        self.tiles = SlidingTiles(executor, self.state.sphere, self.state.disc, least=SPARE * fully)
-        columns, device = executor.tiles_per_row, executor.device
+        self._slides = Numbers(Slide, device)
+        self._bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
+        fully = task.load / (task.least_hardness * grid.cell_area)
+        self.tiles = SlidingTiles(executor, self._bodies, self._slides.array, least=SPARE * fully)
         # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc,
         # what is displaced of the disc.
-        rows = (grid.nx, grid.nx, self._rows, self.state.plastic_disc.shape[0])
-        self._kept = {name: PerTile(n, columns, device) for name, n in zip(KEPT, rows, strict=True)}
+        rows = (grid.nx, grid.nx, disc.shape[0], self.state.plastic_disc.shape[0])
+        columns, names = executor.tiles_per_row, sliding.KEPT
+        self._kept = {name: PerTile(n, columns, device) for name, n in zip(names, rows, strict=True)}
         self._totals = {
-            name: wp.zeros(n, dtype=wp.float64, device=device) for name, n in zip(KEPT, rows, strict=True)
+            name: wp.zeros(n, dtype=wp.float64, device=device) for name, n in zip(names, rows, strict=True)
         }
-        self._stiffness: tuple[tuple[float, ...], Field] | None = None  # with what it was made for
-        self._approach: float | None = None
-        self._changes: deque[float] = deque(maxlen=CHANGES)
-        self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
-        self._loop: DeviceSteps | None = None
-        self._moves, self._highest = moves, math.inf
-        if not moves and task.rigid:
-            gap = executor.to_numpy(self.state.sphere) - executor.to_numpy(self.state.disc)
-            self._highest = float(gap[gap < 0.5 * PADDING].max())
-        kind = "none" if moves else task.distance_factor
-        self._factor = distance_factor(grid, kind, curvature=task.curvature)
-        #: Whether the device can make steps by itself: those of a contact with compliance, one for all cells.
-        alike = kind == "none" and bearing_curve is None and not task.bulk_updated
-        alike = alike and task.film is None and task.pieces is None
-        self.blocks_allowed = executor.device.is_cuda and not task.rigid and alike
-        self._gather(kind != "none")
+        self._ledger = Ledger(task, grid, track_fraction=track_fraction)
+        self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         self._recession = None
         if bearing_curve is not None:
-            self._recession = Recession(bearing_curve, executor, self._bodies, self._of_cells.factor)
-        self.pieces = SlidingPieces.of(
-            task, executor, self.state, periodic=periodic, track_fraction=track_fraction
+            self._recession = Recession(bearing_curve, executor, self._bodies)
+        self._factor = distance_factor(
+            grid, "none" if moves else task.distance_factor, curvature=task.curvature
         )
-        self._block = self._made_block()
+        #: Whether 1/c differs from cell to cell.
+        self._differs = task.implicit and (self._recession is not None or self._factored)
+        self._gather()
+        #: Searches, and programs of many steps and of one, by whether the cells are rigid.
+        self._said: dict[bool, tuple[LoadSearch, tuple[Program, ...]]] = {}
 
-    def _gather(self, factored: bool) -> None:
+    @property
+    def _factored(self) -> bool:
+        return not self._moves and self.task.distance_factor != "none"
+
+    def _gather(self) -> None:
         """Make the arguments of the kernels, which change in place."""
-        executor, tiles = self._executor, self.tiles
-        factors = np.broadcast_to(self._factor, (self._factor.shape[0], executor.grid.ny))
-        sums, maxima = executor.partials(len(SUMS)), executor.partials(len(MAXIMA))
+        executor, tiles, device = self._executor, self.tiles, self._executor.device
+        self._of_cells = arguments(OfCells, factored=int(self._factored))
+        self._of_cells.factor = executor.field(
+            np.broadcast_to(self._factor, (self._factor.shape[0], executor.grid.ny))
+        )
+        alike = self._factor.shape[0] == 1 and self._recession is None
+        none = executor.zeros(0)
+        self._stiffness = executor.zeros(1 if alike else None) if self._differs else none
+        self._of_cells.stiffness = self._stiffness
+        self._of_cells.bare = none if self.film is None else self.film.bare
+        self._of_cells.parts = none if self.film is None or self.film.parts is None else self.film.parts
         numbers = {name: kept.numbers for name, kept in self._kept.items()}
         bounds = {"lowest": tiles.lowest.numbers, "highest": tiles.highest.numbers}
-        self._law = arguments(Law)
-        self._slide = arguments(Slide, factored=int(factored))
-        self._of_cells = arguments(OfCells, factor=executor.field(factors))
-        if self._parts is not None:
-            self._of_cells.parts = self._parts
-        self._tables = arguments(StepTables, sums=sums, maxima=maxima)
-        self._bodies = arguments(Bodies, **self.state.fields, gap=tiles.gap)
         self._of_tiles = arguments(OfTiles, **bounds, **numbers)
         self._of_eight = arguments(OfEightTiles, **{name: kept.vectors for name, kept in self._kept.items()})
         self._of_rows = arguments(OfRows, **self._totals)
+        slots = executor.slots_of(executor.grid.nx)
+        lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "bearing": 1}
+        tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
+        self._tables = arguments(StepTables, **tables)
+        #: Steps of a replay at most: those of a large grid can be watched.
+        self.longest = LONGEST if device.is_cuda or executor.grid.cells < SMALL else 1
+        extents = {f"{end}_{line}": NO_INDEX for end in ("first", "last") for line in ("row", "column")}
+        #: What the steps on the device remember.
+        self._course = Numbers(sliding.Course, device, **extents)
+        self._changes: Field = wp.full(int(sliding.CHANGES), -1.0, dtype=wp.float64, device=device)
+        columns = len(COLUMNS) + (0 if self.pieces is None else 2 * len(OF_BODY))
+        self._steps = arguments(
+            sliding.Steps,
+            plan=wp.zeros((self.longest, len(sliding.PLAN)), dtype=wp.float64, device=device),
+            history=wp.zeros((self.longest, columns), dtype=wp.float64, device=device),
+            within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
+            changes=self._changes,
+            course=self._course.array,
+            slides=self._slides.array,
+            stepping=wp.zeros(1, dtype=wp.int32, device=device),
+            solved=wp.zeros(1, dtype=wp.int32, device=device),
+            moves=int(self._moves),
+            hardness=self.task.hardness if self.keeps_dents else NO_LIMIT,
+            rows=executor.grid.nx,
+            columns=executor.grid.ny,
+            margin=0 if self.pieces is None else self.pieces.margin,
+        )
+
+    def _programs(self, *, rigid: bool) -> tuple[LoadSearch, tuple[Program, ...]]:
+        """The search, and programs: many steps; and one, between whose search and wear it can be looked at."""
+        if rigid not in self._said:
+            task, executor = self.task, self._executor
+            if rigid and not math.isfinite(task.hardness):
+                raise ValueError("a contact without compliance needs a hardness")
+            search = LoadSearch(
+                executor,
+                self._bodies.gap,
+                self.tiles,
+                load=task.load,
+                hardness=task.hardness,
+                stiffness=None if rigid else self._stiffness,
+                parts=self._of_cells.parts,
+                tolerance=task.load_tolerance if rigid else None,
+            )
+            search.springs.highest = self._highest if rigid and not self._moves else NO_LIMIT
+            self._steps.is_rigid = int(rigid)
+            many, to_search, to_wear = (Program(executor) for _ in range(3))
+            many.decide(sliding.begin, self._steps)
+            with many.loop(self._steps.stepping):
+                self._say_search(many, search)
+                self._say_wear(many, search)
+            self._say_search(to_search, search)
+            self._say_wear(to_wear, search)
+            self._said[rigid] = search, (many, to_search, to_wear)
+        return self._said[rigid]
+
+    def _say_search(self, program: Program, search: LoadSearch) -> None:
+        """Say how a step begins: what its cells are like, which can touch, and the balance."""
+        with self._before_pieces(program):
+            program.decide(sliding.begin_search, search.springs, self._steps)
+            if self.film is not None:
+                self.film.say_look(program, self._slides.array)
+            if self.pieces is not None:
+                self.pieces.say_begin(program)
+            if self._differs:
+                self._say_stiffness(program)
+            search.add_to(program)
+            self.tiles.add_to(program)
+            program.decide(sliding.end_search, search.springs, self._steps)
+
+    def _say_stiffness(self, program: Program) -> None:
+        """Say how 1/c of every cell follows from what wears it in a step."""
+        curve = arguments(recession.Curve) if self._recession is None else self._recession.curve
+        program.launch(
+            recession.stiffness,
+            *(self._slides.array, curve, self._of_cells.factor, self._bodies.wear_disc, self._stiffness),
+            slots=self._executor.slots_of(self._stiffness.shape[0]),
+        )
+
+    def _say_wear(self, program: Program, search: LoadSearch) -> None:
+        """Say how a step ends: the wear of both bodies, the pieces that leave, and its row."""
+        tiles, slides, springs, of_cells = self.tiles, self._slides.array, search.springs, self._of_cells
+        listed = tiles.list, tiles.count
+        with self._before_pieces(program), program.branch(self._steps.solved):
+            if self.pieces is not None:
+                fields = of_cells.stiffness, of_cells.parts, self._bodies.gap
+                self.pieces.say_take_tiles(program, slides, springs, *listed, *fields)
+            if self._recession is not None:
+                self._recession.say_bearing(program, search.law, self._tables.bearing)
+            both = self._bodies, self._of_tiles
+            program.launch(
+                sliding.wear_step,
+                *(*listed, slides, springs, of_cells, *both, self._tables),
+                chunks=tiles.chunks,
+            )
+            program.launch(
+                sliding.totals, tiles.count, slides, self._of_eight, self._of_rows, chunks=tiles.chunks
+            )
+            if self._recession is not None:
+                self._recession.say_recede(program)
+        steps = self._steps
+        if self.pieces is not None:
+            self.pieces.say_shed(program, slides, steps.stepping, steps.history, len(COLUMNS))
+        with nullcontext() if self.pieces is None else program.branch(self.pieces.ends):
+            program.decide(sliding.record, springs, steps, self._tables, self._of_rows)
+            if self.film is not None:
+                self.film.say_rub(program, slides)
+
+    def _before_pieces(self, program: Program) -> AbstractContextManager[None]:
+        """What is done once in a step, where the table of pieces may stop it on its way."""
+        return nullcontext() if self.pieces is None else program.branch(self.pieces.begins)
+
+    @property
+    def _highest(self) -> float:
+        """Largest gap of a disc that lies still [mm], before any wear."""
+        state, to_numpy = self.state, self._executor.to_numpy
+        unworn = to_numpy(state.sphere) - to_numpy(state.wear_sphere)
+        gap = unworn - (to_numpy(state.disc) + to_numpy(state.wear_disc))
+        return float(gap[gap < 0.5 * PADDING].max())
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -160,236 +268,111 @@ class SlidingContact:
         Raises ConvergenceError when the load cannot be balanced, ValueError when a disc that is not periodic
         would leave a part of the sphere without one.
         """
-        task, now, row = self.task, self._slide, self._ledger.row
-        shift = self.state.row_of(shift, periodic=self.periodic)
-        self.tiles.displace(shift)
-        removal = task.removals(row["distance"], increment)
-        of_sphere, of_disc = task.dust * removal[0], task.dust * self._track_fraction * removal[1]
-        set_numbers(now, wear_per_pressure_sphere=of_sphere, wear_per_pressure_disc=of_disc)
-        own = task.compliance_at(row["area_contact"])
-        compliance = own + (of_sphere + of_disc) * task.implicit
-        stiffness = self._stiffness_of(compliance, own)
-        if self._of_cells.stiffness is not stiffness:
-            self._of_cells.stiffness = stiffness
-        if self.film is not None:
-            self.film.look(row["distance"], shift=shift, columns=self.state.columns)
-        balance = self._balance(stiffness, compliance)
-        balance.fill(self._law)
-        near_mean = balance.cap if compliance == 0.0 else row["pressure_mean"] or balance.cap
-        reference = near_mean if math.isfinite(near_mean) else 0.0
+        removals, rigid = self._plan([shift], [increment])
+        search, (many, to_search, to_wear) = self._programs(rigid=rigid)
         pressure = None
         if with_pressure:
-            pressure = self._balancer.pressures(self._law, stiffness, self.tiles.gap, self.tiles, self._parts)
-        bare = None
-        if self.film is not None:
-            bare = self.film.in_contact(self._law, stiffness, self.tiles.gap, self.tiles)
-        if self.pieces is not None:
-            self.pieces.begin()
-            self.pieces.take_tiles(
-                self._law, stiffness, self.tiles.gap, self.tiles, shift, removal, self._parts
-            )
-        bearing = None if self._recession is None else self._recession.cells_bearing(self._law)
-        first, end = self.state.columns
-        set_numbers(
-            now,
-            shift=shift,
-            reference=reference,
-            full_depth=compliance * task.hardness if self.keeps_dents else math.inf,
-            first_column=first if end else self._executor.grid.ny,
-            last_column=end - 1,
-        )
-        self._executor.launch(
-            sliding.wear_step,
-            inputs=[self._law, now, self._of_cells],
-            outputs=[self._bodies, self._of_tiles, self._tables],
-            over=self.tiles,
-            often=True,
-        )
-        self._executor.launch(
-            sliding.totals,
-            inputs=[shift, self._of_eight],
-            outputs=[self._of_rows],
-            over=self.tiles,
-            often=True,
-        )
-        if self._recession is not None:
-            self._recession.recede()
-        self._note(balance.approach)
-        total, most = self._found()
-        if self.pieces is not None:
-            total, most = self.pieces.shed(shift, total, most)
-        if bare is not None:
-            total["bare"] = bare
-        step = self._enter(
-            balance, increment, removal, reference, total, most, pressure=pressure, bearing=bearing
-        )
-        if self.film is not None:
-            self.film.rub(step.row["distance"], shift=shift, columns=self.state.columns)
-        return step
+            to_search.run()
+            search.check()
+            pressure = search.pressures()
+        self._run(to_wear if with_pressure else many)
+        search.check()
+        return next(self._booked([increment], removals))._replace(pressure=pressure)
 
     @property
     def in_blocks(self) -> bool:
-        """Whether `steps` can be made on the device in one go from here on."""
-        return (self.blocks_allowed or self._block is not None) and self._approach is not None
+        """Whether `steps` can be made in a row: not where 1/c of one follows from the one before."""
+        return self.longest > 1 and not self.task.bulk_updated
 
-    def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[Step]:
-        """Steps as `step` makes them, on the device in one go before the first of them is seen."""
-        if self._loop is None:
-            self._loop = displaced(self._executor, self.task, self._bodies, self._of_tiles, self._of_rows)
-        assert self._approach is not None
-        removals = removals_of(self.task.wear, self._ledger.row["distance"], increments)
-        made = self._loop.run(
-            [(sphere, self._track_fraction * disc) for sphere, disc in removals],
-            shifts=[shift % self._rows for shift in shifts],
-            approach=self._approach,
-            wander=max(self._changes, default=FIRST_SCATTER),
-            mean_pressure=self._ledger.row["pressure_mean"],
-        )
-        slid, done = np.array(increments), 0
-        for found in made:
-            for approach in (found.balance.base + found.balance.offset).tolist():
-                self._note(approach)
-            yield from booked(found, self._ledger, slid[done:], removals[done:], self._enter)
-            done += found.made
+    def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[tuple[int, Step]]:
+        """Steps as `step` makes them, in as few replays as it takes; each with how many are made beyond it."""
+        done = 0
+        while done < len(increments):
+            end = done + self.longest
+            removals, rigid = self._plan(shifts[done:end], increments[done:end])
+            search, (many, *_) = self._programs(rigid=rigid)
+            self._run(many)
+            made = self._course["step"]
+            for number, step in enumerate(self._booked(increments[done:end], removals)):
+                yield made - number - 1, step
+            search.check()
+            done += made
 
-    def in_one_launch(self, increments: Sequence[float]) -> Iterator[tuple[int, Step]]:
-        """Steps of a disc that lies still as `step` makes them, as many in a launch as it can.
+    def _run(self, program: Program) -> None:
+        """Make steps, as often as the table of pieces gets full before they are done."""
+        program.run()
+        if self.pieces is not None:
+            while self.pieces.drain():
+                program.run()
+            self.pieces.book.end_steps(self._course["step"])
 
-        With each it is told how many are made beyond it.
-        """
-        block, task, track = self._block, self.task, self._track_fraction
-        assert block is not None
-        removals = removals_of(task.wear, self._ledger.row["distance"], increments)
-        slid, plan = np.array(increments), np.empty((len(removals), len(PLAN)))
-        for number, (of_sphere, removal_disc) in enumerate(removals):
-            compliance = task.compliance + (of_sphere + track * removal_disc) * task.implicit
-            plan[number] = of_sphere, track * removal_disc, compliance, stiffness_of(compliance)
+    def _plan(
+        self, shifts: Sequence[int], increments: Sequence[float]
+    ) -> tuple[list[tuple[float, float]], bool]:
+        """Tell the device of the next steps; return K ΔL of sphere and disc in each, and whether all are rigid."""
+        task, row = self.task, self._ledger.row
+        removals = removals_of(task.wear, row["distance"], increments)
+        own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
+        plan, start = np.empty((len(removals), len(sliding.PLAN))), row["distance"]
+        for number, (sphere, disc) in enumerate(removals):
+            shift, end = self.state.row_of(shifts[number], periodic=self.periodic), start + increments[number]
+            of_sphere, of_disc = dust * sphere, dust * track * disc
+            pending = (1.0 - dust) * sphere, (1.0 - dust) * (track * disc)
+            compliance = own + (of_sphere + of_disc) * task.implicit
+            alike = 0.0 if self._differs else stiffness_of(compliance)
+            plan[number] = shift, start, end, of_sphere, of_disc, *pending, own, compliance, alike
+            start = end
+        compliances = plan[:, sliding.PLAN.index("compliance")]
+        rigid = bool(compliances[0] == 0.0)
+        count = int(np.argmax((compliances == 0.0) != rigid)) or len(plan)  # a replay has steps of one kind
+        host = wp.array(plan[:count], dtype=wp.float64, device="cpu")
+        wp.copy(self._steps.plan, host, count=count * len(sliding.PLAN))
+        self._course.set(step=0, steps=count)
+        if not self._course["is_begun"]:
+            self._begin_at(*plan[0])
+        return removals[:count], rigid
 
-        def launch(done: int) -> tuple[int, Iterator[Step]]:
-            assert self._approach is not None
-            found, _ = block.run(
-                plan[done:],
-                len(plan) - done,
-                self.tiles,
-                self._ledger,
-                {"approach": self._approach, "mean": self._ledger.row["pressure_mean"]},
-                changes=self._changes,
-            )
-            for approach in found.balance.approach.tolist():
-                self._note(approach)
-            found.total["pressed_disc"] = np.zeros(found.made)  # the disc springs back
-            return found.made, booked(found, self._ledger, slid[done:], removals[done:], self._enter)
+    def _begin_at(self, *first: float) -> None:
+        """Tell the device where the search of the first step begins."""
+        step = dict(zip(sliding.PLAN, first, strict=True))
+        smallest, limit = self.tiles.begin_at(int(step["shift"]))
+        softest = step["stiffness"]
+        if self._differs and step["compliance"] > 0.0:
+            self._slides.set(**{name: step[name] for name in ("own", "of_sphere", "of_disc")})
+            program = Program(self._executor)
+            self._say_stiffness(program)
+            program.run()
+            values = self._stiffness.numpy()
+            softest = float(values[values > 0.0].min())
+        self._course.set(smallest=smallest, first_limit=limit, softest=softest)
 
-        return in_launches(len(plan), launch, lambda number: self.step(0, increments[number]))
+    def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
+        """The steps that the device has made, as the ledger enters them."""
+        made = self._course["step"]
+        table = np.ascontiguousarray(self._steps.history[: max(made, 1)].numpy()[:made].T)
+        columns = dict(zip(COLUMNS, table, strict=False))
+        total = {name: columns[name] for name in SUMS}
+        total |= {RENAMED.get(name, name): columns[name] for name in sliding.KEPT}
+        most = {name: columns[f"most_{name}"] for name in MAXIMA}
+        most |= {name: columns[name] for name in ("first_row", "last_row")}
+        if self.film is None:
+            del total["bare"]
+        if self._recession is not None:
+            total["bearing"] = columns["bearing"]
+        if self.pieces is not None:
+            for body, of_body in zip(BODIES, table[len(COLUMNS) :].reshape(2, len(OF_BODY), -1), strict=True):
+                left, worn, pending, deepest = of_body
+                total |= {f"pieces_{body}": left, f"wear_{body}": worn, f"pending_{body}": pending}
+                most[f"wear_{body}"] = deepest
+        *numbers, reference = (columns[name] for name in BALANCE)
+        base, offset, cap, residual, width, tied, evaluations = numbers
+        found = Found(made, Balance(base, offset, cap, residual, width, tied, evaluations), reference, total, most)
+        return booked(found, self._ledger, np.array(increments), removals, self._enter)
 
-    def _enter(self, *found: Any, **more: Any) -> Step:
+    def _enter(self, *found: Any) -> Step:
         """Book a step as `Ledger.enter` does."""
-        step = self._ledger.enter(*found, **more)
+        step = self._ledger.enter(*found)
         self.state.columns = self._ledger.columns
         if self.pieces is not None:
             self.state.columns = self.pieces.beside(self.state.columns)
         return step
-
-    def _made_block(self) -> Block | None:
-        """What makes many steps in a launch; None where none can: of rare laws, and of large fields."""
-        executor, task, tiles, grid = self._executor, self.task, self.tiles, self._executor.grid
-        factored = bool(self._slide.factored)
-        needed = task.load / (task.hardness * grid.cell_area)
-        rare = self.keeps_dents or task.bulk_updated or task.film is not None or task.pieces is not None
-        if not executor.in_one_launch or self._moves or rare:
-            return None
-        if self._recession is not None or (factored and task.implicit and self._factor.shape[0] > 1):
-            return None
-        stiffness = executor.zeros(1)
-        lying = arguments(
-            Lying,
-            of_cells=arguments(OfCells, stiffness=stiffness, factor=self._of_cells.factor),
-            bodies=self._bodies,
-            of_tiles=self._of_tiles,
-            of_eight=self._of_eight,
-            of_rows=self._of_rows,
-            lowest=wp.zeros((grid.nx, executor.tiles_per_row), dtype=wp.float64, device=executor.device),
-            cells=wp.zeros(grid.nx * executor.vectors * LANES, dtype=wp.float64, device=executor.device),
-            factored=int(factored),
-            own=task.compliance if factored and task.implicit else -1.0,
-            least=tiles.least,
-            first_depth=FIRST_DEPTH,
-            deeper=DEEPER,
-            deepest=DEEPEST,
-            scatter=FIRST_SCATTER,
-            least_scatter=LEAST_SCATTER,
-            times=TIMES,
-            needed=needed,
-            allowed=task.load_tolerance / (task.hardness * grid.cell_area),
-            highest=self._highest if task.rigid else -math.inf,
-            tie=TIE,
-        )
-        names = (SUMS, MAXIMA, ("touched", "wear_sphere", "wear_disc"), ("first_row", "last_row"))
-        inputs = [lying, self._tables]
-        return Block(executor, task, wear_bodies, inputs, names, stiffness=stiffness, changes=CHANGES)
-
-    def _note(self, approach: float) -> None:
-        """Learn from a step how much the approach [mm] changes."""
-        if self._approach is not None:
-            self._changes.append(abs(approach - self._approach))
-        self._approach = approach
-
-    def _stiffness_of(self, compliance: float, own: float) -> Field:
-        """1/c of the cells in the step at hand [N/mm³], one row where they are alike.
-
-        compliance: of a cell that slides as far as the middle [mm³/N]; own: the part that is no wear.
-        """
-        task, now = self.task, self._slide
-        if self._recession is not None and task.implicit:
-            return self._recession.stiffness(own + now.wear_per_pressure_sphere, now.wear_per_pressure_disc)
-        made_for = (compliance, now.wear_per_pressure_disc * now.factored)
-        if self._stiffness is None or self._stiffness[0] != made_for:
-            values = np.full((1, 1), compliance)
-            if now.factored and task.implicit:
-                values = self._factor * now.wear_per_pressure_disc + (own + now.wear_per_pressure_sphere)
-            with np.errstate(divide="ignore", over="ignore"):
-                values = np.minimum(1.0 / values, RIGID)
-            # A stiffness of 0 beyond the last column would look like cells at the point of touching.
-            padding = self._executor.vectors * LANES - values.shape[1]
-            self._stiffness = (
-                made_for,
-                self._executor.field(np.pad(values, ((0, 0), (0, padding)), mode="edge")),
-            )
-        return self._stiffness[1]
-
-    def _balance(self, stiffness: Field, compliance: float) -> Balance:
-        scatter = max(TIMES * max(self._changes, default=0.5 * FIRST_SCATTER), LEAST_SCATTER)
-        load, hardness = self.task.load, self.task.hardness
-        if compliance > 0.0:
-            alike = not self._slide.factored and self._recession is None
-            stiffest = stiffness_of(compliance) if alike else math.inf
-            return self._balancer.solve(
-                Foundation(self.tiles.gap, stiffness, self.tiles, load, hardness, stiffest, self._parts),
-                start=self._approach,
-                scatter=0.0 if self._approach is None else scatter,
-            )
-        if not math.isfinite(hardness):
-            raise ValueError("a contact without compliance needs a hardness")
-        # Without an approach the search starts at the lowest cell, which is not far from the level sought.
-        start = self.tiles.smallest if self._approach is None else self._approach
-        return self._bearing_area.solve(
-            self.tiles.gap,
-            self.tiles,
-            start=start if self._moves else None,
-            highest=self._highest,
-            scatter=scatter,
-            load=load,
-            hardness=hardness,
-            tolerance=self.task.load_tolerance,
-        )
-
-    def _found(self) -> tuple[dict[str, float], dict[str, float]]:
-        """What the kernels found in a step: sums and maxima by name."""
-        sums, maxima = self._tables.sums.numpy().sum(axis=1), self._tables.maxima.numpy().max(axis=1)
-        total = dict(zip(SUMS, sums.tolist(), strict=True))
-        most = dict(zip(MAXIMA, maxima.tolist(), strict=True))
-        of_rows = {name: totals.numpy() for name, totals in self._totals.items()}
-        total |= {RENAMED.get(name, name): float(values.sum()) for name, values in of_rows.items()}
-        rows = np.flatnonzero(of_rows["touched"])
-        most |= {"first_row": -float(rows[0]), "last_row": float(rows[-1])} if rows.size else NO_ROWS
-        return total, most

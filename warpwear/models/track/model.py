@@ -12,9 +12,8 @@ from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
 from warpwear.models.model import Model
-from warpwear.models.on_gpu import LONGEST_BLOCK
 from warpwear.models.track.half_space import SlidingHalfSpace
-from warpwear.models.track.local import SlidingContact
+from warpwear.models.track.local import LONGEST, SlidingContact
 
 #: Fields of the disc's size at the peak of a run: heights as read and as worn, wear, room to work.
 DISC_FIELDS = 4.0
@@ -27,7 +26,8 @@ class SweptModel(Model):
     bearing_curve: of a roughness that the grid does not resolve, by which a disc that lies still runs in.
     """
 
-    longest_block = LONGEST_BLOCK
+    #: Interrupts and checkpoints wait for the end of a block.
+    longest_block = LONGEST
     STATE: ClassVar = {"contact": SlidingContact, "_done": int}
 
     def __init__(
@@ -79,13 +79,9 @@ class SweptModel(Model):
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, before the first of them is seen."""
         assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
-        if not self.contact.blocks_allowed:
-            for beyond, step in self.contact.in_one_launch(increments):
-                self.steps_in_flight = beyond
-                yield self._placed(step)
-            return
         rows = [self._track.row(self._done + i) for i in range(len(increments))]
-        yield from map(self._placed, self.contact.steps(rows, increments))
+        for self.steps_in_flight, step in self.contact.steps(rows, increments):
+            yield self._placed(step)
 
     def _placed(self, step: Step) -> Step:
         step.row["position"] = self._track.place(self._done)

@@ -6,18 +6,15 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.tiles import TileList
+from warpwear.engine.executor import Arguments, Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
+from warpwear.engine.tiles import LEAST_TILES, NO_LIMIT
 from warpwear.grid import FloatArray
 from warpwear.kernels import sliding
+from warpwear.kernels.balance import Listing
 from warpwear.kernels.cells import LANES, Cells
 
-#: A list that holds too little reaches deeper, by this much at first [mm].
-FIRST_DEPTH = 1.0e-5
-#: And this many times more each time.
-DEEPER = 4.0
-#: Deeper than that every tile is listed [mm].
-DEEPEST = 0.1
 #: Cost of looking at the bounds of a pair of tiles, in cells.
 BOUNDS_IN_CELLS = 1.0
 
@@ -33,9 +30,7 @@ class PerTile:
         self.numbers: Field = wp.array(
             ptr=self.vectors.ptr, shape=(rows, groups * LANES), dtype=wp.float64, device=device
         )
-
-    def fill(self, value: float) -> None:
-        self.vectors.fill_(Cells(*[value] * LANES))
+        self.numbers._owner = self.vectors  # which keeps the memory
 
     def to_numpy(self) -> FloatArray:
         """Shape (rows, tiles and padding)."""
@@ -43,90 +38,79 @@ class PerTile:
         return values
 
 
-class SlidingTiles(TileList):
-    """Tiles of a sphere that the disc beneath them, `shift` rows on, can reach.
+class SlidingTiles:
+    """Tiles of a sphere that the disc beneath them can reach, displaced as a `Slide` says.
 
-    `displace` forgets the list; `reach` makes it and the gap of the tiles on it, in `gap`. The gap of other
-    tiles is not made. A list holds no tile without a cell within the limit.
+    Each displacement has its own list, which a search asks for as `engine.tiles.Tiles` has it; with a tile is
+    made its gap. The gap of other tiles is not made. A list holds no tile without a cell within the limit.
 
-    sphere, disc: heights as worn, of nx rows and of at least as many; places without a surface stand
-    infinitely high on the sphere and low on the disc.
+    bodies: heights as worn, of nx rows and of at least as many, and room for the gap; places without a
+    surface stand infinitely high on the sphere and low on the disc. slides: a `Slide` in an array. least:
+    cells that a list holds at least, so that a capped contact can carry its load on them.
     """
 
     STATE: ClassVar = {"lowest": PerTile, "highest": PerTile}
 
-    def __init__(self, executor: Executor, sphere: Field, disc: Field, *, least: float) -> None:
-        super().__init__(executor, least=least)
-        self._heights = [sphere, disc]
-        self.gap = executor.zeros()
-        self.shift = 0
-        device, columns = executor.device, executor.tiles_per_row
-        self.lowest = PerTile(sphere.shape[0], columns, device)  # of the sphere
-        self.highest = PerTile(disc.shape[0], columns, device)  # of the disc
-        for field, kept, low in ((sphere, self.lowest, True), (disc, self.highest, False)):
+    def __init__(self, executor: Executor, bodies: Arguments, slides: Field, *, least: float) -> None:
+        self._executor, self._bodies, self._slides = executor, bodies, slides
+        device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
+        self._cells_of_tile = executor.grid.ny / columns
+        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
+        self.list: Field = wp.zeros((nx, columns), dtype=wp.int32, device=device)
+        self.count: Field = wp.zeros(nx, dtype=wp.int32, device=device)
+        self.lists = Numbers(Listing, device, limit=-NO_LIMIT, asked=-NO_LIMIT)
+        #: Flag: a list is asked for.
+        self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
+        self._depth: Field = wp.array([float(sliding.FIRST_DEPTH)], dtype=wp.float64, device=device)
+        self._split: tuple[int, list[tuple[int, int]]] | None = None  # for the number of a list
+        self.lowest = PerTile(nx, columns, device)  # of the sphere
+        self.highest = PerTile(bodies.disc.shape[0], columns, device)  # of the disc
+        find = Program(executor)
+        for field, kept, low in ((bodies.sphere, self.lowest, True), (bodies.disc, self.highest, False)):
             other = PerTile(field.shape[0], columns, device)
-            executor.launch(
-                sliding.bounds,
-                inputs=[field],
-                outputs=[kept.numbers, other.numbers] if low else [other.numbers, kept.numbers],
-                chunks=[(0, field.shape[0] * executor.slots_per_row)],
-            )
+            both = [kept.numbers, other.numbers] if low else [other.numbers, kept.numbers]
+            find.launch(sliding.bounds, field, *both, slots=executor.slots_of(field.shape[0]))
+        find.run()
         # The sphere's lowest of eight tiles and the disc's highest of a row, before any wear.
-        lowest = self.lowest.to_numpy().reshape(sphere.shape[0], -1, LANES).min(axis=2)
+        lowest = self.lowest.to_numpy().reshape(nx, -1, LANES).min(axis=2)
         highest = self.highest.to_numpy().max(axis=1)
-        self._bound = arguments(
+        self._bounds = arguments(
             sliding.Bounds,
             lowest_of_eight=wp.array(lowest, dtype=wp.float64, device=device),
             highest_of_row=wp.array(highest, dtype=wp.float64, device=device),
             lowest=self.lowest.vectors,
             highest=self.highest.vectors,
         )
-        self._split_scan()
 
-    @property
-    def smallest(self) -> float:
-        """No gap is lower at this displacement [mm]."""
-        return float(self._bounds().min())
+    def add_to(self, program: Program) -> None:
+        """Make the list that is asked for, in a program."""
+        with program.loop(self.listing):
+            program.launch(
+                sliding.select,
+                *(self.lists.array, self._slides, self._bounds, self._bodies, self.list, self.count),
+                chunks=self._chunks_of_bounds,
+            )
+            program.decide(
+                sliding.listed, self.lists.array, self.listing, self._depth, self.count, self._least
+            )
 
-    def _bounds(self) -> FloatArray:
-        """What no gap of a tile is lower than [mm]."""
+    def begin_at(self, shift: int) -> tuple[float, float]:
+        """Return what no gap is lower than at a displacement, and a limit that lists enough tiles [mm]."""
         rows = self.lowest.vectors.shape[0]
-        beneath = np.arange(self.shift, self.shift + rows) % self.highest.vectors.shape[0]
-        return self.lowest.to_numpy() - self.highest.to_numpy()[beneath]
+        beneath = np.arange(shift, shift + rows) % self.highest.vectors.shape[0]
+        bounds, rank = (self.lowest.to_numpy() - self.highest.to_numpy()[beneath]).ravel(), self._least
+        enough = float(np.partition(bounds, rank)[rank]) if rank < bounds.size else NO_LIMIT
+        return float(bounds.min()), enough
 
-    def displace(self, shift: int) -> None:
-        """Move the disc `shift` rows on, 0 ≤ shift < its rows, and forget the list."""
-        self.shift = shift
-        self.limit = -math.inf
+    def chunks(self) -> list[tuple[int, int]]:
+        """Ranges of slots for the threads, of passes over what is listed."""
+        number = self.lists["lists"]
+        if self._split is None or self._split[0] != number:
+            cells = self.count.numpy() * self._cells_of_tile
+            self._split = number, self._executor.split_rows(cells)
+        return self._split[1]
 
-    def begin(self) -> None:
-        bounds, rank = self._bounds().ravel(), self._least
-        self._select(float(np.partition(bounds, rank)[rank]) if rank < bounds.size else math.inf)
-
-    def reach(self, approach: float, *, margin: float = 0.0) -> None:
-        if approach > self.limit:
-            self._select(approach + margin)
-
-    def _select(self, limit: float) -> None:
-        depth = FIRST_DEPTH
-        self._list(limit)
-        while self.listed < self._least and limit < math.inf:
-            limit = limit + depth if depth < DEEPEST else math.inf
-            depth *= DEEPER
-            self._list(limit)
-        self._split_scan()
-
-    def _list(self, limit: float) -> None:
-        self._executor.launch(
-            sliding.select,
-            inputs=[limit, self.shift, self._bound, *self._heights],
-            outputs=[self.gap, self.list, self.count],
-            chunks=self._scan,
-            often=True,
-        )
-        self._adopt(limit)
-
-    def _split_scan(self) -> None:
-        """Ranges of rows for the next scan: every bound is looked at, and gaps are made as last time."""
+    def _chunks_of_bounds(self) -> list[tuple[int, int]]:
+        """Ranges of rows for a list: every bound is looked at, and gaps are made as last time."""
         tiles = self._executor.tiles_per_row * BOUNDS_IN_CELLS + self.count.numpy() * self._cells_of_tile
-        self._scan = self._executor.split_rows(tiles)
+        return self._executor.split_rows(tiles)

@@ -1,0 +1,269 @@
+#pragma once
+// A disc displaced under a sphere: the tiles that can touch, the wear of both bodies, and their sums by rows.
+
+#include "bodies.h"
+
+// Threads that visit a tile together: on a CPU the one of the slot, on a GPU a warp, a cell each.
+#if defined(__CUDA_ARCH__)
+static const int TEAM = 32;
+#else
+static const int TEAM = 1;
+#endif
+
+WARPWEAR_FN int team_of_slot() { return lane_of_slot() / TEAM; }
+WARPWEAR_FN int teams_of_slot() { return (width_of_slot() + TEAM - 1) / TEAM; }
+WARPWEAR_FN int lane_of_team() { return lane_of_slot() % TEAM; }
+
+// Bring what the threads of a team have to one number, in the first of them.
+WARPWEAR_FN double of_team(double value, bool adds)
+{
+#if defined(__CUDA_ARCH__)
+    for (int apart = TEAM / 2; apart > 0; apart /= 2) {
+        const double other = __shfl_down_sync(0xffffffff, value, apart);
+        value = adds ? value + other : (value > other ? value : other);
+    }
+#endif
+    return value;
+}
+
+// Make the gap of a tile; the lowest of the cells that a thread makes.
+WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* sphere, const Stored* disc, Stored* gap)
+{
+    Lanes low = ABSENT;
+    const int last = (t + 1) * OF_TILE < of_row ? (t + 1) * OF_TILE : of_row;
+    for (int i = t * OF_TILE + lane_of_team(); i < last; i += TEAM) {
+        const Lanes g = sphere[i] - disc[i];
+        gap[i] = g;
+        low = smaller_of(low, g);
+    }
+    return low;
+}
+
+// List, row by row, the tiles with a gap that does not exceed the limit, and make their gaps. Where the bounds
+// of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest of eight tiles of
+// the sphere with the highest of the disc's row spares a CPU most bounds.
+template <typename Lists, typename Slides, typename Bounds, typename Bodies, typename List, typename Count>
+WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides, const Bounds& bounds,
+                              const Bodies& bodies, const List& list, const Count& counts)
+{
+    const double limit = wp::index(lists, 0).limit;
+    const int shift = wp::index(slides, 0).shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
+    const int tiles = (of_row + OF_TILE - 1) / OF_TILE;
+    for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
+        const int under = under_row(row, shift, bodies.disc.shape[0]);
+        const Stored *const sphere = row_of(bodies.sphere, row), *const disc = row_of(bodies.disc, under);
+        const Stored *const lowest = row_of(bounds.lowest, row), *const highest = row_of(bounds.highest, under);
+        Stored* const gap = row_of(bodies.gap, row);
+        int listed = 0;
+#if defined(__CUDA_ARCH__)
+        // A warp a tile says whether it touches; then each thread enters one behind those before it.
+        __shared__ bool touches[1024];
+        __shared__ int of_warps[32];
+        const int warp = team_of_slot(), warps = teams_of_slot(), lane = lane_of_team();
+        for (int first = 0; first < tiles; first += blockDim.x) {
+            for (int n = warp; n < blockDim.x && first + n < tiles; n += warps) {
+                const int t = first + n;
+                bool here = lowest[t] - highest[t] <= limit;
+                if (here) here = __any_sync(0xffffffff, gap_of_tile(t, of_row, sphere, disc, gap) <= limit);
+                if (lane == 0) touches[n] = here;
+            }
+            __syncthreads();
+            const bool mine = first + threadIdx.x < tiles && touches[threadIdx.x];
+            const unsigned votes = __ballot_sync(0xffffffff, mine);
+            if (lane == 0) of_warps[warp] = __popc(votes);
+            __syncthreads();
+            int place = listed + __popc(votes & ((1u << lane) - 1u));
+            for (int w = 0; w < warp; ++w) place += of_warps[w];
+            if (mine) wp::index(list, row, place) = first + threadIdx.x;
+            for (int w = 0; w < warps; ++w) listed += of_warps[w];
+            __syncthreads();
+        }
+        if (threadIdx.x == 0) wp::index(counts, row) = listed;
+#else
+        const double highest_here = wp::index(bounds.highest_of_row, under);
+        for (int m = 0; m < bounds.lowest.shape[1]; ++m) {
+            if (wp::index(bounds.lowest_of_eight, row, m) - highest_here > limit) continue;
+            const Lanes bound = lowest[m] - highest[m];
+            if (!any(bound <= limit)) continue;
+            for (int j = 0; j < LANES && m * LANES + j < tiles; ++j) {
+                const int t = m * LANES + j;
+                if (bound[j] <= limit && any(gap_of_tile(t, of_row, sphere, disc, gap) <= limit))
+                    wp::index(list, row, listed++) = t;
+            }
+        }
+        wp::index(counts, row) = listed;
+#endif
+    }
+}
+
+// Tiles that are listed in all. Every thread of a deciding slot gets the number.
+template <typename Count> WARPWEAR_FN int count_listed(const Count& counts)
+{
+    int listed = 0;
+    for (int row = lane_of_slot(); row < counts.shape[0]; row += width_of_slot()) listed += wp::index(counts, row);
+    return int(of_slot(listed, true));
+}
+
+// Sum of an array, as of `sum_of_line`.
+template <typename Array> WARPWEAR_FN double sum_of_array(const Array& array)
+{
+#if defined(__CUDA_ARCH__)
+    double sum = 0.0;
+    for (int i = threadIdx.x; i < array.shape[0]; i += blockDim.x) sum += array.data[i];
+    return of_slot(sum, true);
+#else
+    return sum_in_pairs(array.data, array.shape[0]);
+#endif
+}
+
+// Last row of those with a number above 0, or the first one negated.
+template <typename Array> WARPWEAR_FN double end_of_rows(const Array& of_rows, bool is_last)
+{
+    double end = NO_INDEX;
+    for (int row = lane_of_slot(); row < of_rows.shape[0]; row += width_of_slot())
+        if (of_rows.data[row] > 0.0) end = wp::max(end, is_last ? double(row) : -double(row));
+    return of_slot(end, false);
+}
+
+// Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is displaced
+// from the disc for good, not worn. Bounds and sums of the tiles are made anew. Each sum grows lane by lane, in
+// the order of the cells.
+template <typename List, typename Count, typename Slides, typename Springs, typename OfCells, typename Bodies,
+          typename OfTiles, typename Tables>
+WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
+                            const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
+                            const OfTiles& of_tiles, Tables& tables)
+{
+#if !defined(__CUDA_ARCH__)
+    #pragma clang fp contract(off)
+#endif
+    const auto& step = wp::index(slides, 0);
+    const auto& law = wp::index(springs.law, 0);
+    const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
+    const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
+    const double of_sphere = step.of_sphere, of_disc = step.of_disc;
+    const double stiffness_of_all = wp::index(springs.search, 0).stiffness;
+    const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
+    const bool presses = full_depth < NO_LIMIT, factored = of_cells.factored == 1;
+    const bool own = of_cells.stiffness.shape[0] > 0, parted = of_cells.parts.shape[0] > 0;
+    const bool filmed = of_cells.bare.shape[0] > 0;
+    const int of_row = bodies.gap.shape[1] * OF_VECTOR;
+    const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
+    const Counts no = 0, yes = 1;
+    Lanes pressure = 0.0, weighted = 0.0, deviation = 0.0, highest = 0.0, deepest_sphere = 0.0;
+    Lanes deepest_disc = 0.0, first_column = NO_INDEX, last_column = NO_INDEX, bared = 0.0;
+    Counts contact = 0, capped = 0;
+    for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
+        const int listed = wp::index(counts, row);
+        if (listed == 0) continue; // most rows
+        const int under = under_row(row, step.shift, bodies.disc.shape[0]);
+        Stored *const gap = row_of(bodies.gap, row), *const sphere = row_of(bodies.sphere, row);
+        Stored *const disc = row_of(bodies.disc, under), *const plastic = row_of(bodies.plastic_disc, under);
+        Stored *const wear_sphere = row_of(bodies.wear_sphere, row), *const reached = row_of(bodies.reached, row);
+        Stored* const wear_disc = row_of(bodies.wear_disc, under);
+        const Stored* const stiffness = own ? row_of(of_cells.stiffness, row) : nullptr;
+        const Stored* const factor = row_of(of_cells.factor, under);
+        const Stored* const parts = parted ? row_of(of_cells.parts, row) : nullptr;
+        const Stored* const bare = filmed ? row_of(of_cells.bare, row) : nullptr;
+        for (int n = team_of_slot(); n < listed; n += teams_of_slot()) {
+            const int t = wp::index(list, row, n), first = t * OF_TILE;
+            const int last = first + OF_TILE < of_row ? first + OF_TILE : of_row;
+            // Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
+            const bool beyond_known = first * LANES < step.first_column || last * LANES > step.end_column;
+            Lanes low = ABSENT, high = -ABSENT, worn_sphere = 0.0, worn_disc = 0.0, pressed = 0.0;
+            Counts touched = 0;
+            for (int i = first + lane_of_team(); i < last; i += TEAM) {
+                const Lanes overlap = (base - gap[i]) + offset;
+                Lanes p = (overlap - tie_width) * (own ? (Lanes)stiffness[i] : (Lanes)stiffness_of_all);
+                const Lanes part = parted ? (Lanes)parts[i] : one, most_here = cap * part;
+                p = p > zero ? p : zero;
+                p = p < most_here ? p : most_here;
+                p = size_of(overlap) > tie_width ? p : tie_pressure * part;
+                Lanes d = disc[i];
+                if (presses) {
+                    const Lanes beyond = larger_of(overlap - full_depth * part, zero);
+                    d -= beyond;
+                    const Lanes x = plastic[i] + beyond;
+                    plastic[i] = x;
+                    pressed += x;
+                }
+                const Lanes f = factored ? (Lanes)factor[i] : one, da = of_sphere * p, db = of_disc * f * p;
+                const Lanes s = sphere[i] + da, a = wear_sphere[i] + da, b = wear_disc[i] + db;
+                d -= db;
+                gap[i] = s - d;
+                sphere[i] = s;
+                disc[i] = d;
+                wear_sphere[i] = a;
+                wear_disc[i] = b;
+                pressure += p;
+                weighted += p * f;
+                highest = larger_of(highest, p);
+                const Lanes from_reference = p > zero ? p - reference : zero;
+                deviation += from_reference * from_reference;
+                contact += p > zero ? yes : no;
+                capped += p >= most_here ? yes : no;
+                if (filmed) bared += p > zero ? (Lanes)bare[i] : zero;
+                low = smaller_of(low, s);
+                high = larger_of(high, d);
+                worn_sphere += a;
+                worn_disc += b;
+                deepest_sphere = larger_of(deepest_sphere, a);
+                deepest_disc = larger_of(deepest_disc, b);
+                const Lanes ever = p + (keeps_reached ? (Lanes)reached[i] : a) > zero ? one : zero;
+                touched += ever > zero ? yes : no;
+                if (keeps_reached) reached[i] = ever;
+                if (beyond_known) {
+                    const Lanes column = columns_from(i * LANES);
+                    first_column = larger_of(first_column, ever > zero ? -column : none);
+                    last_column = larger_of(last_column, ever > zero ? column : none);
+                }
+            }
+            const double lowest = -of_team(most(-low), false), largest = of_team(most(high), false);
+            const double sums[] = {of_team(total(worn_sphere), true), of_team(total(worn_disc), true),
+                                   of_team(count(touched), true), of_team(total(pressed), true)};
+            if (lane_of_team() != 0) continue;
+            wp::index(of_tiles.lowest, row, t) = lowest;
+            wp::index(of_tiles.highest, under, t) = largest;
+            wp::index(of_tiles.worn_sphere, row, t) = sums[0];
+            wp::index(of_tiles.worn_disc, under, t) = sums[1];
+            wp::index(of_tiles.touched, row, t) = sums[2];
+            if (presses) wp::index(of_tiles.pressed_disc, under, t) = sums[3];
+        }
+    }
+    const auto sum = [&](int line, double v) { return Left{v, &wp::index(tables.sums, line, slot), true}; };
+    const auto largest = [&](int line, double v) {
+        return Left{v, &wp::index(tables.maxima, line, slot), false};
+    };
+    leave_each({sum(0, total(pressure)), sum(1, total(deviation)), sum(2, count(contact)), sum(3, count(capped)),
+                sum(4, total(weighted)), sum(5, total(bared)), largest(0, most(highest)),
+                largest(1, most(deepest_sphere)), largest(2, most(deepest_disc)), largest(3, most(first_column)),
+                largest(4, most(last_column))});
+}
+
+// Sum the tiles of every row with a listed one, and those of the disc's row beneath it. Sums over the fields as
+// they are: increments added up would drift.
+template <typename Count, typename Slides, typename OfEight, typename OfRows>
+WARPWEAR_FN void total_rows(
+    int slot, int slots, const Count& counts, const Slides& slides, const OfEight& of_tiles, const OfRows& of_rows)
+{
+    const int of_row = of_tiles.touched.shape[1] * OF_VECTOR, shift = wp::index(slides, 0).shift;
+    const bool presses = of_tiles.pressed_disc.shape[0] == of_tiles.worn_disc.shape[0];
+    const auto sum_of = [&](const auto& field, int row) {
+        const Stored* const values = row_of(field, row);
+        Lanes sum = 0.0;
+        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) sum += values[i];
+        return of_slot(total(sum), true);
+    };
+    for (int row = slot; row < of_tiles.touched.shape[0]; row += slots) {
+        if (wp::index(counts, row) == 0) continue;
+        const int under = under_row(row, shift, of_tiles.worn_disc.shape[0]);
+        const double touched = sum_of(of_tiles.touched, row), sphere = sum_of(of_tiles.worn_sphere, row);
+        const double disc = sum_of(of_tiles.worn_disc, under);
+        const double pressed = presses ? sum_of(of_tiles.pressed_disc, under) : 0.0;
+        if (lane_of_slot() != 0) continue;
+        of_rows.touched.data[row] = touched;
+        of_rows.worn_sphere.data[row] = sphere;
+        of_rows.worn_disc.data[under] = disc;
+        if (presses) of_rows.pressed_disc.data[under] = pressed;
+    }
+}

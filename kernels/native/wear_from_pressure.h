@@ -1,0 +1,165 @@
+#pragma once
+// Wear of a sphere and a disc by a stored pressure, and the gap that the disc's asperities meet on their way.
+
+#include "bodies.h"
+
+// Means of a field over `window` rows around each; of an even number the row at either end counts half. At
+// the first and the last row the field is mirrored, so that its sum is kept there too. Over as many rows as
+// there are it is one mean, in the first row; over one row none is made: the field is its own.
+template <typename Slides, typename Field>
+WARPWEAR_FN void mean_along(int slot, int slots, const Slides& slides, const Field& field, const Field& means)
+{
+#if !defined(__CUDA_ARCH__)
+    #pragma clang fp contract(fast)
+#endif
+    const int window = wp::index(slides, 0).window, rows = field.shape[0];
+    const int of_row = field.shape[1] * OF_VECTOR, width = width_of_slot();
+    if (window == 1) return;
+    if (window >= rows) {
+        for (int i = slot * width + lane_of_slot(); i < of_row; i += slots * width) {
+            Lanes sum = 0.0;
+            for (int row = 0; row < rows; ++row) sum += row_of(field, row)[i];
+            row_of(means, 0)[i] = sum / double(rows);
+        }
+        return;
+    }
+    const int half = window / 2;
+    const double at_ends = window % 2 == 0 ? 0.5 : 1.0;
+    for (int row = slot; row < rows; row += slots)
+        for (int i = lane_of_slot(); i < of_row; i += width) {
+            Lanes sum = 0.0;
+            for (int other = row - half; other <= row + half; ++other) {
+                const int inside = other < 0 ? -1 - other : (other < rows ? other : 2 * rows - 1 - other);
+                const double weight = other == row - half || other == row + half ? at_ends : 1.0;
+                sum += weight * row_of(field, inside)[i];
+            }
+            row_of(means, row)[i] = sum / double(window);
+        }
+}
+
+// The row of the means that a row of cells sees, see `mean_along`.
+template <typename Field> WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int window)
+{
+    if (window == 1) return row_of(field, row);
+    return row_of(means, window < field.shape[0] ? row : 0);
+}
+
+// The gap that a cell of the disc meets on its way through a step: that of the bodies, with the mean of the
+// sphere's wear along the way instead of the wear at its middle.
+template <typename Slides, typename Bodies, typename Field>
+WARPWEAR_FN void meet(
+    int slot, int slots, const Slides& slides, const Bodies& bodies, const Field& means, const Field& gaps)
+{
+#if !defined(__CUDA_ARCH__)
+    #pragma clang fp contract(fast)
+#endif
+    const auto& slide = wp::index(slides, 0);
+    const int of_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
+    for (int row = slot; row < gaps.shape[0]; row += slots) {
+        const Stored *const sphere = row_of(bodies.sphere, row), *const wear = row_of(bodies.wear_sphere, row);
+        const Stored* const disc = row_of(bodies.disc, under_row(row, slide.shift, bodies.disc.shape[0]));
+        const Stored* const met = mean_of(bodies.wear_sphere, means, row, window);
+        Stored* const gap = row_of(gaps, row);
+        for (int i = lane_of_slot(); i < of_row; i += width_of_slot())
+            gap[i] = (sphere[i] + (met[i] - wear[i])) - disc[i];
+    }
+}
+
+// One increment of wear in place: the disc loses K dL p, the sphere K dL times the mean of p that passes it.
+// Without a disc all wear is the sphere's, whose height is then the gap. Where the gap after the step is below
+// the approach at the cap, a disc that keeps its dents is displaced for good by the difference. Sums of the
+// disc are left by its rows.
+template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows, typename Table>
+WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
+    const Pressed& pressed, const Bodies& bodies, const OfRows& of_rows, Table& sums, Table& maxima)
+{
+#if !defined(__CUDA_ARCH__)
+    #pragma clang fp contract(fast)
+#endif
+    const auto& slide = wp::index(slides, 0);
+    const double of_sphere = slide.of_sphere, of_disc = slide.of_disc, cap = pressed.cap;
+    const double approach = slide.approach, reference = slide.reference;
+    const int of_line = layout.vectors * OF_VECTOR, lines = bodies.sphere.shape[1] / layout.vectors;
+    const bool parted = pressed.parts.shape[0] > 0, has_disc = bodies.disc.shape[0] > 0;
+    const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
+    const bool shows = bodies.reached.shape[0] != bodies.sphere.shape[0];
+    const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
+    const Counts no = 0, yes = 1;
+    Lanes pressure = 0.0, deviation = 0.0, worn_sphere = 0.0, highest = 0.0, deepest_sphere = 0.0;
+    Lanes deepest_disc = 0.0, first = NO_INDEX, last = NO_INDEX;
+    Counts contact = 0, capped = 0, touched = 0;
+    double first_row = NO_INDEX, last_row = NO_INDEX;
+    for (int row = slot; row < slide.rows; row += slots) {
+        const int under = has_disc ? under_row(row, slide.shift, bodies.disc.shape[0]) : 0;
+        const Stored *const p_of = row_of(pressed.pressure, row), *const target = row_of(pressed.gradient, row);
+        const Stored* const passing = mean_of(pressed.pressure, pressed.means, row, slide.window);
+        const Stored* const parts = parted ? row_of(pressed.parts, row) : nullptr;
+        Stored *const sphere = row_of(bodies.sphere, row), *const wear_sphere = row_of(bodies.wear_sphere, row);
+        Stored* const reached = shows ? nullptr : row_of(bodies.reached, row);
+        Stored* const disc = has_disc ? row_of(bodies.disc, under) : nullptr;
+        Stored* const wear_disc = has_disc ? row_of(bodies.wear_disc, under) : nullptr;
+        Stored* const plastic = keeps ? row_of(bodies.plastic_disc, under) : nullptr;
+        const int domain_row = wp::index(layout.first_row, row);
+        const int domain_column = wp::index(layout.first_column, row);
+        Lanes worn_disc = 0.0, pressed_disc = 0.0;
+        for (int line = 0; line < lines; ++line) {
+            Mask in_line = zero > one;
+            for (int v = lane_of_slot(); v < of_line; v += width_of_slot()) {
+                const int i = line * of_line + v;
+                const Lanes p = p_of[i], m = passing[i], removed = of_sphere * m;
+                const Lanes s = sphere[i] + removed, was = shows ? wear_sphere[i] : reached[i];
+                const Lanes a = wear_sphere[i] + removed, most_here = parted ? cap * parts[i] : cap * one;
+                sphere[i] = s;
+                wear_sphere[i] = a;
+                pressure += p;
+                const Lanes away = p > zero ? p - reference : zero;
+                deviation += away * away;
+                contact += p > zero ? yes : no;
+                capped += p >= most_here ? yes : no;
+                worn_sphere += a;
+                highest = larger_of(highest, p);
+                deepest_sphere = larger_of(deepest_sphere, a);
+                const Mask ever = m + was > zero;
+                const Lanes column = columns_from(domain_column + v * LANES);
+                touched += ever ? yes : no;
+                in_line = in_line | ever;
+                first = larger_of(first, ever ? -column : none);
+                last = larger_of(last, ever ? column : none);
+                if (!shows) reached[i] = ever ? one : zero;
+                if (!has_disc) continue;
+                Lanes d = disc[i];
+                if (keeps) {
+                    Lanes beyond = p >= most_here ? approach - target[i] : zero;
+                    beyond = larger_of(beyond, zero);
+                    d -= beyond;
+                    const Lanes x = plastic[i] + beyond;
+                    plastic[i] = x;
+                    pressed_disc += x;
+                }
+                const Lanes removed_disc = of_disc * p, b = wear_disc[i] + removed_disc;
+                disc[i] = d - removed_disc;
+                wear_disc[i] = b;
+                worn_disc += b;
+                deepest_disc = larger_of(deepest_disc, b);
+            }
+            if (any(in_line)) {
+                first_row = wp::max(first_row, -double(domain_row + line));
+                last_row = wp::max(last_row, double(domain_row + line));
+            }
+        }
+        if (has_disc) {
+            const double worn = of_slot(total(worn_disc), true);
+            if (lane_of_slot() == 0) wp::index(of_rows.worn_disc, under) = worn;
+        }
+        if (keeps) {
+            const double dents = of_slot(total(pressed_disc), true);
+            if (lane_of_slot() == 0) wp::index(of_rows.pressed_disc, under) = dents;
+        }
+    }
+    const double of_all[] = {total(pressure), total(deviation), count(contact), count(capped), count(touched),
+        total(worn_sphere)};
+    for (int n = 0; n < 6; ++n) leave_sum(sums, n, slot, of_all[n]);
+    const double most_of_all[] = {most(highest), most(deepest_sphere), most(deepest_disc), first_row, last_row,
+        most(first), most(last)};
+    for (int n = 0; n < 7; ++n) leave_most(maxima, n, slot, most_of_all[n]);
+}
