@@ -16,12 +16,12 @@ from warpwear.kernels.cells import (
     TILE_VECTORS,
     ZERO,
     Cells,
+    Layout,
     lowest_of,
 )
 from warpwear.kernels.contact import sag
 from warpwear.kernels.two_scale.sharing import Curves
 from warpwear.kernels.two_scale.steps import Books, Courses, Now, Rules
-from warpwear.kernels.wear_loops import Layout
 
 wp.set_module_options(native_code.options("wear.h", "patches.h"))
 
@@ -169,3 +169,11 @@ def wear(
     """
     patch = first_slot + wp.tid() // wp.block_dim()
     wear_patch(patch, rules, now[0], curves, courses, surfaces, books)
+
+
+@wp.kernel
+def worn(first_slot: wp.int32, slots: wp.int32, surfaces: Surfaces, worn_out: wp.array2d(dtype=Cells)):
+    """What both bodies have lost so far: how far the gap has opened."""
+    patch = first_slot + wp.tid() // wp.block_dim()
+    for k in range(wp.tid() % wp.block_dim(), surfaces.gap.shape[1], wp.block_dim()):
+        worn_out[patch, k] = surfaces.gap[patch, k] - surfaces.unworn[patch, k]

@@ -117,8 +117,8 @@ WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& cu
 }
 
 // Rows and columns of the domain in which a worn patch was ever touched, beyond those that are known.
-template <typename Surfaces, typename Known, typename Reaches>
-WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy& by, const Known& known,
+template <typename Surfaces, typename Now, typename Reaches>
+WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy& by, const Now& now,
                                const Reaches& reaches)
 {
     Extents extents;
@@ -126,8 +126,8 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
     const int lines = surfaces.gap.shape[1] / surfaces.layout.vectors;
     const int row = wp::index(surfaces.layout.first_row, patch);
     const int column = wp::index(surfaces.layout.first_column, patch);
-    if (-row <= known[0] && row + lines - 1 <= known[1] && -column <= known[2] &&
-        column + of_line * LANES - 1 <= known[3])
+    if (-row <= now.first_row && row + lines - 1 <= now.last_row && -column <= now.first_column &&
+        column + of_line * LANES - 1 <= now.last_column)
         return extents;
     const double* const gap = (const double*)row_of(surfaces.gap, patch);
     const double* const unworn = (const double*)row_of(surfaces.unworn, patch);
@@ -190,7 +190,7 @@ WARPWEAR_FN void wear_patch(int patch, const Rules& rules, const Now& now, Curve
         Counts touched;
         gap[i] = wear_cell(sums, by, gap[i], unworn[i], most_here, touched);
     });
-    const Extents extents = extents_of(patch, surfaces, by, now.extents, was_reached);
+    const Extents extents = extents_of(patch, surfaces, by, now, was_reached);
     leave_wear(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);
     if (rules.looks_ahead) give_answer(curves.answer, patch, books.ahead, surfaces.cells, by.stiffness_next);
 }

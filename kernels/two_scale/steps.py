@@ -52,7 +52,10 @@ class Now:
     stiffness_next: wp.float64  # for which the pass that wears looks ahead
     reference: wp.float64  # pressure from which the scatter counts [MPa]
     mean: wp.float64  # pressure of the last step [MPa]
-    extents: wp.vec4d  # of what was touched so far, by `kernels.cells.EXTENTS`
+    first_row: wp.float64  # extents of what was touched so far, the first ones negated
+    last_row: wp.float64
+    first_column: wp.float64
+    last_column: wp.float64
     answered: wp.int32  # whether its first evaluation was made by the step before
     number: wp.int32  # of the step in the plan
     steps: wp.int32  # of the plan
@@ -291,9 +294,12 @@ def end(
         follows = now.number < now.steps and contact > ZERO
         left = wp.abs(pressure * of_cell - rules.load.load)
         follows = follows and left <= (ONE + ONE) * rules.load.tolerance * rules.load.load
+        extents = FIRST + sums + WearMost.FIRST_ROW
+        now.first_row = wp.max(now.first_row, books.rows[row, extents])
+        now.last_row = wp.max(now.last_row, books.rows[row, extents + 1])
+        now.first_column = wp.max(now.first_column, books.rows[row, extents + 2])
+        now.last_column = wp.max(now.last_column, books.rows[row, extents + 3])
         for i in range(4):
-            extent = books.rows[row, FIRST + sums + WearMost.FIRST_ROW + i]
-            now.extents[i] = wp.max(now.extents[i], extent)
-            follows = follows and extent <= rules.within[i]
+            follows = follows and books.rows[row, extents + i] <= rules.within[i]
         now_out[0] = now
         flags.stepping[0] = wp.where(follows, 1, 0)

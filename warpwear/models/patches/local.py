@@ -1,6 +1,7 @@
 """Two scales: patches of fine cells that share the load of a macro contact."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -149,9 +150,9 @@ class TwoScaleModel(Model):
             removals = self._begin(left, then)
             self._steps.run()
             count = self._now["number"]
-            for number in range(count):
+            for number, worn in enumerate(self._made(count)):
                 self.steps_in_flight = count - 1 - number
-                yield self._enter(number, left[number], removals[number])
+                yield self._ledger.enter(worn, left[number], removals[number])
             if not self.sharing.is_balanced:
                 raise self._failure()
             done += count
@@ -176,7 +177,8 @@ class TwoScaleModel(Model):
             pressure = self.patches.on_domain(self._executor.to_numpy(pressed))
         self._wear.run()
         self.contact.rub(distance + increment)
-        return self._enter(0, increment, removals[0], pressure=pressure, bare=bare)
+        worn = replace(next(self._made(1)), bare=bare)
+        return self._ledger.enter(worn, increment, removals[0], pressure)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -198,10 +200,10 @@ class TwoScaleModel(Model):
         for number, removal in enumerate(map(sum, removals)):
             stiffness = stiffness_of(task.compliance + (removal if task.implicit else 0.0))
             plan[number] = removal, stiffness, flexibility
-        if not self._plan.device.is_cpu:
+        if not self._executor.device.is_cpu:
             self._plan.assign(plan)
-        extents = [self._ledger.most[name] for name in EXTENTS]
-        self._now.set(mean=row["pressure_mean"], extents=extents, number=0, steps=len(increments))
+        extents = {name: self._ledger.most[name] for name in EXTENTS}
+        self._now.set(mean=row["pressure_mean"], number=0, steps=len(increments), **extents)
         self.sharing.flags.stepping.fill_(1)
         self._chunks = self._executor.split_rows(self._work)
         return removals
@@ -217,25 +219,17 @@ class TwoScaleModel(Model):
         program.run()
         return field
 
-    def _enter(
-        self,
-        number: int,
-        increment: float,
-        removals: tuple[float, float],
-        *,
-        pressure: FloatArray | None = None,
-        bare: float | None = None,
-    ) -> Step:
-        """Book a step that was made, by its number in the plan."""
-        rows, loads, areas = (t.numpy() for t in (self._books.rows, self._books.loads, self._books.areas))
-        base, offset, reference, evaluations, *found = rows[number].tolist()
-        total = dict(zip(PATCH_SUMS, found, strict=False))
-        most = dict(zip(PATCH_MAXIMA, found[len(PATCH_SUMS) :], strict=True))
-        worn = Worn(total, most, loads[number].copy(), areas[number].copy(), bare)
-        self._work = self._books.sums.numpy()[PATCH_SUMS.index("touched")] + LEAST_WORK * self.patches.side**2
-        return self._ledger.enter(
-            worn, (base, offset), increment, removals, reference, pressure, int(evaluations)
-        )
+    def _made(self, count: int) -> Iterator[Worn]:
+        """What the first steps of the plan have left."""
+        books = self._books
+        rows, loads, areas = (table.numpy()[:count] for table in (books.rows, books.loads, books.areas))
+        touched = books.sums.numpy()[PATCH_SUMS.index("touched")]
+        self._work = touched + LEAST_WORK * self.patches.side**2
+        for row, load, area in zip(rows.tolist(), loads.copy(), areas.copy(), strict=True):
+            base, offset, reference, evaluations, *found = row
+            total = dict(zip(PATCH_SUMS, found, strict=False))
+            most = dict(zip(PATCH_MAXIMA, found[len(PATCH_SUMS) :], strict=True))
+            yield Worn(total, most, load, area, (base, offset), reference, int(evaluations))
 
     def _failure(self) -> Exception:
         """What is wrong with a step that could not be made."""
