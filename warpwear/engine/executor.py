@@ -25,7 +25,7 @@ fold = lazy.module("warpwear.kernels.fold")  # a GPU's tables need it
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000
-#: Below this many cells a CPU makes many steps in a launch, on one core: a second one would not be used.
+#: Below this many cells threads gain nothing.
 SMALL = 2 * CELLS_PER_THREAD
 #: Slots that keep a GPU busy, where neighbouring threads read neighbouring vectors of a row.
 SLOTS_CUDA = 65536
@@ -104,8 +104,6 @@ class Executor:
         on_cpu = self.device.is_cpu
         self.slots_per_row = 1 if on_cpu else min(max(SLOTS_CUDA // grid.nx, 1), self.tiles_per_row)
         self.slots = grid.nx * self.slots_per_row
-        #: Whether many steps are made in a launch, where launches cost as much as what they do.
-        self.in_one_launch = on_cpu and grid.cells < SMALL
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if on_cpu else 0
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
         self._launches: dict[tuple[Any, int], tuple[Any, list[Any]]] = {}
