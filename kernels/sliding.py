@@ -432,8 +432,12 @@ def is_within(steps: Steps, c: Course, row: wp.int32):
     within = steps.within
     row_first = found[row, OF_ROWS + 4] > wp.max(c.first_row, within[0])
     row_last = found[row, OF_ROWS + 5] > wp.max(c.last_row, within[1])
-    column_first = found[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))] > wp.max(c.first_column, within[2])
-    column_last = found[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))] > wp.max(c.last_column, within[3])
+    column_first = found[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))] > wp.max(
+        c.first_column, within[2]
+    )
+    column_last = found[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))] > wp.max(
+        c.last_column, within[3]
+    )
     return not (row_first or row_last or column_first or column_last)
 
 

@@ -126,9 +126,7 @@ def balanced(solve: Solve, begins: wp.bool):
         elif group.bracket.state == LOOKS:
             # Of each of many, so that their sum is well within it.
             allowed = wp.where(many, HALF, ONE) * solve.rules[0].load_tolerance * group.load
-            group.bracket = next_trial(
-                group.bracket, total, between * group.unit, group.load, allowed, ZERO
-            )
+            group.bracket = next_trial(group.bracket, total, between * group.unit, group.load, allowed, ZERO)
             group.shift = group.bracket.offset * group.unit
             looking += wp.where(group.bracket.state == LOOKS, ONE, ZERO)
             misses = not (wp.abs(total - group.load) <= solve.rules[0].rough_balance * group.load)
@@ -164,7 +162,9 @@ def renew(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     largest = most_of(solve, 0, 0)
     if lane() == 0:
         n = solve.numbers[0]
-        n.drift = wp.where(solve.flags[Flag.RENEWS_ROUGHLY] == 1, solve.rules[0].single_rounding * largest, ZERO)
+        n.drift = wp.where(
+            solve.flags[Flag.RENEWS_ROUGHLY] == 1, solve.rules[0].single_rounding * largest, ZERO
+        )
         n.step_drift = ZERO
         n.length = ZERO
         n.whole = 0
@@ -286,9 +286,10 @@ def judge_scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     ends = sum_of_columns(solve.table, 1, wp.min(solve.visited[0], solve.table.shape[1]))
     if lane() == 0:
         n = solve.numbers[0]
-        n.extended = wp.where(ends > solve.rules[0].scattered * cells, 1, 0)
-        solve.flags[Flag.EXTENDS] = n.extended
-        solve.flags[Flag.EXTENDS_NOT] = 1 - n.extended
+        extends = wp.where(ends > solve.rules[0].scattered * cells, 1, 0)
+        n.extended = extends * solve.rules[0].tiled
+        solve.flags[Flag.EXTENDS] = extends
+        solve.flags[Flag.EXTENDS_NOT] = 1 - extends
         solve.numbers[0] = n
 
 

@@ -375,7 +375,9 @@ class SlidingContact:
                 most[f"wear_{body}"] = deepest
         *numbers, reference = (columns[name] for name in BALANCE)
         base, offset, cap, residual, width, tied, evaluations = numbers
-        found = Found(made, Balance(base, offset, cap, residual, width, tied, evaluations), reference, total, most)
+        found = Found(
+            made, Balance(base, offset, cap, residual, width, tied, evaluations), reference, total, most
+        )
         return booked(found, self._ledger, np.array(increments), removals, self._enter)
 
     def _enter(self, *found: Any) -> Step:
