@@ -242,10 +242,10 @@ class SlidingContact:
             program.launch(
                 sliding.wear_step,
                 *(*listed, slides, springs, of_cells, *both, self._tables),
-                chunks=tiles.chunks,
+                chunks=lambda: tiles.chunks,
             )
             program.launch(
-                sliding.totals, tiles.count, slides, self._of_eight, self._of_rows, chunks=tiles.chunks
+                sliding.totals, tiles.count, slides, self._of_eight, self._of_rows, chunks=lambda: tiles.chunks
             )
             if self._recession is not None:
                 self._recession.say_recede(program)

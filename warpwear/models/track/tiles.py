@@ -107,6 +107,7 @@ class SlidingTiles:
         """Cells that the last list holds."""
         return float(self.lists["listed"]) * self._cells_of_tile
 
+    @property
     def chunks(self) -> list[tuple[int, int]]:
         """Ranges of slots for the threads, of passes over what is listed."""
         number = self.lists["lists"]
