@@ -9,20 +9,18 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import (
-    TWO,
-    Listing,
     Search,
     Springs,
     ask_for,
     most_of,
-    reached,
     sum_of,
 )
 from warpwear.kernels.cells import NONE, ZERO, Cells
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import EVALUATIONS, GROWS, HALF, HOPELESS, LOOKS, MET, STUCK, bracket_at
+from warpwear.kernels.tiles import TWO, Listing, reached
 
-wp.set_module_options(native_code.options("wear.h"))
+wp.set_module_options(native_code.options("springs.h"))
 
 #: Gaps that differ by less are tied [mm]: a picometre-thousandth, below anything a surface has.
 TIE = wp.constant(wp.float64(1.0e-12))

@@ -49,9 +49,7 @@ def test_a_foundation_with_caps(device: str, threads: int) -> None:
         own = executor.field(parts, padding=1.0)
         tiles = Tiles(executor, field, field, least=10.0)
         stiffness = executor.field(np.full((1, 1), 1.0 / compliance), padding=1.0 / compliance)
-        search = LoadSearch(
-            executor, field, tiles, load=load, hardness=590.0, stiffness=stiffness, parts=own
-        )
+        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, stiffness=stiffness, parts=own)
         found = search.solve()
         pressure = search.pressures().copy()
     low, high = gap.min(), gap.max() + 1.0
@@ -71,11 +69,8 @@ def test_a_bearing_area_with_caps(device: str, threads: int) -> None:
     with Executor(grid, device=device, threads=threads) as executor:
         field = executor.field(gap.copy(), padding=PADDING)
         tiles = Tiles(executor, field, field, least=10.0)
-        own = executor.field(parts, padding=1.0)
-        tolerance = 590.0 * grid.cell_area
-        search = LoadSearch(
-            executor, field, tiles, load=load, hardness=590.0, parts=own, tolerance=tolerance
-        )
+        own, tolerance = executor.field(parts, padding=1.0), 590.0 * grid.cell_area
+        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, tolerance=tolerance, parts=own)
         found = search.solve()
         pressure = search.pressures().copy()
     below = gap < found.approach

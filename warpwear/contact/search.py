@@ -1,4 +1,4 @@
-"""The load balance of cells that do not feel each other, as a part of a program: springs, or a bearing area."""
+"""The load balance of cells that do not feel each other, as a part of a program."""
 
 from typing import Any
 
@@ -79,7 +79,7 @@ class LoadSearch:
             program.decide(judge, self.springs, *state)
 
     def solve(self) -> Balance:
-        """Search where nothing is known, not even of the stiffness but by its field. Raises ConvergenceError."""
+        """Search where nothing is known, on springs of a field of stiffnesses. Raises ConvergenceError."""
         program, smallest = Program(self._executor), self._tiles.smallest
         if self.is_rigid:
             program.decide(bearing.begin, self.springs, smallest)
@@ -90,9 +90,10 @@ class LoadSearch:
         program.run()
         law, search = self.law.numpy()[0], self._search.numpy()[0]
         self.check()
-        numbers = (float(law[name]) for name in ("base", "offset", "cap"))
-        ties = (float(law[name]) for name in ("tie_width", "tie_pressure"))
-        return Balance(*numbers, float(search["residual"]), *ties, int(search["evaluations"]))
+        numbers = {name: float(law[name]) for name in law.dtype.names}
+        return Balance(
+            load_residual=float(search["residual"]), evaluations=int(search["evaluations"]), **numbers
+        )
 
     def pressures(self, at: Balance | None = None) -> FloatArray:
         """The pressure of every cell [MPa], shape (nx, ny). at: a balance; None: the one that was found."""

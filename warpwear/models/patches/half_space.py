@@ -102,7 +102,8 @@ class HalfSpacePatches(Model):
         executor.load(wear_from_pressure.gaps)
         rows, device = executor.grid.nx, executor.device
         self._sums, self._maxima = (
-            wp.zeros((len(lines), rows), dtype=wp.float64, device=device) for lines in (PressureSum, PressureMost)
+            wp.zeros((len(lines), rows), dtype=wp.float64, device=device)
+            for lines in (PressureSum, PressureMost)
         )
         self._of_rows = arguments(OfRows)
         self._slides = Numbers(Slide, executor.device, window=1)

@@ -47,7 +47,9 @@ class OneScaleModel(Model):
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
-        executor.foresee([contact.gap, (bearing.counted_below if task.rigid else balance.carried), wear.wear_step])
+        executor.foresee(
+            [contact.gap, (bearing.counted_below if task.rigid else balance.carried), wear.wear_step]
+        )
         self.task = task
         self._executor = executor
         longest = LONGEST_ON_GPU if executor.device.is_cuda else LONGEST
@@ -107,12 +109,12 @@ class OneScaleModel(Model):
 
     def _add_wear(self, program: Program) -> None:
         """The wear of a step, and its row."""
-        tiles, steps, state = self.tiles, self._steps, self.state
+        listed, steps, state = self.tiles, self._steps, self.state
         program.launch(
             wear.wear_step,
-            *(tiles.list, tiles.count, self._search.law, steps.increment),
-            *(state.unworn, tiles.rest, state.gap, self._tables),
-            chunks=lambda: tiles.chunks,
+            *(listed.list, listed.count, self._search.law, steps.increment),
+            *(state.unworn, listed.rest, state.gap, self._tables),
+            chunks=lambda: listed.chunks,
         )
         program.decide(wear.record, self._search.springs, steps, self._tables)
 
@@ -142,7 +144,7 @@ class OneScaleModel(Model):
 
     @property
     def in_blocks(self) -> bool:
-        """Whether the next steps can be made in a row: not where 1/c of a step follows from the one before."""
+        """Whether steps can be made in a row: not where 1/c of one follows from the area of the last."""
         return not self.task.bulk_updated
 
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
@@ -165,7 +167,7 @@ class OneScaleModel(Model):
 
         Raises ConvergenceError when the load cannot be balanced.
         """
-        removals = self._tell([increment], then if self.in_blocks else None)
+        removals = self._tell([increment], None if self.task.bulk_updated else then)
         if not with_pressure:
             self._many.run()
             self._check()

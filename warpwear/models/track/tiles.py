@@ -12,8 +12,8 @@ from warpwear.engine.program import Program
 from warpwear.engine.tiles import LEAST_TILES, NO_LIMIT
 from warpwear.grid import FloatArray
 from warpwear.kernels import sliding
-from warpwear.kernels.balance import Listing
 from warpwear.kernels.cells import LANES, Cells
+from warpwear.kernels.tiles import Listing
 
 #: Cost of looking at the bounds of a pair of tiles, in cells.
 BOUNDS_IN_CELLS = 1.0
