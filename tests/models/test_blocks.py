@@ -20,8 +20,8 @@ from warpwear.grid import Grid
 from warpwear.history.recorder import Step
 from warpwear.kernels import native_code
 from warpwear.models.model import Model
-from warpwear.models.on_cpu import Block
 from warpwear.models.rest.local import OneScaleModel
+from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
 from warpwear.runs.checkpoint import Checkpoints
 from warpwear.runs.make import model_at_rest
@@ -64,18 +64,17 @@ def model_of(kind: str, executor: Executor, *, smooth: bool = False) -> Model:
 def made_in_launches(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Numbers of steps that launches, or replays of a program, make from now on."""
     made: list[int] = []
-    run, tell = Block.run, OneScaleModel._tell
+    plan, tell = SlidingContact._plan, OneScaleModel._tell
 
-    def counted(*args: Any, **options: Any) -> Any:
-        found = run(*args, **options)
-        made.append(found[0].made)
-        return found
+    def planned(self: SlidingContact, shifts: list[int], increments: list[float]) -> Any:
+        made.append(len(increments))
+        return plan(self, shifts, increments)
 
     def told(self: OneScaleModel, increments: list[float], then: float | None) -> Any:
         made.append(len(increments))
         return tell(self, increments, then)
 
-    monkeypatch.setattr(Block, "run", counted)
+    monkeypatch.setattr(SlidingContact, "_plan", planned)
     monkeypatch.setattr(OneScaleModel, "_tell", told)
     return made
 
@@ -85,6 +84,7 @@ def make_one_by_one(monkeypatch: pytest.MonkeyPatch, small: int) -> None:
     monkeypatch.setattr("warpwear.engine.executor.SMALL", small)
     monkeypatch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", 100_000 if small else 5_000)
     monkeypatch.setattr(OneScaleModel, "longest_block", 500 if small else 1)
+    monkeypatch.setattr("warpwear.models.track.local.LONGEST", 500 if small else 1)
 
 
 def state_of(model: Model) -> dict[str, Any]:
@@ -178,7 +178,7 @@ def test_a_contact_at_the_edge_stops_where_it_did(
 def test_a_run_goes_on_from_a_block(preset: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A run that ended after a block, with a checkpoint, ends as one left alone."""
     short = Study.load(preset).replace({"sliding.distance": "60 mm", "output.snapshots": ["30 mm"]})
-    alone, run, tell, calls = warpwear.run(short), Block.run, OneScaleModel._tell, []
+    alone, plan, tell, calls = warpwear.run(short), SlidingContact._plan, OneScaleModel._tell, []
 
     def interrupted(call: Any, *args: Any, **options: Any) -> Any:
         calls.append(1)
@@ -187,7 +187,7 @@ def test_a_run_goes_on_from_a_block(preset: str, monkeypatch: pytest.MonkeyPatch
         return call(*args, **options)
 
     with monkeypatch.context() as patch:
-        patch.setattr(Block, "run", lambda *args, **options: interrupted(run, *args, **options))
+        patch.setattr(SlidingContact, "_plan", lambda *args: interrupted(plan, *args))
         patch.setattr(OneScaleModel, "_tell", lambda *args: interrupted(tell, *args))
         patch.setattr(OneScaleModel, "longest_block", 17)
         patch.setattr(SweptModel, "longest_block", 17)

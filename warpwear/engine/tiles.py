@@ -1,7 +1,6 @@
 """The list of tiles that a contact can reach: what a step has to visit of a field."""
 
 import math
-from abc import ABC, abstractmethod
 from typing import ClassVar
 
 import numpy as np
@@ -17,68 +16,6 @@ from warpwear.kernels.cells import TileSums
 NO_LIMIT = 1.0e300
 #: A list of fewer saves nothing.
 LEAST_TILES = 16
-
-
-class TileList(ABC):
-    """Tiles that a contact can reach, row by row: those with a cell whose gap does not exceed `limit` [mm].
-
-    What is not listed cannot touch at an approach up to the limit. At first every tile is listed.
-
-    least: cells that a list holds at least, so that a capped contact can carry its load on them.
-    """
-
-    def __init__(self, executor: Executor, *, least: float) -> None:
-        self._executor = executor
-        self._cells_of_tile = executor.grid.ny / executor.tiles_per_row
-        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
-        device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
-        every = np.broadcast_to(np.arange(columns, dtype=np.int32), (nx, columns))
-        self.list: Field = wp.array(every, dtype=wp.int32, device=device)
-        self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
-        self.limit = math.inf
-        self.listed = nx * columns
-        self.chunks = executor.split_rows(np.full(nx, executor.grid.ny))
-
-    @property
-    @abstractmethod
-    def smallest(self) -> float:
-        """No gap is lower [mm]."""
-
-    @property
-    def least(self) -> int:
-        """Number of tiles that a list holds at least, where there are as many."""
-        return self._least
-
-    @property
-    def asked(self) -> float:
-        """Approach that the list was asked to serve [mm]; to hold enough it may serve more."""
-        return self.limit
-
-    @abstractmethod
-    def begin(self) -> None:
-        """To a list of the lowest tiles, where a search from the lowest cell begins."""
-
-    @abstractmethod
-    def reach(self, approach: float, *, margin: float = 0.0) -> None:
-        """List all that touches up to an approach [mm]; a new list reaches a margin beyond [mm]."""
-
-    def _readopt(self) -> None:
-        """The list of another time. Raises ValueError for one that leads beyond the field."""
-        listed, count = self.list.numpy(), self.count.numpy()
-        if (
-            min(listed.min(), count.min()) < 0
-            or listed.max() >= listed.shape[1]
-            or count.max() > listed.shape[1]
-        ):
-            raise ValueError("the list of tiles leads beyond the field")
-        self._adopt(self.limit)
-
-    def _adopt(self, limit: float) -> None:
-        """The list that a kernel has made for a limit."""
-        self.limit = limit
-        count = self.count.numpy()
-        self.listed = int(count.sum())
-        self.chunks = self._executor.split_rows(count * self._cells_of_tile)
 
 
 class Tiles:
