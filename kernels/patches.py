@@ -21,7 +21,7 @@ from warpwear.kernels.cells import (
 )
 from warpwear.kernels.contact import sag
 from warpwear.kernels.two_scale.sharing import Curves
-from warpwear.kernels.two_scale.steps import Books, Courses, Now, Rules
+from warpwear.kernels.two_scale.steps import Books, Courses, Now, Steps
 
 wp.set_module_options(native_code.options("wear.h", "patches.h"))
 
@@ -83,8 +83,8 @@ def gap(
         layout.lowest[patch, n] = lowest_of(low)
 
 
-@wp.func_native("carry_patch(patch, rules.load.hardness, now.stiffness, curves, surfaces);")
-def carry_patch(patch: wp.int32, rules: Rules, now: Now, curves: Curves, surfaces: Surfaces):
+@wp.func_native("carry_patch(patch, steps.load.hardness, now.stiffness, curves, surfaces);")
+def carry_patch(patch: wp.int32, steps: Steps, now: Now, curves: Curves, surfaces: Surfaces):
     """Add up what the cells of a patch carry, and give its answer."""
     ...
 
@@ -93,8 +93,7 @@ def carry_patch(patch: wp.int32, rules: Rules, now: Now, curves: Curves, surface
 def carried(
     first_slot: wp.int32,
     slots: wp.int32,
-    rules: Rules,
-    now: wp.array(dtype=Now),
+    steps: Steps,
     curves: Curves,
     surfaces: Surfaces,
 ):
@@ -103,15 +102,14 @@ def carried(
     As far as the change of pressure that the cell nearest to it needs to open, close or reach the cap, the
     pressure is a straight line.
     """
-    carry_patch(first_slot + wp.tid() // wp.block_dim(), rules, now[0], curves, surfaces)
+    carry_patch(first_slot + wp.tid() // wp.block_dim(), steps, steps.now[0], curves, surfaces)
 
 
 @wp.kernel
 def pressures(
     first_slot: wp.int32,
     slots: wp.int32,
-    rules: Rules,
-    now: wp.array(dtype=Now),
+    steps: Steps,
     curves: Curves,
     surfaces: Surfaces,
     pressure_out: wp.array2d(dtype=Cells),
@@ -120,8 +118,8 @@ def pressures(
     patch = first_slot + wp.tid() // wp.block_dim()
     base = curves.base[patch]
     offset = curves.offset[patch]
-    cap = rules.load.hardness
-    stiffness = now[0].stiffness
+    cap = steps.load.hardness
+    stiffness = steps.now[0].stiffness
     touches = (base - curves.lowest[patch]) + offset > ZERO
     for k in range(wp.tid() % wp.block_dim(), surfaces.gap.shape[1], wp.block_dim()):
         p = Cells(ZERO)
@@ -136,10 +134,10 @@ def pressures(
         pressure_out[patch, k] = p
 
 
-@wp.func_native("wear_patch(patch, rules, now, curves, courses, surfaces, books);")
+@wp.func_native("wear_patch(patch, steps, now, curves, courses, surfaces, books);")
 def wear_patch(
     patch: wp.int32,
-    rules: Rules,
+    steps: Steps,
     now: Now,
     curves: Curves,
     courses: Courses,
@@ -154,8 +152,7 @@ def wear_patch(
 def wear(
     first_slot: wp.int32,
     slots: wp.int32,
-    rules: Rules,
-    now: wp.array(dtype=Now),
+    steps: Steps,
     curves: Curves,
     courses: Courses,
     surfaces: Surfaces,
@@ -168,7 +165,7 @@ def wear(
     those of the whole patch.
     """
     patch = first_slot + wp.tid() // wp.block_dim()
-    wear_patch(patch, rules, now[0], curves, courses, surfaces, books)
+    wear_patch(patch, steps, steps.now[0], curves, courses, surfaces, books)
 
 
 @wp.kernel
