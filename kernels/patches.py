@@ -1,4 +1,6 @@
-"""Passes over the patches of a contact, each at an approach of its own: what they carry, their wear.
+"""Kernels of a contact of patches: passes over those, each at an approach of its own, and decisions.
+
+What is decided between passes stands in `two_scale`; all kernels of a step are compiled together, here.
 
 All patches lie in one field of shape (patches, lines · vectors of a line): a row is a patch, its lines of
 cells (along axis 1 of the domain) one after another, each padded to whole vectors. A tile is `TILE_VECTORS`
@@ -20,8 +22,16 @@ from warpwear.kernels.cells import (
     lowest_of,
 )
 from warpwear.kernels.contact import sag
-from warpwear.kernels.two_scale.sharing import Curves
-from warpwear.kernels.two_scale.steps import Books, Courses, Now, Steps
+from warpwear.kernels.two_scale.sharing import Curves, Flags, Load, Search, judge_shares
+from warpwear.kernels.two_scale.steps import (
+    Books,
+    Courses,
+    Now,
+    Steps,
+    begin_step,
+    end_step,
+    foresee_step,
+)
 
 wp.set_module_options(native_code.options("wear.h", "patches.h"))
 
@@ -174,3 +184,34 @@ def worn(first_slot: wp.int32, slots: wp.int32, surfaces: Surfaces, worn_out: wp
     patch = first_slot + wp.tid() // wp.block_dim()
     for k in range(wp.tid() % wp.block_dim(), surfaces.gap.shape[1], wp.block_dim()):
         worn_out[patch, k] = surfaces.gap[patch, k] - surfaces.unworn[patch, k]
+
+
+@wp.kernel
+def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
+    """Begin a step whose load is shared, see `begin_step`."""
+    begin_step(steps, curves, courses)
+
+
+@wp.kernel
+def judge(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    load: Load,
+    curves: Curves,
+    search_out: wp.array(dtype=Search),
+    flags: Flags,
+):
+    """Decide what follows from an evaluation, see `judge_shares`."""
+    judge_shares(load, curves, search_out, flags)
+
+
+@wp.kernel
+def foresee(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
+    """Learn from the approaches of a step, see `foresee_step`."""
+    foresee_step(steps, curves, courses)
+
+
+@wp.kernel
+def end(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses, books: Books):
+    """Enter a step into the books, see `end_step`."""
+    end_step(steps, curves, courses, books)

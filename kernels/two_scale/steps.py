@@ -172,8 +172,8 @@ def begun(steps: Steps):
     return now
 
 
-@wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
+@wp.func
+def begin_step(steps: Steps, curves: Curves, courses: Courses):
     """Begin a step whose load is shared: a search from the last approaches, or from the lowest cell."""
     m = steps.memory[0]
     now = begun(steps)
@@ -200,8 +200,8 @@ def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, c
         steps.flags.balanced[0] = 0
 
 
-@wp.kernel
-def foresee(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
+@wp.func
+def foresee_step(steps: Steps, curves: Curves, courses: Courses):
     """Learn from the approaches of a step, and tell at which ones the pass that wears looks ahead."""
     s = steps.search[0]
     now = steps.now[0]
@@ -235,8 +235,8 @@ def foresee(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves,
         steps.memory[0] = m
 
 
-@wp.kernel
-def end(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses, books: Books):
+@wp.func
+def end_step(steps: Steps, curves: Curves, courses: Courses, books: Books):
     """Enter a step that has worn into the books, and see whether another one follows."""
     s = steps.search[0]
     now = steps.now[0]

@@ -54,7 +54,7 @@ class TwoScaleModel(Model):
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self.patches = task, patches
         self._executor = executor
-        executor.foresee([passes.wear, kernels.begin])
+        executor.foresee([passes.wear, *([pressing.judge] if task.prescribed_loads else [])])
         self.contact = PatchContact(
             patches,
             heights,
@@ -113,25 +113,25 @@ class TwoScaleModel(Model):
 
     def _say_find(self, program: Program) -> None:
         """Add the search for the approaches of a step to a program."""
-        sharing, smooth = self.sharing, self._smooth
-        given = self._steps, sharing.curves, self._foresight.courses
+        curves, smooth = self.sharing.curves, self._smooth
+        given = self._steps, curves, self._foresight.courses
 
         def evaluate() -> None:
-            self._pass(program, passes.carried, self._steps, sharing.curves, self.contact.surfaces)
+            self._pass(program, passes.carried, self._steps, curves, self.contact.surfaces)
 
         if smooth is None:
-            program.decide(kernels.begin, *given)
-            sharing.say(program, evaluate)
+            program.decide(passes.begin, *given)
+            self.sharing.say(program, evaluate)
             return
         program.decide(pressing.begin, *given, smooth.smooth, smooth.brackets)
-        smooth.say(program, sharing, evaluate)
+        smooth.say(program, self.sharing, evaluate)
 
     def _say_wear(self, program: Program) -> None:
         """Add the wear of a step whose approaches are found to a program."""
         given = self._steps, self.sharing.curves, self._foresight.courses
-        program.decide(kernels.foresee, *given)
+        program.decide(passes.foresee, *given)
         self._pass(program, passes.wear, *given, self.contact.surfaces, self._books)
-        program.decide(kernels.end, *given, self._books)
+        program.decide(passes.end, *given, self._books)
 
     def _pass(self, program: Program, kernel: object, *inputs: object) -> None:
         """Add a pass over all patches to a program."""
