@@ -1,4 +1,8 @@
-"""The gap of a sphere over a disc, and the pressure of a cell."""
+"""Gap of a sphere over a disc, and pressure of a cell.
+
+A trial approach is given as base + offset. One ulp of an approach of 0.07 mm changes the load of a worn
+contact by more than 1e-12 of it; `base − gap` is exact near contact, so the offset adds the missing digits.
+"""
 
 import warp as wp
 

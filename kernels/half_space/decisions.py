@@ -286,9 +286,10 @@ def judge_scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     ends = sum_of_columns(solve.table, 1, wp.min(solve.visited[0], solve.table.shape[1]))
     if lane() == 0:
         n = solve.numbers[0]
-        n.extended = wp.where(ends > solve.rules[0].scattered * cells, 1, 0)
-        solve.flags[Flag.EXTENDS] = n.extended
-        solve.flags[Flag.EXTENDS_NOT] = 1 - n.extended
+        extends = wp.where(ends > solve.rules[0].scattered * cells, 1, 0)
+        n.extended = extends * solve.rules[0].tiled
+        solve.flags[Flag.EXTENDS] = extends
+        solve.flags[Flag.EXTENDS_NOT] = 1 - extends
         solve.numbers[0] = n
 
 

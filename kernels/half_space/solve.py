@@ -70,6 +70,7 @@ class Rules:
     iterations: wp.int32
     scattered: wp.float64
     every: wp.int32
+    tiled: wp.int32  # 1 where what is extended is gathered tile by tile, apart from the trial
     drift: wp.float64
     single_rounding: wp.float64  # 0 where responses to steps are made in double precision
     few: wp.int32  # cells that are moved at once, at most; 0 where they are not

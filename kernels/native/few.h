@@ -176,6 +176,7 @@ template <typename Solve, typename Few> WARPWEAR_FN bool move_few(Solve& solve, 
     return true;
 }
 #else
+template <typename Few> WARPWEAR_FN bool best_of_few(const Few&, int) { return false; }
 template <typename Solve, typename Few> WARPWEAR_FN void open_cells(int, int, Solve&, const Few&, bool) {}
 template <typename Solve, typename Few> WARPWEAR_FN bool move_few(Solve&, const Few&, int) { return false; }
 #endif

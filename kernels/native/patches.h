@@ -146,8 +146,8 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
 
 // Wear the cells of a patch that it has reached or reaches next, and leave what they add up to. Where the
 // next step is foreseen the patch answers for it as well.
-template <typename Rules, typename Now, typename Curves, typename Courses, typename Surfaces, typename Books>
-WARPWEAR_FN void wear_patch(int patch, const Rules& rules, const Now& now, Curves& curves,
+template <typename Steps, typename Now, typename Curves, typename Courses, typename Surfaces, typename Books>
+WARPWEAR_FN void wear_patch(int patch, const Steps& steps, const Now& now, Curves& curves,
                             const Courses& courses, const Surfaces& surfaces, Books& books)
 {
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
@@ -161,10 +161,10 @@ WARPWEAR_FN void wear_patch(int patch, const Rules& rules, const Now& now, Curve
         for (int line = 0; line < books.sums.shape[0]; ++line) wp::index(books.sums, line, patch) = 0.0;
         for (int line = 0; line < books.maxima.shape[0]; ++line)
             wp::index(books.maxima, line, patch) = line < 2 ? 0.0 : NO_INDEX;
-        if (rules.looks_ahead) give_nothing(curves, patch, base_next, offset_next);
+        if (steps.looks_ahead) give_nothing(curves, patch, base_next, offset_next);
         return;
     }
-    const WearBy by = {base,      offset,        rules.load.hardness, 0.0,
+    const WearBy by = {base,      offset,        steps.load.hardness, 0.0,
                        0.0,       now.stiffness, now.removal,         now.reference,
                        base_next, offset_next,   now.stiffness_next};
     const int of_line = surfaces.layout.vectors * OF_VECTOR;
@@ -192,5 +192,5 @@ WARPWEAR_FN void wear_patch(int patch, const Rules& rules, const Now& now, Curve
     });
     const Extents extents = extents_of(patch, surfaces, by, now, was_reached);
     leave_wear(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);
-    if (rules.looks_ahead) give_answer(curves.answer, patch, books.ahead, surfaces.cells, by.stiffness_next);
+    if (steps.looks_ahead) give_answer(curves.answer, patch, books.ahead, surfaces.cells, by.stiffness_next);
 }

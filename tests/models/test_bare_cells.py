@@ -69,9 +69,8 @@ def test_a_bearing_area_with_caps(device: str, threads: int) -> None:
     with Executor(grid, device=device, threads=threads) as executor:
         field = executor.field(gap.copy(), padding=PADDING)
         tiles = Tiles(executor, field, field, least=10.0)
-        own = executor.field(parts, padding=1.0)
-        tolerance = 590.0 * grid.cell_area
-        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, parts=own, tolerance=tolerance)
+        own, tolerance = executor.field(parts, padding=1.0), 590.0 * grid.cell_area
+        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, tolerance=tolerance, parts=own)
         found = search.solve()
         pressure = search.pressures().copy()
     below = gap < found.approach

@@ -219,9 +219,7 @@ def test_the_same_pieces_as_by_a_serial_reference(
         assert_allclose(mine[:, 4], [piece[2] for piece in reference.left], rtol=1e-9)
 
 
-def test_pieces_do_not_depend_on_how_many_a_table_holds(
-    device: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_pieces_do_not_depend_on_how_many_a_table_holds(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where it is full in the midst of a step, the host empties it and the program goes on."""
     tables = []
     for room in (track_pieces.ROOM, 0):  # of a round at least

@@ -1,4 +1,7 @@
-"""A load balance: the approach at which the pressures carry the load. For its search see `search`."""
+"""Load balance: the approach at which the pressures carry the load, as a solved contact has it.
+
+How it is searched for is told in `kernels.balance` and `kernels.bearing`; `search` says it to a program.
+"""
 
 from typing import NamedTuple
 
@@ -8,7 +11,6 @@ from warpwear.errors import ConvergenceError
 TOLERANCE = 1.0e-12
 #: Stands for 1/c where c = 0: any overlap reaches the cap.
 RIGID = 1.0e300
-#: Evaluations of a search at most.
 MAX_EVALUATIONS = 400
 
 

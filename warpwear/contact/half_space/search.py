@@ -24,7 +24,7 @@ from warpwear.contact.half_space.influence import Operator
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
-from warpwear.kernels.cells import NONE
+from warpwear.kernels.cells import LANES, NONE
 from warpwear.kernels.half_space import decisions, extension, few, passes, solve
 from warpwear.kernels.half_space.solve import Flag, Request
 
@@ -81,8 +81,8 @@ class Search:
     """The search for a pressure under one operator, on one gap.
 
     gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1, all
-    rows together, or as many as the executor has rows, each of which has a load of its own. pressure: what it
-    starts from and ends with. Numbers of each group are arrays of that length.
+    rows together, or as many as the executor has rows, each of which has a load of its own. tiled: whether a CPU's passes extend the gradient; by default on
+    a CPU. Numbers of each group are arrays of that length.
     """
 
     def __init__(
@@ -95,6 +95,7 @@ class Search:
         fields: Mapping[str, Field],
         fractions: Field | None,
         groups: int,
+        tiled: bool | None = None,
     ) -> None:
         self._executor, self._operator, self._rules = executor, operator, rules
         device, grid = executor.device, executor.grid
@@ -102,7 +103,9 @@ class Search:
         self._single = operator.of_one_grid and on_cpu and operator.cells >= LEAST_SINGLE
         self._extends = operator.of_one_grid
         self._few = rules.few if operator.of_one_grid and on_cpu and hardness < NO_CAP and groups == 1 else 0
-        gathered = (grid.nx, 8 * executor.vectors) if self._extends and on_cpu else (0, 0)
+        #: Whether what is extended is gathered tile by tile.
+        self._tiled = on_cpu if tiled is None else tiled
+        gathered = (grid.nx, LANES * executor.vectors) if self._extends else (0, 0)
         slots = grid.nx if groups > 1 else executor.slots_of(grid.nx)
 
         def array(size: int | tuple[int, ...], dtype: Any) -> Field:
@@ -226,14 +229,22 @@ class Search:
             return
         self._pass(program, passes.scatter)
         program.decide(decisions.judge_scatter, search)
-        blocks = -(-self._executor.grid.nx // extension.ROWS)
-        with program.branch(self._flag(Flag.EXTENDS)):
-            program.launch(extension.extend, search, slots=blocks)
-        with program.branch(self._flag(Flag.EXTENDS_NOT)):
-            self._pass(program, passes.residual)
-        self._operator.say_inverse(program, trial, trial)
-        with program.branch(self._flag(Flag.EXTENDS)):
-            program.launch(extension.gather, search, slots=blocks)
+        if self._tiled:
+            blocks = -(-self._executor.grid.nx // extension.ROWS)
+            with program.branch(self._flag(Flag.EXTENDS)):
+                program.launch(extension.extend, search, slots=blocks)
+            with program.branch(self._flag(Flag.EXTENDS_NOT)):
+                self._pass(program, passes.residual)
+            self._operator.say_inverse(program, trial, trial)
+            with program.branch(self._flag(Flag.EXTENDS)):
+                program.launch(extension.gather, search, slots=blocks)
+            return
+        self._pass(program, passes.residual)
+        for number in range(4):
+            if number == 2:
+                self._operator.say_inverse(program, trial, trial)
+            with program.branch(self._flag(Flag.EXTENDS)):
+                self._pass(program, extension.extend_once, number)
 
     def _move_few(self, program: Program) -> None:
         """Move the few cells whose place between the bounds is open at once, exactly."""
@@ -266,7 +277,7 @@ class Search:
 
     def _kernel_rules(self, groups: int) -> Any:
         """The rules as kernels take them."""
-        rules = dict(vars(self._rules)) | {"few": self._few}
+        rules = dict(vars(self._rules)) | {"few": self._few, "tiled": int(self._tiled)}
         rules["single_rounding"] *= self._single
         cells = self._operator.cells / (self._executor.grid.nx if groups > 1 else 1)
         return arguments(solve.Rules, **rules, group_cells=float(cells))

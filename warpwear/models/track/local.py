@@ -242,10 +242,15 @@ class SlidingContact:
             program.launch(
                 sliding.wear_step,
                 *(*listed, slides, springs, of_cells, *both, self._tables),
-                chunks=tiles.chunks,
+                chunks=lambda: tiles.chunks,
             )
             program.launch(
-                sliding.totals, tiles.count, slides, self._of_eight, self._of_rows, chunks=tiles.chunks
+                sliding.totals,
+                tiles.count,
+                slides,
+                self._of_eight,
+                self._of_rows,
+                chunks=lambda: tiles.chunks,
             )
             if self._recession is not None:
                 self._recession.say_recede(program)
@@ -318,7 +323,7 @@ class SlidingContact:
     def _plan(
         self, shifts: Sequence[int], increments: Sequence[float]
     ) -> tuple[list[tuple[float, float]], bool]:
-        """Tell the device of the next steps; return K ΔL of sphere and disc in each, and whether all are rigid."""
+        """Tell the device of the next steps; return K ΔL of both bodies in each, and whether all are rigid."""
         task, row = self.task, self._ledger.row
         removals = removals_of(task.wear, row["distance"], increments)
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
@@ -373,9 +378,8 @@ class SlidingContact:
                 left, worn, pending, deepest = of_body
                 total |= {f"pieces_{body}": left, f"wear_{body}": worn, f"pending_{body}": pending}
                 most[f"wear_{body}"] = deepest
-        *numbers, reference = (columns[name] for name in BALANCE)
-        base, offset, cap, residual, width, tied, evaluations = numbers
-        found = Found(made, Balance(base, offset, cap, residual, width, tied, evaluations), reference, total, most)
+        numbers: list[Any] = [columns[name] for name in BALANCE]
+        found = Found(made, Balance(*numbers[:-1]), numbers[-1], total, most)
         return booked(found, self._ledger, np.array(increments), removals, self._enter)
 
     def _enter(self, *found: Any) -> Step:
