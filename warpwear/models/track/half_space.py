@@ -19,12 +19,11 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, wear_from_pressure
-from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
+from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
 from warpwear.kernels.half_space import decisions, passes
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfRows
 from warpwear.kernels.wear_from_pressure import Pressed
-from warpwear.kernels.wear_loops import Layout
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
@@ -120,7 +119,8 @@ class SlidingHalfSpace:
         self._bare = wp.zeros((1, slots), dtype=wp.float64, device=device)
         #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
         self._of_rows = {
-            name: wp.zeros(disc.shape[0], dtype=wp.float64, device=device) for name in ("worn_disc", "pressed_disc")
+            name: wp.zeros(disc.shape[0], dtype=wp.float64, device=device)
+            for name in ("worn_disc", "pressed_disc")
         }
         self._slides = Numbers(Slide, executor.device, rows=executor.grid.nx, window=1)
         self._programs: dict[str, tuple[Field, Program]] = {}
@@ -335,7 +335,9 @@ class SlidingHalfSpace:
         pieces, slides = self.pieces, self._slides.array
         assert pieces is not None
         for _ in itertools.count():
-            self._run("shed", lambda program: pieces.say_shed(program, slides, self._goes, self._of_pieces, 0))
+            self._run(
+                "shed", lambda program: pieces.say_shed(program, slides, self._goes, self._of_pieces, 0)
+            )
             if not pieces.drain():
                 break
         pieces.book.end_steps()
