@@ -23,7 +23,7 @@ from warpwear.kernels.two_scale.sharing import Curves
 from warpwear.kernels.two_scale.steps import Books, Courses, Now, Rules
 from warpwear.kernels.wear_loops import Layout
 
-wp.set_module_options(native_code.options("wear.h", "patches.h"))
+wp.set_module_options(native_code.options("springs.h", "wear.h", "patches.h"))
 
 
 @wp.struct

@@ -25,8 +25,8 @@ LISTED, PEAKS, CUT, ROUND, WAITING, HAD_WAITED, STAGE, PIECES = (wp.constant(wp.
 COUNTS = 8
 #: How far a body is with a step: it takes wear, sheds pieces, or is done.
 TAKES, SHEDS, DONE = (wp.constant(wp.int32(n)) for n in range(3))
-#: Columns of the table of pieces: step of the replay, body, round, index of the peak and of the middle, volume
-#: over the area of a cell [mm], cells cut.
+#: Columns of the table of pieces: step of the replay, body, round, index of the peak and of the middle,
+#: volume over the area of a cell [mm], cells cut.
 COLUMNS = 7
 
 

@@ -95,7 +95,10 @@ class BareCells:
         return cls(film, executor, {"both": worn}, thickness=film.thickness / least if least else math.inf)
 
     def say_look(self, program: Program, slides: Field) -> None:
-        """Add to a program that it sees which cells are bare as a step begins. slides: a `Slide` in an array."""
+        """Add to a program that it sees which cells are bare as a step begins.
+
+        slides: a `Slide` in an array.
+        """
         program.launch(kernels.look, slides, self.films)
 
     def say_rub(self, program: Program, slides: Field) -> None:

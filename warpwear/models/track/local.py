@@ -190,7 +190,7 @@ class SlidingContact:
         return self._searches[rigid]
 
     def _programs(self, *, rigid: bool) -> tuple[LoadSearch, tuple[Program, ...]]:
-        """The search, and programs: many steps; and one, between whose search and wear it can be looked at."""
+        """The search, and programs: of many steps; of one as far as its balance, and of its wear."""
         search, executor = self._search(rigid=rigid), self._executor
         shares = executor.is_shared and self.tiles.cells > SMALL
         if (rigid, shares) not in self._said:
@@ -299,7 +299,7 @@ class SlidingContact:
         return self.longest > 1 and not self.task.bulk_updated
 
     def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[tuple[int, Step]]:
-        """Steps as `step` makes them, in as few replays as it takes; each with how many are made beyond it."""
+        """Steps as `step` makes them, in few replays; each with how many are made beyond it."""
         done = 0
         while done < len(increments):
             end = done + self.longest
@@ -323,7 +323,7 @@ class SlidingContact:
     def _plan(
         self, shifts: Sequence[int], increments: Sequence[float]
     ) -> tuple[list[tuple[float, float]], bool]:
-        """Tell the device of the next steps; return K ΔL of both bodies in each, and whether all are rigid."""
+        """Tell the device of the next steps; return K ΔL of both bodies, and whether all are rigid."""
         task, row = self.task, self._ledger.row
         removals = removals_of(task.wear, row["distance"], increments)
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
