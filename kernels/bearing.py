@@ -95,8 +95,6 @@ def counted(
                 b.high = highest + TWO * TIE
             b.offset = HALF * (b.low + b.high)
             s.phase = TRIAL
-    elif s.phase == TRIAL and s.is_cold == 1 and level > lists.limit and count - needed < allowed:
-        lists = reached(lists, level, s.margin)  # others may touch as well
     elif s.phase == TRIAL:
         s.evaluations = s.evaluations + 1
         width = b.high - b.low
@@ -156,7 +154,7 @@ def counted(
             law.tie_width = TIE
             law.tie_pressure = part * springs.cap
             s.residual = (s.below + part * tied) * full - springs.load
-    if b.state == LOOKS and (s.phase > TRIAL or s.is_cold == 0):
+    if b.state == LOOKS and s.phase != ALL:
         lists = reached(lists, b.offset, s.margin)
     s.bracket = b
     return s, lists, law

@@ -109,6 +109,16 @@ EXTENTS = ("first_row", "last_row", "first_column", "last_column")
 wp.set_module_options({"enable_backward": False})
 
 
+@wp.struct
+class Layout:
+    """How patches lie in their field."""
+
+    vectors: wp.int32  # of a line of a patch
+    first_row: wp.array(dtype=wp.int32)  # of the domain's cells, where a patch begins
+    first_column: wp.array(dtype=wp.int32)
+    lowest: wp.array2d(dtype=wp.float64)  # gap in every tile of a patch before any wear [mm]
+
+
 @wp.func
 def sum_of(v: Cells):
     """Sum of the lanes."""

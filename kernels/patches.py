@@ -1,4 +1,6 @@
-"""Passes over the patches of a contact, each at an approach of its own: what they carry, their wear.
+"""Kernels of a contact of patches: passes over those, each at an approach of its own, and decisions.
+
+What is decided between passes stands in `two_scale`; all kernels of a step are compiled together, here.
 
 All patches lie in one field of shape (patches, lines · vectors of a line): a row is a patch, its lines of
 cells (along axis 1 of the domain) one after another, each padded to whole vectors. A tile is `TILE_VECTORS`
@@ -16,12 +18,20 @@ from warpwear.kernels.cells import (
     TILE_VECTORS,
     ZERO,
     Cells,
+    Layout,
     lowest_of,
 )
 from warpwear.kernels.contact import sag
-from warpwear.kernels.two_scale.sharing import Curves
-from warpwear.kernels.two_scale.steps import Books, Courses, Now, Rules
-from warpwear.kernels.wear_loops import Layout
+from warpwear.kernels.two_scale.sharing import Curves, Flags, Load, Search, judge_shares
+from warpwear.kernels.two_scale.steps import (
+    Books,
+    Courses,
+    Now,
+    Steps,
+    begin_step,
+    end_step,
+    foresee_step,
+)
 
 wp.set_module_options(native_code.options("springs.h", "wear.h", "patches.h"))
 
@@ -83,8 +93,8 @@ def gap(
         layout.lowest[patch, n] = lowest_of(low)
 
 
-@wp.func_native("carry_patch(patch, rules.load.hardness, now.stiffness, curves, surfaces);")
-def carry_patch(patch: wp.int32, rules: Rules, now: Now, curves: Curves, surfaces: Surfaces):
+@wp.func_native("carry_patch(patch, steps.load.hardness, now.stiffness, curves, surfaces);")
+def carry_patch(patch: wp.int32, steps: Steps, now: Now, curves: Curves, surfaces: Surfaces):
     """Add up what the cells of a patch carry, and give its answer."""
     ...
 
@@ -93,8 +103,7 @@ def carry_patch(patch: wp.int32, rules: Rules, now: Now, curves: Curves, surface
 def carried(
     first_slot: wp.int32,
     slots: wp.int32,
-    rules: Rules,
-    now: wp.array(dtype=Now),
+    steps: Steps,
     curves: Curves,
     surfaces: Surfaces,
 ):
@@ -103,15 +112,14 @@ def carried(
     As far as the change of pressure that the cell nearest to it needs to open, close or reach the cap, the
     pressure is a straight line.
     """
-    carry_patch(first_slot + wp.tid() // wp.block_dim(), rules, now[0], curves, surfaces)
+    carry_patch(first_slot + wp.tid() // wp.block_dim(), steps, steps.now[0], curves, surfaces)
 
 
 @wp.kernel
 def pressures(
     first_slot: wp.int32,
     slots: wp.int32,
-    rules: Rules,
-    now: wp.array(dtype=Now),
+    steps: Steps,
     curves: Curves,
     surfaces: Surfaces,
     pressure_out: wp.array2d(dtype=Cells),
@@ -120,8 +128,8 @@ def pressures(
     patch = first_slot + wp.tid() // wp.block_dim()
     base = curves.base[patch]
     offset = curves.offset[patch]
-    cap = rules.load.hardness
-    stiffness = now[0].stiffness
+    cap = steps.load.hardness
+    stiffness = steps.now[0].stiffness
     touches = (base - curves.lowest[patch]) + offset > ZERO
     for k in range(wp.tid() % wp.block_dim(), surfaces.gap.shape[1], wp.block_dim()):
         p = Cells(ZERO)
@@ -136,10 +144,10 @@ def pressures(
         pressure_out[patch, k] = p
 
 
-@wp.func_native("wear_patch(patch, rules, now, curves, courses, surfaces, books);")
+@wp.func_native("wear_patch(patch, steps, now, curves, courses, surfaces, books);")
 def wear_patch(
     patch: wp.int32,
-    rules: Rules,
+    steps: Steps,
     now: Now,
     curves: Curves,
     courses: Courses,
@@ -154,8 +162,7 @@ def wear_patch(
 def wear(
     first_slot: wp.int32,
     slots: wp.int32,
-    rules: Rules,
-    now: wp.array(dtype=Now),
+    steps: Steps,
     curves: Curves,
     courses: Courses,
     surfaces: Surfaces,
@@ -168,4 +175,43 @@ def wear(
     those of the whole patch.
     """
     patch = first_slot + wp.tid() // wp.block_dim()
-    wear_patch(patch, rules, now[0], curves, courses, surfaces, books)
+    wear_patch(patch, steps, steps.now[0], curves, courses, surfaces, books)
+
+
+@wp.kernel
+def worn(first_slot: wp.int32, slots: wp.int32, surfaces: Surfaces, worn_out: wp.array2d(dtype=Cells)):
+    """What both bodies have lost so far: how far the gap has opened."""
+    patch = first_slot + wp.tid() // wp.block_dim()
+    for k in range(wp.tid() % wp.block_dim(), surfaces.gap.shape[1], wp.block_dim()):
+        worn_out[patch, k] = surfaces.gap[patch, k] - surfaces.unworn[patch, k]
+
+
+@wp.kernel
+def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
+    """Begin a step whose load is shared, see `begin_step`."""
+    begin_step(steps, curves, courses)
+
+
+@wp.kernel
+def judge(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    load: Load,
+    curves: Curves,
+    search_out: wp.array(dtype=Search),
+    flags: Flags,
+):
+    """Decide what follows from an evaluation, see `judge_shares`."""
+    judge_shares(load, curves, search_out, flags)
+
+
+@wp.kernel
+def foresee(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
+    """Learn from the approaches of a step, see `foresee_step`."""
+    foresee_step(steps, curves, courses)
+
+
+@wp.kernel
+def end(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses, books: Books):
+    """Enter a step into the books, see `end_step`."""
+    end_step(steps, curves, courses, books)

@@ -29,7 +29,7 @@ from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import HALF, LOOKS, STUCK
 from warpwear.kernels.tiles import Listing, reached
 
-wp.set_module_options(native_code.options("springs.h", "wear.h"))
+wp.set_module_options(native_code.options("wear.h"))
 
 #: Columns of a row of the history before its sums and maxima.
 BALANCE = ("base", "offset", "cap", "residual", "tie_width", "tie_pressure", "evaluations", "reference")

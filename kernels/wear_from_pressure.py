@@ -10,10 +10,9 @@ another. The loops are C++: native/wear_from_pressure.h.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import Cells
+from warpwear.kernels.cells import Cells, Layout
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfRows
-from warpwear.kernels.wear_loops import Layout
 
 wp.set_module_options(native_code.options("bodies.h", "wear_from_pressure.h"))
 

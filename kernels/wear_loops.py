@@ -39,28 +39,6 @@ class Tables:
     ahead: wp.array2d(dtype=wp.float64)  # what `carried` would find in the worn gap at the next approach
 
 
-@wp.struct
-class Layout:
-    """How patches lie in their field."""
-
-    vectors: wp.int32  # of a line of a patch
-    first_row: wp.array(dtype=wp.int32)  # of the domain's cells, where a patch begins
-    first_column: wp.array(dtype=wp.int32)
-    lowest: wp.array2d(dtype=wp.float64)  # gap in every tile of a patch before any wear [mm]
-
-
-@wp.struct
-class Approaches:
-    """Approaches of every patch, base + offset [mm]."""
-
-    base: wp.array(dtype=wp.float64)
-    offset: wp.array(dtype=wp.float64)
-    reached: wp.array(dtype=wp.float64)  # the largest so far
-    base_next: wp.array(dtype=wp.float64)
-    offset_next: wp.array(dtype=wp.float64)
-    parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
-
-
 #: `Lanes` are the eight cells of a vector on a CPU, on a GPU one cell after another.
 LANES_IN_C = """
 #if defined(__CUDA_ARCH__)
@@ -191,50 +169,4 @@ def wear(
     tables: Tables,
 ):
     """Wears the tiles listed of a slot and sums up what it finds; arguments as of `wear.wear_step`."""
-    ...
-
-
-#: Every cell of the tiles of a patch that it has reached.
-_WEAR_PATCHES = """
-    const int lane = slot % slots_per_row;
-    const double tie_width = 0.0, tie_pressure = 0.0;  // patches have none
-    const double base = wp::index(at.base, patch), offset = wp::index(at.offset, patch);
-    const double base_next = wp::index(at.base_next, patch), offset_next = wp::index(at.offset_next, patch);
-    const double reached = wp::index(at.reached, patch);
-    double beside = 1.0e30;
-    // The lines of a patch lie in one piece.
-    const Stored* const unworn = (const Stored*)&wp::index(initial_in, patch, 0);
-    Stored* const gap = (Stored*)&wp::index(gap_out, patch, 0);
-    const bool parted = at.parts.shape[0] > 0;
-    const Stored* const parts = parted ? (const Stored*)&wp::index(at.parts, patch, 0) : nullptr;
-    const double* const lowest = &wp::index(layout.lowest, patch, 0);
-    const int of_tile = 32 / lanes, of_line = layout.vectors * 8 / lanes;
-    const int tiles = (of_line + of_tile - 1) / of_tile, of_patch = layout.lowest.shape[1];
-    for (int n = lane; n < of_patch; n += slots_per_row) {
-        const double low = lowest[n];
-        const double overlap_next = (base_next - low) + offset_next;
-        if (!(low < reached || (base - low) + offset > 0.0 || overlap_next > 0.0)) {
-            beside = wp::min(beside, -overlap_next * stiffness_next);
-            continue;
-        }
-        const int line = n / tiles, first = (n - line * tiles) * of_tile;
-        const int start = line * of_line + first, end = line * of_line + wp::min(first + of_tile, of_line);
-        for (int i = start; i < end; ++i) {
-"""
-
-
-@wp.func_native(LANES_IN_C + _BEGIN + _WEAR_PATCHES + _CELL + "}}" + _END)
-def wear_patches(
-    slot: wp.int32,
-    slots_per_row: wp.int32,
-    patch: wp.int32,
-    layout: Layout,
-    at: Approaches,
-    law: Law,
-    step: Increment,
-    initial_in: wp.array2d(dtype=Cells),
-    gap_out: wp.array2d(dtype=Cells),
-    tables: Tables,
-):
-    """Wears a slot's tiles and sums up what it finds; arguments as of `patches.wear_step`."""
     ...

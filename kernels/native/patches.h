@@ -117,8 +117,8 @@ WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& cu
 }
 
 // Rows and columns of the domain in which a worn patch was ever touched, beyond those that are known.
-template <typename Surfaces, typename Known, typename Reaches>
-WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy& by, const Known& known,
+template <typename Surfaces, typename Now, typename Reaches>
+WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy& by, const Now& now,
                                const Reaches& reaches)
 {
     Extents extents;
@@ -126,8 +126,8 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
     const int lines = surfaces.gap.shape[1] / surfaces.layout.vectors;
     const int row = wp::index(surfaces.layout.first_row, patch);
     const int column = wp::index(surfaces.layout.first_column, patch);
-    if (-row <= known[0] && row + lines - 1 <= known[1] && -column <= known[2] &&
-        column + of_line * LANES - 1 <= known[3])
+    if (-row <= now.first_row && row + lines - 1 <= now.last_row && -column <= now.first_column &&
+        column + of_line * LANES - 1 <= now.last_column)
         return extents;
     const double* const gap = (const double*)row_of(surfaces.gap, patch);
     const double* const unworn = (const double*)row_of(surfaces.unworn, patch);
@@ -146,8 +146,8 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
 
 // Wear the cells of a patch that it has reached or reaches next, and leave what they add up to. Where the
 // next step is foreseen the patch answers for it as well.
-template <typename Rules, typename Now, typename Curves, typename Courses, typename Surfaces, typename Books>
-WARPWEAR_FN void wear_patch(int patch, const Rules& rules, const Now& now, Curves& curves,
+template <typename Steps, typename Now, typename Curves, typename Courses, typename Surfaces, typename Books>
+WARPWEAR_FN void wear_patch(int patch, const Steps& steps, const Now& now, Curves& curves,
                             const Courses& courses, const Surfaces& surfaces, Books& books)
 {
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
@@ -161,10 +161,10 @@ WARPWEAR_FN void wear_patch(int patch, const Rules& rules, const Now& now, Curve
         for (int line = 0; line < books.sums.shape[0]; ++line) wp::index(books.sums, line, patch) = 0.0;
         for (int line = 0; line < books.maxima.shape[0]; ++line)
             wp::index(books.maxima, line, patch) = line < 2 ? 0.0 : NO_INDEX;
-        if (rules.looks_ahead) give_nothing(curves, patch, base_next, offset_next);
+        if (steps.looks_ahead) give_nothing(curves, patch, base_next, offset_next);
         return;
     }
-    const WearBy by = {base,      offset,        rules.load.hardness, 0.0,
+    const WearBy by = {base,      offset,        steps.load.hardness, 0.0,
                        0.0,       now.stiffness, now.removal,         now.reference,
                        base_next, offset_next,   now.stiffness_next};
     const int of_line = surfaces.layout.vectors * OF_VECTOR;
@@ -190,7 +190,7 @@ WARPWEAR_FN void wear_patch(int patch, const Rules& rules, const Now& now, Curve
         Counts touched;
         gap[i] = wear_cell(sums, by, gap[i], unworn[i], most_here, touched);
     });
-    const Extents extents = extents_of(patch, surfaces, by, now.extents, was_reached);
+    const Extents extents = extents_of(patch, surfaces, by, now, was_reached);
     leave_wear(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);
-    if (rules.looks_ahead) give_answer(curves.answer, patch, books.ahead, surfaces.cells, by.stiffness_next);
+    if (steps.looks_ahead) give_answer(curves.answer, patch, books.ahead, surfaces.cells, by.stiffness_next);
 }

@@ -39,12 +39,13 @@ WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* sphere, const Sto
     return low;
 }
 
-// List, row by row, the tiles with a gap that does not exceed the limit, and make their gaps. Where the bounds
-// of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest of eight tiles of
-// the sphere with the highest of the disc's row spares a CPU most bounds.
+// List, row by row, the tiles with a gap that does not exceed the limit, and make their gaps. Where the
+// bounds of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest of eight
+// tiles of the sphere with the highest of the disc's row spares a CPU most bounds.
 template <typename Lists, typename Slides, typename Bounds, typename Bodies, typename List, typename Count>
-WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides, const Bounds& bounds,
-                              const Bodies& bodies, const List& list, const Count& counts)
+WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides,
+                              const Bounds& bounds, const Bodies& bodies, const List& list,
+                              const Count& counts)
 {
     const double limit = wp::index(lists, 0).limit;
     const int shift = wp::index(slides, 0).shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
@@ -52,7 +53,8 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int under = under_row(row, shift, bodies.disc.shape[0]);
         const Stored *const sphere = row_of(bodies.sphere, row), *const disc = row_of(bodies.disc, under);
-        const Stored *const lowest = row_of(bounds.lowest, row), *const highest = row_of(bounds.highest, under);
+        const Stored *const lowest = row_of(bounds.lowest, row), *const highest =
+                                                                     row_of(bounds.highest, under);
         Stored* const gap = row_of(bodies.gap, row);
         int listed = 0;
 #if defined(__CUDA_ARCH__)
@@ -100,7 +102,8 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
 template <typename Count> WARPWEAR_FN int count_listed(const Count& counts)
 {
     int listed = 0;
-    for (int row = lane_of_slot(); row < counts.shape[0]; row += width_of_slot()) listed += wp::index(counts, row);
+    for (int row = lane_of_slot(); row < counts.shape[0]; row += width_of_slot())
+        listed += wp::index(counts, row);
     return int(of_slot(listed, true));
 }
 
@@ -125,19 +128,19 @@ template <typename Array> WARPWEAR_FN double end_of_rows(const Array& of_rows, b
     return of_slot(end, false);
 }
 
-// Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is displaced
-// from the disc for good, not worn. Bounds and sums of the tiles are made anew. Each sum grows lane by lane, in
-// the order of the cells.
-// FACTORED: the sliding distance of the disc's cells has a factor each; RARE: cells have a stiffness or a part of
-// the cap each, carry a film, keep their dents, or belong to a sphere that does not wear.
+// Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is
+// displaced from the disc for good, not worn. Bounds and sums of the tiles are made anew. Each sum grows lane
+// by lane, in the order of the cells. FACTORED: the sliding distance of the disc's cells has a factor each;
+// RARE: cells have a stiffness or a part of the cap each, carry a film, keep their dents, or belong to a
+// sphere that does not wear.
 template <bool FACTORED, bool RARE, typename List, typename Count, typename Slides, typename Springs,
           typename OfCells, typename Bodies, typename OfTiles, typename Tables>
 WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
-                            const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
-                            const OfTiles& of_tiles, Tables& tables)
+                         const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
+                         const OfTiles& of_tiles, Tables& tables)
 {
 #if !defined(__CUDA_ARCH__)
-    #pragma clang fp contract(off)
+#pragma clang fp contract(off)
 #endif
     const auto& step = wp::index(slides, 0);
     const auto& law = wp::index(springs.law, 0);
@@ -162,7 +165,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
         const int under = under_row(row, step.shift, bodies.disc.shape[0]);
         Stored *const gap = row_of(bodies.gap, row), *const sphere = row_of(bodies.sphere, row);
         Stored *const disc = row_of(bodies.disc, under), *const plastic = row_of(bodies.plastic_disc, under);
-        Stored *const wear_sphere = row_of(bodies.wear_sphere, row), *const reached = row_of(bodies.reached, row);
+        Stored *const wear_sphere = row_of(bodies.wear_sphere, row), *const reached =
+                                                                         row_of(bodies.reached, row);
         Stored* const wear_disc = row_of(bodies.wear_disc, under);
         const Stored* const stiffness = own ? row_of(of_cells.stiffness, row) : nullptr;
         const Stored* const factor = row_of(of_cells.factor, under);
@@ -239,9 +243,10 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
     const auto largest = [&](int line, double v) {
         return Left{v, &wp::index(tables.maxima, line, slot), false};
     };
-    leave_each({sum(0, total(pressure)), sum(1, total(deviation)), sum(2, count(contact)), sum(3, count(capped)),
-                sum(4, total(weighted)), sum(5, total(bared)), largest(0, most(highest)),
-                largest(1, most(deepest_sphere)), largest(2, most(deepest_disc)), largest(3, first_column), largest(4, last_column)});
+    leave_each({sum(0, total(pressure)), sum(1, total(deviation)), sum(2, count(contact)),
+                sum(3, count(capped)), sum(4, total(weighted)), sum(5, total(bared)),
+                largest(0, most(highest)), largest(1, most(deepest_sphere)), largest(2, most(deepest_disc)),
+                largest(3, first_column), largest(4, last_column)});
 }
 
 // The same, told what cells have one each of.
@@ -256,8 +261,9 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
                                                                   of_cells, bodies, of_tiles, tables);
     };
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
-    const bool rare = keeps_reached || wp::index(slides, 0).full_depth < NO_LIMIT || of_cells.stiffness.shape[0] > 0
-        || of_cells.parts.shape[0] > 0 || of_cells.bare.shape[0] > 0;
+    const bool rare = keeps_reached || wp::index(slides, 0).full_depth < NO_LIMIT ||
+                      of_cells.stiffness.shape[0] > 0 || of_cells.parts.shape[0] > 0 ||
+                      of_cells.bare.shape[0] > 0;
     const bool factored = of_cells.factored == 1;
     if (!factored && !rare) by(Is<false>(), Is<false>());
     if (!factored && rare) by(Is<false>(), Is<true>());
@@ -265,11 +271,11 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     if (factored && rare) by(Is<true>(), Is<true>());
 }
 
-// Sum the tiles of every row with a listed one, and those of the disc's row beneath it. Sums over the fields as
-// they are: increments added up would drift.
+// Sum the tiles of every row with a listed one, and those of the disc's row beneath it. Sums over the fields
+// as they are: increments added up would drift.
 template <typename Count, typename Slides, typename OfEight, typename OfRows>
-WARPWEAR_FN void total_rows(
-    int slot, int slots, const Count& counts, const Slides& slides, const OfEight& of_tiles, const OfRows& of_rows)
+WARPWEAR_FN void total_rows(int slot, int slots, const Count& counts, const Slides& slides,
+                            const OfEight& of_tiles, const OfRows& of_rows)
 {
     const int of_row = of_tiles.touched.shape[1] * OF_VECTOR, shift = wp::index(slides, 0).shift;
     const bool presses = of_tiles.pressed_disc.shape[0] == of_tiles.worn_disc.shape[0];

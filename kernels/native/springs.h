@@ -1,7 +1,8 @@
 #pragma once
-#include "lanes.h"
 // Cells of a list of tiles: how they are visited, what they carry at an approach, and what lies below a
 // level.
+
+#include "lanes.h"
 
 #if defined(__CUDA_ARCH__)
 static const int AT_ONCE =

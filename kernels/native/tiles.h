@@ -1,6 +1,7 @@
 #pragma once
-#include "lanes.h"
 // How deep a list of tiles must reach.
+
+#include "lanes.h"
 
 // The limit up to which at least so many tiles have a cell, by their lowest gaps in every so-many-th row: the
 // lowest such limit above one that is known. One thread.

@@ -1,7 +1,7 @@
 #pragma once
-#include "lanes.h"
-#include "springs.h"
 // What a step wears off the cells of a gap, and the sums that it leaves.
+
+#include "springs.h"
 
 // What a step wears cells by, and where the next step looks first.
 struct WearBy {

@@ -84,18 +84,3 @@ def bare_under_pressure(
     """Bare cells among those with a pressure, of the rows visited."""
     slot = first_slot + wp.tid() // wp.block_dim()
     _bare_under_pressure(slot, slots, slides, films, pressure_in, sums_out)
-
-
-@wp.kernel
-def difference(
-    first_slot: wp.int32,
-    slots_per_row: wp.int32,
-    now_in: wp.array2d(dtype=Cells),
-    before_in: wp.array2d(dtype=Cells),
-    worn_out: wp.array2d(dtype=Cells),
-):
-    """How far a gap has opened."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    for k in range(slot % slots_per_row, now_in.shape[1], slots_per_row):
-        worn_out[row, k] = now_in[row, k] - before_in[row, k]

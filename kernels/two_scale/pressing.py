@@ -21,9 +21,7 @@ from warpwear.kernels.two_scale.sharing import (
 from warpwear.kernels.two_scale.steps import (
     FLEXIBILITY,
     Courses,
-    Memory,
-    Now,
-    Rules,
+    Steps,
     begun,
     first_guess,
     guess_of,
@@ -120,38 +118,33 @@ def press_from(curves: Curves, brackets: wp.array(dtype=Bracket), k: wp.int32):
 def begin(
     first_slot: wp.int32,
     slots: wp.int32,
-    rules: Rules,
-    plan: wp.array2d(dtype=wp.float64),
+    steps: Steps,
     curves: Curves,
     courses: Courses,
     smooth: Smooth,
     brackets: wp.array(dtype=Bracket),
-    memory: wp.array(dtype=Memory),
-    now_out: wp.array(dtype=Now),
-    search_out: wp.array(dtype=Search),
-    flags: Flags,
 ):
     """Begin a step whose loads a smooth contact prescribes: a search of every patch."""
-    m = memory[0]
-    now = begun(rules, plan, now_out[0])
+    m = steps.memory[0]
+    now = begun(steps)
     s = Search()
-    s.common_base = prescribe(smooth, rules.load, plan[now.number, FLEXIBILITY], now.removal)
+    s.common_base = prescribe(smooth, steps.load, steps.plan[now.number, FLEXIBILITY], now.removal)
     for k in range(lane(), curves.base.shape[0], width()):
         is_pressed = smooth.target[0, k] > ZERO
         touched = is_pressed and m.steps > ZERO and curves.answer[PRESSURE, k] > ZERO
         curves.base[k] = wp.where(touched, curves.base[k] + curves.offset[k], curves.lowest[k])
-        beyond = wp.where(is_pressed, first_guess(rules, now), ZERO)
+        beyond = wp.where(is_pressed, first_guess(steps, now), ZERO)
         curves.offset[k] = wp.where(touched, guess_of(m, now), beyond)
         press_from(curves, brackets, k)
     wait_for_slot()
     if lane() == 0:
-        now_out[0] = now
-        search_out[0] = s
-        flags.searching[0] = smooth.balanced[0]
-        flags.unanswered[0] = 1
-        flags.balanced[0] = 0
+        steps.now[0] = now
+        steps.search[0] = s
+        steps.flags.searching[0] = smooth.balanced[0]
+        steps.flags.unanswered[0] = 1
+        steps.flags.balanced[0] = 0
         if smooth.balanced[0] == 0:
-            flags.stepping[0] = 0
+            steps.flags.stepping[0] = 0
 
 
 @wp.kernel

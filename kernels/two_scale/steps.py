@@ -23,24 +23,10 @@ wp.set_module_options(native_code.options("springs.h", "wear.h", "patches.h"))
 #: Columns of a row that a step leaves, before its sums and maxima.
 HEADER = ("base", "offset", "reference", "evaluations")
 FIRST = wp.constant(wp.int32(len(HEADER)))
-#: Columns of a plan: K ΔL of both bodies, 1/c of the cells, 1/K_N.
+#: Columns of a plan.
 REMOVAL = wp.constant(wp.int32(0))
 STIFFNESS = wp.constant(wp.int32(1))
 FLEXIBILITY = wp.constant(wp.int32(2))
-
-
-@wp.struct
-class Rules:
-    """What all steps of a contact have in common."""
-
-    load: Load
-    lowest: wp.float64  # of all cells before any wear [mm]
-    cell_area: wp.float64  # [mm²]
-    weight: wp.float64  # area that a cell stands for over its own
-    sprung: wp.int32  # whether springs lie behind the patches
-    looks_ahead: wp.int32  # whether the pass that wears evaluates for the next step as well
-    #: Largest extents of what may be touched before the host is asked, by `kernels.cells.EXTENTS`.
-    within: wp.vec4d
 
 
 @wp.struct
@@ -52,7 +38,10 @@ class Now:
     stiffness_next: wp.float64  # for which the pass that wears looks ahead
     reference: wp.float64  # pressure from which the scatter counts [MPa]
     mean: wp.float64  # pressure of the last step [MPa]
-    extents: wp.vec4d  # of what was touched so far, by `kernels.cells.EXTENTS`
+    first_row: wp.float64  # extents of what was touched so far, the first ones negated
+    last_row: wp.float64
+    first_column: wp.float64
+    last_column: wp.float64
     answered: wp.int32  # whether its first evaluation was made by the step before
     number: wp.int32  # of the step in the plan
     steps: wp.int32  # of the plan
@@ -72,6 +61,25 @@ class Memory:
     rate_1: wp.float64
     gives: wp.float64  # 1 where it is known how fast springs give way
     ahead: wp.float64  # K ΔL for which the patches have answered ahead; negative where they have not
+
+
+@wp.struct
+class Steps:
+    """What steps of a contact have in common, their plan, and what lies between them."""
+
+    load: Load
+    lowest: wp.float64  # of all cells before any wear [mm]
+    cell_area: wp.float64  # [mm²]
+    weight: wp.float64  # area that a cell stands for over its own
+    sprung: wp.int32  # whether springs lie behind the patches
+    looks_ahead: wp.int32  # whether the pass that wears evaluates for the next step as well
+    #: Largest extents of what may be touched before the host is asked, by `kernels.cells.EXTENTS`.
+    within: wp.vec4d
+    plan: wp.array2d(dtype=wp.float64)  # a row a step: K ΔL of both bodies, 1/c of the cells, 1/K_N
+    now: wp.array(dtype=Now)  # one
+    memory: wp.array(dtype=Memory)  # one
+    search: wp.array(dtype=Search)  # one
+    flags: Flags
 
 
 @wp.struct
@@ -145,88 +153,67 @@ def guess_of(m: Memory, now: Now):
 
 
 @wp.func
-def first_guess(rules: Rules, now: Now):
+def first_guess(steps: Steps, now: Now):
     """First step of a search from the lowest cell [mm]."""
-    pressure = wp.min(rules.load.hardness, rules.load.load / rules.cell_area)
+    pressure = wp.min(steps.load.hardness, steps.load.load / steps.cell_area)
     return HALF * pressure / now.stiffness
 
 
 @wp.func
-def begun(rules: Rules, plan: wp.array2d(dtype=wp.float64), before: Now):
+def begun(steps: Steps):
     """The next step of the plan."""
-    now = before
-    now.removal = plan[now.number, REMOVAL]
-    now.stiffness = plan[now.number, STIFFNESS]
+    now = steps.now[0]
+    now.removal = steps.plan[now.number, REMOVAL]
+    now.stiffness = steps.plan[now.number, STIFFNESS]
     now.stiffness_next = now.stiffness
     now.reference = now.mean
-    if now.mean == ZERO and rules.load.hardness < NONE:
-        now.reference = rules.load.hardness
+    if now.mean == ZERO and steps.load.hardness < NONE:
+        now.reference = steps.load.hardness
     return now
 
 
-@wp.kernel
-def begin(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    rules: Rules,
-    plan: wp.array2d(dtype=wp.float64),
-    curves: Curves,
-    courses: Courses,
-    memory: wp.array(dtype=Memory),
-    now_out: wp.array(dtype=Now),
-    search_out: wp.array(dtype=Search),
-    flags: Flags,
-):
+@wp.func
+def begin_step(steps: Steps, curves: Curves, courses: Courses):
     """Begin a step whose load is shared: a search from the last approaches, or from the lowest cell."""
-    m = memory[0]
-    now = begun(rules, plan, now_out[0])
+    m = steps.memory[0]
+    now = begun(steps)
     s = Search()
-    s.flexibility = plan[now.number, FLEXIBILITY]
+    s.flexibility = steps.plan[now.number, FLEXIBILITY]
     is_first = m.steps == ZERO
     guess = guess_of(m, now)
     if is_first:
-        guess = first_guess(rules, now)
+        guess = first_guess(steps, now)
     for k in range(lane(), curves.base.shape[0], width()):
-        curves.base[k] = wp.where(is_first, rules.lowest, courses.start[k])
+        curves.base[k] = wp.where(is_first, steps.lowest, courses.start[k])
         curves.offset[k] = guess
         if m.rates > ZERO and m.gives > ZERO:
             curves.offset[k] = guess - now.removal * courses.giving[k]
     now.answered = wp.where(m.ahead == now.removal, 1, 0)
-    common_base = wp.where(is_first, rules.lowest, m.approach)
-    s = search_from(curves, rules.load, s, common_base, guess, wp.where(is_first, ZERO, -NONE))
+    common_base = wp.where(is_first, steps.lowest, m.approach)
+    s = search_from(curves, steps.load, s, common_base, guess, wp.where(is_first, ZERO, -NONE))
     wait_for_slot()
     if lane() == 0:
-        now_out[0] = now
-        search_out[0] = s
-        flags.searching[0] = 1
-        flags.unanswered[0] = 1 - now.answered
-        flags.balanced[0] = 0
+        steps.now[0] = now
+        steps.search[0] = s
+        steps.flags.searching[0] = 1
+        steps.flags.unanswered[0] = 1 - now.answered
+        steps.flags.balanced[0] = 0
 
 
-@wp.kernel
-def foresee(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    rules: Rules,
-    plan: wp.array2d(dtype=wp.float64),
-    curves: Curves,
-    courses: Courses,
-    search: wp.array(dtype=Search),
-    memory: wp.array(dtype=Memory),
-    now_out: wp.array(dtype=Now),
-):
+@wp.func
+def foresee_step(steps: Steps, curves: Curves, courses: Courses):
     """Learn from the approaches of a step, and tell at which ones the pass that wears looks ahead."""
-    s = search[0]
-    now = now_out[0]
-    m = memory[0]
+    s = steps.search[0]
+    now = steps.now[0]
+    m = steps.memory[0]
     approach = s.common_base + s.common
-    gives = rules.sprung != 0 and m.steps > ZERO and now.removal > ZERO
+    gives = steps.sprung != 0 and m.steps > ZERO and now.removal > ZERO
     m = noted(m, approach, now.removal)
     m.gives = wp.where(gives, ONE, ZERO)
     m.ahead = -ONE
-    if rules.looks_ahead != 0 and m.rates > ZERO and plan[now.number + 1, REMOVAL] >= ZERO:
-        m.ahead = plan[now.number + 1, REMOVAL]
-        now.stiffness_next = plan[now.number + 1, STIFFNESS]
+    if steps.looks_ahead != 0 and m.rates > ZERO and steps.plan[now.number + 1, REMOVAL] >= ZERO:
+        m.ahead = steps.plan[now.number + 1, REMOVAL]
+        now.stiffness_next = steps.plan[now.number + 1, STIFFNESS]
     step = foreseen_step(m, m.ahead)
     for k in range(lane(), curves.base.shape[0], width()):
         start = wp.where(curves.answer[PRESSURE, k] > ZERO, curves.base[k] + curves.offset[k], approach)
@@ -244,27 +231,17 @@ def foresee(
                 courses.offset_next[k] = step - m.ahead * courses.giving[k]
     wait_for_slot()
     if lane() == 0:
-        now_out[0] = now
-        memory[0] = m
+        steps.now[0] = now
+        steps.memory[0] = m
 
 
-@wp.kernel
-def end(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    rules: Rules,
-    curves: Curves,
-    courses: Courses,
-    search: wp.array(dtype=Search),
-    now_out: wp.array(dtype=Now),
-    books: Books,
-    flags: Flags,
-):
+@wp.func
+def end_step(steps: Steps, curves: Curves, courses: Courses, books: Books):
     """Enter a step that has worn into the books, and see whether another one follows."""
-    s = search[0]
-    now = now_out[0]
+    s = steps.search[0]
+    now = steps.now[0]
     row = now.number
-    of_cell = rules.cell_area * rules.weight
+    of_cell = steps.cell_area * steps.weight
     for k in range(lane(), curves.base.shape[0], width()):
         courses.reached[k] = wp.max(courses.reached[k], curves.base[k] + curves.offset[k])
         books.loads[row, k] = books.sums[WearSum.PRESSURE, k] * of_cell
@@ -289,11 +266,14 @@ def end(
         now.mean = pressure / contact
         now.number = row + 1
         follows = now.number < now.steps and contact > ZERO
-        left = wp.abs(pressure * of_cell - rules.load.load)
-        follows = follows and left <= (ONE + ONE) * rules.load.tolerance * rules.load.load
+        left = wp.abs(pressure * of_cell - steps.load.load)
+        follows = follows and left <= (ONE + ONE) * steps.load.tolerance * steps.load.load
+        extents = FIRST + sums + WearMost.FIRST_ROW
+        now.first_row = wp.max(now.first_row, books.rows[row, extents])
+        now.last_row = wp.max(now.last_row, books.rows[row, extents + 1])
+        now.first_column = wp.max(now.first_column, books.rows[row, extents + 2])
+        now.last_column = wp.max(now.last_column, books.rows[row, extents + 3])
         for i in range(4):
-            extent = books.rows[row, FIRST + sums + WearMost.FIRST_ROW + i]
-            now.extents[i] = wp.max(now.extents[i], extent)
-            follows = follows and extent <= rules.within[i]
-        now_out[0] = now
-        flags.stepping[0] = wp.where(follows, 1, 0)
+            follows = follows and books.rows[row, extents + i] <= steps.within[i]
+        steps.now[0] = now
+        steps.flags.stepping[0] = wp.where(follows, 1, 0)

@@ -80,7 +80,7 @@ class LoadSearch:
 
     def solve(self) -> Balance:
         """Search where nothing is known, on springs of a field of stiffnesses. Raises ConvergenceError."""
-        program, smallest = Program(self._executor), self._tiles.smallest
+        program, smallest = Program(self._executor, records=False), self._tiles.smallest
         if self.is_rigid:
             program.decide(bearing.begin, self.springs, smallest)
         else:
@@ -108,7 +108,7 @@ class LoadSearch:
 
     def _launch_once(self, kernel: Any, *arguments: Any) -> None:
         """Launch a kernel over the listed tiles."""
-        program, tiles = Program(self._executor), self._tiles
+        program, tiles = Program(self._executor, records=False), self._tiles
         program.launch(kernel, tiles.list, tiles.count, *arguments, chunks=lambda: tiles.chunks)
         program.run()
 

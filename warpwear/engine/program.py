@@ -180,14 +180,15 @@ class Recording:
 class Program:
     """A program on an executor. It is recorded when it is first run; nothing can be added then.
 
-    shares: whether threads share its passes, where there are enough cells; else it is of one core.
+    shares: whether threads share its passes, where there are enough cells; else it is of one core. records:
+    whether it is recorded at all, which takes about as long as making a few of its launches.
     """
 
-    def __init__(self, executor: Executor, *, shares: bool = True) -> None:
+    def __init__(self, executor: Executor, *, shares: bool = True, records: bool = True) -> None:
         self._executor, self._shares = executor, shares
         self._whole = Block()
         self._open = [self._whole]
-        self._is_recorded = False
+        self._records, self._is_closed = records, False
 
     def launch(
         self,
@@ -229,9 +230,9 @@ class Program:
 
     def run(self) -> None:
         """Replay the program; on a GPU it is queued."""
-        if not self._is_recorded:
+        if self._records and not self._is_closed:
             self._whole.record(self._executor.device)
-            self._is_recorded = True
+        self._is_closed = True
         self._whole.run()
 
     def _within(self, block: Block) -> Iterator[None]:
@@ -243,5 +244,5 @@ class Program:
             self._open.pop()
 
     def _add(self, node: Node) -> None:
-        assert not self._is_recorded
+        assert not self._is_closed
         self._open[-1].nodes.append(node)

@@ -62,7 +62,7 @@ class Tiles:
         #: Flag: a list is asked for.
         self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
         self._split: tuple[int, Chunks] | None = None  # for the number of a list
-        find = Program(executor)
+        find = Program(executor, records=False)
         find.launch(kernels.lowest, gap, self._lowest)
         find.run()
         #: Lowest gap before anything was worn [mm]; none is lower later.

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,6 +23,9 @@ class Worn:
     most: dict[str, float]  # by those of `PATCH_MAXIMA`; "worn" is by both bodies
     loads: FloatArray  # [N]
     areas: FloatArray  # in contact [mm²]
+    approach: tuple[float, float]  # of the bodies, base and offset [mm]
+    reference: float  # pressure from which the squares count [MPa]
+    evaluations: int
     bare: float | None = None  # cells in contact that were bare of film; None without one
 
 
@@ -104,35 +107,34 @@ class PatchLedger:
         """Extents of what is touched neither at the edge nor at the rim, by `kernels.cells.EXTENTS`."""
         return self._ledger.within
 
-    def worn(self, sums: dict[str, FloatArray], most: dict[str, float]) -> Worn:
+    def worn(self, sums: dict[str, FloatArray], most: dict[str, float], **others: Any) -> Worn:
         """What a step did, by its sums over each patch; 0 for those that never touched."""
         total = {name: float(values.sum()) for name, values in sums.items()}
-        return Worn(total, most, sums["pressure"] * self._of_cell, sums["contact"] * self._of_cell)
+        loads, areas = (sums[name] * self._of_cell for name in ("pressure", "contact"))
+        return Worn(total, most, loads, areas, **others)
 
     def enter(
         self,
         worn: Worn,
-        approach: tuple[float, float],
         increment: float,
         removals: tuple[float, float],
-        reference: float,
-        pressure: FloatArray | None,
-        evaluations: int,
+        pressure: FloatArray | None = None,
     ) -> Step:
         """Book a step of an increment [mm] that wore sphere and disc by K ΔL = removals [mm³/N].
 
-        worn: of patches in the order of the macro cells. approach: of the bodies, base and offset [mm].
-        reference: pressure from which the squares count [MPa]. pressure: on the domain [MPa], where it was
-        asked for. Raises ConvergenceError where the pressures do not add up to the load.
+        worn: of patches in the order of the macro cells. pressure: on the domain [MPa], where it was asked
+        for. Raises ConvergenceError where the pressures do not add up to the load.
         """
         total, most = (divided(both, self._fractions) for both in (worn.total, worn.most))
         if worn.bare is not None:
             total["bare"] = worn.bare
         carried = total["pressure"] * self._of_cell
-        residual = residual_of(carried, self._task.load, approach=sum(approach))
+        residual = residual_of(carried, self._task.load, approach=sum(worn.approach))
         self.book.enter(load_share=worn.loads, area_patch=worn.areas)
-        balance = Balance(*approach, self._task.hardness, residual, evaluations=evaluations)
-        return self._ledger.enter(balance, increment, removals, reference, total, most, pressure=pressure)
+        balance = Balance(*worn.approach, self._task.hardness, residual, evaluations=worn.evaluations)
+        return self._ledger.enter(
+            balance, increment, removals, worn.reference, total, most, pressure=pressure
+        )
 
     def snapshot(
         self,

@@ -152,7 +152,7 @@ def test_what_is_evaluated_ahead_is_what_patches_answer(kind: str, device: str) 
     model, compared = stepped.model, 0
     sharing, foresight = model.sharing, model._foresight
     asks = Program(stepped.executor)
-    model._pass(asks, passes.carried, model._rules, model._now.array, sharing.curves, model.contact.surfaces)
+    model._pass(asks, passes.carried, model._steps, sharing.curves, model.contact.surfaces)
     for increment, then in pairwise((3e-3, 3e-3, 0.01, 0.03, 0.1, 0.3)):
         model.advance(increment, then=then)
         if foresight.memory["ahead"] < 0.0:

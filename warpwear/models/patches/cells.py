@@ -9,7 +9,6 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.cells import TILE_VECTORS
-from warpwear.kernels.running_in.film import difference
 from warpwear.laws.film import Film
 from warpwear.laws.patches import Patches
 from warpwear.models.film import BareCells
@@ -72,6 +71,7 @@ class PatchContact:
         self.lowest: FloatArray = layout.lowest.numpy().min(axis=1)
         #: Worn by both bodies [mm], where a film asks for it.
         self._worn = executor.zeros(None if film else 0)
+        self._measured: Program | None = None
         self.film = BareCells.of_both(film, executor, self._worn, fractions)
         parts = None if self.film is None else self.film.parts
         self.surfaces = arguments(
@@ -97,5 +97,8 @@ class PatchContact:
             self.film.rub(distance)
 
     def _measure_wear(self) -> None:
-        inputs = [self.gap, self.initial]
-        self._executor.launch(difference, inputs=inputs, outputs=[self._worn])
+        if self._measured is None:
+            self._measured = Program(self._executor)
+            slots = self.gap.shape[0]
+            self._measured.launch(kernels.worn, self.surfaces, self._worn, slots=slots)
+        self._measured.run()

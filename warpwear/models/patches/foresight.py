@@ -29,7 +29,7 @@ class PatchForesight:
         def of_patches(value: float = 0.0) -> Field:
             return wp.full(count, value, dtype=wp.float64, device=device)
 
-        self.memory = Numbers(kernels.Memory, device)
+        self.memory = Numbers(kernels.Memory, device, ahead=-1.0)
         self.start, self.deflection, self.giving = of_patches(), of_patches(), of_patches()
         #: Largest approach that each patch has had [mm].
         self.reached = of_patches(-float("inf"))

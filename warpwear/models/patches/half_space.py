@@ -128,13 +128,11 @@ class HalfSpacePatches(Model):
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
         # The scatter is summed about a value near the mean.
         reference = self._ledger.row["pressure_mean"]
-        worn = self._wear(contact, sum(removals), reference)
+        worn = self._wear(contact, sum(removals), reference, approach)
         if self._film is not None:
             worn = replace(worn, bare=self._film.under(contact.pressure_field, self.visited))
             self._film.rub(start + increment)
-        made = self._ledger.enter(
-            worn, (approach, 0.0), increment, removals, reference, pressure, contact.transforms
-        )
+        made = self._ledger.enter(worn, increment, removals, pressure)
         made.row.update(columns_of(contact.certificate))
         return made
 
@@ -186,7 +184,7 @@ class HalfSpacePatches(Model):
         """How many patches had their lowest point below an approach or at it before any wear [mm]."""
         return int(np.searchsorted(self.lowest, approach, side="right"))
 
-    def _wear(self, contact: HalfSpaceContact, removal: float, reference: float) -> Worn:
+    def _wear(self, contact: HalfSpaceContact, removal: float, reference: float, approach: float) -> Worn:
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
         self._slides.set(rows=self.visited, of_sphere=removal, reference=reference)
         if self._worn_by is not contact.pressure_field:
@@ -198,7 +196,9 @@ class HalfSpacePatches(Model):
         for name, values in sums.items():
             values[self._order[: self.visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
         most = {name: float(largest[PressureMost[OF_BOTH.get(name, name).upper()]]) for name in PATCH_MAXIMA}
-        return self._ledger.worn(sums, most)
+        return self._ledger.worn(
+            sums, most, approach=(approach, 0.0), reference=reference, evaluations=contact.transforms
+        )
 
     def _say_wear(self, contact: HalfSpaceContact) -> Program:
         """Say how bodies wear by the pressure that the solver leaves."""

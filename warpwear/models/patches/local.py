@@ -1,6 +1,7 @@
 """Two scales: patches of fine cells that share the load of a macro contact."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -53,7 +54,7 @@ class TwoScaleModel(Model):
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self.patches = task, patches
         self._executor = executor
-        executor.foresee([passes.wear, kernels.begin])
+        executor.foresee([passes.wear, *([pressing.judge] if task.prescribed_loads else [])])
         self.contact = PatchContact(
             patches,
             heights,
@@ -71,17 +72,6 @@ class TwoScaleModel(Model):
         )
         self._foresight = PatchForesight(executor)
         self.longest_block = max(1, min(LONGEST_BLOCK, MOST_NUMBERS // patches.count))
-        self._rules = arguments(
-            kernels.Rules,
-            load=self.sharing.load,
-            lowest=float(lowest.min()),
-            cell_area=patches.domain.cell_area,
-            weight=patches.weight,
-            sprung=int(task.uses_bulk_stiffness),
-            # Where a film is, wear changes the caps.
-            looks_ahead=int(self._smooth is None and task.film is None),
-            within=wp.vec4d(*self._ledger.within),
-        )
         count, device = patches.count, executor.device
         tables = {
             "sums": (len(PATCH_SUMS), count),
@@ -92,45 +82,56 @@ class TwoScaleModel(Model):
         }
         made = {name: wp.zeros(shape, dtype=wp.float64, device=device) for name, shape in tables.items()}
         self._books = arguments(kernels.Books, ahead=self.contact.surfaces.trial, **made)
-        self._plan = wp.zeros((self.longest_block + 1, 3), dtype=wp.float64, device=device)
         self._now = Numbers(kernels.Now, device)
+        self._steps = arguments(
+            kernels.Steps,
+            load=self.sharing.load,
+            lowest=float(lowest.min()),
+            cell_area=patches.domain.cell_area,
+            weight=patches.weight,
+            sprung=int(task.uses_bulk_stiffness),
+            # Where a film is, wear changes the caps.
+            looks_ahead=int(self._smooth is None and task.film is None),
+            within=wp.vec4d(*self._ledger.within),
+            plan=wp.zeros((self.longest_block + 1, 3), dtype=wp.float64, device=device),
+            now=self._now.array,
+            memory=self._foresight.memory.array,
+            search=self.sharing.search.array,
+            flags=self.sharing.flags,
+        )
         self._work = np.full(count, LEAST_WORK * patches.side**2)
         self._chunks: list[tuple[int, int]] = []
-        self._find, self._wear, self._steps = (Program(executor) for _ in range(3))
+        self._find, self._wear, self._many = (Program(executor) for _ in range(3))
         self._say_find(self._find)
         self._say_wear(self._wear)
         flags = self.sharing.flags
-        with self._steps.loop(flags.stepping):
-            self._say_find(self._steps)
-            with self._steps.branch(flags.balanced):
-                self._say_wear(self._steps)
+        with self._many.loop(flags.stepping):
+            self._say_find(self._many)
+            with self._many.branch(flags.balanced):
+                self._say_wear(self._many)
         self._pressed: tuple[Field, Program] | None = None
 
     def _say_find(self, program: Program) -> None:
         """Add the search for the approaches of a step to a program."""
-        sharing, smooth = self.sharing, self._smooth
-        given = self._rules, self._plan, sharing.curves, self._foresight.courses
-        found = self._foresight.memory.array, self._now.array, sharing.search.array, sharing.flags
+        curves, smooth = self.sharing.curves, self._smooth
+        given = self._steps, curves, self._foresight.courses
 
         def evaluate() -> None:
-            inputs = self._rules, self._now.array, sharing.curves, self.contact.surfaces
-            self._pass(program, passes.carried, *inputs)
+            self._pass(program, passes.carried, self._steps, curves, self.contact.surfaces)
 
         if smooth is None:
-            program.decide(kernels.begin, *given, *found)
-            sharing.say(program, evaluate)
+            program.decide(passes.begin, *given)
+            self.sharing.say(program, evaluate)
             return
-        program.decide(pressing.begin, *given, smooth.smooth, smooth.brackets, *found)
-        smooth.say(program, sharing, evaluate)
+        program.decide(pressing.begin, *given, smooth.smooth, smooth.brackets)
+        smooth.say(program, self.sharing, evaluate)
 
     def _say_wear(self, program: Program) -> None:
         """Add the wear of a step whose approaches are found to a program."""
-        sharing, now, memory = self.sharing, self._now.array, self._foresight.memory.array
-        rules, books, search = self._rules, self._books, sharing.search.array
-        patches = sharing.curves, self._foresight.courses
-        program.decide(kernels.foresee, rules, self._plan, *patches, search, memory, now)
-        self._pass(program, passes.wear, rules, now, *patches, self.contact.surfaces, books)
-        program.decide(kernels.end, rules, *patches, search, now, books, sharing.flags)
+        given = self._steps, self.sharing.curves, self._foresight.courses
+        program.decide(passes.foresee, *given)
+        self._pass(program, passes.wear, *given, self.contact.surfaces, self._books)
+        program.decide(passes.end, *given, self._books)
 
     def _pass(self, program: Program, kernel: object, *inputs: object) -> None:
         """Add a pass over all patches to a program."""
@@ -147,11 +148,11 @@ class TwoScaleModel(Model):
         while done < len(increments):
             left = increments[done:]
             removals = self._begin(left, then)
-            self._steps.run()
+            self._many.run()
             count = self._now["number"]
-            for number in range(count):
+            for number, worn in enumerate(self._made(count)):
                 self.steps_in_flight = count - 1 - number
-                yield self._enter(number, left[number], removals[number])
+                yield self._ledger.enter(worn, left[number], removals[number])
             if not self.sharing.is_balanced:
                 raise self._failure()
             done += count
@@ -176,7 +177,8 @@ class TwoScaleModel(Model):
             pressure = self.patches.on_domain(self._executor.to_numpy(pressed))
         self._wear.run()
         self.contact.rub(distance + increment)
-        return self._enter(0, increment, removals[0], pressure=pressure, bare=bare)
+        worn = replace(next(self._made(1)), bare=bare)
+        return self._ledger.enter(worn, increment, removals[0], pressure)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
@@ -193,15 +195,15 @@ class TwoScaleModel(Model):
         known = [*increments, *([] if then is None else [then])]
         removals = removals_of(task.wear, row["distance"], known)
         flexibility = 1.0 / self._ledger.foundation
-        plan = self._plan.numpy()
+        plan = self._steps.plan.numpy()
         plan[:, 0] = -1.0  # where no step follows
         for number, removal in enumerate(map(sum, removals)):
             stiffness = stiffness_of(task.compliance + (removal if task.implicit else 0.0))
             plan[number] = removal, stiffness, flexibility
-        if not self._plan.device.is_cpu:
-            self._plan.assign(plan)
-        extents = [self._ledger.most[name] for name in EXTENTS]
-        self._now.set(mean=row["pressure_mean"], extents=extents, number=0, steps=len(increments))
+        if not self._executor.device.is_cpu:
+            self._steps.plan.assign(plan)
+        extents = {name: self._ledger.most[name] for name in EXTENTS}
+        self._now.set(mean=row["pressure_mean"], number=0, steps=len(increments), **extents)
         self.sharing.flags.stepping.fill_(1)
         self._chunks = self._executor.split_rows(self._work)
         return removals
@@ -210,32 +212,24 @@ class TwoScaleModel(Model):
         """The pressure of every cell at the approaches that are found [MPa]."""
         if self._pressed is None:
             field, program = self._executor.zeros(), Program(self._executor)
-            inputs = self._rules, self._now.array, self.sharing.curves, self.contact.surfaces
+            inputs = self._steps, self.sharing.curves, self.contact.surfaces
             self._pass(program, passes.pressures, *inputs, field)
             self._pressed = field, program
         field, program = self._pressed
         program.run()
         return field
 
-    def _enter(
-        self,
-        number: int,
-        increment: float,
-        removals: tuple[float, float],
-        *,
-        pressure: FloatArray | None = None,
-        bare: float | None = None,
-    ) -> Step:
-        """Book a step that was made, by its number in the plan."""
-        rows, loads, areas = (t.numpy() for t in (self._books.rows, self._books.loads, self._books.areas))
-        base, offset, reference, evaluations, *found = rows[number].tolist()
-        total = dict(zip(PATCH_SUMS, found, strict=False))
-        most = dict(zip(PATCH_MAXIMA, found[len(PATCH_SUMS) :], strict=True))
-        worn = Worn(total, most, loads[number].copy(), areas[number].copy(), bare)
-        self._work = self._books.sums.numpy()[PATCH_SUMS.index("touched")] + LEAST_WORK * self.patches.side**2
-        return self._ledger.enter(
-            worn, (base, offset), increment, removals, reference, pressure, int(evaluations)
-        )
+    def _made(self, count: int) -> Iterator[Worn]:
+        """What the first steps of the plan have left."""
+        books = self._books
+        rows, loads, areas = (table.numpy()[:count] for table in (books.rows, books.loads, books.areas))
+        touched = books.sums.numpy()[PATCH_SUMS.index("touched")]
+        self._work = touched + LEAST_WORK * self.patches.side**2
+        for row, load, area in zip(rows.tolist(), loads.copy(), areas.copy(), strict=True):
+            base, offset, reference, evaluations, *found = row
+            total = dict(zip(PATCH_SUMS, found, strict=False))
+            most = dict(zip(PATCH_MAXIMA, found[len(PATCH_SUMS) :], strict=True))
+            yield Worn(total, most, load, area, (base, offset), reference, int(evaluations))
 
     def _failure(self) -> Exception:
         """What is wrong with a step that could not be made."""

@@ -21,6 +21,7 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
+from warpwear.kernels import patches
 from warpwear.kernels.two_scale import sharing as kernels
 
 
@@ -76,7 +77,7 @@ class LoadSharing:
         with program.loop(flags.searching):
             with program.branch(flags.unanswered):
                 evaluate()
-            program.decide(kernels.judge, self.load, self.curves, self.search.array, flags)
+            program.decide(patches.judge, self.load, self.curves, self.search.array, flags)
 
     @property
     def trial(self) -> tuple[Field, Field]:

@@ -29,7 +29,7 @@ class SmoothContact:
     Raises InputError for a load that the others do not carry.
     """
 
-    STATE: ClassVar = {"worn": Field, "approach": Field}
+    STATE: ClassVar = {"worn": Field, "_approach": Field}
 
     def __init__(self, task: ContactTask, patches: Patches, executor: Executor) -> None:
         self._load = task.load
@@ -47,12 +47,12 @@ class SmoothContact:
                 "patches.macro_cell."
             )
         self.worn = wp.zeros(count, dtype=wp.float64, device=device)  # by both bodies [mm]
-        self.approach = wp.array([self.initial.min()], dtype=wp.float64, device=device)  # [mm]
+        self._approach = wp.array([self.initial.min()], dtype=wp.float64, device=device)  # [mm]
         self.smooth = arguments(
             kernels.Smooth,
             initial=wp.array(self.initial, dtype=wp.float64, device=device),
             worn=self.worn,
-            approach=self.approach,
+            approach=self._approach,
             balanced=wp.zeros(1, dtype=wp.int32, device=device),
             left=wp.zeros(1, dtype=wp.float64, device=device),
             target=wp.zeros((1, count), dtype=wp.float64, device=device),
@@ -77,6 +77,11 @@ class SmoothContact:
             program.decide(kernels.judge, sharing.load, *patches, sharing.search.array, sharing.flags)
 
     @property
+    def approach(self) -> float:
+        """Approach of the smooth bodies [mm]."""
+        return float(self._approach.numpy()[0])
+
+    @property
     def is_balanced(self) -> bool:
         """Whether the last search has ended well."""
         return bool(self.smooth.balanced.numpy()[0])
@@ -97,7 +102,7 @@ class SmoothContact:
         if sharing is None or not self.is_balanced:
             return ConvergenceError(
                 f"the smooth macro contact did not converge: {self.smooth.left.numpy()[0]:.3g} N of "
-                f"{self._load:.6g} N are left near an approach of {self.approach.numpy()[0]:.9g} mm."
+                f"{self._load:.6g} N are left near an approach of {self.approach:.9g} mm."
             )
         target, p = self.smooth.target.numpy()[0], sharing.answer.numpy()[0]
         worst = int(np.argmax(np.abs(p - target) - float(kernels.PART) * TOLERANCE * target))

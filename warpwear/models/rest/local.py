@@ -90,7 +90,8 @@ class OneScaleModel(Model):
         tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
         self._tables = arguments(wear.Tables, **tables)
         # Many steps; and one, between whose search and wear its pressures can be seen.
-        self._many, self._to_search, self._to_wear = (Program(executor) for _ in range(3))
+        self._many = Program(executor)
+        self._to_search, self._to_wear = (Program(executor, records=False) for _ in range(2))
         self._begin(self._many)
         with self._many.loop(self._steps.stepping):
             self._add_search(self._many)

@@ -19,12 +19,11 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, wear_from_pressure
-from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
+from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
 from warpwear.kernels.half_space import decisions, passes
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfRows
 from warpwear.kernels.wear_from_pressure import Pressed
-from warpwear.kernels.wear_loops import Layout
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
