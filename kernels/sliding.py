@@ -31,7 +31,7 @@ from warpwear.kernels.slide import Slide
 from warpwear.kernels.tiles import Listing, reached
 from warpwear.kernels.wear import BALANCE, total_of
 
-wp.set_module_options(native_code.options("springs.h", "wear.h", "bodies.h", "sliding.h"))
+wp.set_module_options(native_code.options("sliding.h"))
 
 #: Columns of the plan, a row a step: of `Slide`, the compliance of a cell that slides as far as the middle
 #: [mm³/N], and 1/c where that is of all cells, else 0 [N/mm³].

@@ -122,7 +122,7 @@ class BareCells:
 
     def under(self, pressure: Field, rows: int | None = None) -> float:
         """Count the bare cells under a pressure. rows: that have one, by default all."""
-        program = Program(self._executor)
+        program = Program(self._executor, records=False)
         self._slides.set(rows=self._executor.grid.nx if rows is None else rows)
         self.say_under(program, self._slides.array, pressure, self._sums)
         program.run()

@@ -353,7 +353,7 @@ class SlidingContact:
         softest = step["stiffness"]
         if self._differs and step["compliance"] > 0.0:
             self._slides.set(**{name: step[name] for name in ("own", "of_sphere", "of_disc")})
-            program = Program(self._executor)
+            program = Program(self._executor, records=False)
             self._say_stiffness(program)
             program.run()
             values = self._stiffness.numpy()

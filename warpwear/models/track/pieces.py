@@ -67,7 +67,7 @@ class Pending:
             columns=grid.ny,
             periodic=int(periodic),
         )
-        every = Program(executor)
+        every = Program(executor, records=False)
         whole = Numbers(Slide, executor.device, rows=rows + executor.grid.nx)
         self._count(int(kernels.HAD_WAITED), 1)
         every.launch(

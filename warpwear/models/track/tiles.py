@@ -65,7 +65,7 @@ class SlidingTiles:
         self._split: tuple[int, list[tuple[int, int]]] | None = None  # for the number of a list
         self.lowest = PerTile(nx, columns, device)  # of the sphere
         self.highest = PerTile(bodies.disc.shape[0], columns, device)  # of the disc
-        find = Program(executor)
+        find = Program(executor, records=False)
         for field, kept, low in ((bodies.sphere, self.lowest, True), (bodies.disc, self.highest, False)):
             other = PerTile(field.shape[0], columns, device)
             both = [kept.numbers, other.numbers] if low else [other.numbers, kept.numbers]
