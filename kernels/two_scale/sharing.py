@@ -17,7 +17,7 @@ from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO
 from warpwear.kernels.newton import DIGITS, FIRST_REACH, GROWS, HALF, HOPELESS, SURELY
 
-wp.set_module_options(native_code.options("wear.h", "patches.h"))
+wp.set_module_options(native_code.options("springs.h", "wear.h", "patches.h"))
 
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
 JOINT = wp.constant(wp.int32(12))

@@ -18,7 +18,7 @@ from warpwear.kernels.two_scale.sharing import (
     width,
 )
 
-wp.set_module_options(native_code.options("wear.h", "patches.h"))
+wp.set_module_options(native_code.options("springs.h", "wear.h", "patches.h"))
 
 #: Columns of a row that a step leaves, before its sums and maxima.
 HEADER = ("base", "offset", "reference", "evaluations")
