@@ -19,11 +19,11 @@ from warpwear.kernels.two_scale.sharing import (
     width,
 )
 from warpwear.kernels.two_scale.steps import (
-    FLEXIBILITY,
     Courses,
     Steps,
     begun,
     first_guess,
+    flexibility_of,
     guess_of,
 )
 
@@ -128,7 +128,7 @@ def begin(
     m = steps.memory[0]
     now = begun(steps)
     s = Search()
-    s.common_base = prescribe(smooth, steps.load, steps.plan[now.number, FLEXIBILITY], now.removal)
+    s.common_base = prescribe(smooth, steps.load, flexibility_of(steps, now), now.removal)
     for k in range(lane(), curves.base.shape[0], width()):
         is_pressed = smooth.target[0, k] > ZERO
         touched = is_pressed and m.steps > ZERO and curves.answer[PRESSURE, k] > ZERO
