@@ -9,20 +9,18 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import (
-    TWO,
-    Listing,
     Search,
     Springs,
     ask_for,
     most_of,
-    reached,
     sum_of,
 )
 from warpwear.kernels.cells import NONE, ZERO, Cells
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import EVALUATIONS, GROWS, HALF, HOPELESS, LOOKS, MET, STUCK, bracket_at
+from warpwear.kernels.tiles import TWO, Listing, reached
 
-wp.set_module_options(native_code.options("wear.h"))
+wp.set_module_options(native_code.options("springs.h"))
 
 #: Gaps that differ by less are tied [mm]: a picometre-thousandth, below anything a surface has.
 TIE = wp.constant(wp.float64(1.0e-12))
@@ -97,8 +95,6 @@ def counted(
                 b.high = highest + TWO * TIE
             b.offset = HALF * (b.low + b.high)
             s.phase = TRIAL
-    elif s.phase == TRIAL and s.is_cold == 1 and level > lists.limit and count - needed < allowed:
-        lists = reached(lists, level, s.margin)  # others may touch as well
     elif s.phase == TRIAL:
         s.evaluations = s.evaluations + 1
         width = b.high - b.low
@@ -158,7 +154,7 @@ def counted(
             law.tie_width = TIE
             law.tie_pressure = part * springs.cap
             s.residual = (s.below + part * tied) * full - springs.load
-    if b.state == LOOKS and (s.phase > TRIAL or s.is_cold == 0):
+    if b.state == LOOKS and s.phase != ALL:
         lists = reached(lists, b.offset, s.margin)
     s.bracket = b
     return s, lists, law

@@ -4,6 +4,7 @@ A native function of a module is a line that calls what a header defines. Header
 structs of a module come after them, and text of the module: a header that changes is compiled anew.
 """
 
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,18 +12,27 @@ from typing import Any
 import warp as wp
 
 FOLDER = Path(__file__).with_name("native")
-#: Lines of a header that tell an editor and a compiler of single files where the others are.
-FOR_EDITORS = ("#pragma once", '#include "')
+#: A line of a header that names another one, which comes before it.
+INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 
 
 def options(*headers: str) -> dict[str, Any]:
-    """Return the options of a module whose native functions call these headers; `lanes.h` comes first."""
-    text = "".join(map(_text, dict.fromkeys(("lanes.h", *headers))))
+    """Return the options of a module whose native functions call these headers, or `lanes.h` alone."""
+    names = dict.fromkeys(name for header in headers or ("lanes.h",) for name in _with_includes(header))
+    text = "".join(_text(name) for name in names)
     build = wp.ModuleBuildOptions(extra_cpu_preamble=text, extra_cuda_preamble=text)
     return {"enable_backward": False, "extra_build_options": build}
 
 
 @cache
+def _with_includes(header: str) -> tuple[str, ...]:
+    """Name a header after those that it includes."""
+    includes = INCLUDE.findall((FOLDER / header).read_text(encoding="utf-8"))
+    return (*(name for include in includes for name in _with_includes(include)), header)
+
+
+@cache
 def _text(header: str) -> str:
-    lines = (FOLDER / header).read_text(encoding="utf-8").splitlines()
-    return "\n".join(line for line in lines if not line.startswith(FOR_EDITORS)) + "\n"
+    """Read a header without the lines that are for editors, and compilers of single files."""
+    text = (FOLDER / header).read_text(encoding="utf-8")
+    return INCLUDE.sub("", text).replace("#pragma once\n", "")

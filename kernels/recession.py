@@ -55,7 +55,7 @@ def stiffness(
     wear_disc_in: wp.array2d(dtype=Cells),
     stiffness_out: wp.array2d(dtype=Cells),
 ):
-    """1/c of the cells in an implicit step: of its own compliance and the wear of both bodies, K ΔL/φ.
+    """1/c of the cells in an implicit step: their own compliance and the wear of both bodies, K ΔL/φ.
 
     factor_in: of the sliding distance of the disc's cells. A curve without a scale bears everywhere; else φ is
     as it is at the step's start.

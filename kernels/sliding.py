@@ -5,15 +5,15 @@ i + shift, modulo the disc's length: the same vectors of another row, so nothing
 the sphere the lowest height is kept and of every tile of the disc the highest, eight tiles in one vector like
 the cells of a field; their difference bounds the gap of a pair of tiles from below.
 
-A step is a list of tiles, as each displacement has its own, a search for the load balance, see `balance` and
-`bearing`, a pass that wears, and a row of the history. The search begins at the last approach, which it may be
-off by as much as it has lately changed. The loops are C++: native/sliding.h.
+A step is a list of tiles, as each displacement has its own, a search for the load balance, see `balance`
+and `bearing`, a pass that wears, and a row of the history. The search begins at the last approach, which it
+may be off by as much as it has lately changed. The loops are C++: native/sliding.h.
 """
 
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import Listing, Springs, reached, search_from, search_from_lowest
+from warpwear.kernels.balance import Springs, search_from, search_from_lowest
 from warpwear.kernels.bearing import area_between, area_near
 from warpwear.kernels.cells import (
     ABSENT,
@@ -28,6 +28,7 @@ from warpwear.kernels.cells import (
 )
 from warpwear.kernels.newton import HALF, STUCK
 from warpwear.kernels.slide import Slide
+from warpwear.kernels.tiles import Listing, reached
 from warpwear.kernels.wear import BALANCE, total_of
 
 wp.set_module_options(native_code.options("wear.h", "bodies.h", "sliding.h"))
@@ -432,8 +433,12 @@ def is_within(steps: Steps, c: Course, row: wp.int32):
     within = steps.within
     row_first = found[row, OF_ROWS + 4] > wp.max(c.first_row, within[0])
     row_last = found[row, OF_ROWS + 5] > wp.max(c.last_row, within[1])
-    column_first = found[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))] > wp.max(c.first_column, within[2])
-    column_last = found[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))] > wp.max(c.last_column, within[3])
+    column_first = found[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))] > wp.max(
+        c.first_column, within[2]
+    )
+    column_last = found[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))] > wp.max(
+        c.last_column, within[3]
+    )
     return not (row_first or row_last or column_first or column_last)
 
 

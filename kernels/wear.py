@@ -12,7 +12,6 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import (
     STEPS_AHEAD,
-    Listing,
     Search,
     Springs,
     ask_for,
@@ -20,7 +19,6 @@ from warpwear.kernels.balance import (
     evaluated,
     judged,
     most_of,
-    reached,
     search_from,
     search_from_lowest,
     sum_of,
@@ -29,6 +27,7 @@ from warpwear.kernels.bearing import area_between, conclude_area, counted
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells, TileSums, WearMost, WearSum
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import HALF, LOOKS, STUCK
+from warpwear.kernels.tiles import Listing, reached
 
 wp.set_module_options(native_code.options("wear.h"))
 
@@ -280,7 +279,7 @@ def total_of(
     row: wp.int32,
     column: wp.int32,
 ) -> None:
-    """Brings the lines of a table to numbers, by all threads of a deciding slot: from a column of a row on."""
+    """Brings each line of a table to a number, in a row from a column on. All threads of a slot call it."""
     ...
 
 

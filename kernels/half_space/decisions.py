@@ -15,6 +15,7 @@ from warpwear.kernels.half_space.solve import (
     UNBALANCED,
     Group,
     Numbers,
+    Flag,
     Request,
     Rules,
     Solve,
@@ -40,10 +41,10 @@ TWO = wp.constant(wp.float64(2.0))
 @wp.kernel
 def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Begin a search as the host asks, or go on with one that waited for the host."""
-    resumes = solve.request[wp.static(int(Request.RESUMES))] > ZERO
-    at_load = solve.request[wp.static(int(Request.AT_LOAD))] > ZERO
-    anew = solve.request[wp.static(int(Request.ANEW))] > ZERO
-    rough = solve.request[wp.static(int(Request.ROUGH))] > ZERO and solve.rules.single_rounding > ZERO
+    resumes = solve.request[Request.RESUMES] > ZERO
+    at_load = solve.request[Request.AT_LOAD] > ZERO
+    anew = solve.request[Request.ANEW] > ZERO
+    rough = solve.request[Request.ROUGH] > ZERO and solve.rules[0].single_rounding > ZERO
     if not resumes:
         for i in range(lane(), groups_of(solve), width()):
             group = Group()
@@ -57,7 +58,7 @@ def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
             solve.numbers[0] = n
         else:
             n = Numbers()
-            n.response = solve.request[wp.static(int(Request.RESPONSE))]
+            n.response = solve.request[Request.RESPONSE]
             n.stiffness = ONE / n.response
             n.at_load = wp.where(at_load, 1, 0)
             n.plain_length = n.stiffness
@@ -65,13 +66,13 @@ def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
             n.last = -1
             n.few_below = NONE
             solve.numbers[0] = n
-            solve.renews[0] = 1
-            solve.renews_roughly[0] = wp.where(rough, 1, 0)
-            solve.renews_exactly[0] = wp.where(rough, 0, 1)
-            solve.moves[0] = 0
-        solve.starts[0] = wp.where(resumes, 0, 1)
-        solve.anew[0] = wp.where(anew and not resumes, 1, 0)
-        solve.searching[0] = 1
+            solve.flags[Flag.RENEWS] = 1
+            solve.flags[Flag.RENEWS_ROUGHLY] = wp.where(rough, 1, 0)
+            solve.flags[Flag.RENEWS_EXACTLY] = wp.where(rough, 0, 1)
+            solve.flags[Flag.MOVES] = 0
+        solve.flags[Flag.STARTS] = wp.where(resumes, 0, 1)
+        solve.flags[Flag.ANEW] = wp.where(anew and not resumes, 1, 0)
+        solve.flags[Flag.SEARCHING] = 1
 
 
 @wp.kernel
@@ -119,18 +120,16 @@ def balanced(solve: Solve, begins: wp.bool):
         between = sum_of(solve, 1, i)
         group = solve.groups[i]
         if begins:
-            group = begun(solve.rules, group, total, between)
+            group = begun(solve.rules[0], group, total, between)
         if n.at_load == 0:
             group.shift = ZERO
         elif group.bracket.state == LOOKS:
             # Of each of many, so that their sum is well within it.
-            allowed = wp.where(many, HALF, ONE) * solve.rules.load_tolerance * group.load
-            group.bracket = next_trial(
-                group.bracket, total, between * group.unit, group.load, allowed, ZERO
-            )
+            allowed = wp.where(many, HALF, ONE) * solve.rules[0].load_tolerance * group.load
+            group.bracket = next_trial(group.bracket, total, between * group.unit, group.load, allowed, ZERO)
             group.shift = group.bracket.offset * group.unit
             looking += wp.where(group.bracket.state == LOOKS, ONE, ZERO)
-            misses = not (wp.abs(total - group.load) <= solve.rules.rough_balance * group.load)
+            misses = not (wp.abs(total - group.load) <= solve.rules[0].rough_balance * group.load)
             stuck += wp.where(group.bracket.state == STUCK and misses, ONE, ZERO)
         if writes(solve):
             solve.groups[i] = group
@@ -138,11 +137,11 @@ def balanced(solve: Solve, begins: wp.bool):
     looking = over_groups(solve, looking, True)
     stuck = over_groups(solve, stuck, True)
     if lane() == 0:
-        solve.balancing[0] = wp.where(looking > ZERO and stuck == ZERO, 1, 0)
+        solve.flags[Flag.BALANCING] = wp.where(looking > ZERO and stuck == ZERO, 1, 0)
         if stuck > ZERO:
             n.status = UNBALANCED
             solve.numbers[0] = n
-            solve.searching[0] = 0
+            solve.flags[Flag.SEARCHING] = 0
 
 
 @wp.kernel
@@ -163,7 +162,9 @@ def renew(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     largest = most_of(solve, 0, 0)
     if lane() == 0:
         n = solve.numbers[0]
-        n.drift = wp.where(solve.renews_roughly[0] == 1, solve.rules.single_rounding * largest, ZERO)
+        n.drift = wp.where(
+            solve.flags[Flag.RENEWS_ROUGHLY] == 1, solve.rules[0].single_rounding * largest, ZERO
+        )
         n.step_drift = ZERO
         n.length = ZERO
         n.whole = 0
@@ -198,7 +199,7 @@ def level_of(
 @wp.kernel
 def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Judge the pressure: is it the solution, and if not of what kind is the next step?"""
-    rules = solve.rules
+    rules = solve.rules[0]
     n = solve.numbers[0]
     all_between = ZERO
     all_touching = ZERO
@@ -252,29 +253,29 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
                 n.status = CONVERGED
             elif n.iteration >= rules.iterations:
                 n.status = LED_NOWHERE
-        solve.renews[0] = wp.where(drifts, 1, 0)
+        solve.flags[Flag.RENEWS] = wp.where(drifts, 1, 0)
         if drifts:
-            solve.renews_roughly[0] = 0
-            solve.renews_exactly[0] = 1
+            solve.flags[Flag.RENEWS_ROUGHLY] = 0
+            solve.flags[Flag.RENEWS_EXACTLY] = 1
         goes_on = not drifts and n.status == RUNS
-        solve.moves[0] = wp.where(goes_on, 1, 0)
-        solve.moves_few[0] = 0
-        solve.steps[0] = 1
+        solve.flags[Flag.MOVES] = wp.where(goes_on, 1, 0)
+        solve.flags[Flag.MOVES_FEW] = 0
+        solve.flags[Flag.STEPS] = 1
         if goes_on:
             capped = all_between <= rules.elastic_fraction * all_touching
             patient = n.plain_done < rules.patience or all_between == ZERO
             n.plain = wp.where(n.plain_left > 0 or (capped and patient), 1, 0)
             n.plain_left = wp.max(n.plain_left - 1, 0)
             n.plain_done = n.plain_done + n.plain
-            solve.preconditions[0] = 1 - n.plain
+            solve.flags[Flag.PRECONDITIONS] = 1 - n.plain
             few = (n.plain == 1 or capped) and n.loaded == 1 and n.at_load == 1
             if few and all_between <= wp.float64(rules.few) and reach <= n.few_below and rules.few > 0:
-                if solve.few.elastic.shape[0] == 0:
+                if solve.rules[0].has_coefficients == 0:
                     n.status = NEEDS_COEFFICIENTS
                 n.few_below = HALF * reach
                 n.near = rules.near * reach
-                solve.moves_few[0] = 1
-        solve.searching[0] = wp.where(n.status == RUNS, 1, 0)
+                solve.flags[Flag.MOVES_FEW] = 1
+        solve.flags[Flag.SEARCHING] = wp.where(n.status == RUNS, 1, 0)
         solve.numbers[0] = n
 
 
@@ -285,9 +286,10 @@ def judge_scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     ends = sum_of_columns(solve.table, 1, wp.min(solve.visited[0], solve.table.shape[1]))
     if lane() == 0:
         n = solve.numbers[0]
-        n.extended = wp.where(ends > solve.rules.scattered * cells, 1, 0)
-        solve.extends[0] = n.extended
-        solve.extends_not[0] = 1 - n.extended
+        extends = wp.where(ends > solve.rules[0].scattered * cells, 1, 0)
+        n.extended = extends * solve.rules[0].tiled
+        solve.flags[Flag.EXTENDS] = extends
+        solve.flags[Flag.EXTENDS_NOT] = 1 - extends
         solve.numbers[0] = n
 
 
@@ -329,7 +331,7 @@ def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     n.outward = ONE
     n.trial_length = n.plain_length
     if n.plain == 0:
-        n.outward = wp.where(largest_r > ZERO, solve.rules.outward * largest_z / largest_r, ZERO)
+        n.outward = wp.where(largest_r > ZERO, solve.rules[0].outward * largest_z / largest_r, ZERO)
         n.trial_length = n.near_length
         n.transforms = n.transforms + 1
     leads_down = n.plain == 1 or downhill > ZERO
@@ -343,8 +345,8 @@ def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
         i += stride(solve)
     if lane() == 0:
         if not leads_down:
-            n = without_memory(solve.rules, n)
-        solve.descends[0] = wp.where(leads_down, 1, 0)
+            n = without_memory(solve.rules[0], n)
+        solve.flags[Flag.DESCENDS] = wp.where(leads_down, 1, 0)
         solve.numbers[0] = n
 
 
@@ -406,21 +408,21 @@ def go(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     if lane() == 0:
         n = solve.numbers[0]
         n.transforms = n.transforms + 1
-        n.step_drift = solve.rules.single_rounding * largest
+        n.step_drift = solve.rules[0].single_rounding * largest
         best = wp.where(curvature > ZERO, -slope / wp.where(curvature > ZERO, curvature, ONE), ZERO)
         remembers = n.last == n.plain
         if best > ZERO or n.loaded == 0:
             n.curvature = curvature
-            n = gone(solve.rules, n, best, used)
+            n = gone(solve.rules[0], n, best, used)
         elif n.plain == 1 and not remembers:
             # The step leads up, which without memory and preconditioner it cannot, but for rounding: a
             # pressure off its bound by the last digit of the load hides where the others want to go.
             if used < ONE:
                 n.status = LED_NOWHERE
-                n = without_memory(solve.rules, n)
-                solve.searching[0] = 0
+                n = without_memory(solve.rules[0], n)
+                solve.flags[Flag.SEARCHING] = 0
             else:
-                n = gone(solve.rules, n, ONE, used)
+                n = gone(solve.rules[0], n, ONE, used)
         else:
-            n = without_memory(solve.rules, n)
+            n = without_memory(solve.rules[0], n)
         solve.numbers[0] = drifted(n)

@@ -1,6 +1,6 @@
 """The passes that extend values of free cells to others, for the preconditioner; see `native/extension.h`.
 
-On a GPU every iteration is a pass of its own, over what its transforms read and write.
+On a CPU `extend` and `gather` do that tile by tile, on a GPU `extend_once` in four passes.
 """
 
 import warp as wp
@@ -34,3 +34,13 @@ def _gather(slot: wp.int32, solve: Solve): ...
 def gather(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Add to the free cells what the others give back; the transpose of `extend`, on a CPU."""
     _gather(first_slot + wp.tid(), solve)
+
+
+@wp.func_native("extend_once(slot, slots, solve, number);")
+def _extend_once(slot: wp.int32, slots: wp.int32, solve: Solve, number: wp.int32): ...
+
+
+@wp.kernel
+def extend_once(first_slot: wp.int32, slots: wp.int32, solve: Solve, number: wp.int32):
+    """Make one of the passes 0 and 1, which extend, or 2 and 3, which gather; in the trial."""
+    _extend_once(first_slot + wp.tid() // wp.block_dim(), slots, solve, number)

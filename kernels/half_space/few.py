@@ -5,34 +5,34 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.half_space.decisions import drifted
-from warpwear.kernels.half_space.solve import Few, Solve, most_of_columns, sum_of_columns
+from warpwear.kernels.half_space.solve import Few, Flag, Solve, most_of_columns, sum_of_columns
 from warpwear.kernels.newton import HALF
 
 wp.set_module_options(native_code.options("search.h", "few.h"))
 
 
-@wp.func_native("open_cells(slot, slots, solve, false);")
-def _count_open(slot: wp.int32, slots: wp.int32, solve: Solve): ...
+@wp.func_native("open_cells(slot, slots, solve, few, false);")
+def _count_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: Few): ...
 
 
 @wp.kernel
-def count_open(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def count_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
     """Count the cells whose place between the bounds is open."""
-    _count_open(first_slot + wp.tid() // wp.block_dim(), slots, solve)
+    _count_open(first_slot + wp.tid() // wp.block_dim(), slots, solve, few)
 
 
-@wp.func_native("open_cells(slot, slots, solve, true);")
-def _list_open(slot: wp.int32, slots: wp.int32, solve: Solve): ...
+@wp.func_native("open_cells(slot, slots, solve, few, true);")
+def _list_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: Few): ...
 
 
 @wp.kernel
-def list_open(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def list_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
     """List them; the trial becomes the pressure."""
-    _list_open(first_slot + wp.tid() // wp.block_dim(), slots, solve)
+    _list_open(first_slot + wp.tid() // wp.block_dim(), slots, solve, few)
 
 
 @wp.kernel
-def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
     """Give the open cells of every slot their places in the list; tell whether there are few enough."""
     if wp.tid() == 0:
         place = ZERO
@@ -40,22 +40,22 @@ def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve):
             cells = solve.table[0, slot]
             solve.table[1, slot] = place
             place += cells
-        solve.few.count[0] = wp.int32(place)
-        few = place > ZERO and place <= wp.float64(solve.rules.few)
-        solve.aimed_at_few[0] = wp.where(few, 1, 0)
+        few.count[0] = wp.int32(place)
+        is_few = place > ZERO and place <= wp.float64(solve.rules[0].few)
+        solve.flags[Flag.AIMED_AT_FEW] = wp.where(is_few, 1, 0)
 
 
-@wp.func_native("return move_few(solve, count);")
-def move_few(solve: Solve, count: wp.int32) -> wp.bool:
+@wp.func_native("return move_few(solve, few, count);")
+def move_few(solve: Solve, few: Few, count: wp.int32) -> wp.bool:
     """Move the few open cells in the trial; tell whether there is a way."""
     ...
 
 
 @wp.kernel
-def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
     """Make the trial pressure the best one for the few cells that are open."""
     if wp.tid() == 0:
-        solve.aimed_at_few[0] = wp.where(move_few(solve, solve.few.count[0]), 1, 0)
+        solve.flags[Flag.AIMED_AT_FEW] = wp.where(move_few(solve, few, few.count[0]), 1, 0)
         group = solve.groups[0]
         group.shift = ZERO
         solve.groups[0] = group
@@ -72,13 +72,13 @@ def go_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
         n = solve.numbers[0]
         n.transforms = n.transforms + 1
         if curvature > ZERO and -slope > HALF * curvature:
-            n.step_drift = solve.rules.single_rounding * largest
+            n.step_drift = solve.rules[0].single_rounding * largest
             n.last = -1
             n.moved = 1
             n.whole = 1
             n.length = ONE
             n = drifted(n)
-            solve.steps[0] = 0
+            solve.flags[Flag.STEPS] = 0
         solve.numbers[0] = n
 
 

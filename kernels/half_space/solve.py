@@ -33,6 +33,26 @@ class Request(IntEnum):
     RESUMES = 4  # 1 where it goes on as it ended
 
 
+class Flag(IntEnum):
+    """What a decision says of what follows: places in `Solve.flags`."""
+
+    STARTS = 0
+    ANEW = 1
+    SEARCHING = 2
+    RENEWS = 3
+    RENEWS_EXACTLY = 4
+    RENEWS_ROUGHLY = 5
+    MOVES = 6
+    MOVES_FEW = 7
+    AIMED_AT_FEW = 8
+    STEPS = 9
+    DESCENDS = 10
+    PRECONDITIONS = 11
+    EXTENDS = 12
+    EXTENDS_NOT = 13
+    BALANCING = 14
+
+
 @wp.struct
 class Rules:
     """What a search goes by; see `contact.half_space.search.SearchRules`."""
@@ -50,10 +70,12 @@ class Rules:
     iterations: wp.int32
     scattered: wp.float64
     every: wp.int32
+    tiled: wp.int32  # 1 where what is extended is gathered tile by tile, apart from the trial
     drift: wp.float64
     single_rounding: wp.float64  # 0 where responses to steps are made in double precision
     few: wp.int32  # cells that are moved at once, at most; 0 where they are not
     near: wp.float64
+    has_coefficients: wp.int32  # of the operator, for them
     group_cells: wp.float64  # of the surface, in a group
 
 
@@ -158,31 +180,15 @@ class Solve:
     columns: wp.int32  # of the grid, without padding
     wraps: wp.int32  # 1 where the surface repeats beyond its edges
     neighbours: wp.array(dtype=wp.float32)  # weights of those along x, along y and across corners
-    rules: Rules
+    rules: wp.array(dtype=Rules)  # one
     fields: Fields
-    few: Few
     request: wp.array(dtype=wp.float64)  # by `Request`
     loads: wp.array(dtype=wp.float64)  # of each group, Σ p [MPa]; at approaches those [mm]
     visited: wp.array(dtype=wp.int32)  # rows, one number
     groups: wp.array(dtype=Group)
     numbers: wp.array(dtype=Numbers)  # one
     table: wp.array2d(dtype=wp.float64)  # a line a sum or maximum, a column a slot
-    #: Flags of the program, one number each.
-    starts: wp.array(dtype=wp.int32)
-    anew: wp.array(dtype=wp.int32)
-    searching: wp.array(dtype=wp.int32)
-    renews: wp.array(dtype=wp.int32)
-    renews_exactly: wp.array(dtype=wp.int32)
-    renews_roughly: wp.array(dtype=wp.int32)
-    moves: wp.array(dtype=wp.int32)
-    moves_few: wp.array(dtype=wp.int32)
-    aimed_at_few: wp.array(dtype=wp.int32)
-    steps: wp.array(dtype=wp.int32)
-    descends: wp.array(dtype=wp.int32)
-    preconditions: wp.array(dtype=wp.int32)
-    extends: wp.array(dtype=wp.int32)
-    extends_not: wp.array(dtype=wp.int32)
-    balancing: wp.array(dtype=wp.int32)
+    flags: wp.array(dtype=wp.int32)  # of the program, by `Flag`
 
 
 @wp.func_native("return lane_of_slot();")

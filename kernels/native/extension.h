@@ -9,6 +9,65 @@
 // `half_space/extension.py`.
 #include "search.h"
 
+// A GPU makes each iteration in a pass of its own, a cell a thread, in the trial and `gathered` by turns.
+
+// Weighted sum of what the neighbours of a cell have; beyond edges that do not repeat there is nothing.
+template <typename Solve, typename Value>
+WARPWEAR_FN float around_cell(const Solve& solve, int row, int column, const Value& value)
+{
+    const int rows = solve.fields.pressure.shape[0], columns = solve.columns;
+    float sum = 0.0f;
+    for (int along = -1; along <= 1; ++along)
+        for (int across = -1; across <= 1; ++across) {
+            const int r = row + along, c = column + across;
+            const bool there = (r >= 0 && r < rows && c >= 0 && c < columns) || solve.wraps == 1;
+            if (!there || (along == 0 && across == 0)) continue;
+            const float weight = solve.neighbours.data[across == 0 ? 0 : along == 0 ? 1 : 2];
+            sum += weight * value((r + rows) % rows, (c + columns) % columns);
+        }
+    return sum;
+}
+
+// Whether a cell may move.
+template <typename Solve> WARPWEAR_FN bool may_move(const Solve& solve, int row, int column)
+{
+    const auto of = [&](const auto& field) { return ((const double*)row_of(field, row))[column]; };
+    const double p = of(solve.fields.pressure), t = of(solve.fields.gradient),
+                 level = solve.groups.data[0].level;
+    double cap = solve.fields.cap;
+    if (solve.fields.fractions.shape[0] > 0) cap *= of(solve.fields.fractions);
+    return (p > 0.0 || t < level) && (p < cap || t > level);
+}
+
+// One of the four passes: 0 and 1 extend the trial of free cells to the others, in `gathered` and then in the
+// trial; 2 and 3 give what the others have back, likewise.
+template <typename Solve> WARPWEAR_FN void extend_once(int slot, int slots, Solve& solve, int pass)
+{
+    const int rows = solve.fields.pressure.shape[0], columns = solve.columns;
+    const auto trial = [&](int r, int c) -> double& { return ((double*)row_of(solve.fields.trial, r))[c]; };
+    const auto gathered = [&](int r, int c) -> float& { return wp::index(solve.fields.gathered, r, c); };
+    for (int row = slot; row < rows; row += slots)
+        for (int column = lane_of_slot(); column < columns; column += width_of_slot()) {
+            const bool may = may_move(solve, row, column);
+            const auto extended = [&](int r, int c) { return gathered(r, c); };
+            if (pass == 0) {
+                const auto begun = [&](int r, int c) { return float(trial(r, c)); };
+                gathered(row, column) = may ? begun(row, column) : around_cell(solve, row, column, begun);
+            } else if (pass == 1) {
+                if (!may) trial(row, column) = around_cell(solve, row, column, extended);
+            } else if (pass == 2) {
+                const auto given = [&](int r, int c) {
+                    return may_move(solve, r, c) ? 0.0f : float(trial(r, c));
+                };
+                gathered(row, column) =
+                    may ? 0.0f : given(row, column) + around_cell(solve, row, column, given);
+            } else if (may) {
+                trial(row, column) += around_cell(solve, row, column, extended);
+            }
+        }
+}
+
+// A CPU makes both iterations at once, tile by tile.
 #if !defined(__CUDA_ARCH__)
 static const int BLOCK_ROWS = 16; // rows of a slot
 static const int TILE = 128;      // vectors of a row that are looked at together

@@ -10,9 +10,9 @@
 #if !defined(__CUDA_ARCH__)
 // Count the open cells of a slot, or list them from the place that the table tells. Listed, the trial becomes
 // the pressure, which the open cells then leave.
-template <typename Solve> WARPWEAR_FN void open_cells(int slot, int slots, Solve& solve, bool lists)
+template <typename Solve, typename Few>
+WARPWEAR_FN void open_cells(int slot, int slots, Solve& solve, const Few& few, bool lists)
 {
-    const auto& few = solve.few;
     const double near = solve.numbers.data[0].near;
     int place = lists ? (int)wp::index(solve.table, 1, slot) : 0, cells = 0;
     each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
@@ -162,9 +162,8 @@ template <typename Few> WARPWEAR_FN bool best_of_few(const Few& few, int n)
 }
 
 // Move the few open cells in the trial, exact at the bounds, which a sum may miss by its last digit.
-template <typename Solve> WARPWEAR_FN bool move_few(Solve& solve, int n)
+template <typename Solve, typename Few> WARPWEAR_FN bool move_few(Solve& solve, const Few& few, int n)
 {
-    const auto& few = solve.few;
     if (!best_of_few(few, n)) return false;
     for (int i = 0; i < n; ++i) {
         const SearchRow row(solve.fields, few.row.data[i]);
@@ -177,6 +176,7 @@ template <typename Solve> WARPWEAR_FN bool move_few(Solve& solve, int n)
     return true;
 }
 #else
-template <typename Solve> WARPWEAR_FN void open_cells(int, int, Solve&, bool) {}
-template <typename Solve> WARPWEAR_FN bool move_few(Solve&, int) { return false; }
+template <typename Few> WARPWEAR_FN bool best_of_few(const Few&, int) { return false; }
+template <typename Solve, typename Few> WARPWEAR_FN void open_cells(int, int, Solve&, const Few&, bool) {}
+template <typename Solve, typename Few> WARPWEAR_FN bool move_few(Solve&, const Few&, int) { return false; }
 #endif

@@ -12,7 +12,8 @@ template <typename Slide> WARPWEAR_FN int end_lanes(const Slide& slide)
 
 // What a body has lost since its film was last whole. It is whole again where the body was not worn over the
 // last `regrowth` of the distance.
-template <typename Coat> WARPWEAR_FN Lanes lost(const Coat& coat, int row, int i, double distance, double regrowth)
+template <typename Coat>
+WARPWEAR_FN Lanes lost(const Coat& coat, int row, int i, double distance, double regrowth)
 {
     Lanes wear = row_of(coat.wear, row)[i];
     if (coat.whole.shape[0] == 0) return wear;
@@ -52,7 +53,8 @@ WARPWEAR_FN void look_at_film(int slot, int slots, const Slides& slides, const F
 }
 
 // Note the distance at the end of a step where a body was worn in it.
-template <typename Slide, typename Coat> WARPWEAR_FN void rub_coat(const Coat& coat, int row, const Slide& slide)
+template <typename Slide, typename Coat>
+WARPWEAR_FN void rub_coat(const Coat& coat, int row, const Slide& slide)
 {
     const Stored* const wear = row_of(coat.wear, row);
     Stored *const seen = row_of(coat.seen, row), *const rubbed = row_of(coat.rubbed, row);
@@ -76,8 +78,8 @@ WARPWEAR_FN void rub_film(int slot, int slots, const Slides& slides, const Films
 
 // Bare cells among those under a pressure.
 template <typename Slides, typename Films, typename Field, typename Table>
-WARPWEAR_FN void count_bare(
-    int slot, int slots, const Slides& slides, const Films& films, const Field& pressures, Table& sums)
+WARPWEAR_FN void count_bare(int slot, int slots, const Slides& slides, const Films& films,
+                            const Field& pressures, Table& sums)
 {
     const Lanes zero = 0.0;
     Lanes sum = 0.0;

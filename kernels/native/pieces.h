@@ -5,11 +5,11 @@
 
 // Sums of wear and of what is pending, and the deepest wear, of rows of a body from a first one on.
 template <typename Table, typename Field>
-WARPWEAR_FN void total_body(
-    int slot, int slots, int first, int count, const Field& wear_of, const Field& pending_of, Table& table)
+WARPWEAR_FN void total_body(int slot, int slots, int first, int count, const Field& wear_of,
+                            const Field& pending_of, Table& table)
 {
 #if !defined(__CUDA_ARCH__)
-    #pragma clang fp contract(off)
+#pragma clang fp contract(off)
 #endif
     const int rows = wear_of.shape[0], of_row = wear_of.shape[1] * OF_VECTOR;
     for (int number = slot; number < count; number += slots) {

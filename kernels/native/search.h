@@ -234,7 +234,7 @@ template <typename Solve> WARPWEAR_FN void residual(int slot, int slots, Solve& 
 // In some rows, sums of cells between the bounds and of the ends of their lines.
 template <typename Solve> WARPWEAR_FN void scatter(int slot, int slots, Solve& solve)
 {
-    const int rows = solve.visited.data[0], every = solve.rules.every, cells = solve.columns;
+    const int rows = solve.visited.data[0], every = solve.rules.data[0].every, cells = solve.columns;
     double inner = 0.0, ends = 0.0;
     for (int row = slot; row < rows; row += slots) {
         if (row % every) continue;

@@ -39,12 +39,13 @@ WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* sphere, const Sto
     return low;
 }
 
-// List, row by row, the tiles with a gap that does not exceed the limit, and make their gaps. Where the bounds
-// of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest of eight tiles of
-// the sphere with the highest of the disc's row spares a CPU most bounds.
+// List, row by row, the tiles with a gap that does not exceed the limit, and make their gaps. Where the
+// bounds of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest of eight
+// tiles of the sphere with the highest of the disc's row spares a CPU most bounds.
 template <typename Lists, typename Slides, typename Bounds, typename Bodies, typename List, typename Count>
-WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides, const Bounds& bounds,
-                              const Bodies& bodies, const List& list, const Count& counts)
+WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides,
+                              const Bounds& bounds, const Bodies& bodies, const List& list,
+                              const Count& counts)
 {
     const double limit = wp::index(lists, 0).limit;
     const int shift = wp::index(slides, 0).shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
@@ -52,7 +53,8 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int under = under_row(row, shift, bodies.disc.shape[0]);
         const Stored *const sphere = row_of(bodies.sphere, row), *const disc = row_of(bodies.disc, under);
-        const Stored *const lowest = row_of(bounds.lowest, row), *const highest = row_of(bounds.highest, under);
+        const Stored *const lowest = row_of(bounds.lowest, row), *const highest =
+                                                                     row_of(bounds.highest, under);
         Stored* const gap = row_of(bodies.gap, row);
         int listed = 0;
 #if defined(__CUDA_ARCH__)
@@ -100,7 +102,8 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
 template <typename Count> WARPWEAR_FN int count_listed(const Count& counts)
 {
     int listed = 0;
-    for (int row = lane_of_slot(); row < counts.shape[0]; row += width_of_slot()) listed += wp::index(counts, row);
+    for (int row = lane_of_slot(); row < counts.shape[0]; row += width_of_slot())
+        listed += wp::index(counts, row);
     return int(of_slot(listed, true));
 }
 
@@ -125,17 +128,19 @@ template <typename Array> WARPWEAR_FN double end_of_rows(const Array& of_rows, b
     return of_slot(end, false);
 }
 
-// Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is displaced
-// from the disc for good, not worn. Bounds and sums of the tiles are made anew. Each sum grows lane by lane, in
-// the order of the cells.
-template <typename List, typename Count, typename Slides, typename Springs, typename OfCells, typename Bodies,
-          typename OfTiles, typename Tables>
-WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
-                            const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
-                            const OfTiles& of_tiles, Tables& tables)
+// Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is
+// displaced from the disc for good, not worn. Bounds and sums of the tiles are made anew. Each sum grows lane
+// by lane, in the order of the cells. FACTORED: the sliding distance of the disc's cells has a factor each;
+// RARE: cells have a stiffness or a part of the cap each, carry a film, keep their dents, or belong to a
+// sphere that does not wear.
+template <bool FACTORED, bool RARE, typename List, typename Count, typename Slides, typename Springs,
+          typename OfCells, typename Bodies, typename OfTiles, typename Tables>
+WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
+                         const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
+                         const OfTiles& of_tiles, Tables& tables)
 {
 #if !defined(__CUDA_ARCH__)
-    #pragma clang fp contract(off)
+#pragma clang fp contract(off)
 #endif
     const auto& step = wp::index(slides, 0);
     const auto& law = wp::index(springs.law, 0);
@@ -143,23 +148,25 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
     const double of_sphere = step.of_sphere, of_disc = step.of_disc;
     const double stiffness_of_all = wp::index(springs.search, 0).stiffness;
-    const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
-    const bool presses = full_depth < NO_LIMIT, factored = of_cells.factored == 1;
-    const bool own = of_cells.stiffness.shape[0] > 0, parted = of_cells.parts.shape[0] > 0;
-    const bool filmed = of_cells.bare.shape[0] > 0;
+    const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
+    const bool presses = RARE && full_depth < NO_LIMIT, factored = FACTORED;
+    const bool own = RARE && of_cells.stiffness.shape[0] > 0, parted = RARE && of_cells.parts.shape[0] > 0;
+    const bool filmed = RARE && of_cells.bare.shape[0] > 0;
     const int of_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;
     Lanes pressure = 0.0, weighted = 0.0, deviation = 0.0, highest = 0.0, deepest_sphere = 0.0;
-    Lanes deepest_disc = 0.0, first_column = NO_INDEX, last_column = NO_INDEX, bared = 0.0;
+    Lanes deepest_disc = 0.0, bared = 0.0;
     Counts contact = 0, capped = 0;
+    double first_column = NO_INDEX, last_column = NO_INDEX;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int listed = wp::index(counts, row);
         if (listed == 0) continue; // most rows
         const int under = under_row(row, step.shift, bodies.disc.shape[0]);
         Stored *const gap = row_of(bodies.gap, row), *const sphere = row_of(bodies.sphere, row);
         Stored *const disc = row_of(bodies.disc, under), *const plastic = row_of(bodies.plastic_disc, under);
-        Stored *const wear_sphere = row_of(bodies.wear_sphere, row), *const reached = row_of(bodies.reached, row);
+        Stored *const wear_sphere = row_of(bodies.wear_sphere, row), *const reached =
+                                                                         row_of(bodies.reached, row);
         Stored* const wear_disc = row_of(bodies.wear_disc, under);
         const Stored* const stiffness = own ? row_of(of_cells.stiffness, row) : nullptr;
         const Stored* const factor = row_of(of_cells.factor, under);
@@ -172,6 +179,7 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
             const bool beyond_known = first * LANES < step.first_column || last * LANES > step.end_column;
             Lanes low = ABSENT, high = -ABSENT, worn_sphere = 0.0, worn_disc = 0.0, pressed = 0.0;
             Counts touched = 0;
+            Lanes was_touched[OF_TILE / TEAM];
             for (int i = first + lane_of_team(); i < last; i += TEAM) {
                 const Lanes overlap = (base - gap[i]) + offset;
                 Lanes p = (overlap - tie_width) * (own ? (Lanes)stiffness[i] : (Lanes)stiffness_of_all);
@@ -212,11 +220,12 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
                 const Lanes ever = p + (keeps_reached ? (Lanes)reached[i] : a) > zero ? one : zero;
                 touched += ever > zero ? yes : no;
                 if (keeps_reached) reached[i] = ever;
-                if (beyond_known) {
-                    const Lanes column = columns_from(i * LANES);
-                    first_column = larger_of(first_column, ever > zero ? -column : none);
-                    last_column = larger_of(last_column, ever > zero ? column : none);
-                }
+                was_touched[(i - first) / TEAM] = ever;
+            }
+            for (int i = first + lane_of_team(); beyond_known && i < last; i += TEAM) {
+                const Lanes column = columns_from(i * LANES), ever = was_touched[(i - first) / TEAM];
+                first_column = wp::max(first_column, most(ever > zero ? -column : none));
+                last_column = wp::max(last_column, most(ever > zero ? column : none));
             }
             const double lowest = -of_team(most(-low), false), largest = of_team(most(high), false);
             const double sums[] = {of_team(total(worn_sphere), true), of_team(total(worn_disc), true),
@@ -234,17 +243,39 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     const auto largest = [&](int line, double v) {
         return Left{v, &wp::index(tables.maxima, line, slot), false};
     };
-    leave_each({sum(0, total(pressure)), sum(1, total(deviation)), sum(2, count(contact)), sum(3, count(capped)),
-                sum(4, total(weighted)), sum(5, total(bared)), largest(0, most(highest)),
-                largest(1, most(deepest_sphere)), largest(2, most(deepest_disc)), largest(3, most(first_column)),
-                largest(4, most(last_column))});
+    leave_each({sum(0, total(pressure)), sum(1, total(deviation)), sum(2, count(contact)),
+                sum(3, count(capped)), sum(4, total(weighted)), sum(5, total(bared)),
+                largest(0, most(highest)), largest(1, most(deepest_sphere)), largest(2, most(deepest_disc)),
+                largest(3, first_column), largest(4, last_column)});
 }
 
-// Sum the tiles of every row with a listed one, and those of the disc's row beneath it. Sums over the fields as
-// they are: increments added up would drift.
+// The same, told what cells have one each of.
+template <typename List, typename Count, typename Slides, typename Springs, typename OfCells, typename Bodies,
+          typename OfTiles, typename Tables>
+WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
+                            const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
+                            const OfTiles& of_tiles, Tables& tables)
+{
+    const auto by = [&](auto factored, auto rare) {
+        wear_by<decltype(factored)::value, decltype(rare)::value>(slot, slots, list, counts, slides, springs,
+                                                                  of_cells, bodies, of_tiles, tables);
+    };
+    const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
+    const bool rare = keeps_reached || wp::index(slides, 0).full_depth < NO_LIMIT ||
+                      of_cells.stiffness.shape[0] > 0 || of_cells.parts.shape[0] > 0 ||
+                      of_cells.bare.shape[0] > 0;
+    const bool factored = of_cells.factored == 1;
+    if (!factored && !rare) by(Is<false>(), Is<false>());
+    if (!factored && rare) by(Is<false>(), Is<true>());
+    if (factored && !rare) by(Is<true>(), Is<false>());
+    if (factored && rare) by(Is<true>(), Is<true>());
+}
+
+// Sum the tiles of every row with a listed one, and those of the disc's row beneath it. Sums over the fields
+// as they are: increments added up would drift.
 template <typename Count, typename Slides, typename OfEight, typename OfRows>
-WARPWEAR_FN void total_rows(
-    int slot, int slots, const Count& counts, const Slides& slides, const OfEight& of_tiles, const OfRows& of_rows)
+WARPWEAR_FN void total_rows(int slot, int slots, const Count& counts, const Slides& slides,
+                            const OfEight& of_tiles, const OfRows& of_rows)
 {
     const int of_row = of_tiles.touched.shape[1] * OF_VECTOR, shift = wp::index(slides, 0).shift;
     const bool presses = of_tiles.pressed_disc.shape[0] == of_tiles.worn_disc.shape[0];

@@ -14,6 +14,8 @@
 
 #if !defined(__CUDA_ARCH__)
 
+static const int LARGEST_RADIX = 61;
+
 // Vectors of a type of number, and how their lanes are put in another order.
 template <typename Real> struct VectorOf;
 
@@ -106,16 +108,20 @@ WARPWEAR_FN void butterfly(const LinesOf<Real>* a, const LinesOf<Real>* b, Lines
     }
 }
 
+// Multiply complex numbers of all lines by one.
+template <typename Real> WARPWEAR_FN void turn(const Real* by, LinesOf<Real>& a, LinesOf<Real>& b)
+{
+    const Real cosine = by[0], sine = by[1];
+    const LinesOf<Real> c = a * cosine - b * sine;
+    b = a * sine + b * cosine;
+    a = c;
+}
+
 // Multiply complex numbers 1 … RADIX − 1 by the factors between two stages.
 template <typename Real, int RADIX>
 WARPWEAR_FN void turn_by(const Real* turns, LinesOf<Real>* a, LinesOf<Real>* b)
 {
-    for (int q = 1; q < RADIX; ++q) {
-        const Real cosine = turns[2 * q - 2], sine = turns[2 * q - 1];
-        const LinesOf<Real> c = a[q] * cosine - b[q] * sine;
-        b[q] = a[q] * sine + b[q] * cosine;
-        a[q] = c;
-    }
+    for (int q = 1; q < RADIX; ++q) turn(turns + 2 * q - 2, a[q], b[q]);
 }
 
 // One stage: blocks of `size` numbers become RADIX blocks each. First come the sums and then the factors; on
@@ -150,6 +156,63 @@ WARPWEAR_FN void stage(Real* x, int length, int size, const Real* turns)
     }
 }
 
+// How many numbers the factors of a stage are, with the waves of a prime above 5, of an even number of modes.
+WARPWEAR_FN int turns_of(int radix, int size)
+{
+    const int half = radix / 2, waves = radix > 5 ? 2 * half * (half + half % 2) : 0;
+    return 2 * (radix - 1) * (size / radix) + waves;
+}
+
+// One stage of any odd prime. Numbers q and p − q have the cosines of each mode in common, and the sines but
+// for a sign; so do modes k and p − k of all numbers. Modes are made two and two, that numbers are read half
+// as often; where their number is odd, the last ones are made again.
+template <typename Real, bool BACK>
+WARPWEAR_FN void prime_stage(Real* x, int length, int size, int radix, const Real* turns)
+{
+    typedef LinesOf<Real> Lines;
+    const int lines = VectorOf<Real>::LINES, pair = 2 * lines;
+    const int m = size / radix, half = radix / 2, real = BACK ? lines : 0, imag = lines - real;
+    const Real* const waves = turns + 2 * (radix - 1) * m;
+    Lines a[LARGEST_RADIX], b[LARGEST_RADIX];
+    for (int first = 0; first < length; first += size) {
+        const Real* factors = turns;
+        Real* here = x + pair * first;
+        for (int j = 0; j < m; ++j, here += pair, factors += 2 * (radix - 1)) {
+            const auto put = [&](int k, Lines c, Lines d) {
+                if (!BACK) turn(factors + 2 * k - 2, c, d);
+                lines_at(here + pair * k * m + real) = c;
+                lines_at(here + pair * k * m + imag) = d;
+            };
+            for (int q = 0; q < radix; ++q) {
+                a[q] = lines_at(here + pair * q * m + real);
+                b[q] = lines_at(here + pair * q * m + imag);
+                if (BACK && q) turn(factors + 2 * q - 2, a[q], b[q]);
+            }
+            Lines s = a[0], t = b[0];
+            for (int q = 1; q <= half; ++q) {
+                const Lines c = a[q], d = b[q], e = a[radix - q], f = b[radix - q];
+                a[q] = c + e, b[q] = d + f, a[radix - q] = c - e, b[radix - q] = d - f;
+                s += a[q], t += b[q];
+            }
+            lines_at(here + real) = s;
+            lines_at(here + imag) = t;
+            const Real* wave = waves;
+            for (int k = 1; k <= half; k += 2) {
+                Lines c = a[0], d = b[0], g = a[0], h = b[0];
+                Lines e = Lines(Real(0.0)), f = e, u = e, v = e;
+                for (int q = 1; q <= half; ++q, wave += 4) {
+                    c += wave[0] * a[q], d += wave[0] * b[q];
+                    e += wave[1] * a[radix - q], f += wave[1] * b[radix - q];
+                    g += wave[2] * a[q], h += wave[2] * b[q];
+                    u += wave[3] * a[radix - q], v += wave[3] * b[radix - q];
+                }
+                put(k, c + f, d - e), put(radix - k, c - f, d + e);
+                put(k + 1, g + v, h - u), put(radix - k - 1, g - v, h + u);
+            }
+        }
+    }
+}
+
 // All stages of a transform, from the longest on; on the way back from the shortest on. radices: −2 stands
 // for 2 with half of its numbers zeros. turns: those of the first stage.
 template <typename Real, bool BACK>
@@ -161,14 +224,14 @@ __attribute__((noinline)) static void transform(const wp::array_t<int>& radices,
     if (BACK) {
         for (int n = 0; n < stages; ++n) {
             const int kind = radices.data[n], radix = kind > 0 ? kind : 2;
-            turns += 2 * (radix - 1) * (size / radix);
+            turns += turns_of(radix, size);
             size /= radix;
         }
     }
     for (int n = 0; n < stages; ++n) {
         const int kind = radices.data[BACK ? stages - 1 - n : n], radix = kind > 0 ? kind : 2;
         if (BACK) size *= radix;
-        const int of_stage = 2 * (radix - 1) * (size / radix);
+        const int of_stage = turns_of(radix, size);
         if (BACK) turns -= of_stage;
         if (kind < 0)
             stage<Real, 2, true, BACK>(x, length, size, turns);
@@ -178,8 +241,10 @@ __attribute__((noinline)) static void transform(const wp::array_t<int>& radices,
             stage<Real, 2, false, BACK>(x, length, size, turns);
         else if (radix == 3)
             stage<Real, 3, false, BACK>(x, length, size, turns);
-        else
+        else if (radix == 5)
             stage<Real, 5, false, BACK>(x, length, size, turns);
+        else
+            prime_stage<Real, BACK>(x, length, size, radix, turns);
         if (!BACK) {
             turns += of_stage;
             size /= radix;

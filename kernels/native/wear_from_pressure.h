@@ -10,7 +10,7 @@ template <typename Slides, typename Field>
 WARPWEAR_FN void mean_along(int slot, int slots, const Slides& slides, const Field& field, const Field& means)
 {
 #if !defined(__CUDA_ARCH__)
-    #pragma clang fp contract(fast)
+#pragma clang fp contract(fast)
 #endif
     const int window = wp::index(slides, 0).window, rows = field.shape[0];
     const int of_row = field.shape[1] * OF_VECTOR, width = width_of_slot();
@@ -38,7 +38,8 @@ WARPWEAR_FN void mean_along(int slot, int slots, const Slides& slides, const Fie
 }
 
 // The row of the means that a row of cells sees, see `mean_along`.
-template <typename Field> WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int window)
+template <typename Field>
+WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int window)
 {
     if (window == 1) return row_of(field, row);
     return row_of(means, window < field.shape[0] ? row : 0);
@@ -47,16 +48,17 @@ template <typename Field> WARPWEAR_FN Stored* mean_of(const Field& field, const 
 // The gap that a cell of the disc meets on its way through a step: that of the bodies, with the mean of the
 // sphere's wear along the way instead of the wear at its middle.
 template <typename Slides, typename Bodies, typename Field>
-WARPWEAR_FN void meet(
-    int slot, int slots, const Slides& slides, const Bodies& bodies, const Field& means, const Field& gaps)
+WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& bodies, const Field& means,
+                      const Field& gaps)
 {
 #if !defined(__CUDA_ARCH__)
-    #pragma clang fp contract(fast)
+#pragma clang fp contract(fast)
 #endif
     const auto& slide = wp::index(slides, 0);
     const int of_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
     for (int row = slot; row < gaps.shape[0]; row += slots) {
-        const Stored *const sphere = row_of(bodies.sphere, row), *const wear = row_of(bodies.wear_sphere, row);
+        const Stored *const sphere = row_of(bodies.sphere, row), *const wear =
+                                                                     row_of(bodies.wear_sphere, row);
         const Stored* const disc = row_of(bodies.disc, under_row(row, slide.shift, bodies.disc.shape[0]));
         const Stored* const met = mean_of(bodies.wear_sphere, means, row, window);
         Stored* const gap = row_of(gaps, row);
@@ -66,15 +68,17 @@ WARPWEAR_FN void meet(
 }
 
 // One increment of wear in place: the disc loses K dL p, the sphere K dL times the mean of p that passes it.
-// Without a disc all wear is the sphere's, whose height is then the gap. Where the gap after the step is below
-// the approach at the cap, a disc that keeps its dents is displaced for good by the difference. Sums of the
-// disc are left by its rows.
-template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows, typename Table>
+// Without a disc all wear is the sphere's, whose height is then the gap. Where the gap after the step is
+// below the approach at the cap, a disc that keeps its dents is displaced for good by the difference. Sums of
+// the disc are left by its rows.
+template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows,
+          typename Table>
 WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
-    const Pressed& pressed, const Bodies& bodies, const OfRows& of_rows, Table& sums, Table& maxima)
+                                  const Pressed& pressed, const Bodies& bodies, const OfRows& of_rows,
+                                  Table& sums, Table& maxima)
 {
 #if !defined(__CUDA_ARCH__)
-    #pragma clang fp contract(fast)
+#pragma clang fp contract(fast)
 #endif
     const auto& slide = wp::index(slides, 0);
     const double of_sphere = slide.of_sphere, of_disc = slide.of_disc, cap = pressed.cap;
@@ -91,10 +95,12 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
     double first_row = NO_INDEX, last_row = NO_INDEX;
     for (int row = slot; row < slide.rows; row += slots) {
         const int under = has_disc ? under_row(row, slide.shift, bodies.disc.shape[0]) : 0;
-        const Stored *const p_of = row_of(pressed.pressure, row), *const target = row_of(pressed.gradient, row);
+        const Stored *const p_of = row_of(pressed.pressure, row), *const target =
+                                                                      row_of(pressed.gradient, row);
         const Stored* const passing = mean_of(pressed.pressure, pressed.means, row, slide.window);
         const Stored* const parts = parted ? row_of(pressed.parts, row) : nullptr;
-        Stored *const sphere = row_of(bodies.sphere, row), *const wear_sphere = row_of(bodies.wear_sphere, row);
+        Stored *const sphere = row_of(bodies.sphere, row), *const wear_sphere =
+                                                               row_of(bodies.wear_sphere, row);
         Stored* const reached = shows ? nullptr : row_of(bodies.reached, row);
         Stored* const disc = has_disc ? row_of(bodies.disc, under) : nullptr;
         Stored* const wear_disc = has_disc ? row_of(bodies.wear_disc, under) : nullptr;
@@ -156,10 +162,10 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
             if (lane_of_slot() == 0) wp::index(of_rows.pressed_disc, under) = dents;
         }
     }
-    const double of_all[] = {total(pressure), total(deviation), count(contact), count(capped), count(touched),
-        total(worn_sphere)};
+    const double of_all[] = {total(pressure), total(deviation), count(contact),
+                             count(capped),   count(touched),   total(worn_sphere)};
     for (int n = 0; n < 6; ++n) leave_sum(sums, n, slot, of_all[n]);
-    const double most_of_all[] = {most(highest), most(deepest_sphere), most(deepest_disc), first_row, last_row,
-        most(first), most(last)};
+    const double most_of_all[] = {most(highest), most(deepest_sphere), most(deepest_disc), first_row,
+                                  last_row,      most(first),          most(last)};
     for (int n = 0; n < 7; ++n) leave_most(maxima, n, slot, most_of_all[n]);
 }

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,12 +11,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 from reference import FloatArray
 
 from warpwear import Study
-from warpwear.contact.balance import RIGID, Balance, Balancer, Foundation
-from warpwear.contact.bearing_area import BearingArea
+from warpwear.contact.balance import Balance
+from warpwear.contact.search import LoadSearch
 from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import Grid
-from warpwear.kernels import contact
 from warpwear.kernels.cells import LANES, PADDING
 from warpwear.runs.make import model_at_rest
 
@@ -70,47 +70,27 @@ class Solver:
 
     def __init__(self, executor: Executor, gap: FloatArray) -> None:
         self._executor = executor
-        self._balancer, self._bearing_area = Balancer(executor), BearingArea(executor)
         padded = np.full((gap.shape[0], executor.vectors * LANES), PADDING)
         padded[:, : gap.shape[1]] = gap
         self._gap = executor.field(padded)
-        self._highest = float(gap.max())
         self.shape = gap.shape
-
-    def tiles(self, load: float, hardness: float) -> Tiles:
-        """A list as short as it may be: the balance asks for more."""
-        self._tiles = Tiles(self._executor, self._gap, self._gap, least=load / (hardness * CELL**2))
-        return self._tiles
 
     def foundation(self, compliance: float | FloatArray, load: float, hardness: float) -> Balance:
         values = np.atleast_2d(1.0 / np.asarray(compliance))
         values = np.broadcast_to(values, (values.shape[0], self.shape[1]))
-        self._stiffness = self._executor.field(values.copy())
-        tiles = self.tiles(load, hardness)
-        return self._balancer.solve(Foundation(self._gap, self._stiffness, tiles, load, hardness))
+        return self._solve(load, hardness, stiffness=self._executor.field(values.copy()))
 
     def bearing(self, load: float, hardness: float, tolerance: float) -> Balance:
-        self._stiffness = self._executor.field(np.full((1, self.shape[1]), RIGID))
-        tiles = self.tiles(load, hardness)
-        return self._bearing_area.solve(
-            self._gap,
-            tiles,
-            highest=self._highest,
-            load=load,
-            hardness=hardness,
-            tolerance=tolerance,
-        )
+        return self._solve(load, hardness, tolerance=tolerance)
+
+    def _solve(self, load: float, hardness: float, **options: Any) -> Balance:
+        """On a list of tiles as short as it may be: the balance asks for more."""
+        tiles = Tiles(self._executor, self._gap, self._gap, least=load / (hardness * CELL**2))
+        self._search = LoadSearch(self._executor, self._gap, tiles, load=load, hardness=hardness, **options)
+        return self._search.solve()
 
     def pressures(self, balance: Balance) -> FloatArray:
-        out, law = self._executor.zeros(), contact.Law()
-        balance.fill(law)
-        self._executor.launch(
-            contact.pressures,
-            inputs=[law, self._stiffness, self._gap],
-            outputs=[out],
-            over=self._tiles,
-        )
-        return self._executor.to_numpy(out).copy()
+        return self._search.pressures(balance).copy()
 
 
 def loads(cells: int, hardness: float) -> list[float]:

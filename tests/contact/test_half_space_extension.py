@@ -26,7 +26,7 @@ def threads(request: pytest.FixtureRequest) -> int:
 class Drawn:
     """A search on its way: pressures at and between the bounds, some of which want to leave them."""
 
-    def __init__(self, executor: Executor, boundary: str, parted: bool) -> None:
+    def __init__(self, executor: Executor, boundary: str, parted: bool, *, tiled: bool = True) -> None:
         draw, shape = np.random.default_rng(3), executor.grid.shape
         self.caps = CAP * draw.uniform(0.5, 1.0, shape) if parted else np.full(shape, CAP)
         p = np.clip(draw.normal(0.3, 1.0, shape), 0.0, self.caps)
@@ -43,6 +43,7 @@ class Drawn:
             fields=self.fields,
             fractions=executor.field(self.caps / CAP, padding=1.0) if parted else None,
             groups=1,
+            tiled=tiled,
         )
         self.search._solve.groups.numpy()["level"] = LEVEL
         self.program = Program(executor)
@@ -54,9 +55,9 @@ class Drawn:
 
     def descent(self, executor: Executor) -> FloatArray:
         self.program.run()
-        assert self.search._solve.numbers.numpy()["extended"]
-        gathered = self.search._solve.fields.gathered.numpy()
-        return np.array(gathered[:, : executor.grid.ny], dtype=float)
+        if self.search._solve.numbers.numpy()["extended"]:
+            return np.array(self.search._solve.fields.gathered.numpy()[:, : executor.grid.ny], dtype=float)
+        return np.array(executor.to_numpy(self.fields["trial"]))
 
 
 def neighbours(influence: Influence) -> FloatArray:
@@ -70,14 +71,15 @@ def neighbours(influence: Influence) -> FloatArray:
     return np.asarray(weights)
 
 
+@pytest.mark.parametrize("tiled", [True, False])
 @pytest.mark.parametrize("parted", [False, True])
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_descent_is_that_of_a_slow_formula(
-    shape: tuple[int, int], boundary: str, parted: bool, threads: int
+    shape: tuple[int, int], boundary: str, parted: bool, tiled: bool, threads: int
 ) -> None:
     with Executor(Grid(*shape, 0.5), threads=threads) as executor:
-        drawn = Drawn(executor, boundary, parted)
+        drawn = Drawn(executor, boundary, parted, tiled=tiled)
         along, across, corner = drawn.influence.of_neighbours
         weights = np.array([[corner, along, corner], [across, 0.0, across], [corner, along, corner]])
         mode = "wrap" if boundary == "periodic" else "constant"

@@ -107,6 +107,7 @@ def test_a_window_goes_before_the_next_takes_its_memory(monkeypatch: pytest.Monk
             super().__init__(*args, **options)
 
     monkeypatch.setattr(half_space_window, "HalfSpace", Watched)
+    monkeypatch.setattr(half_space_window, "MOST_CELLS_STORED", 0)
     with Executor(GRID) as executor:
         solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free")
         solver.solve(executor.field(ball()), load=LOAD)

@@ -10,16 +10,20 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import Study
 from warpwear.engine.executor import Executor
-from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.runs.make import model_at_rest
 
 
-def run(law: str, heights: FloatArray, increments: list[float], threads: int) -> tuple[list, list]:
+def run(
+    law: str, heights: FloatArray, increments: list[float], threads: int, *, every: bool = False
+) -> tuple[list, list]:
+    """Steps and fields. every: whether each step visits every tile."""
     study = Study.load("v3-fine").replace({"stepping.increment": "1 mm", "stepping.force": True} | LAWS[law])
     with Executor(Grid(*SHAPE, CELL), threads=threads) as executor:
         model = model_at_rest(study.contact_task, heights.copy(), executor)
+        assert isinstance(model, OneScaleModel)
+        model.tiles.lists.set(is_fixed=int(every))
         steps = list(model.steps((increment, True) for increment in increments))
         last = model.snapshot(steps[-1], 0.0)
         fields = [field.copy() for field in (last.gap, last.wear_sphere, last.wear_disc)]
@@ -35,10 +39,7 @@ def drawn(make: Callable[[np.random.Generator], FloatArray]) -> tuple[FloatArray
 @cache
 def of_every_tile(make: Callable[[np.random.Generator], FloatArray], law: str) -> tuple[list, list]:
     """The run that visits every tile, on one thread."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Tiles, "begin", lambda self: None)
-        patch.setattr(Tiles, "reach", lambda self, approach, *, margin=0.0: None)
-        return run(law, *drawn(make), 1)
+    return run(law, *drawn(make), 1, every=True)
 
 
 @pytest.mark.parametrize("law", LAWS)

@@ -10,15 +10,13 @@ from cases_bare import BARE, FILM, FILMED, GROWN, STUDIES, history_of, needs_tra
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import Study
-from warpwear.contact.balance import Balancer, Foundation
-from warpwear.contact.bearing_area import BearingArea
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.contact.half_space.window import WindowedHalfSpace
-from warpwear.engine.executor import Executor, arguments
+from warpwear.contact.search import LoadSearch
+from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
-from warpwear.kernels.contact import Law
 from warpwear.runs.make import executor_of, model_of, plan_of
 from warpwear.study.surface import surface_in
 
@@ -51,10 +49,9 @@ def test_a_foundation_with_caps(device: str, threads: int) -> None:
         own = executor.field(parts, padding=1.0)
         tiles = Tiles(executor, field, field, least=10.0)
         stiffness = executor.field(np.full((1, 1), 1.0 / compliance), padding=1.0 / compliance)
-        balancer, law = Balancer(executor), arguments(Law)
-        found = balancer.solve(Foundation(field, stiffness, tiles, load, 590.0, parts=own))
-        found.fill(law)
-        pressure = balancer.pressures(law, stiffness, field, tiles, own).copy()
+        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, stiffness=stiffness, parts=own)
+        found = search.solve()
+        pressure = search.pressures().copy()
     low, high = gap.min(), gap.max() + 1.0
     for _ in range(200):
         level = 0.5 * (low + high)
@@ -72,19 +69,10 @@ def test_a_bearing_area_with_caps(device: str, threads: int) -> None:
     with Executor(grid, device=device, threads=threads) as executor:
         field = executor.field(gap.copy(), padding=PADDING)
         tiles = Tiles(executor, field, field, least=10.0)
-        bearing, balancer, law = BearingArea(executor), Balancer(executor), arguments(Law)
-        bearing.parts = executor.field(parts, padding=1.0)
-        stiffness = executor.field(np.full((1, 1), 1e300), padding=1e300)
-        found = bearing.solve(
-            field,
-            tiles,
-            load=load,
-            hardness=590.0,
-            tolerance=590.0 * grid.cell_area,
-            highest=float(gap.max()),
-        )
-        found.fill(law)
-        pressure = balancer.pressures(law, stiffness, field, tiles, bearing.parts).copy()
+        own, tolerance = executor.field(parts, padding=1.0), 590.0 * grid.cell_area
+        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, tolerance=tolerance, parts=own)
+        found = search.solve()
+        pressure = search.pressures().copy()
     below = gap < found.approach
     carried = 590.0 * parts[below].sum() * grid.cell_area
     assert abs(carried - load) <= 590.0 * grid.cell_area
@@ -99,12 +87,10 @@ def test_tied_cells_share_what_is_missing_by_their_caps(device: str) -> None:
     with Executor(grid, device=device, threads=1) as executor:
         field = executor.field(gap, padding=PADDING)
         tiles = Tiles(executor, field, field, least=10.0)
-        bearing, law = BearingArea(executor), arguments(Law)
-        bearing.parts = executor.field(parts, padding=1.0)
-        found = bearing.solve(field, tiles, load=load, hardness=590.0, tolerance=1e-6, highest=0.0)
-        found.fill(law)
-        stiffness = executor.field(np.full((1, 1), 1e300), padding=1e300)
-        pressure = Balancer(executor).pressures(law, stiffness, field, tiles, bearing.parts)
+        own = executor.field(parts, padding=1.0)
+        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, parts=own, tolerance=1e-6)
+        search.solve()
+        pressure = search.pressures()
         assert_allclose(pressure, 0.5 * 590.0 * parts, rtol=1e-9)
 
 
@@ -202,9 +188,11 @@ def bared(study: Study, device: str, threads: int) -> tuple[FloatArray, dict[str
         holder = getattr(model, "contact", model)
         film = getattr(holder, "film", None) or getattr(holder, "_film", None)
         if film is not None:
-            film._thickness = -1.0
+            film.films.thickness = -1.0
             if hasattr(holder, "state"):
                 holder.state.columns = (0, executor.grid.ny)
+            if hasattr(holder, "_course"):
+                holder._course.set(first_column=0.0, last_column=executor.grid.ny - 1.0)
         step = model.advance(plan_of(study)[0][0], with_pressure=True)
         return step.pressure.copy(), step.row
 

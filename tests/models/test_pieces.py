@@ -6,20 +6,25 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warp as wp
 from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine.executor import Executor
+from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid, IntArray
 from warpwear.kernels.cells import PADDING
+from warpwear.kernels.slide import Slide
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.junctions import critical_junction
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
+from warpwear.models.track import pieces as track_pieces
 from warpwear.models.track.bodies import SlidingBodies
-from warpwear.models.track.pieces import SlidingPieces
+from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 from warpwear.results.summary_text import summary_text
 from warpwear.study.surface import surface_in
 
@@ -158,6 +163,34 @@ def expected_of(
     return references, sums
 
 
+class Shedding:
+    """Steps of two bodies, each by a pressure of its own, as a program."""
+
+    def __init__(self, executor: Executor, pieces: Pieces, *, periodic: bool) -> None:
+        self.bodies = bodies_of(executor, DISC, pieces)
+        self.pieces = SlidingPieces(pieces, executor, self.bodies, periodic=periodic)
+        self.share, self._executor, self._pressure = 1.0 - pieces.dust, executor, executor.zeros()
+        self._slides = Numbers(Slide, executor.device, rows=GRID.nx)
+        goes = wp.zeros(1, dtype=wp.int32, device=executor.device)
+        self._rows = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=executor.device)
+        self._program = Program(executor)
+        with self._program.branch(self.pieces.begins):
+            self.pieces.say_begin(self._program)
+            self.pieces.say_take(self._program, self._slides.array, self._pressure)
+        self.pieces.say_shed(self._program, self._slides.array, goes, self._rows, 0)
+
+    def step(self, number: int, shift: int) -> list[list[float]]:
+        """Numbers of `OF_BODY` of both bodies after a step."""
+        sphere, disc = self.share * REMOVALS[0], self.share * FRACTION * REMOVALS[1]
+        self._slides.set(shift=shift, pending_sphere=sphere, pending_disc=disc)
+        self._executor.fill(self._pressure, pressure_of(number))
+        self._program.run()
+        while self.pieces.drain():
+            self._program.run()
+        self.pieces.book.end_steps()
+        return self._rows.numpy().reshape(2, -1).tolist()  # type: ignore[no-any-return]
+
+
 @pytest.mark.parametrize("periodic", [True, False], ids=["periodic", "with ends"])
 @pytest.mark.parametrize("name", PIECES)
 def test_the_same_pieces_as_by_a_serial_reference(
@@ -165,21 +198,17 @@ def test_the_same_pieces_as_by_a_serial_reference(
 ) -> None:
     pieces = PIECES[name]
     with Executor(GRID, device=device, threads=threads) as executor:
-        bodies = bodies_of(executor, DISC, pieces)
-        shed = SlidingPieces(pieces, executor, bodies, periodic=periodic, track_fraction=FRACTION)
+        shed = Shedding(executor, pieces, periodic=periodic)
+        bodies = shed.bodies
         sphere = executor.to_numpy(bodies.sphere).tobytes()
         references, sums = expected_of(name, sphere, periodic=periodic)
         expected = iter(sums)
         for step, shift in enumerate(shifts_of(pieces, periodic=periodic)):
-            shed.begin()
-            shed.take(executor.field(pressure_of(step)), shift, REMOVALS)
-            total, most = shed.shed(shift, {}, {})
-            for body in ("sphere", "disc"):
-                found = total[f"wear_{body}"], total[f"pending_{body}"], most[f"wear_{body}"]
+            for _, *found in shed.step(step, shift):
                 assert_allclose(found, next(expected), rtol=1e-12)
         depth, height = executor.to_numpy(bodies.sphere), executor.to_numpy(bodies.disc)
-        pending = [executor.to_numpy(body.pending) for body in shed.both]
-    table = shed.book.table
+        pending = [executor.to_numpy(body.pending) for body in shed.pieces.both]
+    table = shed.pieces.book.table
     for number, (reference, values) in enumerate(zip(references, (depth, -height), strict=True)):
         there = reference.z < 0.5 * PADDING
         assert_allclose(values[there], reference.z[there], rtol=0.0, atol=1e-15)
@@ -190,26 +219,18 @@ def test_the_same_pieces_as_by_a_serial_reference(
         assert_allclose(mine[:, 4], [piece[2] for piece in reference.left], rtol=1e-9)
 
 
-def test_pieces_do_not_depend_on_how_their_rounds_are_launched(device: str) -> None:
-    """All rounds of a step in a launch, one where the table has no room for more, or a thread a cell."""
-    pieces, tables = next(iter(PIECES.values())), []
-    disc = np.random.default_rng(1).normal(0.0, 2e-4, (53, GRID.ny))
-    for rounds in ("all", "one", "threads"):
+def test_pieces_do_not_depend_on_how_many_a_table_holds(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where it is full in the midst of a step, the host empties it and the program goes on."""
+    tables = []
+    for room in (track_pieces.ROOM, 0):  # of a round at least
+        monkeypatch.setattr(track_pieces, "ROOM", room)
         with Executor(GRID, device=device) as executor:
-            bodies = bodies_of(executor, disc, pieces)
-            shed = SlidingPieces(pieces, executor, bodies, periodic=True, track_fraction=0.5)
-            for body in shed.both:
-                body.in_one_launch = rounds != "threads"
-                if rounds == "one":
-                    body._left = body._left[: body._most]
-            for step in range(4):
-                shed.begin()
-                shed.take(executor.field(pressure_of(step)), 7 * step, (9.4e-7 * 0.8, 12.7e-7 * 1.1))
-                shed.shed(7 * step, {}, {})
-        tables.append(shed.book.table)
-    assert len(tables[0]) > 10
-    for table in tables[1:]:
-        assert_array_equal(table, tables[0])
+            shed = Shedding(executor, PIECES["20 um"], periodic=True)
+            rows = [shed.step(step, 7 * step) for step in range(4)]
+        tables.append((shed.pieces.book.table, rows))
+    assert len(tables[0][0]) > 10
+    assert_array_equal(tables[1][0], tables[0][0])
+    assert tables[1][1] == tables[0][1]
 
 
 #: A small test on the half-space at 5 µm cells; a pass of 3 mm is a lap of 0.4 mm.

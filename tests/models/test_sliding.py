@@ -11,9 +11,13 @@ import reference
 from numpy.testing import assert_allclose
 
 from warpwear import Study
-from warpwear.engine.executor import Executor
+from warpwear.engine.executor import Executor, arguments
+from warpwear.engine.numbers import Numbers
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder import Step
+from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Bodies
+from warpwear.models.track import tiles
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.tiles import SlidingTiles
 
@@ -192,7 +196,7 @@ def test_listed_tiles_give_what_every_tile_gives(
     rng = np.random.default_rng(8)
     disc, moves = make(rng), displacements(rng, periodic=True)
     some, some_fields = run(law, disc, moves, threads)
-    monkeypatch.setattr(SlidingTiles, "_select", lambda self, limit: self._list(np.inf))
+    monkeypatch.setattr(tiles, "LEAST_TILES", 10**9)
     every, every_fields = run(law, disc, moves, threads)
     for one, other in zip(some, every, strict=True):
         assert one.row["cells_in_contact"] == other.row["cells_in_contact"]
@@ -212,10 +216,10 @@ def test_bounds_follow_the_wear(threads: int) -> None:
         contact = SlidingContact(study_of("implicit").contact_task, disc, executor, periodic=True)
         for move in displacements(rng, periodic=True):
             contact.step(*move)
-        tiles, state = contact.tiles, contact.state
-        again = SlidingTiles(executor, state.sphere, state.disc, least=1.0)
-        assert np.array_equal(tiles.lowest.to_numpy(), again.lowest.to_numpy())
-        assert np.array_equal(tiles.highest.to_numpy(), again.highest.to_numpy())
+        bodies = arguments(Bodies, **contact.state.fields, gap=executor.zeros())
+        again = SlidingTiles(executor, bodies, Numbers(Slide, executor.device).array, least=1.0)
+        assert np.array_equal(contact.tiles.lowest.to_numpy(), again.lowest.to_numpy())
+        assert np.array_equal(contact.tiles.highest.to_numpy(), again.highest.to_numpy())
 
 
 def test_a_step_visits_few_tiles() -> None:
@@ -229,7 +233,7 @@ def test_a_step_visits_few_tiles() -> None:
         )
         for i in range(8):
             contact.step(8 * i, 8e-3)
-            assert 0 < contact.tiles.listed < 0.1 * grid.nx * executor.tiles_per_row
+            assert 0 < contact.tiles.lists["listed"] < 0.1 * grid.nx * executor.tiles_per_row
 
 
 def test_a_track_has_ends() -> None:

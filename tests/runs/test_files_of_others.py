@@ -143,6 +143,7 @@ def test_a_file_that_came_while_the_run_went_on(tmp_path: Path, monkeypatch: pyt
         (out / "log.txt").write_text("mine")
         return advance(*given, **named)
 
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
     monkeypatch.setattr(OneScaleModel, "advance", writing)
     with pytest.warns(UserWarning, match=r"log\.txt was not written by a run: it is log-.*\.txt now"):
         warpwear.run(study(), out=out, plots=False).close()

@@ -84,6 +84,7 @@ def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 
     """After so many steps change a value of a field in the contact, by the way that checkpoints take."""
     monkeypatch.setattr(OneScaleModel, "longest_block", 1)  # on a GPU
     monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
     advance, block, calls = OneScaleModel.advance, OneScaleModel.block, []
 
     def spoil(self: OneScaleModel) -> None:
@@ -183,6 +184,7 @@ def test_numbers_that_are_none_are_written_as_such(tmp_path: Path, monkeypatch: 
         return step
 
     monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
     monkeypatch.setattr(OneScaleModel, "advance", without_volume)
     study = small(checks__strict=False)
     with warpwear.run(study, out=tmp_path / "out", plots=False) as result:
@@ -267,6 +269,7 @@ def test_an_unbalanced_step_leaves_the_run_so_far(
         return advance(self, *args, **kwargs)
 
     monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
     monkeypatch.setattr(OneScaleModel, "advance", failing)
     kept = rf"The run folder {re.escape(str(tmp_path / 'out'))} holds the steps so far\."
     told = rf"8 N are left\. {kept} A new run may get further with smaller increments: {helps}\.$"

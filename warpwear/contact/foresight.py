@@ -1,19 +1,10 @@
 """Where the approach of the next step will be, from those of the last ones."""
 
 from collections import deque
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 #: Steps remembered: a line through their rates is continued, as a parabola amplifies the noise of the area.
 REMEMBERED = 2
-
-
-class Line(NamedTuple):
-    """The line through the rates remembered."""
-
-    slid: float  # Σ K ΔL up to the next step [mm³/N]
-    place: float  # of it, in the middle of the last step
-    rate: float  # there [MPa]
-    trend: float  # of that rate [MPa N/mm³]
 
 
 class Foresight:
@@ -28,29 +19,6 @@ class Foresight:
         self._slid = 0.0  # Σ K ΔL of both bodies [mm³/N]
         self._approach: float | None = None
         self._rates: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)  # where [mm³/N], rate [MPa]
-
-    @property
-    def numbers(self) -> dict[str, float]:
-        """What it goes by, by the names of `kernels.blocks.steps.MEMORY`."""
-        known: dict[str, float] = {"slid": self._slid, "rates": len(self._rates)}
-        for number, (where, rate) in enumerate(self._rates):
-            known |= {f"where_{number}": where, f"rate_{number}": rate}
-        return known
-
-    @numbers.setter
-    def numbers(self, known: dict[str, float]) -> None:
-        self._slid, self._approach = known["slid"], known["approach"]
-        pairs = [(known[f"where_{number}"], known[f"rate_{number}"]) for number in range(int(known["rates"]))]
-        self._rates = deque(pairs, maxlen=REMEMBERED)
-
-    @property
-    def line(self) -> Line | None:
-        """The line that a device goes on with; None before a step."""
-        if not self._rates:
-            return None
-        (place, rate), (before, earlier) = self._rates[-1], self._rates[0]
-        trend = (rate - earlier) / (place - before) if place > before else 0.0
-        return Line(self._slid, place, rate, trend)
 
     def note(self, approach: float, removal: float) -> None:
         """Learn from a step that ended at an approach [mm]; removal: its K ΔL of both bodies [mm³/N]."""

@@ -1,4 +1,4 @@
-"""The load balance of cells that do not feel each other, as a part of a program: springs, or a bearing area."""
+"""The load balance of cells that do not feel each other, as a part of a program."""
 
 from typing import Any
 
@@ -75,12 +75,12 @@ class LoadSearch:
         look, tiles = bearing.counted_below if self.is_rigid else balance.carried, self._tiles
         with program.loop(self.springs.searching):
             tiles.add_to(program)
-            program.launch(look, tiles.list, tiles.count, self.springs, *fields, chunks=tiles.chunks)
+            program.launch(look, tiles.list, tiles.count, self.springs, *fields, chunks=lambda: tiles.chunks)
             program.decide(judge, self.springs, *state)
 
     def solve(self) -> Balance:
-        """Search where nothing is known, not even of the stiffness but by its field. Raises ConvergenceError."""
-        program, smallest = Program(self._executor), self._tiles.smallest
+        """Search where nothing is known, on springs of a field of stiffnesses. Raises ConvergenceError."""
+        program, smallest = Program(self._executor, records=False), self._tiles.smallest
         if self.is_rigid:
             program.decide(bearing.begin, self.springs, smallest)
         else:
@@ -90,9 +90,10 @@ class LoadSearch:
         program.run()
         law, search = self.law.numpy()[0], self._search.numpy()[0]
         self.check()
-        numbers = (float(law[name]) for name in ("base", "offset", "cap"))
-        ties = (float(law[name]) for name in ("tie_width", "tie_pressure"))
-        return Balance(*numbers, float(search["residual"]), *ties, int(search["evaluations"]))
+        numbers = {name: float(law[name]) for name in law.dtype.names}
+        return Balance(
+            load_residual=float(search["residual"]), evaluations=int(search["evaluations"]), **numbers
+        )
 
     def pressures(self, at: Balance | None = None) -> FloatArray:
         """The pressure of every cell [MPa], shape (nx, ny). at: a balance; None: the one that was found."""
@@ -107,8 +108,8 @@ class LoadSearch:
 
     def _launch_once(self, kernel: Any, *arguments: Any) -> None:
         """Launch a kernel over the listed tiles."""
-        program, tiles = Program(self._executor), self._tiles
-        program.launch(kernel, tiles.list, tiles.count, *arguments, chunks=tiles.chunks)
+        program, tiles = Program(self._executor, records=False), self._tiles
+        program.launch(kernel, tiles.list, tiles.count, *arguments, chunks=lambda: tiles.chunks)
         program.run()
 
     def check(self) -> None:

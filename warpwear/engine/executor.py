@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from itertools import pairwise
 from threading import RLock
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 import warp as wp
@@ -51,33 +51,6 @@ def arguments(kind: Any, **members: Any) -> Arguments:
     return made
 
 
-def set_numbers(made: Arguments, **numbers: float) -> None:
-    """Set members of a struct to plain numbers: in a step of half a millisecond Warp's own setting is felt.
-
-    The names are not checked.
-    """
-    made.__dict__.update(numbers)
-    members = made.__ctype__()
-    for name, value in numbers.items():
-        setattr(members, name, value)
-
-
-class ListOfTiles(Protocol):
-    """Tiles of a field that a kernel visits, row by row."""
-
-    @property
-    def list(self) -> Field:
-        """Numbers of the tiles of each row, shape (rows, tiles_per_row)."""
-
-    @property
-    def count(self) -> Field:
-        """How many of them are visited, shape (rows,)."""
-
-    @property
-    def chunks(self) -> Sequence[tuple[int, int]]:
-        """Ranges of slots for the threads."""
-
-
 class Executor:
     """Launches kernels over the rows of one grid on one device, and makes fields for them.
 
@@ -104,11 +77,8 @@ class Executor:
         on_cpu = self.device.is_cpu
         self.slots_per_row = 1 if on_cpu else min(max(SLOTS_CUDA // grid.nx, 1), self.tiles_per_row)
         self.slots = grid.nx * self.slots_per_row
-        #: Whether many steps are made in a launch, where launches cost as much as what they do.
-        self.in_one_launch = on_cpu and grid.cells < SMALL
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if on_cpu else 0
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
-        self._launches: dict[tuple[Any, int], tuple[Any, list[Any]]] = {}
         self._whole = self.split_rows(np.full(grid.nx, self.vectors * LANES))
         self._loaded: set[Any] = set()
         self._loader: ThreadPoolExecutor | None = None
@@ -170,7 +140,7 @@ class Executor:
             return [(0, rows)]
         done = np.concatenate([[0], np.cumsum(cells)])
         edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), rows]
-        return [(int(first), int(last)) for first, last in pairwise(edges)]
+        return [(int(first), int(last)) for first, last in pairwise(edges) if last > first]
 
     def launch(
         self,
@@ -178,53 +148,23 @@ class Executor:
         *,
         inputs: Sequence[Any],
         outputs: Sequence[Any],
-        over: ListOfTiles | None = None,
         chunks: Sequence[tuple[int, int]] | None = None,
-        often: bool = False,
     ) -> None:
         """Run a kernel over all slots; returns when it is done (CPU) or queued (GPU).
 
-        over: the tiles visited by a kernel that asks for a list of them. chunks: ranges of slots for the
-        threads, other than those of the list or of whole rows. often: keep the launch for the next
-        time, with its arguments, fields included: on small grids packing them is what a launch costs.
+        chunks: ranges of slots for the threads, other than those of whole rows.
         """
         self.load(kernel)
         if chunks is None:
-            chunks = self._whole if over is None else over.chunks
-        listed = [] if over is None else [over.list, over.count]
+            chunks = self._whole
 
         def chunk(number: int) -> None:
             first, last = chunks[number]
-            arguments = [first, self.slots_per_row, *listed, *inputs, *outputs]
-            if often:
-                self._kept_launch(kernel, number, last - first, arguments).launch()
-            else:
-                wp.launch(kernel, dim=last - first, inputs=arguments, device=self.device)
+            every = [first, self.slots_per_row, *inputs, *outputs]
+            wp.launch(kernel, dim=last - first, inputs=every, device=self.device)
 
         with GATE:
             self.on_threads([partial(chunk, number) for number in range(len(chunks))])
-
-    def _kept_launch(self, kernel: Any, chunk: int, size: int, arguments: list[Any]) -> Any:
-        """The recorded launch of a kernel over a chunk, with what has changed since the last time."""
-        kept = self._launches.get((kernel, chunk))  # kernels of two modules may have one name
-        if kept is None:
-            command = wp.launch(kernel, dim=size, inputs=arguments, device=self.device, record_cmd=True)
-            self._launches[kernel, chunk] = command, [size, *arguments]
-            return command
-        command, last = kept
-        if size != last[0]:
-            command.set_dim(size)
-        for index, value in enumerate(arguments):
-            before = last[index + 1]
-            # Arrays are compared by identity, numbers by value; a NaN is set each time.
-            if value is before:
-                continue
-            if not isinstance(value, int | float):
-                command.set_param_at_index(index, value)
-            elif value != before:
-                command.set_param_at_index_from_ctype(index, value)
-        last[:] = [size, *arguments]
-        return command
 
     def zeros(self, rows: int | None = None) -> Field:
         """Make a field of zeros, with as many rows as the grid by default.

@@ -22,7 +22,7 @@ class Table:
         if self._host is not None:
             self._host[: len(rows)] = rows
         else:
-            host = wp.array(rows, dtype=wp.float64, device="cpu")
+            host: Field = wp.array(np.array(rows), dtype=wp.float64, device="cpu")
             wp.copy(self.array, host, count=host.size)
 
     def read(self, rows: int) -> FloatArray:

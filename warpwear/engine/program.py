@@ -178,13 +178,17 @@ class Recording:
 
 
 class Program:
-    """A program on an executor. It is recorded when it is first run; nothing can be added then."""
+    """A program on an executor. It is recorded when it is first run; nothing can be added then.
 
-    def __init__(self, executor: Executor) -> None:
-        self._executor = executor
+    shares: whether threads share its passes, where there are enough cells; else it is of one core. records:
+    whether it is recorded at all, which takes about as long as making a few of its launches.
+    """
+
+    def __init__(self, executor: Executor, *, shares: bool = True, records: bool = True) -> None:
+        self._executor, self._shares = executor, shares
         self._whole = Block()
         self._open = [self._whole]
-        self._is_recorded = False
+        self._records, self._is_closed = records, False
 
     def launch(
         self,
@@ -200,7 +204,9 @@ class Program:
         """
         executor = self._executor
         slots = executor.slots_of(executor.grid.nx) if slots is None else slots
-        if chunks is None:
+        if not self._shares:
+            chunks = [(0, slots)]
+        elif chunks is None:
             chunks = executor.equal_chunks(slots)
         self._add(Launch(executor, kernel, arguments, slots, chunks))
 
@@ -224,9 +230,9 @@ class Program:
 
     def run(self) -> None:
         """Replay the program; on a GPU it is queued."""
-        if not self._is_recorded:
+        if self._records and not self._is_closed:
             self._whole.record(self._executor.device)
-            self._is_recorded = True
+        self._is_closed = True
         self._whole.run()
 
     def _within(self, block: Block) -> Iterator[None]:
@@ -238,5 +244,5 @@ class Program:
             self._open.pop()
 
     def _add(self, node: Node) -> None:
-        assert not self._is_recorded
+        assert not self._is_closed
         self._open[-1].nodes.append(node)

@@ -1,7 +1,6 @@
 """The list of tiles that a contact can reach: what a step has to visit of a field."""
 
 import math
-from abc import ABC, abstractmethod
 from typing import ClassVar
 
 import numpy as np
@@ -9,8 +8,8 @@ import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
-from warpwear.engine.program import Program
-from warpwear.kernels import balance
+from warpwear.engine.program import Chunks, Program
+from warpwear.kernels import tiles as kernels
 from warpwear.kernels.cells import TileSums
 
 #: Stands for the limit of a list of every tile [mm], as in kernels.
@@ -19,73 +18,11 @@ NO_LIMIT = 1.0e300
 LEAST_TILES = 16
 
 
-class TileList(ABC):
-    """Tiles that a contact can reach, row by row: those with a cell whose gap does not exceed `limit` [mm].
-
-    What is not listed cannot touch at an approach up to the limit. At first every tile is listed.
-
-    least: cells that a list holds at least, so that a capped contact can carry its load on them.
-    """
-
-    def __init__(self, executor: Executor, *, least: float) -> None:
-        self._executor = executor
-        self._cells_of_tile = executor.grid.ny / executor.tiles_per_row
-        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
-        device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
-        every = np.broadcast_to(np.arange(columns, dtype=np.int32), (nx, columns))
-        self.list: Field = wp.array(every, dtype=wp.int32, device=device)
-        self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
-        self.limit = math.inf
-        self.listed = nx * columns
-        self.chunks = executor.split_rows(np.full(nx, executor.grid.ny))
-
-    @property
-    @abstractmethod
-    def smallest(self) -> float:
-        """No gap is lower [mm]."""
-
-    @property
-    def least(self) -> int:
-        """Number of tiles that a list holds at least, where there are as many."""
-        return self._least
-
-    @property
-    def asked(self) -> float:
-        """Approach that the list was asked to serve [mm]; to hold enough it may serve more."""
-        return self.limit
-
-    @abstractmethod
-    def begin(self) -> None:
-        """To a list of the lowest tiles, where a search from the lowest cell begins."""
-
-    @abstractmethod
-    def reach(self, approach: float, *, margin: float = 0.0) -> None:
-        """List all that touches up to an approach [mm]; a new list reaches a margin beyond [mm]."""
-
-    def _readopt(self) -> None:
-        """The list of another time. Raises ValueError for one that leads beyond the field."""
-        listed, count = self.list.numpy(), self.count.numpy()
-        if (
-            min(listed.min(), count.min()) < 0
-            or listed.max() >= listed.shape[1]
-            or count.max() > listed.shape[1]
-        ):
-            raise ValueError("the list of tiles leads beyond the field")
-        self._adopt(self.limit)
-
-    def _adopt(self, limit: float) -> None:
-        """The list that a kernel has made for a limit."""
-        self.limit = limit
-        count = self.count.numpy()
-        self.listed = int(count.sum())
-        self.chunks = self._executor.split_rows(count * self._cells_of_tile)
-
-
 class Tiles:
     """Tiles of one gap that lies still and only opens: those with a cell whose gap does not exceed a limit.
 
     The list serves every approach up to the limit. Kernels decide when it is made anew, see
-    `kernels.balance.reached`; what they decide by is in `lists`. At first every tile is listed. On a GPU
+    `kernels.tiles.reached`; what they decide by is in `lists`. At first every tile is listed. On a GPU
     every one always is: a pass over the memory costs less there than to decide about it.
 
     least: cells that a list holds at least, so that a capped contact can carry its load on them.
@@ -114,7 +51,7 @@ class Tiles:
         #: Of the tiles of each row that are not listed: cells touched, and their wear [mm].
         self.rest = wp.zeros(nx, dtype=TileSums, device=device)
         self.lists = Numbers(
-            balance.Listing,
+            kernels.Listing,
             device,
             limit=NO_LIMIT,
             asked=NO_LIMIT,
@@ -124,9 +61,9 @@ class Tiles:
         )
         #: Flag: a list is asked for.
         self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
-        self._split: tuple[int, list[tuple[int, int]]] | None = None  # for the number of a list
-        find = Program(executor)
-        find.launch(balance.lowest, gap, self._lowest)
+        self._split: tuple[int, Chunks] | None = None  # for the number of a list
+        find = Program(executor, records=False)
+        find.launch(kernels.lowest, gap, self._lowest)
         find.run()
         #: Lowest gap before anything was worn [mm]; none is lower later.
         self.smallest = float(self._lowest.numpy().min())
@@ -141,7 +78,7 @@ class Tiles:
         if not self._executor.device.is_cpu:
             return
         tiles = arguments(
-            balance.Tiles,
+            kernels.Tiles,
             list=self.list,
             count=self.count,
             lowest=self._lowest,
@@ -149,10 +86,11 @@ class Tiles:
             rest=self.rest,
         )
         with program.loop(self.listing):
-            program.launch(balance.select, self.lists.array, self._gap, self._unworn, tiles)
-            program.decide(balance.listed, self.lists.array, self.listing, tiles, self._least)
+            program.launch(kernels.select, self.lists.array, self._gap, self._unworn, tiles)
+            program.decide(kernels.listed, self.lists.array, self.listing, tiles, self._least)
 
-    def chunks(self) -> "list[tuple[int, int]]":
+    @property
+    def chunks(self) -> Chunks:
         """Ranges of slots for the threads, of passes over what is listed."""
         number = self.lists["lists"]
         if self._split is None or self._split[0] != number:

@@ -66,7 +66,9 @@ class BareCells:
         self._heals = heals
         #: For those who look between steps.
         self._slides = Numbers(Slide, executor.device)
-        self._sums = wp.zeros((1, executor.slots_of(executor.grid.nx)), dtype=wp.float64, device=executor.device)
+        self._sums = wp.zeros(
+            (1, executor.slots_of(executor.grid.nx)), dtype=wp.float64, device=executor.device
+        )
         self._programs: dict[str, Program] = {}
 
     @classmethod

@@ -45,6 +45,7 @@ def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], None]) -
     """Let something happen in the step after so many, counted from here."""
     calls: list[int] = []
     monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
     monkeypatch.setattr(TwoScaleModel, "in_blocks", False)
 
     def stopping(advance: Callable[..., Any]) -> Callable[..., Any]:

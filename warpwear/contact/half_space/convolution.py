@@ -13,7 +13,7 @@ from warpwear.grid import FloatArray, IntArray
 from warpwear.kernels import fourier
 
 #: What a length may be made of, in the order of the stages.
-RADICES = (4, 2, 3, 5)
+RADICES = (4, 2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61)
 #: Rows of a table that are put in order together.
 TOGETHER = 64
 
@@ -117,12 +117,21 @@ def _order(length: int, stages: list[int]) -> IntArray:
 
 
 def _turns(length: int, stages: list[int]) -> FloatArray:
-    """Factors between the stages of a transform, one stage after another."""
+    """Factors between the stages of a transform, and waves of large primes, one stage after another."""
     turns, size = [np.empty(0)], length
     for radix in (abs(stage) for stage in stages):
         turns.append(_pairs(-2.0 * math.pi / size * np.outer(np.arange(size // radix), np.arange(1, radix))))
+        if radix > 5:
+            turns.append(_waves(radix))
         size //= radix
     return np.concatenate(turns)
+
+
+def _waves(radix: int) -> FloatArray:
+    """Cosine and sine of numbers 1 … p//2 by two modes of a prime at a time, up to an even number of modes."""
+    numbers, modes = np.arange(1, radix // 2 + 1), np.arange(1, radix // 2 + radix // 2 % 2 + 1)
+    angles = 2.0 * math.pi / radix * (np.outer(numbers, modes) % radix)
+    return _pairs(angles.reshape(numbers.size, -1, 2).swapaxes(0, 1))
 
 
 def _pairs(angle: Any) -> FloatArray:

@@ -24,9 +24,9 @@ from warpwear.contact.half_space.influence import Operator
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
-from warpwear.kernels.cells import NONE
+from warpwear.kernels.cells import LANES, NONE
 from warpwear.kernels.half_space import decisions, extension, few, passes, solve
-from warpwear.kernels.half_space.solve import Request
+from warpwear.kernels.half_space.solve import Flag, Request
 
 #: Stands for no cap: kernels compare with it.
 NO_CAP = float(NONE)
@@ -81,8 +81,8 @@ class Search:
     """The search for a pressure under one operator, on one gap.
 
     gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1, all
-    rows together, or as many as the executor has rows, each of which has a load of its own. pressure: what it
-    starts from and ends with. Numbers of each group are arrays of that length.
+    rows together, or as many as the executor has rows, each of which has a load of its own. tiled: whether a CPU's passes extend the gradient; by default on
+    a CPU. Numbers of each group are arrays of that length.
     """
 
     def __init__(
@@ -95,6 +95,7 @@ class Search:
         fields: Mapping[str, Field],
         fractions: Field | None,
         groups: int,
+        tiled: bool | None = None,
     ) -> None:
         self._executor, self._operator, self._rules = executor, operator, rules
         device, grid = executor.device, executor.grid
@@ -102,10 +103,10 @@ class Search:
         self._single = operator.of_one_grid and on_cpu and operator.cells >= LEAST_SINGLE
         self._extends = operator.of_one_grid
         self._few = rules.few if operator.of_one_grid and on_cpu and hardness < NO_CAP and groups == 1 else 0
-        gathered = (grid.nx, 8 * executor.vectors) if self._extends and on_cpu else (0, 0)
+        #: Whether what is extended is gathered tile by tile.
+        self._tiled = on_cpu if tiled is None else tiled
+        gathered = (grid.nx, LANES * executor.vectors) if self._extends else (0, 0)
         slots = grid.nx if groups > 1 else executor.slots_of(grid.nx)
-        flags = ("starts", "anew", "searching", "renews", "renews_exactly", "renews_roughly", "moves")
-        flags += ("moves_few", "aimed_at_few", "steps", "descends", "preconditions", "extends", "extends_not")
 
         def array(size: int | tuple[int, ...], dtype: Any) -> Field:
             return wp.zeros(size, dtype=dtype, device=device)
@@ -114,7 +115,7 @@ class Search:
             solve.Solve,
             columns=grid.ny,
             wraps=int(operator.wraps),
-            rules=self._kernel_rules(groups),
+            rules=wp.array([self._kernel_rules(groups)], dtype=solve.Rules, device=device),
             fields=arguments(
                 solve.Fields,
                 **fields,
@@ -122,17 +123,17 @@ class Search:
                 fractions=executor.zeros(0) if fractions is None else fractions,
                 gathered=array(gathered, wp.float32),
             ),
-            few=room_for_few(self._few, device),
             request=array(len(Request), wp.float64),
             loads=array(groups, wp.float64),
             visited=operator.visited,
             groups=array(groups, solve.Group),
             numbers=array(1, solve.Numbers),
             table=array((solve.LINES, slots), wp.float64),
-            **{name: array(1, wp.int32) for name in (*flags, "balancing")},
+            flags=array(len(Flag), wp.int32),
         )
         if self._extends:
             self._solve.neighbours = operator.neighbours
+        self._room = room_for_few(self._few, device) if self._few else None
         self._slots = slots
         self._program = self._say()
 
@@ -160,22 +161,22 @@ class Search:
         """Say the search: how it starts, and an iteration, which is made until a decision ends it."""
         program, search = Program(self._executor), self._solve
         program.decide(decisions.start, search)
-        with program.branch(search.starts):
+        with program.branch(self._flag(Flag.STARTS)):
             for _ in range(2):  # about 0, then about the mean
                 self._pass(program, passes.moments)
                 program.decide(decisions.measure, search)
-        with program.branch(search.anew):
+        with program.branch(self._flag(Flag.ANEW)):
             self._pass(program, passes.springs)
             self._balance(program)
             self._pass(program, passes.take)
-        with program.loop(search.searching):
-            with program.branch(search.renews):
+        with program.loop(self._flag(Flag.SEARCHING)):
+            with program.branch(self._flag(Flag.RENEWS)):
                 self._renew(program)
-            with program.branch(search.moves):
+            with program.branch(self._flag(Flag.MOVES)):
                 if self._few:
-                    with program.branch(search.moves_few):
+                    with program.branch(self._flag(Flag.MOVES_FEW)):
                         self._move_few(program)
-                with program.branch(search.steps):
+                with program.branch(self._flag(Flag.STEPS)):
                     self._step(program)
             self._pass(program, passes.advance)
             program.decide(decisions.judge, search)
@@ -186,10 +187,10 @@ class Search:
         search = self._solve
         if search.fields.fractions.shape[0]:
             self._pass(program, passes.bound)
-        with program.branch(search.renews_exactly):
+        with program.branch(self._flag(Flag.RENEWS_EXACTLY)):
             self._respond(program, "pressure", single=False)
         if self._single:
-            with program.branch(search.renews_roughly):
+            with program.branch(self._flag(Flag.RENEWS_ROUGHLY)):
                 self._respond(program, "pressure", single=True)
         self._pass(program, passes.gradient)
         program.decide(decisions.renew, search)
@@ -197,11 +198,11 @@ class Search:
     def _step(self, program: Program) -> None:
         """Aim at a trial, balance it, and go along the step to it as far as is best."""
         search = self._solve
-        with program.branch(search.preconditions):
+        with program.branch(self._flag(Flag.PRECONDITIONS)):
             self._precondition(program)
         self._pass(program, passes.products)
         program.decide(decisions.aim, search)
-        with program.branch(search.descends):
+        with program.branch(self._flag(Flag.DESCENDS)):
             self._pass(program, passes.direction)
             self._balance(program)
             self._respond_to_step(program)
@@ -210,7 +211,7 @@ class Search:
     def _balance(self, program: Program) -> None:
         """Shift the trial, whose sums were left, until it carries the load."""
         program.decide(decisions.begin_balance, self._solve)
-        with program.loop(self._solve.balancing):
+        with program.loop(self._flag(Flag.BALANCING)):
             self._pass(program, passes.carried)
             program.decide(decisions.balance, self._solve)
 
@@ -228,35 +229,46 @@ class Search:
             return
         self._pass(program, passes.scatter)
         program.decide(decisions.judge_scatter, search)
-        blocks = -(-self._executor.grid.nx // extension.ROWS)
-        with program.branch(search.extends):
-            program.launch(extension.extend, search, slots=blocks)
-        with program.branch(search.extends_not):
-            self._pass(program, passes.residual)
-        self._operator.say_inverse(program, trial, trial)
-        with program.branch(search.extends):
-            program.launch(extension.gather, search, slots=blocks)
+        if self._tiled:
+            blocks = -(-self._executor.grid.nx // extension.ROWS)
+            with program.branch(self._flag(Flag.EXTENDS)):
+                program.launch(extension.extend, search, slots=blocks)
+            with program.branch(self._flag(Flag.EXTENDS_NOT)):
+                self._pass(program, passes.residual)
+            self._operator.say_inverse(program, trial, trial)
+            with program.branch(self._flag(Flag.EXTENDS)):
+                program.launch(extension.gather, search, slots=blocks)
+            return
+        self._pass(program, passes.residual)
+        for number in range(4):
+            if number == 2:
+                self._operator.say_inverse(program, trial, trial)
+            with program.branch(self._flag(Flag.EXTENDS)):
+                self._pass(program, extension.extend_once, number)
 
     def _move_few(self, program: Program) -> None:
         """Move the few cells whose place between the bounds is open at once, exactly."""
         search = self._solve
-        self._pass(program, few.count_open)
-        program.decide(few.place_open, search)
-        with program.branch(search.aimed_at_few):
-            self._pass(program, few.list_open)
-            program.decide(few.aim_few, search)
-        with program.branch(search.aimed_at_few):
+        self._pass(program, few.count_open, self._room)
+        program.decide(few.place_open, search, self._room)
+        with program.branch(self._flag(Flag.AIMED_AT_FEW)):
+            self._pass(program, few.list_open, self._room)
+            program.decide(few.aim_few, search, self._room)
+        with program.branch(self._flag(Flag.AIMED_AT_FEW)):
             self._respond_to_step(program)
             program.decide(few.go_few, search)
+
+    def _flag(self, flag: Flag) -> Field:
+        return self._solve.flags[flag : flag + 1]
 
     def _respond(self, program: Program, field: str, *, single: bool) -> None:
         fields = self._solve.fields
         self._operator.say_response(program, getattr(fields, field), fields.response, single=single)
 
-    def _pass(self, program: Program, kernel: Any) -> None:
+    def _pass(self, program: Program, kernel: Any, *more: Any) -> None:
         operator = self._operator
         chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, self._slots)]
-        program.launch(kernel, self._solve, slots=self._slots, chunks=chunks)
+        program.launch(kernel, self._solve, *more, slots=self._slots, chunks=chunks)
 
     @property
     def _visited_groups(self) -> int:
@@ -265,7 +277,7 @@ class Search:
 
     def _kernel_rules(self, groups: int) -> Any:
         """The rules as kernels take them."""
-        rules = dict(vars(self._rules)) | {"few": self._few}
+        rules = dict(vars(self._rules)) | {"few": self._few, "tiled": int(self._tiled)}
         rules["single_rounding"] *= self._single
         cells = self._operator.cells / (self._executor.grid.nx if groups > 1 else 1)
         return arguments(solve.Rules, **rules, group_cells=float(cells))
@@ -273,9 +285,11 @@ class Search:
     def _take_coefficients(self) -> None:
         """Give the operator's coefficients to the search, which is said anew."""
         elastic, along = self._operator.coefficients()
-        room, (rows, columns) = self._solve.few, self._operator.far_shape
+        room, (rows, columns) = self._room, self._operator.far_shape
         room.elastic, room.along, room.rows, room.columns = elastic, along, rows, columns
-        self._solve.few = room
+        rules = self._solve.rules.numpy()
+        rules["has_coefficients"] = 1
+        self._solve.rules.assign(rules)
         self._program = self._say()
 
 

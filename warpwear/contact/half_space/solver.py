@@ -167,7 +167,8 @@ class BoundedPressure:
             one = contact.approaches.size == 1
             rows = [slice(visited)] if one else [slice(n, n + 1) for n in range(visited)]
             groups = [
-                cells_of(p[r], g[r], u[r], cap, None if fractions is None else fractions[r], together) for r in rows
+                cells_of(p[r], g[r], u[r], cap, None if fractions is None else fractions[r], together)
+                for r in rows
             ]
             return certify(groups, asked=loads, cell_area=executor.grid.cell_area, xp=xp, **terms)
 

@@ -32,6 +32,9 @@ ROOM = 0.1
 SMALLER = 0.5
 #: Load that the first window can carry at the hardness, over the load asked for.
 CAPACITY = 2.0
+#: Solvers of windows that are there for the next time, and cells of the largest of them.
+MOST_STORED = 4
+MOST_CELLS_STORED = 2**18
 
 
 @dataclass(frozen=True)
@@ -151,6 +154,8 @@ class WindowedHalfSpace:
         self._window: Window | None = None  # to look at first
         self._written: Window | None = None  # that the fields are of
         self._solver: HalfSpace | None = None
+        #: Solvers of the last windows and fields for their gaps, by their grids.
+        self._stored: dict[Grid, tuple[HalfSpace, Field]] = {}
         #: Of the solver's grid, as the solver is.
         self._gap: Field = None
         self._parts: Field | None = None
@@ -280,16 +285,26 @@ class WindowedHalfSpace:
         grid = window.grid(executor.grid)
         if self._window is None or grid != self._window.grid(executor.grid):
             self._solver = self._gap = self._parts = None
-            part = Executor(grid, device=str(executor.device), threads=executor.threads)
-            self._solver = HalfSpace(
-                part,
-                modulus=self._modulus,
-                boundary=self._boundary,
-                hardness=self._hardness,
-                tolerance=self._tolerance,
-            )
-            self._gap = part.zeros()
+            stored = self._stored.pop(grid, None)
+            most = MOST_STORED if grid.cells <= MOST_CELLS_STORED else 1
+            while len(self._stored) >= most:
+                del self._stored[next(iter(self._stored))]
+            self._stored[grid] = stored or self._solver_on(grid)
+            self._solver, self._gap = self._stored[grid]
         self._window = window
+
+    def _solver_on(self, grid: Grid) -> tuple[HalfSpace, Field]:
+        """A solver on a grid, and a field for its gap."""
+        executor = self._executor
+        part = Executor(grid, device=str(executor.device), threads=executor.threads)
+        solver = HalfSpace(
+            part,
+            modulus=self._modulus,
+            boundary=self._boundary,
+            hardness=self._hardness,
+            tolerance=self._tolerance,
+        )
+        return solver, part.zeros()
 
     @property
     def _everything(self) -> Window:

@@ -30,8 +30,8 @@ from warpwear.models.rest.bodies import RestingBodies
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
-#: Steps that a GPU makes before the first of them is given, at most: it makes them many times as fast.
-LONGEST_ON_GPU = 2000
+#: Steps made before the first of them is given, at most; a GPU makes them many times as fast.
+LONGEST, LONGEST_ON_GPU = 500, 2000
 SUMS, MAXIMA = names_of(WearSum), names_of(WearMost)
 
 
@@ -42,16 +42,19 @@ class OneScaleModel(Model):
     """
 
     #: Interrupts and checkpoints wait for the end of a block.
-    longest_block = 500
+    longest_block = LONGEST
     STATE: ClassVar = {"state": RestingBodies, "tiles": Tiles, "_course": Numbers, "_ledger": Ledger}
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
-        executor.foresee([contact.gap, (bearing.counted_below if task.rigid else balance.carried), wear.wear_step])
+        executor.foresee(
+            [contact.gap, (bearing.counted_below if task.rigid else balance.carried), wear.wear_step]
+        )
         self.task = task
         self._executor = executor
-        if executor.device.is_cuda:
-            self.longest_block = LONGEST_ON_GPU
+        longest = LONGEST_ON_GPU if executor.device.is_cuda else LONGEST
+        if longest > LONGEST:
+            self.longest_block = longest
         self._ledger = Ledger(task, executor.grid)
         self.state = RestingBodies.of(task, executor, heights)
         fully = task.load / (task.hardness * executor.grid.cell_area)
@@ -69,8 +72,8 @@ class OneScaleModel(Model):
         #: What the steps on the device remember.
         self._course = Numbers(wear.Course, device, **none)
         columns = len(wear.BALANCE) + len(SUMS) + len(MAXIMA)
-        self._plan = Table(self.longest_block + 1, len(wear.PLAN), device)
-        self._history = Table(self.longest_block, columns, device)
+        self._plan = Table(longest + 1, len(wear.PLAN), device)
+        self._history = Table(longest, columns, device)
         self._steps = arguments(
             wear.Steps,
             plan=self._plan.array,
@@ -87,7 +90,8 @@ class OneScaleModel(Model):
         tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
         self._tables = arguments(wear.Tables, **tables)
         # Many steps; and one, between whose search and wear its pressures can be seen.
-        self._many, self._to_search, self._to_wear = (Program(executor) for _ in range(3))
+        self._many = Program(executor)
+        self._to_search, self._to_wear = (Program(executor, records=False) for _ in range(2))
         self._begin(self._many)
         with self._many.loop(self._steps.stepping):
             self._add_search(self._many)
@@ -106,12 +110,12 @@ class OneScaleModel(Model):
 
     def _add_wear(self, program: Program) -> None:
         """The wear of a step, and its row."""
-        tiles, steps, state = self.tiles, self._steps, self.state
+        listed, steps, state = self.tiles, self._steps, self.state
         program.launch(
             wear.wear_step,
-            *(tiles.list, tiles.count, self._search.law, steps.increment),
-            *(state.unworn, tiles.rest, state.gap, self._tables),
-            chunks=tiles.chunks,
+            *(listed.list, listed.count, self._search.law, steps.increment),
+            *(state.unworn, listed.rest, state.gap, self._tables),
+            chunks=lambda: listed.chunks,
         )
         program.decide(wear.record, self._search.springs, steps, self._tables)
 
@@ -141,7 +145,7 @@ class OneScaleModel(Model):
 
     @property
     def in_blocks(self) -> bool:
-        """Whether the next steps can be made in a row: not where 1/c of a step follows from the one before."""
+        """Whether steps can be made in a row: not where 1/c of one follows from the area of the last."""
         return not self.task.bulk_updated
 
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
@@ -164,7 +168,7 @@ class OneScaleModel(Model):
 
         Raises ConvergenceError when the load cannot be balanced.
         """
-        removals = self._tell([increment], then if self.in_blocks else None)
+        removals = self._tell([increment], None if self.task.bulk_updated else then)
         if not with_pressure:
             self._many.run()
             self._check()

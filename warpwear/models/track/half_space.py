@@ -119,7 +119,8 @@ class SlidingHalfSpace:
         self._bare = wp.zeros((1, slots), dtype=wp.float64, device=device)
         #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
         self._of_rows = {
-            name: wp.zeros(disc.shape[0], dtype=wp.float64, device=device) for name in ("worn_disc", "pressed_disc")
+            name: wp.zeros(disc.shape[0], dtype=wp.float64, device=device)
+            for name in ("worn_disc", "pressed_disc")
         }
         self._slides = Numbers(Slide, executor.device, rows=executor.grid.nx, window=1)
         self._programs: dict[str, tuple[Field, Program]] = {}
@@ -334,7 +335,9 @@ class SlidingHalfSpace:
         pieces, slides = self.pieces, self._slides.array
         assert pieces is not None
         for _ in itertools.count():
-            self._run("shed", lambda program: pieces.say_shed(program, slides, self._goes, self._of_pieces, 0))
+            self._run(
+                "shed", lambda program: pieces.say_shed(program, slides, self._goes, self._of_pieces, 0)
+            )
             if not pieces.drain():
                 break
         pieces.book.end_steps()

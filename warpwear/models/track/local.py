@@ -33,8 +33,8 @@ from warpwear.models.track.tiles import PerTile, SlidingTiles
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 1.25
-#: Steps of a replay at most.
-LONGEST = 500
+#: Steps of a replay at most, and cells of all its steps: those of a large grid are to be seen, too.
+LONGEST, CELLS_OF_REPLAY = 500, 1.0e8
 #: Sums over tiles and rows, and what is found of them, as the history has them.
 RENAMED = {"worn_sphere": "wear_sphere", "worn_disc": "wear_disc"}
 #: Names of the sums and maxima of a step.
@@ -115,8 +115,9 @@ class SlidingContact:
         #: Whether 1/c differs from cell to cell.
         self._differs = task.implicit and (self._recession is not None or self._factored)
         self._gather()
-        #: Searches, and programs of many steps and of one, by whether the cells are rigid.
-        self._said: dict[bool, tuple[LoadSearch, tuple[Program, ...]]] = {}
+        #: Searches by whether the cells are rigid, and programs by that and whether threads share them.
+        self._searches: dict[bool, LoadSearch] = {}
+        self._said: dict[tuple[bool, bool], tuple[Program, ...]] = {}
 
     @property
     def _factored(self) -> bool:
@@ -144,8 +145,8 @@ class SlidingContact:
         lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "bearing": 1}
         tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
         self._tables = arguments(StepTables, **tables)
-        #: Steps of a replay at most: those of a large grid can be watched.
-        self.longest = LONGEST if device.is_cuda or executor.grid.cells < SMALL else 1
+        #: Steps of a replay at most.
+        self.longest = int(min(max(CELLS_OF_REPLAY / executor.grid.cells, 1), LONGEST))
         extents = {f"{end}_{line}": NO_INDEX for end in ("first", "last") for line in ("row", "column")}
         #: What the steps on the device remember.
         self._course = Numbers(sliding.Course, device, **extents)
@@ -168,14 +169,14 @@ class SlidingContact:
             margin=0 if self.pieces is None else self.pieces.margin,
         )
 
-    def _programs(self, *, rigid: bool) -> tuple[LoadSearch, tuple[Program, ...]]:
-        """The search, and programs: many steps; and one, between whose search and wear it can be looked at."""
-        if rigid not in self._said:
-            task, executor = self.task, self._executor
+    def _search(self, *, rigid: bool) -> LoadSearch:
+        """The search of steps whose cells are rigid or not."""
+        if rigid not in self._searches:
+            task = self.task
             if rigid and not math.isfinite(task.hardness):
                 raise ValueError("a contact without compliance needs a hardness")
             search = LoadSearch(
-                executor,
+                self._executor,
                 self._bodies.gap,
                 self.tiles,
                 load=task.load,
@@ -185,16 +186,24 @@ class SlidingContact:
                 tolerance=task.load_tolerance if rigid else None,
             )
             search.springs.highest = self._highest if rigid and not self._moves else NO_LIMIT
+            self._searches[rigid] = search
+        return self._searches[rigid]
+
+    def _programs(self, *, rigid: bool) -> tuple[LoadSearch, tuple[Program, ...]]:
+        """The search, and programs: many steps; and one, between whose search and wear it can be looked at."""
+        search, executor = self._search(rigid=rigid), self._executor
+        shares = executor.is_shared and self.tiles.cells > SMALL
+        if (rigid, shares) not in self._said:
             self._steps.is_rigid = int(rigid)
-            many, to_search, to_wear = (Program(executor) for _ in range(3))
+            many, to_search, to_wear = (Program(executor, shares=shares) for _ in range(3))
             many.decide(sliding.begin, self._steps)
             with many.loop(self._steps.stepping):
                 self._say_search(many, search)
                 self._say_wear(many, search)
             self._say_search(to_search, search)
             self._say_wear(to_wear, search)
-            self._said[rigid] = search, (many, to_search, to_wear)
-        return self._said[rigid]
+            self._said[rigid, shares] = many, to_search, to_wear
+        return search, self._said[rigid, shares]
 
     def _say_search(self, program: Program, search: LoadSearch) -> None:
         """Say how a step begins: what its cells are like, which can touch, and the balance."""
@@ -233,10 +242,15 @@ class SlidingContact:
             program.launch(
                 sliding.wear_step,
                 *(*listed, slides, springs, of_cells, *both, self._tables),
-                chunks=tiles.chunks,
+                chunks=lambda: tiles.chunks,
             )
             program.launch(
-                sliding.totals, tiles.count, slides, self._of_eight, self._of_rows, chunks=tiles.chunks
+                sliding.totals,
+                tiles.count,
+                slides,
+                self._of_eight,
+                self._of_rows,
+                chunks=lambda: tiles.chunks,
             )
             if self._recession is not None:
                 self._recession.say_recede(program)
@@ -309,7 +323,7 @@ class SlidingContact:
     def _plan(
         self, shifts: Sequence[int], increments: Sequence[float]
     ) -> tuple[list[tuple[float, float]], bool]:
-        """Tell the device of the next steps; return K ΔL of sphere and disc in each, and whether all are rigid."""
+        """Tell the device of the next steps; return K ΔL of both bodies in each, and whether all are rigid."""
         task, row = self.task, self._ledger.row
         removals = removals_of(task.wear, row["distance"], increments)
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
@@ -364,9 +378,8 @@ class SlidingContact:
                 left, worn, pending, deepest = of_body
                 total |= {f"pieces_{body}": left, f"wear_{body}": worn, f"pending_{body}": pending}
                 most[f"wear_{body}"] = deepest
-        *numbers, reference = (columns[name] for name in BALANCE)
-        base, offset, cap, residual, width, tied, evaluations = numbers
-        found = Found(made, Balance(base, offset, cap, residual, width, tied, evaluations), reference, total, most)
+        numbers: list[Any] = [columns[name] for name in BALANCE]
+        found = Found(made, Balance(*numbers[:-1]), numbers[-1], total, most)
         return booked(found, self._ledger, np.array(increments), removals, self._enter)
 
     def _enter(self, *found: Any) -> Step:

@@ -80,7 +80,8 @@ class SweptModel(Model):
         """Steps made on the device in one go, before the first of them is seen."""
         assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
         rows = [self._track.row(self._done + i) for i in range(len(increments))]
-        for self.steps_in_flight, step in self.contact.steps(rows, increments):
+        for beyond, step in self.contact.steps(rows, increments):
+            self.steps_in_flight = beyond
             yield self._placed(step)
 
     def _placed(self, step: Step) -> Step:

@@ -140,9 +140,7 @@ class SlidingPieces:
 
     STATE: ClassVar = {"sphere": Pending, "disc": Pending, "book": PieceBook}
 
-    def __init__(
-        self, law: PieceLaw, executor: Executor, bodies: SlidingBodies, *, periodic: bool
-    ) -> None:
+    def __init__(self, law: PieceLaw, executor: Executor, bodies: SlidingBodies, *, periodic: bool) -> None:
         cell, device = executor.grid.cell, executor.device
         places, bowl = law.footprint(cell)
         self.law, self._executor = law, executor

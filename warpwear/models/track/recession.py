@@ -29,9 +29,7 @@ class Recession:
     def say_bearing(self, program: Program, laws: Field, sums: Field) -> None:
         """Add to a program how many cells' area bears in a solved contact: Σ φ over the cells in contact."""
         bodies = self._bodies
-        program.launch(
-            kernels.borne, laws, self.curve, bodies.sphere, bodies.disc, bodies.wear_disc, sums
-        )
+        program.launch(kernels.borne, laws, self.curve, bodies.sphere, bodies.disc, bodies.wear_disc, sums)
 
     def say_recede(self, program: Program) -> None:
         """Add to a program that the disc recedes, after the mean depth of a step was worn off it."""

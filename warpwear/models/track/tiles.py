@@ -12,8 +12,8 @@ from warpwear.engine.program import Program
 from warpwear.engine.tiles import LEAST_TILES, NO_LIMIT
 from warpwear.grid import FloatArray
 from warpwear.kernels import sliding
-from warpwear.kernels.balance import Listing
 from warpwear.kernels.cells import LANES, Cells
+from warpwear.kernels.tiles import Listing
 
 #: Cost of looking at the bounds of a pair of tiles, in cells.
 BOUNDS_IN_CELLS = 1.0
@@ -102,6 +102,12 @@ class SlidingTiles:
         enough = float(np.partition(bounds, rank)[rank]) if rank < bounds.size else NO_LIMIT
         return float(bounds.min()), enough
 
+    @property
+    def cells(self) -> float:
+        """Cells that the last list holds."""
+        return float(self.lists["listed"]) * self._cells_of_tile
+
+    @property
     def chunks(self) -> list[tuple[int, int]]:
         """Ranges of slots for the threads, of passes over what is listed."""
         number = self.lists["lists"]

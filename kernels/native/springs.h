@@ -1,0 +1,169 @@
+#pragma once
+// Cells of a list of tiles: how they are visited, what they carry at an approach, and what lies below a
+// level.
+
+#include "lanes.h"
+
+#if defined(__CUDA_ARCH__)
+static const int AT_ONCE =
+    4; // cells that a thread loads together: one at a time does not keep the memory busy
+#else
+static const int AT_ONCE = 1;
+#endif
+
+// Do something with the cells of the listed tiles of a row, or with those of a thread of the slot: places of
+// `Lanes` in the row, AT_ONCE of them, -1 where there is none.
+template <typename Visit>
+WARPWEAR_FN void visit_listed(const int* tiles, int listed, int of_row, const Visit& visit)
+{
+#if defined(__CUDA_ARCH__)
+    for (int first = threadIdx.x; first < listed * OF_TILE; first += AT_ONCE * blockDim.x) {
+        int at[AT_ONCE];
+#pragma unroll
+        for (int j = 0; j < AT_ONCE; ++j) {
+            const int n = first + j * blockDim.x;
+            at[j] = n < listed * OF_TILE ? tiles[n / OF_TILE] * OF_TILE + n % OF_TILE : -1;
+            at[j] = at[j] < of_row ? at[j] : -1;
+        }
+        visit(at);
+    }
+#else
+    for (int n = 0; n < listed; ++n) {
+        const int first = tiles[n] * OF_TILE, last = first + OF_TILE < of_row ? first + OF_TILE : of_row;
+        for (int at[AT_ONCE] = {first}; at[0] < last; ++at[0]) visit(at);
+    }
+#endif
+}
+
+// What a slot leaves in a column of a table: the sum of what its threads have, or the largest.
+struct Left {
+    double value;
+    double* place;
+    bool adds;
+};
+
+template <int N> WARPWEAR_FN void leave_each(const Left (&left)[N])
+{
+#if defined(__CUDA_ARCH__)
+    // All at once: each warp brings every value to one, then has some of the values of all warps.
+    __shared__ double of_warps[N][32];
+    const int warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = blockDim.x / 32;
+    const auto of_warp = [](double v, bool adds) {
+        for (int apart = 16; apart > 0; apart /= 2) {
+            const double other = __shfl_down_sync(0xffffffff, v, apart);
+            v = adds ? v + other : (v > other ? v : other);
+        }
+        return v;
+    };
+#pragma unroll
+    for (int n = 0; n < N; ++n) {
+        const double v = of_warp(left[n].value, left[n].adds);
+        if (lane == 0) of_warps[n][warp] = v;
+    }
+    __syncthreads();
+#pragma unroll
+    for (int n = 0; n < N; ++n) {
+        if (n % warps != warp) continue;
+        const double nothing = left[n].adds ? 0.0 : -NO_LIMIT;
+        const double v = of_warp(lane < warps ? of_warps[n][lane] : nothing, left[n].adds);
+        if (lane == 0) *left[n].place = v;
+    }
+#else
+    for (const Left& one : left) *one.place = one.value;
+#endif
+}
+
+// What cells carry at an approach base + offset: the sum of the pressures, of the stiffnesses of the cells
+// that are neither open nor capped, and how near one is to changing that [MPa]. OWN: whether cells have a
+// stiffness of their own; PARTED: whether they have a part of the cap.
+template <bool OWN, bool PARTED, typename List, typename Count, typename Field, typename Table>
+WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& counts, double base,
+                          double offset, double cap, double stiffness, const Field& gap_in,
+                          const Field& stiffness_in, const Field& parts_in, Table& trial)
+{
+#if !defined(__CUDA_ARCH__)
+#pragma clang fp contract(off)
+#endif
+    const int of_row = gap_in.shape[1] * OF_VECTOR;
+    const Lanes zero = 0.0;
+    Lanes pressure = 0.0, slope = 0.0, nearest = ABSENT;
+    for (int row = slot; row < gap_in.shape[0]; row += slots) {
+        const int listed = wp::index(counts, row);
+        if (listed == 0) continue;
+        const Stored* const gap = row_of(gap_in, row);
+        const Stored* const own = OWN ? row_of(stiffness_in, row) : nullptr;
+        const Stored* const parts = PARTED ? row_of(parts_in, row) : nullptr;
+        visit_listed(&wp::index(list, row, 0), listed, of_row, [&](const int (&at)[AT_ONCE]) {
+            Lanes g[AT_ONCE];
+#pragma unroll
+            for (int j = 0; j < AT_ONCE; ++j) g[j] = AT_ONCE == 1 || at[j] >= 0 ? Lanes(gap[at[j]]) : ABSENT;
+#pragma unroll
+            for (int j = 0; j < AT_ONCE; ++j) {
+                if (AT_ONCE > 1 && at[j] < 0) continue;
+                const Lanes s = OWN ? Lanes(own[at[j]]) : Lanes(stiffness);
+                const Lanes most_here = PARTED ? Lanes(cap * parts[at[j]]) : Lanes(cap);
+                const Lanes q = ((base - g[j]) + offset) * s;
+                Lanes p = q > zero ? q : zero;
+                p = p < most_here ? p : most_here;
+                pressure += p;
+                slope += p > zero && q < most_here ? s : zero;
+                const Lanes open = size_of(q), full = size_of(q - most_here);
+                const Lanes near = open < full ? open : full;
+                nearest = nearest < near ? nearest : near;
+            }
+        });
+    }
+    leave_each({{total(pressure), &wp::index(trial, 0, slot), true},
+                {total(slope), &wp::index(trial, 1, slot), true},
+                {most(-nearest), &wp::index(trial, 2, slot), false}});
+}
+
+template <bool IS> struct Is {
+    static const bool value = IS;
+};
+
+// The same of a search: a field of no rows says that the cells share one stiffness, or that all bear the cap.
+template <typename List, typename Count, typename Search, typename Field, typename Table>
+WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& counts, const Search& search,
+                       double cap, const Field& gap, const Field& stiffness, const Field& parts, Table& trial)
+{
+    const auto by = [&](auto own, auto parted) {
+        carry_by<decltype(own)::value, decltype(parted)::value>(slot, slots, list, counts, search.base,
+                                                                search.bracket.offset, cap, search.stiffness,
+                                                                gap, stiffness, parts, trial);
+    };
+    const bool own = stiffness.shape[0] > 0, parted = parts.shape[0] > 0;
+    if (!own && !parted) by(Is<false>(), Is<false>());
+    if (own && !parted) by(Is<true>(), Is<false>());
+    if (!own && parted) by(Is<false>(), Is<true>());
+    if (own && parted) by(Is<true>(), Is<true>());
+}
+
+// The cells below a level, each as the part of the cap that it bears, and the lowest and highest gap listed.
+template <typename List, typename Count, typename Field, typename Table>
+WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count& counts, double level,
+                             const Field& gap_in, const Field& parts_in, Table& trial)
+{
+    const int of_row = gap_in.shape[1] * OF_VECTOR;
+    const Lanes zero = 0.0, one = 1.0, none = -ABSENT;
+    const bool parted = parts_in.shape[0] > 0;
+    Lanes below = 0.0, lowest = ABSENT, highest = -ABSENT;
+    for (int row = slot; row < gap_in.shape[0]; row += slots) {
+        const Stored* const gap = row_of(gap_in, row);
+        const Stored* const parts = parted ? row_of(parts_in, row) : nullptr;
+        visit_listed(&wp::index(list, row, 0), wp::index(counts, row), of_row, [&](const int (&at)[AT_ONCE]) {
+#pragma unroll
+            for (int j = 0; j < AT_ONCE; ++j) {
+                if (AT_ONCE > 1 && at[j] < 0) continue;
+                const Lanes g = gap[at[j]];
+                below += g < level ? (parted ? Lanes(parts[at[j]]) : one) : zero;
+                const Lanes there = g < 0.5 * ABSENT ? g : none; // places without a surface do not count
+                lowest = lowest < g ? lowest : g;
+                highest = highest > there ? highest : there;
+            }
+        });
+    }
+    leave_each({{total(below), &wp::index(trial, 0, slot), true},
+                {most(-lowest), &wp::index(trial, 1, slot), false},
+                {most(highest), &wp::index(trial, 2, slot), false}});
+}
