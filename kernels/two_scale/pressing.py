@@ -7,17 +7,8 @@ from warpwear.kernels.balance import sum_of
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.newton import HALF, LOOKS, MET, Bracket, bracket_at, next_trial
 from warpwear.kernels.two_scale import sharing
-from warpwear.kernels.two_scale.sharing import (
-    PRESSURE,
-    SLOPE,
-    Curves,
-    Flags,
-    Load,
-    Search,
-    lane,
-    wait_for_slot,
-    width,
-)
+from warpwear.kernels.two_scale.curves import PRESSURE, SLOPE, Curves, lane, wait_for_slot, width
+from warpwear.kernels.two_scale.sharing import Flags, Load, Search
 from warpwear.kernels.two_scale.steps import (
     Courses,
     Steps,

@@ -8,17 +8,8 @@ from warpwear.kernels import native_code
 from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NO_INDEX, NONE, ONE, ZERO, WearMost, WearSum
 from warpwear.kernels.newton import HALF
-from warpwear.kernels.two_scale.sharing import (
-    PRESSURE,
-    Curves,
-    Flags,
-    Load,
-    Search,
-    lane,
-    search_from,
-    wait_for_slot,
-    width,
-)
+from warpwear.kernels.two_scale.curves import PRESSURE, Curves, lane, wait_for_slot, width
+from warpwear.kernels.two_scale.sharing import Flags, Load, Search, search_from
 
 wp.set_module_options(native_code.options("wear.h", "patches.h"))
 
