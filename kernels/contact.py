@@ -41,7 +41,7 @@ def sag(x: wp.float64, y: wp.float64, curvature: wp.float64):
 @wp.kernel
 def gap(
     first_slot: wp.int32,
-    slots_per_row: wp.int32,
+    slots: wp.int32,
     columns: wp.int32,
     cell: wp.float64,
     x_first: wp.float64,
@@ -52,16 +52,16 @@ def gap(
     unworn_out: wp.array2d(dtype=Cells),
 ):
     """Gap of the unworn bodies from the mean planes, twice: sag − roughness of the disc."""
-    slot = first_slot + wp.tid()
-    row = slot // slots_per_row
-    x = x_first + wp.float64(row) * cell
-    for k in range(slot % slots_per_row, gap_out.shape[1], slots_per_row):
-        z = roughness_in[row, k]
-        g = Cells(ABSENT)
-        for j in range(LANES):
-            column = k * LANES + j
-            y = y_first + wp.float64(column) * cell
-            if column < columns:
-                g[j] = sag(x, y, curvature) - z[j]
-        gap_out[row, k] = g
-        unworn_out[row, k] = g
+    slot = first_slot + wp.tid() // wp.block_dim()
+    for row in range(slot, gap_out.shape[0], slots):
+        x = x_first + wp.float64(row) * cell
+        for k in range(wp.tid() % wp.block_dim(), gap_out.shape[1], wp.block_dim()):
+            z = roughness_in[row, k]
+            g = Cells(ABSENT)
+            for j in range(LANES):
+                column = k * LANES + j
+                y = y_first + wp.float64(column) * cell
+                if column < columns:
+                    g[j] = sag(x, y, curvature) - z[j]
+            gap_out[row, k] = g
+            unworn_out[row, k] = g

@@ -93,8 +93,7 @@ def stopped(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
         return advance(self, *args, **kwargs)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
-        patch.setattr(OneScaleModel, "in_blocks", False)
+        patch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
         patch.setattr(OneScaleModel, "advance", interrupted)
         with pytest.raises(KeyboardInterrupt):
             warpwear.run(study(), out=out, plots=False)

@@ -1,14 +1,11 @@
 """What a step evaluates ahead of the next one, and what is told of the wear of two bodies from one gap."""
 
-import json
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import Study, run
-from warpwear.contact.foresight import Foresight
-from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 from warpwear.laws.archard import WearLaw, removals_of
@@ -113,34 +110,6 @@ def test_wear_in_proportion() -> None:
     assert running_in.in_proportion_to(WearLaw(1e-6, initial=2e-6, running_in=2.0))
     assert not running_in.in_proportion_to(WearLaw(1e-6, initial=1e-6, running_in=2.0))
     assert running_in.in_proportion_to(WearLaw(0.0))
-
-
-def test_foresight_continues_a_line_of_rates() -> None:
-    """The rate at the middle of a step is 7 − 2 s there: exact from the second rate on, across a save."""
-    foresight = Foresight()
-    assert foresight.expected(0.1) is None
-    slid, approach = 0.0, 0.3
-    foresight.note(approach, 0.2)
-    slid += 0.2
-    for removal in (0.1, 0.3, 0.2, 0.5):
-        change = removal * (7.0 - 2.0 * (slid + 0.5 * removal))
-        if slid > 0.4:
-            assert foresight.expected(removal) == pytest.approx(change, rel=1e-12)
-        again = Foresight()
-        saved.restore(again, *json.loads(json.dumps(saved.save(foresight))))
-        assert again.expected(removal) == foresight.expected(removal)
-        approach += change
-        foresight.note(approach, removal)
-        slid += removal
-
-
-def test_foresight_ends_with_steps_that_add_nothing() -> None:
-    """A law that decays: what a late step removes is lost in the sum, and no rate comes of it."""
-    foresight = Foresight()
-    for approach, removal in ((0.0, 1.0), (3.0, 1.0), (3.0, 1e-18), (3.0, 1e-30), (3.0, 0.0)):
-        foresight.note(approach, removal)
-        assert abs(foresight.expected(removal) or 0.0) <= 3.0 * removal
-    assert foresight.expected(1.0) == pytest.approx(-3.0)  # of the rates 3 at 1.5 and 0 at 2, at 2.5
 
 
 def test_wear_that_dies_away() -> None:

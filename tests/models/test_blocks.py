@@ -1,6 +1,6 @@
-"""Small grids on a CPU: steps made many in a launch are the steps made one by one, bit for bit."""
+"""Steps made many in a replay are the steps made one by one, bit for bit."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,14 +14,14 @@ from numpy.testing import assert_allclose, assert_array_equal
 import warpwear
 from warpwear import Study
 from warpwear.engine import state as saved
-from warpwear.engine.executor import SMALL, Executor
+from warpwear.engine.executor import Executor
+from warpwear.engine.numbers import Numbers
 from warpwear.errors import ConvergenceError, InvariantError
 from warpwear.grid import Grid
 from warpwear.history.recorder import Step
 from warpwear.kernels import native_code
 from warpwear.models.model import Model
 from warpwear.models.rest.local import OneScaleModel
-from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
 from warpwear.runs.checkpoint import Checkpoints
 from warpwear.runs.make import model_at_rest
@@ -61,30 +61,30 @@ def model_of(kind: str, executor: Executor, *, smooth: bool = False) -> Model:
     return model_at_rest(study(kind).contact_task, heights, executor)
 
 
-def made_in_launches(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Numbers of steps that launches, or replays of a program, make from now on."""
-    made: list[int] = []
-    plan, tell = SlidingContact._plan, OneScaleModel._tell
+def replays(monkeypatch: pytest.MonkeyPatch, before: Callable[[], object] = bool) -> list[int]:
+    """Numbers of steps that replays of a program are asked for from now on. before: called before each."""
+    asked: list[int] = []
+    set_numbers = Numbers.set
 
-    def planned(self: SlidingContact, shifts: list[int], increments: list[float]) -> Any:
-        made.append(len(increments))
-        return plan(self, shifts, increments)
+    def counted(self: Numbers, **values: float) -> None:
+        if "steps" in values:
+            asked.append(int(values["steps"]))
+            before()
+        set_numbers(self, **values)
 
-    def told(self: OneScaleModel, increments: list[float], then: float | None) -> Any:
-        made.append(len(increments))
-        return tell(self, increments, then)
-
-    monkeypatch.setattr(SlidingContact, "_plan", planned)
-    monkeypatch.setattr(OneScaleModel, "_tell", told)
-    return made
+    monkeypatch.setattr(Numbers, "set", counted)
+    return asked
 
 
-def make_one_by_one(monkeypatch: pytest.MonkeyPatch, small: int) -> None:
-    """0: steps are made one by one from now on, and passes are shared among threads where there are two."""
-    monkeypatch.setattr("warpwear.engine.executor.SMALL", small)
-    monkeypatch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", 100_000 if small else 5_000)
-    monkeypatch.setattr(OneScaleModel, "longest_block", 500 if small else 1)
-    monkeypatch.setattr("warpwear.models.track.local.LONGEST", 500 if small else 1)
+def make_them(monkeypatch: pytest.MonkeyPatch, how: str) -> None:
+    """One by one from now on, with passes shared among threads where there are two; or many in a replay."""
+    alone = how == "one by one"
+    monkeypatch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", 5_000 if alone else 100_000)
+    for model in (OneScaleModel, SweptModel):
+        monkeypatch.setattr(model, "longest_block", 1 if alone else 500)
+
+
+WAYS = ("one by one", "many in a replay")
 
 
 def state_of(model: Model) -> dict[str, Any]:
@@ -105,20 +105,20 @@ def made_by(model: Model, increments: Iterable[float], pressure_of: Iterable[int
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_launch_makes_the_steps(kind: str, threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_replay_makes_the_steps(kind: str, threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every row, the state after them and the fields between them."""
-    made, outcomes = made_in_launches(monkeypatch), []
-    for small in (0, SMALL):
-        make_one_by_one(monkeypatch, small)
-        with Executor(Grid(*SHAPE, CELL), threads=1 if small else threads) as executor:
+    made, outcomes = replays(monkeypatch), []
+    for how in WAYS:
+        make_them(monkeypatch, how)
+        with Executor(Grid(*SHAPE, CELL), threads=threads if how == "one by one" else 1) as executor:
             model = model_of(kind, executor)
             steps = made_by(model, INCREMENTS, pressure_of=(30, 31, 89))
             outcomes.append((steps, state_of(model)))
-        assert (max(made, default=0) > 25) == (small > 0)
-    (one_by_one, before), (in_launches, after) = outcomes
-    assert_same(one_by_one, in_launches)
+        assert (max(made) > 25) == (how != "one by one")
+    (one_by_one, before), (in_a_replay, after) = outcomes
+    assert_same(one_by_one, in_a_replay)
     for number in (30, 31, 89):
-        assert_array_equal(one_by_one[number].pressure, in_launches[number].pressure)  # type: ignore[arg-type]
+        assert_array_equal(one_by_one[number].pressure, in_a_replay[number].pressure)  # type: ignore[arg-type]
     assert before.keys() == after.keys()
     for name in before.keys() - {"numbers"}:
         assert_array_equal(before[name], after[name], err_msg=name)
@@ -137,16 +137,15 @@ def test_blocks_may_end_anywhere(kind: str, longest: int, monkeypatch: pytest.Mo
     assert_same(*outcomes)
 
 
-def test_ties_are_made_by_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ties_are_made_in_a_replay(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a smooth disc eight cells tie, of which the load asks for a part."""
-    made, outcomes = made_in_launches(monkeypatch), []
-    for small in (0, SMALL):
-        make_one_by_one(monkeypatch, small)
+    outcomes = []
+    for how in WAYS:
+        make_them(monkeypatch, how)
         with Executor(Grid(150, 150, CELL)) as executor:
             task = replace(study("bearing area").contact_task, load_tolerance=1.0e-3)
             model = model_at_rest(task, np.zeros((150, 150)), executor)
             outcomes.append(made_by(model, [0.003] * 20))
-    assert made
     assert any(step.balance.tie_width for step in outcomes[0])
     assert_same(*outcomes)
 
@@ -161,8 +160,8 @@ def test_a_contact_at_the_edge_stops_where_it_did(
     )
     monkeypatch.setattr("warpwear.runs.loop.too_small", lambda study: None)
     found = {}
-    for name, largest in (("one by one", 0), ("in launches", SMALL)):
-        make_one_by_one(monkeypatch, largest)
+    for name in WAYS:
+        make_them(monkeypatch, name)
         with pytest.raises(InvariantError, match="edge"):
             warpwear.run(small, out=tmp_path / name, plots=False, threads=1)
         with warpwear.Result.open(tmp_path / name) as result:
@@ -178,17 +177,14 @@ def test_a_contact_at_the_edge_stops_where_it_did(
 def test_a_run_goes_on_from_a_block(preset: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A run that ended after a block, with a checkpoint, ends as one left alone."""
     short = Study.load(preset).replace({"sliding.distance": "60 mm", "output.snapshots": ["30 mm"]})
-    alone, plan, tell, calls = warpwear.run(short), SlidingContact._plan, OneScaleModel._tell, []
+    alone, calls = warpwear.run(short), iter(range(5))
 
-    def interrupted(call: Any, *args: Any, **options: Any) -> Any:
-        calls.append(1)
-        if len(calls) == 5:
+    def interrupted() -> None:
+        if next(calls) == 4:
             raise KeyboardInterrupt
-        return call(*args, **options)
 
     with monkeypatch.context() as patch:
-        patch.setattr(SlidingContact, "_plan", lambda *args: interrupted(plan, *args))
-        patch.setattr(OneScaleModel, "_tell", lambda *args: interrupted(tell, *args))
+        replays(patch, interrupted)
         patch.setattr(OneScaleModel, "longest_block", 17)
         patch.setattr(SweptModel, "longest_block", 17)
         patch.setattr(Checkpoints, "due", True)

@@ -83,8 +83,7 @@ def test_rows_that_break_none() -> None:
 def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 10) -> None:
     """After so many steps change a value of a field in the contact, by the way that checkpoints take."""
     monkeypatch.setattr(OneScaleModel, "longest_block", 1)  # on a GPU
-    monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
     advance, block, calls = OneScaleModel.advance, OneScaleModel.block, []
 
     def spoil(self: OneScaleModel) -> None:
@@ -183,8 +182,7 @@ def test_numbers_that_are_none_are_written_as_such(tmp_path: Path, monkeypatch: 
         step.row["wear_volume_disc"] = math.nan
         return step
 
-    monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
     monkeypatch.setattr(OneScaleModel, "advance", without_volume)
     study = small(checks__strict=False)
     with warpwear.run(study, out=tmp_path / "out", plots=False) as result:
@@ -268,8 +266,7 @@ def test_an_unbalanced_step_leaves_the_run_so_far(
             raise ConvergenceError("the load balance did not converge: 1 N of 8 N are left.")
         return advance(self, *args, **kwargs)
 
-    monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
     monkeypatch.setattr(OneScaleModel, "advance", failing)
     kept = rf"The run folder {re.escape(str(tmp_path / 'out'))} holds the steps so far\."
     told = rf"8 N are left\. {kept} A new run may get further with smaller increments: {helps}\.$"

@@ -285,8 +285,7 @@ def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytes
             raise KeyboardInterrupt
         return advance(self, *args, **kwargs)
 
-    monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
     monkeypatch.setattr(OneScaleModel, "advance", interrupted)
     study = quick(friction__coefficient=0.6, friction__calibrate="end")
     with pytest.raises(KeyboardInterrupt):

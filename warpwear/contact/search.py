@@ -6,7 +6,7 @@ import warp as wp
 
 from warpwear.contact.balance import TOLERANCE, Balance
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.program import Program
+from warpwear.engine.program import Program, launch_once
 from warpwear.engine.tiles import Tiles
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
@@ -108,9 +108,8 @@ class LoadSearch:
 
     def _launch_once(self, kernel: Any, *arguments: Any) -> None:
         """Launch a kernel over the listed tiles."""
-        program, tiles = Program(self._executor, records=False), self._tiles
-        program.launch(kernel, tiles.list, tiles.count, *arguments, chunks=lambda: tiles.chunks)
-        program.run()
+        listed = self._tiles.list, self._tiles.count
+        launch_once(self._executor, kernel, *listed, *arguments, chunks=self._tiles.chunks)
 
     def check(self) -> None:
         """Raise ConvergenceError where the last search has found no balance."""

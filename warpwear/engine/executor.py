@@ -25,7 +25,7 @@ fold = lazy.module("warpwear.kernels.fold")  # a GPU's tables need it
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000
-#: Below this many cells a CPU makes many steps in a launch, on one core: a second one would not be used.
+#: Below this many cells threads gain nothing.
 SMALL = 2 * CELLS_PER_THREAD
 #: Slots that keep a GPU busy, where neighbouring threads read neighbouring vectors of a row.
 SLOTS_CUDA = 65536

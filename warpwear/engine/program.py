@@ -246,3 +246,10 @@ class Program:
     def _add(self, node: Node) -> None:
         assert not self._is_closed
         self._open[-1].nodes.append(node)
+
+
+def launch_once(executor: Executor, kernel: Any, *arguments: Any, **options: Any) -> None:
+    """Launch a kernel now, in a program of its own; arguments and options as of `Program.launch`."""
+    program = Program(executor, records=False)
+    program.launch(kernel, *arguments, **options)
+    program.run()

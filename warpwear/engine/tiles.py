@@ -8,7 +8,7 @@ import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
-from warpwear.engine.program import Chunks, Program
+from warpwear.engine.program import Chunks, Program, launch_once
 from warpwear.kernels import tiles as kernels
 from warpwear.kernels.cells import TileSums
 
@@ -62,9 +62,7 @@ class Tiles:
         #: Flag: a list is asked for.
         self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
         self._split: tuple[int, Chunks] | None = None  # for the number of a list
-        find = Program(executor, records=False)
-        find.launch(kernels.lowest, gap, self._lowest)
-        find.run()
+        launch_once(executor, kernels.lowest, gap, self._lowest)
         #: Lowest gap before anything was worn [mm]; none is lower later.
         self.smallest = float(self._lowest.numpy().min())
 

@@ -44,8 +44,7 @@ def short(**changes: Any) -> Study:
 def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], None]) -> None:
     """Let something happen in the step after so many, counted from here."""
     calls: list[int] = []
-    monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
     monkeypatch.setattr(TwoScaleModel, "in_blocks", False)
 
     def stopping(advance: Callable[..., Any]) -> Callable[..., Any]:

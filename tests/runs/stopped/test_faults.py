@@ -152,8 +152,7 @@ def during(
 ) -> None:
     """Let something happen where a function is called for the time after so many."""
     original, calls = getattr(owner, name), []
-    monkeypatch.setattr("warpwear.engine.executor.SMALL", 0)  # a call is a step
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
+    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
 
     def disturbed(*args: Any, **kwargs: Any) -> Any:
         calls.append(1)

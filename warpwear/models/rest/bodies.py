@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.program import launch_once
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact
 from warpwear.laws.task import ContactTask
@@ -29,7 +30,5 @@ class RestingBodies:
         grid = executor.grid
         made = cls(executor.zeros(), executor.zeros(), task.wear_fractions)
         place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
-        executor.launch(
-            contact.gap, inputs=[*place, executor.field(heights)], outputs=[made.gap, made.unworn]
-        )
+        launch_once(executor, contact.gap, *place, executor.field(heights), made.gap, made.unworn)
         return made

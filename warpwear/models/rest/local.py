@@ -20,7 +20,7 @@ from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
-from warpwear.kernels import balance, bearing, contact, wear
+from warpwear.kernels import balance, bearing, contact, tiles, wear
 from warpwear.kernels.cells import NO_INDEX, WearMost, WearSum, names_of
 from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
@@ -30,8 +30,9 @@ from warpwear.models.rest.bodies import RestingBodies
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
-#: Steps made before the first of them is given, at most; a GPU makes them many times as fast.
-LONGEST, LONGEST_ON_GPU = 500, 2000
+#: Steps of a replay at most, of a GPU, and cells of all its steps on a CPU: those of a large grid are to be
+#: seen, too.
+LONGEST, LONGEST_ON_GPU, CELLS_OF_REPLAY = 500, 2000, 2.0e8
 SUMS, MAXIMA = names_of(WearSum), names_of(WearMost)
 
 
@@ -47,14 +48,12 @@ class OneScaleModel(Model):
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
-        executor.foresee(
-            [contact.gap, (bearing.counted_below if task.rigid else balance.carried), wear.wear_step]
-        )
+        look = bearing.counted_below if task.rigid else balance.carried
+        executor.foresee([contact.gap, wear.wear_step, look, tiles.lowest])
         self.task = task
         self._executor = executor
-        longest = LONGEST_ON_GPU if executor.device.is_cuda else LONGEST
-        if longest > LONGEST:
-            self.longest_block = longest
+        fitting = max(int(CELLS_OF_REPLAY / executor.grid.cells), 1)
+        self.longest_block = min(self.longest_block, fitting) if executor.device.is_cpu else LONGEST_ON_GPU
         self._ledger = Ledger(task, executor.grid)
         self.state = RestingBodies.of(task, executor, heights)
         fully = task.load / (task.hardness * executor.grid.cell_area)
@@ -72,8 +71,8 @@ class OneScaleModel(Model):
         #: What the steps on the device remember.
         self._course = Numbers(wear.Course, device, **none)
         columns = len(wear.BALANCE) + len(SUMS) + len(MAXIMA)
-        self._plan = Table(longest + 1, len(wear.PLAN), device)
-        self._history = Table(longest, columns, device)
+        self._plan = Table(LONGEST_ON_GPU + 1, len(wear.PLAN), device)
+        self._history = Table(LONGEST_ON_GPU, columns, device)
         self._steps = arguments(
             wear.Steps,
             plan=self._plan.array,

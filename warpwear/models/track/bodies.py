@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.program import launch_once
 from warpwear.engine.state import Columns
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact
@@ -71,5 +72,5 @@ def _sphere(task: ContactTask, executor: Executor) -> Field:
     """Heights of the task's sphere, by the kernel that makes the gap of a smooth disc."""
     grid, heights = executor.grid, executor.zeros()
     place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
-    executor.launch(contact.gap, inputs=[*place, executor.zeros()], outputs=[heights, heights])
+    launch_once(executor, contact.gap, *place, executor.zeros(), heights, heights)
     return heights
