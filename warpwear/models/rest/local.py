@@ -48,7 +48,7 @@ class OneScaleModel(Model):
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
-        executor.foresee([contact.gap, balance.carried, wear.wear_step])
+        executor.foresee([wear.wear_step, contact.gap, balance.carried])  # what takes longest first
         if task.rigid:
             executor.foresee([bearing.counted_below])
         self.task = task
