@@ -46,9 +46,8 @@ class Plan:
     groups: wp.int32  # of columns of modes
     divides: wp.bool  # instead of multiplying
     scale: wp.float64  # of a factor
-    along: wp.array(
-        dtype=wp.int32
-    )  # stages of a row, of half its length: 2, 3, 4, 5; −2: 2, half of it zeros
+    is_odd: wp.bool  # a row, which is transformed cell by cell; an even one pair by pair
+    along: wp.array(dtype=wp.int32)  # stages of a row: 4 and primes; −2: 2, half of it zeros
     across: wp.array(dtype=wp.int32)  # stages of a column
     partners: wp.array(dtype=wp.int32)  # place of mode n − k of a row, by that of k; of mode 0 its own
     folded: wp.array(dtype=wp.int32)  # line of the table, by the place of a mode of a column

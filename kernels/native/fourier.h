@@ -9,8 +9,29 @@
 WARPWEAR_FN int filled_of(const wp::array_t<int>& radices, int length)
 { return radices.data[0] < 0 ? length / 2 : length; }
 
-// Rows of cells, from the first of a batch on, as complex numbers x of their pairs of cells.
-template <typename Real>
+// As many cells of a row as lines are together, of which so many are there; the others are zeros.
+template <typename Real> WARPWEAR_FN LinesOf<Real> read_cells(const double* cells, int there)
+{
+    const int lines = VectorOf<Real>::LINES;
+    if (there >= lines)
+        return __builtin_convertvector(*(const typename VectorOf<Real>::Row*)cells, LinesOf<Real>);
+    LinesOf<Real> u = Real(0.0);
+    for (int j = 0; j < there; ++j) u[j] = cells[j];
+    return u;
+}
+
+// The way back; the others stay as they are.
+template <typename Real> WARPWEAR_FN void write_cells(double* cells, int there, LinesOf<Real> u)
+{
+    typedef typename VectorOf<Real>::Row Row;
+    if (there >= VectorOf<Real>::LINES)
+        *(Row*)cells = __builtin_convertvector(u, Row);
+    else
+        for (int j = 0; j < there; ++j) cells[j] = u[j];
+}
+
+// Rows of cells, from the first of a batch on, as complex numbers x of their pairs of cells, or of cells.
+template <typename Real, bool PAIRS>
 WARPWEAR_FN void take_rows(const double* cells, int rows, int stride, int ny, int filled, Real* x)
 {
     typedef VectorOf<Real> Vector;
@@ -19,20 +40,15 @@ WARPWEAR_FN void take_rows(const double* cells, int rows, int stride, int ny, in
     for (int k = 0; k < filled; k += lines) {
         Lines a[lines], b[lines];
         for (int i = 0; i < lines; ++i) {
-            Lines u = Real(0.0), v = Real(0.0);
-            const double* const line = cells + (size_t)i * stride + 2 * k;
-            if (i < rows && 2 * k + 2 * lines <= ny) {
-                u = __builtin_convertvector(*(const typename Vector::Row*)line, Lines);
-                v = __builtin_convertvector(*(const typename Vector::Row*)(line + lines), Lines);
-            } else if (i < rows) {
-                for (int j = 0; j < lines && 2 * k + j < ny; ++j) u[j] = line[j];
-                for (int j = 0; j < lines && 2 * k + lines + j < ny; ++j) v[j] = line[lines + j];
-            }
-            a[i] = Vector::evens(u, v);
-            b[i] = Vector::odds(u, v);
+            const int first = PAIRS ? 2 * k : k, there = i < rows ? ny - first : 0;
+            const double* const line = cells + (size_t)i * stride + first;
+            const Lines u = read_cells<Real>(line, there);
+            const Lines v = PAIRS ? read_cells<Real>(line + lines, there - lines) : Lines(Real(0.0));
+            a[i] = PAIRS ? Vector::evens(u, v) : u;
+            b[i] = PAIRS ? Vector::odds(u, v) : v;
         }
         transpose<Real>(a);
-        transpose<Real>(b);
+        if (PAIRS) transpose<Real>(b);
         for (int i = 0; i < lines && k + i < filled; ++i) {
             lines_at(x + 2 * lines * (k + i)) = a[i];
             lines_at(x + 2 * lines * (k + i) + lines) = b[i];
@@ -41,14 +57,13 @@ WARPWEAR_FN void take_rows(const double* cells, int rows, int stride, int ny, in
 }
 
 // The way back, of n complex numbers.
-template <typename Real>
+template <typename Real, bool PAIRS>
 WARPWEAR_FN void give_rows(Real* x, int n, double* cells, int rows, int stride, int ny)
 {
     typedef VectorOf<Real> Vector;
     typedef LinesOf<Real> Lines;
-    typedef typename Vector::Row Row;
-    const int lines = Vector::LINES;
-    for (int k = 0; k < n && 2 * k < ny; k += lines) {
+    const int lines = Vector::LINES, of_number = PAIRS ? 2 : 1;
+    for (int k = 0; k < n && of_number * k < ny; k += lines) {
         Lines a[lines], b[lines];
         for (int i = 0; i < lines; ++i) {
             const int j = k + i < n ? k + i : n - 1;
@@ -56,17 +71,12 @@ WARPWEAR_FN void give_rows(Real* x, int n, double* cells, int rows, int stride, 
             b[i] = lines_at(x + 2 * lines * j + lines);
         }
         transpose<Real>(a);
-        transpose<Real>(b);
+        if (PAIRS) transpose<Real>(b);
         for (int i = 0; i < rows; ++i) {
-            const Lines u = Vector::first_in_turn(a[i], b[i]), v = Vector::last_in_turn(a[i], b[i]);
-            double* const line = cells + (size_t)i * stride + 2 * k;
-            if (2 * k + 2 * lines <= ny) {
-                *(Row*)line = __builtin_convertvector(u, Row);
-                *(Row*)(line + lines) = __builtin_convertvector(v, Row);
-            } else {
-                for (int j = 0; j < lines && 2 * k + j < ny; ++j) line[j] = u[j];
-                for (int j = 0; j < lines && 2 * k + lines + j < ny; ++j) line[lines + j] = v[j];
-            }
+            const int first = of_number * k;
+            double* const line = cells + (size_t)i * stride + first;
+            write_cells<Real>(line, ny - first, PAIRS ? Vector::first_in_turn(a[i], b[i]) : a[i]);
+            if (PAIRS) write_cells<Real>(line + lines, ny - first - lines, Vector::last_in_turn(a[i], b[i]));
         }
     }
 }
@@ -144,11 +154,15 @@ WARPWEAR_FN void forward_batch(const Plan& plan, const Real* turns, const double
 {
     const int lines = VectorOf<Real>::LINES, n = plan.partners.shape[0], first = lines * batch;
     const int rows = plan.rows - first < lines ? plan.rows - first : lines;
-    take_rows(grid + (size_t)first * plan.stride, rows, plan.stride, plan.columns, filled_of(plan.along, n),
-              x);
+    const int filled = filled_of(plan.along, n);
+    const double* const cells = grid + (size_t)first * plan.stride;
+    if (plan.is_odd)
+        take_rows<Real, false>(cells, rows, plan.stride, plan.columns, filled, x);
+    else
+        take_rows<Real, true>(cells, rows, plan.stride, plan.columns, filled, x);
     transform<Real, false>(plan.along, x, n, turns + 2 * n);
-    part(plan.partners, turns, x);
-    for (int k = 2 * lines * (n + 1); k < 2 * lines * lines * plan.groups; k += lines)
+    if (!plan.is_odd) part(plan.partners, turns, x);
+    for (int k = 2 * lines * (plan.is_odd ? n : n + 1); k < 2 * lines * lines * plan.groups; k += lines)
         lines_at(x + k) = LinesOf<Real>(Real(0.0));
     between<Real, false>(x, plan.groups, spectrum, plan.rows, first, rows);
 }
@@ -161,9 +175,13 @@ WARPWEAR_FN void back_batch(const Plan& plan, const Real* turns, Real* spectrum,
     const int lines = VectorOf<Real>::LINES, n = plan.partners.shape[0], first = lines * batch;
     const int rows = plan.rows - first < lines ? plan.rows - first : lines;
     between<Real, true>(x, plan.groups, spectrum, plan.rows, first, rows);
-    join(plan.partners, turns, x);
+    if (!plan.is_odd) join(plan.partners, turns, x);
     transform<Real, true>(plan.along, x, n, turns + 2 * n);
-    give_rows(x, n, grid + (size_t)first * plan.stride, rows, plan.stride, plan.columns);
+    double* const cells = grid + (size_t)first * plan.stride;
+    if (plan.is_odd)
+        give_rows<Real, false>(x, n, cells, rows, plan.stride, plan.columns);
+    else
+        give_rows<Real, true>(x, n, cells, rows, plan.stride, plan.columns);
 }
 
 // Multiply, or divide, the modes of a group of columns by the table and the line of each row, in place; where

@@ -2,6 +2,7 @@
 // A disc displaced under a sphere: the tiles that can touch, the wear of both bodies, and their sums by rows.
 
 #include "bodies.h"
+#include "wear.h"
 
 // Threads that visit a tile together: on a CPU the one of the slot, on a GPU a warp, a cell each.
 #if defined(__CUDA_ARCH__)

@@ -6,7 +6,7 @@
 // digits of its index reversed; there it is multiplied by a table in that order, and what comes back is in
 // order again, so that nothing is ever moved about (Gentleman and Sande 1966, AFIPS Conf. Proc. 29, 563). A
 // row of 2n real cells is transformed as n complex numbers (Cooley, Lewis and Welch 1970, J. Sound Vib. 12,
-// 315).
+// 315), one of an odd number of cells as that many, of no imaginary part.
 //
 // Number i of the lines together has its real parts at x + 2 L i and its imaginary ones at x + 2 L i + L, of
 // L lines; a transform that takes the one for the other goes backwards. Modes of a grid lie in groups of L
@@ -14,7 +14,8 @@
 
 #if !defined(__CUDA_ARCH__)
 
-static const int LARGEST_RADIX = 61;
+// A prime of a length is no larger; `convolution.LARGEST_PRIME` says the same.
+static const int LARGEST_RADIX = 199;
 
 // Vectors of a type of number, and how their lanes are put in another order.
 template <typename Real> struct VectorOf;

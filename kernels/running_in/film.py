@@ -12,7 +12,7 @@ from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.slide import Slide
 
-wp.set_module_options(native_code.options("bodies.h", "film.h"))
+wp.set_module_options(native_code.options("film.h"))
 
 
 @wp.struct

@@ -352,7 +352,7 @@ def test_what_a_search_wrongly_believes_is_an_error(monkeypatch: pytest.MonkeyPa
     grid = Grid(16, 12, 0.5)
     gap = np.random.default_rng(1).standard_normal(grid.shape)
     with Executor(grid) as executor:
-        solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8, on_device=False)
+        solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8)
         right = type(solver._iterate).begin
 
         def wrong(iterate: Any, field: Any, **how: bool) -> Any:
@@ -385,7 +385,6 @@ def test_responses_in_single_precision_do_not_reach_the_result(
                 modulus=MODULUS,
                 boundary=boundary,
                 tolerance=1e-8,
-                on_device=False,
                 max_iterations=99,
             )
             asked, none = np.full(1, 0.3 * grid.cells), (0.0, 0.0, None)
@@ -400,7 +399,7 @@ def test_a_search_that_has_drifted_goes_on(monkeypatch: pytest.MonkeyPatch) -> N
     grid = Grid(16, 12, 0.5)
     gap = np.random.default_rng(1).standard_normal(grid.shape)
     with Executor(grid) as executor:
-        solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8, on_device=False)
+        solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8)
         right, times = type(solver._iterate).begin, iter(range(9))
 
         def drifting(iterate: Any, field: Any, **how: bool) -> Any:

@@ -190,7 +190,7 @@ class SlidingHalfSpace:
                 total["bare"] = float(self._bare.numpy().sum())
                 columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
                 self._slides.set(first_column=columns[0], end_column=columns[1])
-                self._run("rub", lambda program: self.film.say_rub(program, self._slides.array))
+                self._run("rub", self._say_rub)
             carried = total["pressure"] * self._executor.grid.cell_area
             residual = max(residual, residual_of(carried, self.task.load, approach=contact.approach), key=abs)
             approach += weight * contact.approach
@@ -285,6 +285,11 @@ class SlidingHalfSpace:
             self.film.say_look(program, slides)
         program.launch(wear_from_pressure.means, slides, self.state.wear_sphere, self._means)
         program.launch(wear_from_pressure.gaps, slides, self._bodies, self._means, self._gap)
+
+    def _say_rub(self, program: Program) -> None:
+        """Say what the film notes of a part."""
+        assert self.film is not None
+        self.film.say_rub(program, self._slides.array)
 
     def _say_wear(self, program: Program, contact: HalfSpaceContact) -> None:
         """Say how both bodies wear by the pressure of a contact."""
