@@ -34,7 +34,7 @@ from warpwear.kernels.two_scale.steps import (
     foresee_step,
 )
 
-wp.set_module_options(native_code.options("springs.h", "wear.h", "patches.h"))
+wp.set_module_options(native_code.options("patches.h"))
 
 
 @wp.struct

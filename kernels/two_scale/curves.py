@@ -11,7 +11,7 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import ZERO
 
-wp.set_module_options(native_code.options("wear.h", "patches.h"))
+wp.set_module_options(native_code.options("patches.h"))
 
 #: Lines of what patches answer: mean pressure [MPa], its slope [N/mm³], and how far an approach may move
 #: while the pressure follows that slope [mm].

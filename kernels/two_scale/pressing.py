@@ -18,7 +18,7 @@ from warpwear.kernels.two_scale.steps import (
     guess_of,
 )
 
-wp.set_module_options(native_code.options("springs.h", "wear.h", "patches.h"))
+wp.set_module_options(native_code.options("patches.h"))
 
 #: Searches of a patch, each from a base nearer the solution.
 ROUNDS = wp.constant(wp.int32(3))

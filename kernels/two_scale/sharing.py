@@ -31,7 +31,7 @@ from warpwear.kernels.two_scale.curves import (
     width,
 )
 
-wp.set_module_options(native_code.options("springs.h", "wear.h", "patches.h"))
+wp.set_module_options(native_code.options("patches.h"))
 
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
 JOINT = wp.constant(wp.int32(12))

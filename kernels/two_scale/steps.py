@@ -11,7 +11,7 @@ from warpwear.kernels.newton import HALF
 from warpwear.kernels.two_scale.curves import PRESSURE, Curves, lane, wait_for_slot, width
 from warpwear.kernels.two_scale.sharing import Flags, Load, Search, search_from
 
-wp.set_module_options(native_code.options("springs.h", "wear.h", "patches.h"))
+wp.set_module_options(native_code.options("patches.h"))
 
 #: Columns of a row that a step leaves, before its sums and maxima.
 HEADER = ("base", "offset", "reference", "evaluations")
