@@ -176,8 +176,11 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
             for (int j = 0; j < AT_ONCE; ++j) {
                 if (AT_ONCE > 1 && at[j] < 0) continue;
                 Counts touches;
-                gap[at[j]] = wear_cell(sums, by, g[j], u[j], cap, touches);
-#if defined(__CUDA_ARCH__)
+                const Lanes after = wear_cell(sums, by, g[j], u[j], cap, touches);
+#if !defined(__CUDA_ARCH__)
+                gap[at[j]] = after;
+#else
+                if (after != g[j]) gap[at[j]] = after; // most cells of an early contact stay
                 if (touches) {
                     extents.first_row = wp::max(extents.first_row, -double(row));
                     extents.last_row = row;

@@ -93,8 +93,9 @@ class Executor:
                 pool.shutdown(cancel_futures=True)
 
     def foresee(self, kernels: Iterable[Any]) -> None:
-        """Begin to load, or compile, the files of kernels on a CPU, side by side, beside other work."""
-        new = {kernel.module for kernel in kernels} - self._loaded - self._foreseen.keys()
+        """Begin to load, or compile, the files of kernels on a CPU in that order, beside other work."""
+        modules = dict.fromkeys(kernel.module for kernel in kernels)
+        new = [module for module in modules if module not in self._loaded | self._foreseen.keys()]
         if not self.device.is_cpu or not new:
             return
         self._loader = self._loader or ThreadPoolExecutor(check_threads(None))
