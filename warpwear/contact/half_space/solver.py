@@ -215,9 +215,9 @@ class BoundedPressure:
         if status != CONVERGED:
             violation = worst_of(groups["violation"], groups["scale"])
             raise ConvergenceError(
-                f"the half-space contact did not converge in {numbers['iteration']} iterations: complementarity "
-                f"is violated by {groups['violation'].max():.3g} mm, {violation:.3g} of the rms height "
-                f"(allowed {self._rules.tolerance:g})."
+                f"the half-space contact did not converge in {numbers['iteration']} iterations: "
+                f"complementarity is violated by {groups['violation'].max():.3g} mm, "
+                f"{violation:.3g} of the rms height (allowed {self._rules.tolerance:g})."
             )
         self._started = True
         return HalfSpaceContact(
