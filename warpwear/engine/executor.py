@@ -14,13 +14,11 @@ from typing import Any, Self
 import numpy as np
 import warp as wp
 
-from warpwear import lazy
 from warpwear.engine.device import check_memory, check_threads, find_device
 from warpwear.engine.kernel_cache import begin_to_load
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
-fold = lazy.module("warpwear.kernels.fold")  # a GPU's tables need it
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000

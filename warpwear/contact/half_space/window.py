@@ -295,8 +295,8 @@ class WindowedHalfSpace:
         """Solve there from now on."""
         grid = window.grid(self._executor.grid)
         if self._window is None or grid != self._window.grid(self._executor.grid):
-            self._here, small = None, grid.cells <= MOST_CELLS_STORED
-            stored = {at: here for at, here in self._stored.items() if small and at.cells <= MOST_CELLS_STORED}
+            self._here, most = None, MOST_CELLS_STORED if grid.cells <= MOST_CELLS_STORED else 0
+            stored = {at: here for at, here in self._stored.items() if at.cells <= most}
             self._stored = dict([*stored.items()][-MOST_STORED + 1 :])
             self._here = self._stored[grid] = stored.get(grid) or self._solver_on(grid)
         self._window = window
