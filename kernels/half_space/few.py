@@ -1,4 +1,4 @@
-"""The exact move of the few cells of a half-space contact whose place is open; see `native/few.h`. On a CPU."""
+"""The exact move of the few cells of a half-space contact whose place is open; see `native/few.h`."""
 
 import warp as wp
 

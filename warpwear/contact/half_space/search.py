@@ -80,9 +80,10 @@ class SearchRules:
 class Search:
     """The search for a pressure under one operator, on one gap.
 
-    gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1, all
-    rows together, or as many as the executor has rows, each of which has a load of its own. tiled: whether a CPU's passes extend the gradient; by default on
-    a CPU. Numbers of each group are arrays of that length.
+    gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1,
+    all rows together, or as many as the executor has rows, each of which has a load of its own. tiled:
+    whether gradients are extended tile by tile, as a CPU does by default. After a run `numbers` and `groups`
+    hold what the search knows, by the names of `kernels.half_space.solve`.
     """
 
     def __init__(
@@ -133,7 +134,7 @@ class Search:
         )
         if self._extends:
             self._solve.neighbours = operator.neighbours
-        self._room = room_for_few(self._few, device) if self._few else None
+        self._room: Any = room_for_few(self._few, device) if self._few else None
         self._slots = slots
         self._program = self._say()
 
