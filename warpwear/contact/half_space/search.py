@@ -194,7 +194,7 @@ class Search:
         program.decide(decisions.judge, self._solve)
 
     def _only_if(self, program: Program, flag: Flag, asks: bool) -> AbstractContextManager[None]:
-        """Do what follows if a flag says so; always where it is not asked: a branch of a GPU takes its time."""
+        """Do what follows if a flag says so; always where it is not asked: branches take a GPU time."""
         return program.branch(self._flag(flag)) if asks else nullcontext()
 
     def _renew(self, program: Program) -> None:
