@@ -194,8 +194,8 @@ class SlidingContact:
         """The search, and programs: of many steps; of one as far as its balance, and of its wear."""
         search, executor = self._search(rigid=rigid), self._executor
         shares = executor.is_shared and self.tiles.cells > SMALL
+        self._steps.is_rigid = int(rigid)  # each time: launches that are not recorded read it anew
         if (rigid, shares) not in self._said:
-            self._steps.is_rigid = int(rigid)
             many, to_search, to_wear = (Program(executor, shares=shares) for _ in range(3))
             many.decide(sliding_steps.begin, self._steps)
             with many.loop(self._steps.stepping):
