@@ -7,7 +7,6 @@ which it may be off by as much as it has lately changed.
 
 import warp as wp
 
-from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs, search_from, search_from_lowest
 from warpwear.kernels.bearing import area_between, area_near
 from warpwear.kernels.cells import NONE, ONE, ZERO, TrackMost, TrackSum
@@ -17,7 +16,8 @@ from warpwear.kernels.sliding import OfRows, StepTables
 from warpwear.kernels.tiles import reached
 from warpwear.kernels.wear import BALANCE, total_of
 
-wp.set_module_options(native_code.options("sliding.h"))
+#: All kernels of a step are compiled together.
+TOGETHER = wp.get_module("warpwear.kernels.sliding")
 
 #: Columns of the plan, a row a step: of `Slide`, the compliance of a cell that slides as far as the middle
 #: [mm³/N], and 1/c where that is of all cells, else 0 [N/mm³].
@@ -145,21 +145,21 @@ def with_columns(before: Slide, c: Course, steps: Steps):
     return slide
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps):
     """Begins the steps of a plan, or goes on with them."""
     if wp.tid() == 0:
         steps.stepping[0] = wp.where(steps.course[0].step < steps.course[0].steps, 1, 0)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def begin_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
     """Begins the search of a step."""
     if wp.tid() == 0:
         begin_step(springs, steps)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def end_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
     """Learns from the balance of a step, and tells the pass that wears of it."""
     if wp.tid() == 0:
@@ -205,7 +205,7 @@ def is_within(steps: Steps, c: Course, row: wp.int32):
     return not (row_first or row_last or column_first or column_last)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def record(
     first_slot: wp.int32,
     slots: wp.int32,

@@ -1,6 +1,6 @@
 """The passes that extend values of free cells to others, for the preconditioner; see `native/extension.h`.
 
-On a CPU `extend` and `gather` do that tile by tile, on a GPU `extend_once` in four passes.
+On a CPU `extend` and `gather` do that tile by tile, on a GPU `extend_once` in five passes.
 """
 
 import warp as wp
@@ -42,5 +42,5 @@ def _extend_once(slot: wp.int32, slots: wp.int32, solve: Solve, number: wp.int32
 
 @wp.kernel
 def extend_once(first_slot: wp.int32, slots: wp.int32, solve: Solve, number: wp.int32):
-    """Make one of the passes 0 and 1, which extend, or 2 and 3, which gather; in the trial."""
+    """Make one of the passes 0 and 1, which extend the trial, or 2 to 4, which gather it."""
     _extend_once(first_slot + wp.tid() // wp.block_dim(), slots, solve, number)

@@ -266,10 +266,9 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
                       of_cells.stiffness.shape[0] > 0 || of_cells.parts.shape[0] > 0 ||
                       of_cells.bare.shape[0] > 0;
     const bool factored = of_cells.factored == 1;
-    if (!factored && !rare) by(Is<false>(), Is<false>());
-    if (!factored && rare) by(Is<false>(), Is<true>());
-    if (factored && !rare) by(Is<true>(), Is<false>());
-    if (factored && rare) by(Is<true>(), Is<true>());
+    if (rare) by(Is<true>(), Is<true>());
+    if (!rare && factored) by(Is<true>(), Is<false>());
+    if (!rare && !factored) by(Is<false>(), Is<false>());
 }
 
 // Sum the tiles of every row with a listed one, and those of the disc's row beneath it. Sums over the fields

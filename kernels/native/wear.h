@@ -210,6 +210,7 @@ template <typename Table> WARPWEAR_FN void total_lines(const Table& table, bool 
     const int warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = blockDim.x / 32;
     for (int line = warp; line < table.shape[0]; line += warps) {
         double v = adds ? 0.0 : -NO_LIMIT;
+#pragma unroll 8
         for (int i = lane; i < columns; i += 32) {
             const double other = wp::index(table, line, i);
             v = adds ? v + other : (v > other ? v : other);

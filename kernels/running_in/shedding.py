@@ -7,7 +7,6 @@ then.
 
 import warp as wp
 
-from warpwear.kernels import native_code
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
 from warpwear.kernels.running_in.pieces import (
     CUT,
@@ -27,7 +26,8 @@ from warpwear.kernels.running_in.pieces import (
 )
 from warpwear.kernels.slide import Slide
 
-wp.set_module_options({**native_code.options("pieces.h"), "fuse_fp": False})
+#: All kernels of pieces are compiled together.
+TOGETHER = wp.get_module("warpwear.kernels.running_in.pieces")
 
 #: Columns of the table of pieces: step of the replay, body, round, index of the peak and of the middle,
 #: volume over the area of a cell [mm], cells cut.
@@ -160,7 +160,7 @@ def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, le
     left.pieces[place, 6] = cells
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def begin_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, left: Left):
     """A body begins to shed, or goes on with it."""
     if wp.tid() == 0:
@@ -174,7 +174,7 @@ def begin_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, left: Left):
         left.sheds[0] = wp.where(goes_on, 1, 0)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def sum_up(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
     """What is pending around the cells listed; after the first round only where a piece was due."""
     anew = wp.where(body.counts[ROUND] == 0, 1, 0)
@@ -182,14 +182,14 @@ def sum_up(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Bo
         sum_around(body.listed[n], anew, footprint, body)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def find_peaks(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
     """The peaks among the cells listed."""
     for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[LISTED], slots * wp.block_dim()):
         find_peak(body.listed[n], footprint, body)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def begin_cut(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body, left: Left):
     """The peaks of a round are cut if the table has room for them, and another round follows."""
     if wp.tid() == 0:
@@ -206,7 +206,7 @@ def begin_cut(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body:
         left.sheds[0] = wp.where(peaks > 0 and body.counts[ROUND] < footprint.rounds, 1, 0)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def cut(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -223,14 +223,14 @@ def cut(
         cut_at(body.peaks[n], place, footprint, body, left)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def end_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, left: Left):
     """Tell whether a body is done with its rounds."""
     if wp.tid() == 0:
         left.closes[0] = wp.where(body.counts[STAGE] == SHEDS and left.full[0] == 0, 1, 0)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def close(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
     """Cells where pieces are still due after all rounds wait for the next step; the sums are forgotten."""
     for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[LISTED], slots * wp.block_dim()):
@@ -254,7 +254,7 @@ def _total_rows(
 ): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def total_rows(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -287,7 +287,7 @@ def _sum_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64: 
 def _most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64: ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def note(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -310,7 +310,7 @@ def note(
         body.counts[STAGE] = DONE
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def end_step(
     first_slot: wp.int32,
     slots: wp.int32,

@@ -19,14 +19,13 @@ from warpwear.engine.kernel_cache import begin_to_load
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
-
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000
 #: Below this many cells threads gain nothing.
 SMALL = 2 * CELLS_PER_THREAD
 #: Threads of a slot of a pass on a GPU, and slots of a pass there at most: each takes several rows then.
 BLOCK = 256
-MOST_SLOTS_CUDA = 2112
+MOST_SLOTS_CUDA = 528
 #: Held while launches are made by the host, and while they are recorded: Warp records those of every thread.
 GATE = RLock()
 
@@ -105,8 +104,8 @@ class Executor:
         return self._pool is not None
 
     def slots_of(self, rows: int) -> int:
-        """Slots of a pass over rows: on a CPU one each."""
-        return rows if self.device.is_cpu else min(rows, MOST_SLOTS_CUDA)
+        """Slots of a pass over rows: on a CPU one each, on a GPU of as many rows each as the others."""
+        return rows if self.device.is_cpu else -(-rows // -(-rows // MOST_SLOTS_CUDA))
 
     def equal_chunks(self, slots: int) -> list[tuple[int, int]]:
         """Ranges of slots for the threads, of passes over whole rows."""
@@ -173,4 +172,4 @@ class Executor:
         if self.device.is_cpu:
             array.numpy()[...] = values
         else:
-            array.assign(np.ascontiguousarray(values, dtype=array.numpy().dtype))
+            array.assign(np.ascontiguousarray(values, dtype=wp.dtype_to_numpy(array.dtype)))

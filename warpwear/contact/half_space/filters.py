@@ -190,6 +190,7 @@ class CupyFilter(PaddedFilter):
             waves = cupy.asarray(self.waves)
             self._waves = waves.view(cupy.complex128 if double else cupy.complex64)
         self._cupy = cupy
+        self._warm()
 
     @property
     def _is_plain(self) -> bool:
@@ -216,8 +217,14 @@ class CupyFilter(PaddedFilter):
             with self._device, self._stream:
                 self._plans[plan].fft(places[plan], places[1 - plan], direction)
 
-        transform()  # once before a graph captures it: the library loads what it needs
         return transform
+
+    def _warm(self) -> None:
+        """Transform the modes in place before a graph captures the plans: the library loads what it needs."""
+        real = self._waves.view(self._waves.real.dtype)
+        with self._device, self._stream:
+            self._plans[0].fft(real, self._waves, -1)
+            self._plans[1].fft(self._waves, real, 1)
 
 
 def filter_of(

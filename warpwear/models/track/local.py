@@ -85,7 +85,7 @@ class SlidingContact:
         moves: bool = True,
         bearing_curve: Logistic | None = None,
     ) -> None:
-        executor.foresee([balance.carried, bearing.counted_below, sliding.wear_step])
+        executor.foresee([sliding.wear_step, bearing.counted_below if task.rigid else balance.carried])
         self.state = SlidingBodies.of(task, executor, disc, sphere=sphere)
         self.task, self.periodic, self._moves = task, periodic, moves
         self._executor, self._track_fraction = executor, track_fraction
