@@ -18,9 +18,9 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import contact, wear_from_pressure
+from warpwear.kernels import contact, fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
-from warpwear.kernels.half_space import decisions, passes
+from warpwear.kernels.half_space import passes
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfRows
 from warpwear.kernels.wear_from_pressure import Pressed
@@ -89,7 +89,8 @@ class SlidingHalfSpace:
         track_fraction: float = 1.0,
         moves: bool = True,
     ) -> None:
-        executor.foresee([contact.gap, wear_from_pressure.gaps, passes.advance, decisions.judge])
+        kernels = [passes.advance, contact.gap, wear_from_pressure.gaps, fourier.forward[np.float64]]
+        executor.foresee(kernels)  # what takes longest first
         self.state = SlidingBodies.of(task, executor, disc)
         self.task = task
         self.periodic = periodic
