@@ -1,9 +1,7 @@
 """Kernels and the C++ behind them compile for every device, also for those that are not here."""
 
 import importlib
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 import pytest
 import warp as wp
@@ -11,42 +9,35 @@ import warp as wp
 from warpwear.engine.kernel_cache import begin_to_load
 from warpwear.kernels import native_code
 
+
+def named(path: Path) -> str:
+    """Name a file of kernels as a module."""
+    return "warpwear.kernels." + ".".join(path.relative_to(FOLDER).with_suffix("").parts)
+
+
 FOLDER = Path(native_code.__file__).parent
 HEADERS = sorted(path.name for path in native_code.FOLDER.iterdir())
 TEXTS = {path: path.read_text(encoding="utf-8") for path in sorted(FOLDER.rglob("*.py"))}
-#: Files of kernels as modules; some are compiled with another one.
-FILES = [
-    "warpwear.kernels." + ".".join(path.relative_to(FOLDER).with_suffix("").parts)
+KERNELS = [
+    kernel
     for path, text in TEXTS.items()
     if "@wp.kernel" in text
+    for kernel in vars(importlib.import_module(named(path))).values()
+    if isinstance(kernel, wp.Kernel)
 ]
+#: What Warp compiles at once: the kernels of a file or of some.
+MODULES = {kernel.module.name: kernel.module for kernel in KERNELS}
 #: Compute capability of a GPU for which kernels are compiled without one.
 ARCHITECTURE = 90
-
-
-@cache
-def modules() -> dict[str, Any]:
-    """Return what Warp compiles, by its name."""
-    kernels = [kernel for file in FILES for kernel in vars(importlib.import_module(file)).values()]
-    found = {kernel.module.name: kernel.module for kernel in kernels if isinstance(kernel, wp.Kernel)}
-    assert found.keys() <= set(FILES)
-    return found
-
-
-def module_of(file: str) -> Any:
-    """Return what Warp compiles of a file."""
-    if file not in modules():
-        pytest.skip("compiled with another file")
-    return modules()[file]
 
 
 def nothing(number: wp.int32):
     """Be a kernel, which Warp asks of a module."""
 
 
-@pytest.mark.parametrize("file", FILES)
-def test_kernels_compile_for_a_cpu(file: str) -> None:
-    begin_to_load(module_of(file), wp.get_device("cpu"))()
+@pytest.mark.parametrize("name", MODULES)
+def test_kernels_compile_for_a_cpu(name: str) -> None:
+    begin_to_load(MODULES[name], wp.get_device("cpu"))()
 
 
 def test_every_header_belongs_to_kernels() -> None:
@@ -66,11 +57,11 @@ def test_a_header_includes_what_it_needs(header: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("file", FILES)
-def test_kernels_compile_for_a_gpu(file: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", MODULES)
+def test_kernels_compile_for_a_gpu(name: str, tmp_path: Path) -> None:
     """By NVIDIA's compiler, which comes with Warp; no GPU is needed."""
     if ARCHITECTURE not in wp.get_cuda_supported_archs():
         pytest.skip("Warp without NVIDIA's compiler")
-    wp.compile_aot_module(module_of(file), device=None, arch=ARCHITECTURE, module_dir=tmp_path, use_ptx=True)
+    wp.compile_aot_module(MODULES[name], device=None, arch=ARCHITECTURE, module_dir=tmp_path, use_ptx=True)
     (compiled,) = tmp_path.glob("*.ptx")
     assert ".entry" in compiled.read_text(encoding="utf-8")
