@@ -42,14 +42,16 @@ UP_TO_TIE = wp.constant(wp.int32(3))
 
 
 @wp.func
-def area_between(springs: Springs, margin: wp.float64):
-    """A search of which nothing is known: all that lies up to the highest gap before wear is halved.
+def area_between(springs: Springs, start: wp.float64, scatter: wp.float64):
+    """A search in a bracket of all that lies up to the highest gap before wear, whatever is expected.
 
-    margin: by which lists reach further than is needed [mm].
+    scatter: how far from the start the approach may be; 0 where that is not known [mm].
     """
     s = Search()
-    s.bracket = bracket_at(springs.highest + TWO * TIE, margin)  # so that the highest cell counts
-    s.margin = margin
+    s.bracket = bracket_at(springs.highest + TWO * TIE, ZERO)  # so that the highest cell counts
+    s.start = start
+    s.scatter = scatter
+    s.margin = scatter
     s.is_cold = 1
     s.stiffness = RIGID
     s.above = NONE
@@ -179,6 +181,10 @@ def _are_gathered(springs: Springs) -> wp.bool: ...
 def _count_gathered(springs: Springs, level: wp.float64) -> wp.float64: ...
 
 
+@wp.func_native("return inside_up_to(springs);")
+def _inside_up_to(springs: Springs) -> wp.float64: ...
+
+
 @wp.func
 def judged_area(springs: Springs):
     """The search after a pass, the list of tiles that it needs, and the law of the pressures at its end.
@@ -194,10 +200,10 @@ def judged_area(springs: Springs):
     is_gathered = _are_gathered(springs)
     below = s.below  # below the bracket
     low = s.bracket.low
-    high = wp.min(s.bracket.high, lists.limit)
+    high = _inside_up_to(springs)
     up_to_high = below + sum_of(springs.trial, 3)
     full = springs.cap * springs.cell_area
-    # A bracket that begins far up is halved without counting until it is down to where tiles are listed.
+    # A bracket that begins far up is halved without counting until it is down to where cells are looked at.
     is_beyond = s.is_cold == 1 and up_to_high - springs.load / full >= springs.tolerance / full
     if s.phase == ALL:
         s, lists = bracketed(springs, s, lists, count, lowest, highest)
@@ -217,11 +223,9 @@ def judged_area(springs: Springs):
             s, law = counted(springs, s, law, count)
     if s.bracket.state == LOOKS and s.phase != ALL:
         level = s.bracket.offset
-        b = s.bracket
-        if s.is_cold == 1 and level > lists.limit and s.margin > ZERO and springs.near.shape[0] > 0:
-            level = wp.min(level, lists.limit + b.reach)  # which may be deep enough
-            b.reach = GROWS * b.reach
-            s.bracket = b
+        if s.is_cold == 1 and s.scatter > ZERO and level > high and springs.near.shape[0] > 0:
+            s.scatter = GROWS * s.scatter  # too few lie within: look further
+            level = wp.min(level, s.start + s.scatter)
         lists = reached(lists, level, s.margin)
     return s, lists, law
 
@@ -244,7 +248,7 @@ def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.fl
             lists.limit = lowest
             lists.asked = lowest
         ask_for(springs, lists)
-        springs.search[0] = area_between(springs, ZERO)
+        springs.search[0] = area_between(springs, lowest, ZERO)
         springs.searching[0] = 1
 
 

@@ -128,7 +128,8 @@ def begin_step(springs: Springs, steps: Steps):
     steps.stepping[0] = 1
     if steps.is_rigid == 1:
         ask_for(springs, lists)
-        springs.search[0] = area_between(springs, STEPS_AHEAD * removal * springs.cap)
+        start = wp.where(c.is_begun == 1, c.approach, steps.smallest)
+        springs.search[0] = area_between(springs, start, STEPS_AHEAD * removal * springs.cap)
         springs.searching[0] = 1
     elif c.is_begun == 0:
         ask_for(springs, lists)

@@ -15,8 +15,8 @@ from warpwear.kernels.cells import Cells
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import STUCK
 
-#: Room for the gaps that a slot gathers inside the bracket of a bearing area.
-NEAR = 256
+#: Vectors for the gaps that a slot gathers inside the bracket of a bearing area.
+NEAR = 64
 
 
 class LoadSearch:
@@ -62,8 +62,8 @@ class LoadSearch:
             lists=tiles.lists.array,
             searching=wp.zeros(1, dtype=wp.int32, device=device),
             listing=tiles.listing,
-            trial=wp.zeros((4, slots), dtype=wp.float64, device=device),
-            near=wp.zeros((slots if gathers else 0, NEAR), dtype=wp.float64, device=device),
+            trial=wp.zeros((5, slots), dtype=wp.float64, device=device),
+            near=wp.zeros((slots if gathers else 0, NEAR), dtype=Cells, device=device),
         )
         if self.is_rigid:
             self._launch_once(bearing.counted_below, self.springs, gap, parts)

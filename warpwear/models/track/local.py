@@ -95,7 +95,12 @@ class SlidingContact:
         self._slides = Numbers(Slide, device)
         self._bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
         fully = task.load / (task.least_hardness * grid.cell_area)
-        self.tiles = SlidingTiles(executor, self._bodies, self._slides.array, least=SPARE * fully)
+        # Pieces and a disc that recedes change heights after the pass that wears.
+        self._wears_alone = task.pieces is None and bearing_curve is None
+        stays = self._wears_alone and not moves
+        self.tiles = SlidingTiles(
+            executor, self._bodies, self._slides.array, least=SPARE * fully, stays=stays
+        )
         # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc,
         # what is displaced of the disc.
         rows = (grid.nx, grid.nx, disc.shape[0], self.state.plastic_disc.shape[0])
@@ -138,6 +143,8 @@ class SlidingContact:
         self._of_cells.parts = none if self.film is None or self.film.parts is None else self.film.parts
         numbers = {name: kept.numbers for name, kept in self._kept.items()}
         bounds = {"lowest": tiles.lowest.numbers, "highest": tiles.highest.numbers}
+        if self._wears_alone:
+            bounds["gap"] = tiles.gap.numbers
         self._of_tiles = arguments(OfTiles, **bounds, **numbers)
         self._of_eight = arguments(OfEightTiles, **{name: kept.vectors for name, kept in self._kept.items()})
         self._of_rows = arguments(OfRows, **self._totals)
@@ -163,6 +170,7 @@ class SlidingContact:
             stepping=wp.zeros(1, dtype=wp.int32, device=device),
             solved=wp.zeros(1, dtype=wp.int32, device=device),
             moves=int(self._moves),
+            stays=int(self._wears_alone and not self._moves),
             hardness=self.task.hardness if self.keeps_dents else NO_LIMIT,
             rows=executor.grid.nx,
             columns=executor.grid.ny,
