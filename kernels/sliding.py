@@ -50,7 +50,7 @@ OF_ROWS = wp.constant(wp.int32(len(BALANCE) + len(TrackSum) + len(TrackMost)))
 CHANGES = wp.constant(wp.int32(8))
 TIMES = wp.constant(wp.float64(2.0))
 #: Of a list that serves several steps: how many times further it reaches.
-AHEAD = wp.constant(wp.float64(4.0))
+AHEAD = wp.constant(wp.float64(1.0))
 #: What the approach may change by when nothing is known of it, and at least [mm].
 FIRST_SCATTER = wp.constant(wp.float64(1.0e-4))
 LEAST_SCATTER = wp.constant(wp.float64(1.0e-6))
@@ -96,16 +96,6 @@ class OfTiles:
     worn_sphere: wp.array2d(dtype=wp.float64)  # sums [mm]
     worn_disc: wp.array2d(dtype=wp.float64)
     pressed_disc: wp.array2d(dtype=wp.float64)  # displaced for good; one row where the disc springs back
-
-
-@wp.struct
-class OfEightTiles:
-    """The sums of `OfTiles`, eight neighbouring tiles in a vector."""
-
-    touched: wp.array2d(dtype=Cells)
-    worn_sphere: wp.array2d(dtype=Cells)
-    worn_disc: wp.array2d(dtype=Cells)
-    pressed_disc: wp.array2d(dtype=Cells)
 
 
 @wp.struct
@@ -363,7 +353,9 @@ def end_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: S
             steps.course[0] = c
 
 
-@wp.func_native("wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, tables);")
+@wp.func_native(
+    "wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, of_rows, tables);"
+)
 def _wear_tiles(
     slot: wp.int32,
     slots: wp.int32,
@@ -374,6 +366,7 @@ def _wear_tiles(
     of_cells: OfCells,
     bodies: Bodies,
     of_tiles: OfTiles,
+    of_rows: OfRows,
     tables: StepTables,
 ): ...
 
@@ -389,40 +382,16 @@ def wear_step(
     of_cells: OfCells,
     bodies: Bodies,
     of_tiles: OfTiles,
+    of_rows: OfRows,
     tables: StepTables,
 ):
     """One increment of wear in place: each body loses K p ΔL.
 
     What goes beyond the full depth is displaced from the disc for good, not worn. Of the tiles listed the
-    gap, the bounds and what `totals` sums are made anew. Columns count that lie beyond the known ones.
+    gap, the bounds and the sums are made anew, also of their rows. Columns count that lie beyond the known ones.
     """
     slot = first_slot + wp.tid() // wp.block_dim()
-    _wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, tables)
-
-
-@wp.func_native("total_rows(slot, slots, count, slides, of_tiles, of_rows);")
-def _total_rows(
-    slot: wp.int32,
-    slots: wp.int32,
-    count: wp.array(dtype=wp.int32),
-    slides: wp.array(dtype=Slide),
-    of_tiles: OfEightTiles,
-    of_rows: OfRows,
-): ...
-
-
-@wp.kernel
-def totals(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    count: wp.array(dtype=wp.int32),
-    slides: wp.array(dtype=Slide),
-    of_tiles: OfEightTiles,
-    of_rows: OfRows,
-):
-    """Sums over the rows with listed tiles, of the sphere and of the disc beneath it."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    _total_rows(slot, slots, count, slides, of_tiles, of_rows)
+    _wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, of_rows, tables)
 
 
 @wp.func_native("return sum_of_array(values);")

@@ -41,8 +41,8 @@ WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* sphere, const Sto
 
 // List, row by row, the tiles with a gap that does not exceed the limit, and make their gaps. Where the
 // bounds of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest gap of a
-// tile is noted; under a disc that lies still it stays known, as 0 where the gap was never made. The lowest of
-// eight tiles of the sphere with the highest of the disc's row spares a CPU most bounds.
+// tile is noted; under a disc that lies still it stays known, as 0 where the gap was never made. The lowest
+// of eight tiles of the sphere with the highest of the disc's row spares a CPU most bounds.
 template <typename Lists, typename Slides, typename Bounds, typename Bodies, typename List, typename Count>
 WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides,
                               const Bounds& bounds, const Bodies& bodies, const List& list,
@@ -141,17 +141,45 @@ template <typename Array> WARPWEAR_FN double end_of_rows(const Array& of_rows, b
     return of_slot(end, false);
 }
 
+// Sum what is kept of the tiles of a row, by all threads of the slot.
+template <typename Numbers> WARPWEAR_FN double sum_of_tiles(const Numbers& numbers, int row)
+{
+    const Stored* const values = row_of(numbers, row);
+    Lanes sum = 0.0;
+    for (int i = lane_of_slot(); i * LANES < numbers.shape[1]; i += width_of_slot()) sum += values[i];
+    return of_slot(total(sum), true);
+}
+
+// Sum the tiles of a row of the sphere, and of the disc's row beneath it. Sums over the fields as they are:
+// increments added up would drift.
+template <typename OfTiles, typename OfRows>
+WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_tiles, const OfRows& of_rows)
+{
+#if defined(__CUDA_ARCH__)
+    __syncthreads(); // other threads have worn tiles of the row
+#endif
+    const double touched = sum_of_tiles(of_tiles.touched, row);
+    const double sphere = sum_of_tiles(of_tiles.worn_sphere, row);
+    const double disc = sum_of_tiles(of_tiles.worn_disc, under);
+    const double pressed = presses ? sum_of_tiles(of_tiles.pressed_disc, under) : 0.0;
+    if (lane_of_slot() != 0) return;
+    of_rows.touched.data[row] = touched;
+    of_rows.worn_sphere.data[row] = sphere;
+    of_rows.worn_disc.data[under] = disc;
+    if (presses) of_rows.pressed_disc.data[under] = pressed;
+}
+
 // Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is
-// displaced from the disc for good, not worn. Bounds and sums of the tiles are made anew; tiles that do not
-// touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order of the
-// cells. FACTORED: the sliding distance of the disc's cells has a factor each;
-// RARE: cells have a stiffness or a part of the cap each, carry a film, keep their dents, or belong to a
-// sphere that does not wear.
+// displaced from the disc for good, not worn. Bounds and sums of the tiles and rows are made anew; tiles that
+// do not touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order
+// of the cells. FACTORED: the sliding distance of the disc's cells has a factor each; RARE: cells have a
+// stiffness or a part of the cap each, carry a film, keep their dents, or belong to a sphere that does not
+// wear.
 template <bool FACTORED, bool RARE, typename List, typename Count, typename Slides, typename Springs,
-          typename OfCells, typename Bodies, typename OfTiles, typename Tables>
+          typename OfCells, typename Bodies, typename OfTiles, typename OfRows, typename Tables>
 WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
                          const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
-                         const OfTiles& of_tiles, Tables& tables)
+                         const OfTiles& of_tiles, const OfRows& of_rows, Tables& tables)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
@@ -194,7 +222,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
             wears = true;
             // Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
             const bool beyond_known = first * LANES < step.first_column || last * LANES > step.end_column;
-            Lanes low = ABSENT, high = -ABSENT, apart = ABSENT, worn_sphere = 0.0, worn_disc = 0.0, pressed = 0.0;
+            Lanes low = ABSENT, high = -ABSENT, apart = ABSENT, worn_sphere = 0.0, worn_disc = 0.0,
+                  pressed = 0.0;
             Counts touched = 0;
             Lanes was_touched[OF_TILE / TEAM];
             for (int i = first + lane_of_team(); i < last; i += TEAM) {
@@ -259,6 +288,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
             wp::index(of_tiles.touched, row, t) = sums[2];
             if (presses) wp::index(of_tiles.pressed_disc, under, t) = sums[3];
         }
+        if (wears) total_rows(row, under, presses, of_tiles, of_rows);
     }
     const auto sum = [&](int line, double v) { return Left{v, &wp::index(tables.sums, line, slot), true}; };
     const auto largest = [&](int line, double v) {
@@ -278,14 +308,14 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
 
 // The same, told what cells have one each of.
 template <typename List, typename Count, typename Slides, typename Springs, typename OfCells, typename Bodies,
-          typename OfTiles, typename Tables>
+          typename OfTiles, typename OfRows, typename Tables>
 WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
                             const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
-                            const OfTiles& of_tiles, Tables& tables)
+                            const OfTiles& of_tiles, const OfRows& of_rows, Tables& tables)
 {
     const auto by = [&](auto factored, auto rare) {
-        wear_by<decltype(factored)::value, decltype(rare)::value>(slot, slots, list, counts, slides, springs,
-                                                                  of_cells, bodies, of_tiles, tables);
+        wear_by<decltype(factored)::value, decltype(rare)::value>(
+            slot, slots, list, counts, slides, springs, of_cells, bodies, of_tiles, of_rows, tables);
     };
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const bool rare = keeps_reached || wp::index(slides, 0).full_depth < NO_LIMIT ||
@@ -296,32 +326,4 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     if (!factored && rare) by(Is<false>(), Is<true>());
     if (factored && !rare) by(Is<true>(), Is<false>());
     if (factored && rare) by(Is<true>(), Is<true>());
-}
-
-// Sum the tiles of every row with a listed one, and those of the disc's row beneath it. Sums over the fields
-// as they are: increments added up would drift.
-template <typename Count, typename Slides, typename OfEight, typename OfRows>
-WARPWEAR_FN void total_rows(int slot, int slots, const Count& counts, const Slides& slides,
-                            const OfEight& of_tiles, const OfRows& of_rows)
-{
-    const int of_row = of_tiles.touched.shape[1] * OF_VECTOR, shift = wp::index(slides, 0).shift;
-    const bool presses = of_tiles.pressed_disc.shape[0] == of_tiles.worn_disc.shape[0];
-    const auto sum_of = [&](const auto& field, int row) {
-        const Stored* const values = row_of(field, row);
-        Lanes sum = 0.0;
-        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) sum += values[i];
-        return of_slot(total(sum), true);
-    };
-    for (int row = slot; row < of_tiles.touched.shape[0]; row += slots) {
-        if (wp::index(counts, row) == 0) continue;
-        const int under = under_row(row, shift, of_tiles.worn_disc.shape[0]);
-        const double touched = sum_of(of_tiles.touched, row), sphere = sum_of(of_tiles.worn_sphere, row);
-        const double disc = sum_of(of_tiles.worn_disc, under);
-        const double pressed = presses ? sum_of(of_tiles.pressed_disc, under) : 0.0;
-        if (lane_of_slot() != 0) continue;
-        of_rows.touched.data[row] = touched;
-        of_rows.worn_sphere.data[row] = sphere;
-        of_rows.worn_disc.data[under] = disc;
-        if (presses) of_rows.pressed_disc.data[under] = pressed;
-    }
 }

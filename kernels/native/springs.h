@@ -139,8 +139,8 @@ WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& count
     if (own && parted) by(Is<true>(), Is<true>());
 }
 
-// Up to where the cells inside the bracket of a bearing area are looked at: as far as all tiles are listed, and
-// the approach may be.
+// Up to where the cells inside the bracket of a bearing area are looked at: as far as all tiles are listed,
+// and the approach may be.
 template <typename Springs> WARPWEAR_FN double inside_up_to(const Springs& springs)
 {
     const auto& search = wp::index(springs.search, 0);
@@ -149,9 +149,9 @@ template <typename Springs> WARPWEAR_FN double inside_up_to(const Springs& sprin
     return wp::min(wp::min(search.bracket.high, limit), expected);
 }
 
-// The cells below the trial of a search, each as the part of the cap that it bears; the lowest and the highest
-// gap listed; and how many lie inside the bracket, see above. Those are gathered in the slot's line of `near`,
-// as far as it has room, so that what follows may count them there: on a CPU in vectors as they
+// The cells below the trial of a search, each as the part of the cap that it bears; the lowest and the
+// highest gap listed; and how many lie inside the bracket, see above. Those are gathered in the slot's line
+// of `near`, as far as it has room, so that what follows may count them there: on a CPU in vectors as they
 // stand in the row, without the others. Nothing is gathered where cells bear parts of the cap.
 template <typename List, typename Count, typename Springs, typename Field>
 WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count& counts,

@@ -19,7 +19,7 @@ from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import balance, bearing, recession, sliding
 from warpwear.kernels.cells import NO_INDEX, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.slide import Slide
-from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTiles, StepTables
+from warpwear.kernels.sliding import Bodies, OfCells, OfRows, OfTiles, StepTables
 from warpwear.kernels.wear import BALANCE
 from warpwear.laws.archard import distance_factor, removals_of
 from warpwear.laws.bearing_curve import Logistic
@@ -146,7 +146,6 @@ class SlidingContact:
         if self._wears_alone:
             bounds["gap"] = tiles.gap.numbers
         self._of_tiles = arguments(OfTiles, **bounds, **numbers)
-        self._of_eight = arguments(OfEightTiles, **{name: kept.vectors for name, kept in self._kept.items()})
         self._of_rows = arguments(OfRows, **self._totals)
         slots = executor.slots_of(executor.grid.nx)
         lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "bearing": 1}
@@ -246,18 +245,10 @@ class SlidingContact:
                 self.pieces.say_take_tiles(program, slides, springs, *listed, *fields)
             if self._recession is not None:
                 self._recession.say_bearing(program, search.law, self._tables.bearing)
-            both = self._bodies, self._of_tiles
+            worn = self._bodies, self._of_tiles, self._of_rows
             program.launch(
                 sliding.wear_step,
-                *(*listed, slides, springs, of_cells, *both, self._tables),
-                chunks=lambda: tiles.chunks,
-            )
-            program.launch(
-                sliding.totals,
-                tiles.count,
-                slides,
-                self._of_eight,
-                self._of_rows,
+                *(*listed, slides, springs, of_cells, *worn, self._tables),
                 chunks=lambda: tiles.chunks,
             )
             if self._recession is not None:
@@ -335,15 +326,16 @@ class SlidingContact:
         task, row = self.task, self._ledger.row
         removals = removals_of(task.wear, row["distance"], increments)
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
-        plan, start = np.empty((len(removals), len(sliding.PLAN))), row["distance"]
-        for number, (sphere, disc) in enumerate(removals):
-            shift, end = self.state.row_of(shifts[number], periodic=self.periodic), start + increments[number]
-            of_sphere, of_disc = dust * sphere, dust * track * disc
-            pending = (1.0 - dust) * sphere, (1.0 - dust) * (track * disc)
-            compliance = own + (of_sphere + of_disc) * task.implicit
-            alike = 0.0 if self._differs else stiffness_of(compliance)
-            plan[number] = shift, start, end, of_sphere, of_disc, *pending, own, compliance, alike
-            start = end
+        rows = [self.state.row_of(shift, periodic=self.periodic) for shift in shifts[: len(removals)]]
+        sphere, disc = np.array(removals).T
+        of_sphere, of_disc = dust * sphere, dust * track * disc
+        pending = (1.0 - dust) * sphere, (1.0 - dust) * (track * disc)
+        compliance = own + (of_sphere + of_disc) * task.implicit
+        alike = [0.0 if self._differs else stiffness_of(one) for one in compliance.tolist()]
+        ends = np.add.accumulate([row["distance"], *increments[: len(removals)]])
+        owns = np.full(len(rows), own)
+        each = rows, ends[:-1], ends[1:], of_sphere, of_disc, *pending, owns, compliance, alike
+        plan = np.stack(each, axis=1)
         compliances = plan[:, sliding.PLAN.index("compliance")]
         rigid = bool(compliances[0] == 0.0)
         count = int(np.argmax((compliances == 0.0) != rigid)) or len(plan)  # a replay has steps of one kind
