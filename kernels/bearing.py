@@ -4,9 +4,9 @@ The area rises with the approach in steps, cell by cell, so the approach is look
 approach that meets the tolerance is taken, and the pressure is load/area. Where cells tie, so that no
 approach meets it, the tied cells share what is missing.
 
-A pass over the listed tiles counts the cells below a trial and gathers those inside the bracket. Where they all
-have room, the decision after it counts the next trials among them, up to the last one; else a pass follows, on
-a smaller bracket. Few cells take one pass, many cells a few.
+A pass over the listed tiles counts the cells below a trial and gathers those inside the bracket. Where they
+all have room, the decision after it counts the next trials among them, up to the last one; else a pass
+follows, on a smaller bracket. Few cells take one pass, many cells a few.
 """
 
 import warp as wp
@@ -262,7 +262,7 @@ def count_of(
     gap: wp.array2d(dtype=Cells),
     parts: wp.array2d(dtype=Cells),
 ) -> None:
-    """Counts the cells of a slot below the trial, gathers those inside the bracket, and finds the extreme gaps."""
+    """Counts cells of a slot below the trial, gathers those inside the bracket, finds the extreme gaps."""
     ...
 
 

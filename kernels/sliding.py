@@ -86,6 +86,16 @@ class Bodies:
 
 
 @wp.struct
+class OfRows:
+    """The sums of `OfTiles` over every row of the sphere and of the disc."""
+
+    touched: wp.array(dtype=wp.float64)
+    worn_sphere: wp.array(dtype=wp.float64)
+    worn_disc: wp.array(dtype=wp.float64)
+    pressed_disc: wp.array(dtype=wp.float64)
+
+
+@wp.struct
 class OfTiles:
     """Bounds and sums that are kept of every tile of either body, rows × tiles."""
 
@@ -96,16 +106,7 @@ class OfTiles:
     worn_sphere: wp.array2d(dtype=wp.float64)  # sums [mm]
     worn_disc: wp.array2d(dtype=wp.float64)
     pressed_disc: wp.array2d(dtype=wp.float64)  # displaced for good; one row where the disc springs back
-
-
-@wp.struct
-class OfRows:
-    """The sums of `OfTiles` over every row of the sphere and of the disc."""
-
-    touched: wp.array(dtype=wp.float64)
-    worn_sphere: wp.array(dtype=wp.float64)
-    worn_disc: wp.array(dtype=wp.float64)
-    pressed_disc: wp.array(dtype=wp.float64)
+    rows: OfRows
 
 
 @wp.struct
@@ -353,9 +354,7 @@ def end_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: S
             steps.course[0] = c
 
 
-@wp.func_native(
-    "wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, of_rows, tables);"
-)
+@wp.func_native("wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, tables);")
 def _wear_tiles(
     slot: wp.int32,
     slots: wp.int32,
@@ -366,7 +365,6 @@ def _wear_tiles(
     of_cells: OfCells,
     bodies: Bodies,
     of_tiles: OfTiles,
-    of_rows: OfRows,
     tables: StepTables,
 ): ...
 
@@ -382,16 +380,16 @@ def wear_step(
     of_cells: OfCells,
     bodies: Bodies,
     of_tiles: OfTiles,
-    of_rows: OfRows,
     tables: StepTables,
 ):
     """One increment of wear in place: each body loses K p ΔL.
 
     What goes beyond the full depth is displaced from the disc for good, not worn. Of the tiles listed the
-    gap, the bounds and the sums are made anew, also of their rows. Columns count that lie beyond the known ones.
+    gap, the bounds and the sums are made anew, also of their rows. Columns count that lie beyond the
+    known ones.
     """
     slot = first_slot + wp.tid() // wp.block_dim()
-    _wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, of_rows, tables)
+    _wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, tables)
 
 
 @wp.func_native("return sum_of_array(values);")

@@ -136,8 +136,8 @@ template <typename Array> WARPWEAR_FN double sum_of_array(const Array& array)
 template <typename Array> WARPWEAR_FN double end_of_rows(const Array& of_rows, bool is_last)
 {
     double end = NO_INDEX;
-    for (int row = lane_of_slot(); row < of_rows.shape[0]; row += width_of_slot())
-        if (of_rows.data[row] > 0.0) end = wp::max(end, is_last ? double(row) : -double(row));
+    for (int row = lane_of_slot(); row < of_tiles.rows.shape[0]; row += width_of_slot())
+        if (of_tiles.rows.data[row] > 0.0) end = wp::max(end, is_last ? double(row) : -double(row));
     return of_slot(end, false);
 }
 
@@ -152,8 +152,8 @@ template <typename Numbers> WARPWEAR_FN double sum_of_tiles(const Numbers& numbe
 
 // Sum the tiles of a row of the sphere, and of the disc's row beneath it. Sums over the fields as they are:
 // increments added up would drift.
-template <typename OfTiles, typename OfRows>
-WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_tiles, const OfRows& of_rows)
+template <typename OfTiles>
+WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_tiles)
 {
 #if defined(__CUDA_ARCH__)
     __syncthreads(); // other threads have worn tiles of the row
@@ -163,10 +163,10 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
     const double disc = sum_of_tiles(of_tiles.worn_disc, under);
     const double pressed = presses ? sum_of_tiles(of_tiles.pressed_disc, under) : 0.0;
     if (lane_of_slot() != 0) return;
-    of_rows.touched.data[row] = touched;
-    of_rows.worn_sphere.data[row] = sphere;
-    of_rows.worn_disc.data[under] = disc;
-    if (presses) of_rows.pressed_disc.data[under] = pressed;
+    of_tiles.rows.touched.data[row] = touched;
+    of_tiles.rows.worn_sphere.data[row] = sphere;
+    of_tiles.rows.worn_disc.data[under] = disc;
+    if (presses) of_tiles.rows.pressed_disc.data[under] = pressed;
 }
 
 // Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is
@@ -176,10 +176,10 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
 // stiffness or a part of the cap each, carry a film, keep their dents, or belong to a sphere that does not
 // wear.
 template <bool FACTORED, bool RARE, typename List, typename Count, typename Slides, typename Springs,
-          typename OfCells, typename Bodies, typename OfTiles, typename OfRows, typename Tables>
+          typename OfCells, typename Bodies, typename OfTiles, typename Tables>
 WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
                          const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
-                         const OfTiles& of_tiles, const OfRows& of_rows, Tables& tables)
+                         const OfTiles& of_tiles, Tables& tables)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
@@ -288,7 +288,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
             wp::index(of_tiles.touched, row, t) = sums[2];
             if (presses) wp::index(of_tiles.pressed_disc, under, t) = sums[3];
         }
-        if (wears) total_rows(row, under, presses, of_tiles, of_rows);
+        if (wears) total_rows(row, under, presses, of_tiles);
     }
     const auto sum = [&](int line, double v) { return Left{v, &wp::index(tables.sums, line, slot), true}; };
     const auto largest = [&](int line, double v) {
@@ -308,14 +308,14 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
 
 // The same, told what cells have one each of.
 template <typename List, typename Count, typename Slides, typename Springs, typename OfCells, typename Bodies,
-          typename OfTiles, typename OfRows, typename Tables>
+          typename OfTiles, typename Tables>
 WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
                             const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
-                            const OfTiles& of_tiles, const OfRows& of_rows, Tables& tables)
+                            const OfTiles& of_tiles, Tables& tables)
 {
     const auto by = [&](auto factored, auto rare) {
-        wear_by<decltype(factored)::value, decltype(rare)::value>(
-            slot, slots, list, counts, slides, springs, of_cells, bodies, of_tiles, of_rows, tables);
+        wear_by<decltype(factored)::value, decltype(rare)::value>(slot, slots, list, counts, slides, springs,
+                                                                  of_cells, bodies, of_tiles, tables);
     };
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const bool rare = keeps_reached || wp::index(slides, 0).full_depth < NO_LIMIT ||

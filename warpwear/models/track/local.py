@@ -145,8 +145,8 @@ class SlidingContact:
         bounds = {"lowest": tiles.lowest.numbers, "highest": tiles.highest.numbers}
         if self._wears_alone:
             bounds["gap"] = tiles.gap.numbers
-        self._of_tiles = arguments(OfTiles, **bounds, **numbers)
         self._of_rows = arguments(OfRows, **self._totals)
+        self._of_tiles = arguments(OfTiles, rows=self._of_rows, **bounds, **numbers)
         slots = executor.slots_of(executor.grid.nx)
         lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "bearing": 1}
         tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
@@ -245,10 +245,10 @@ class SlidingContact:
                 self.pieces.say_take_tiles(program, slides, springs, *listed, *fields)
             if self._recession is not None:
                 self._recession.say_bearing(program, search.law, self._tables.bearing)
-            worn = self._bodies, self._of_tiles, self._of_rows
+            both = self._bodies, self._of_tiles
             program.launch(
                 sliding.wear_step,
-                *(*listed, slides, springs, of_cells, *worn, self._tables),
+                *(*listed, slides, springs, of_cells, *both, self._tables),
                 chunks=lambda: tiles.chunks,
             )
             if self._recession is not None:
