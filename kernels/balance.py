@@ -2,6 +2,7 @@
 
 A search is a pass over the listed cells and a decision in turns. What is carried rises piecewise linearly
 with the approach: Newton's method is kept inside a bracket, see `newton`. Without springs, see `bearing`.
+The lists of tiles that passes visit are made here, too: kernels of one file are compiled together.
 
 An approach is base + offset: one ulp of 0.07 mm changes the load of a worn contact by more than 1e-12 of it,
 `base − gap` is exact near contact, and the offset adds the missing digits.
@@ -10,12 +11,12 @@ An approach is base + offset: one ulp of 0.07 mm changes the load of a worn cont
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells
+from warpwear.kernels.cells import ABSENT, LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells, TileSums
 from warpwear.kernels.contact import Law, pressure_of
 from warpwear.kernels.newton import HALF, HOPELESS, LOOKS, STUCK, SURE, Bracket, bracket_at, next_trial
-from warpwear.kernels.tiles import Listing, reached
+from warpwear.kernels.tiles import SAMPLE, SAMPLED, Listing, Tiles, kept_of, limit_of, reached
 
-wp.set_module_options(native_code.options("springs.h"))
+wp.set_module_options(native_code.options("springs.h", "tiles.h"))
 
 #: Searches on springs, each from a base nearer the solution.
 ROUNDS = wp.constant(wp.int32(3))
@@ -170,6 +171,88 @@ def conclude(springs: Springs, s: Search, lists: Listing):
     law.offset = b.offset
     law.cap = springs.cap
     springs.law[0] = law
+
+
+@wp.kernel
+def lowest(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    field: wp.array2d(dtype=Cells),
+    lowest_out: wp.array2d(dtype=wp.float64),
+):
+    """Smallest value of every tile."""
+    slot = first_slot + wp.tid() // wp.block_dim()
+    for row in range(slot, field.shape[0], slots):
+        for t in range(wp.tid() % wp.block_dim(), lowest_out.shape[1], wp.block_dim()):
+            low = field[row, t * TILE_VECTORS]
+            for k in range(t * TILE_VECTORS + 1, wp.min((t + 1) * TILE_VECTORS, field.shape[1])):
+                low = wp.min(low, field[row, k])
+            lowest_out[row, t] = wp.min(low)
+
+
+@wp.kernel
+def select(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    lists: wp.array(dtype=Listing),
+    gap: wp.array2d(dtype=Cells),
+    unworn: wp.array2d(dtype=Cells),
+    tiles: Tiles,
+):
+    """Lists anew, row by row, the tiles whose smallest gap does not exceed the limit. On a CPU.
+
+    Of a tile that leaves the list it is kept what the pass that wears sums over listed tiles only.
+    """
+    row = first_slot + wp.tid()
+    limit = lists[0].limit
+    for n in range(
+        wp.where(lists[0].is_fresh == 1, 0, tiles.count[row])
+    ):  # gaps of others are what they were
+        t = tiles.list[row, n]
+        low = Cells(ABSENT)
+        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
+            low = wp.min(low, gap[row, k])
+        smallest = wp.min(low)
+        tiles.lowest[row, t] = smallest
+        if smallest > limit:
+            tiles.kept[row, t] = kept_of(row, t, gap, unworn)
+    count = wp.int32(0)
+    rest = TileSums()
+    for t in range(tiles.lowest.shape[1]):
+        if tiles.lowest[row, t] <= limit:
+            tiles.list[row, count] = t
+            count += 1
+        else:
+            rest += tiles.kept[row, t]
+    tiles.count[row] = count
+    tiles.rest[row] = rest
+
+
+@wp.kernel
+def listed(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    lists: wp.array(dtype=Listing),
+    listing: wp.array(dtype=wp.int32),
+    tiles: Tiles,
+    least: wp.int32,
+):
+    """Decides whether a list holds enough tiles, or must reach deeper than it was asked to. On a CPU."""
+    now = lists[0]
+    now.is_fresh = 0
+    now.lists = now.lists + 1
+    now.listed = 0
+    rows = tiles.count.shape[0]
+    for row in range(rows):
+        now.listed = now.listed + tiles.count[row]
+    listing[0] = 0
+    if now.listed < least and now.limit == now.asked and now.limit < NONE:
+        apart = wp.where(rows * tiles.lowest.shape[1] > SAMPLED, SAMPLE, 1)
+        deeper = limit_of(tiles.lowest, apart, least / apart + 1, now.limit)
+        if deeper > now.limit:
+            now.limit = deeper
+            listing[0] = 1
+    lists[0] = now
 
 
 @wp.kernel

@@ -13,8 +13,8 @@ from warpwear.kernels.cells import NONE, ONE, ZERO
 
 wp.set_module_options({"enable_backward": False})
 
-#: How far a search is: it looks further; what is carried at the offset is the load; Newton's step surely is it;
-#: the bracket is down to neighbouring numbers, or all evaluations are spent.
+#: How far a search is: it looks further; what is carried at the offset is the load; Newton's step surely is
+#: it; the bracket is down to neighbouring numbers, or all evaluations are spent.
 LOOKS = wp.constant(wp.int32(0))
 MET = wp.constant(wp.int32(1))
 SURE = wp.constant(wp.int32(2))
@@ -71,8 +71,8 @@ def next_trial(
 ):
     """The search with its next trial, or at its end, by the force and its slope at the last one.
 
-    tolerance: of the force. straight: way as far as which the force is surely a straight line; 0 where that is
-    not known.
+    tolerance: of the force. straight: way as far as which the force is surely a straight line; 0 where that
+    is not known.
     """
     b = before
     b.evaluation = b.evaluation + 1

@@ -22,7 +22,8 @@ from warpwear.kernels.cells import (
     lowest_of,
 )
 from warpwear.kernels.contact import sag
-from warpwear.kernels.two_scale.sharing import Curves, Flags, Load, Search, judge_shares
+from warpwear.kernels.two_scale.curves import Curves
+from warpwear.kernels.two_scale.sharing import Flags, Load, Search, judge_shares
 from warpwear.kernels.two_scale.steps import (
     Books,
     Courses,
@@ -33,7 +34,7 @@ from warpwear.kernels.two_scale.steps import (
     foresee_step,
 )
 
-wp.set_module_options(native_code.options("wear.h", "patches.h"))
+wp.set_module_options(native_code.options("patches.h"))
 
 
 @wp.struct

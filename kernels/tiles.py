@@ -8,7 +8,7 @@ of all tiles whose lowest gap lies below some limit serves every approach up to 
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import ABSENT, LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells, TileSums, sum_of
+from warpwear.kernels.cells import LANES, ONE, TILE_VECTORS, ZERO, Cells, TileSums, sum_of
 
 wp.set_module_options(native_code.options("tiles.h"))
 
@@ -54,23 +54,6 @@ def reached(before: Listing, approach: wp.float64, margin: wp.float64):
     return lists
 
 
-@wp.kernel
-def lowest(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    field: wp.array2d(dtype=Cells),
-    lowest_out: wp.array2d(dtype=wp.float64),
-):
-    """Smallest value of every tile."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    for row in range(slot, field.shape[0], slots):
-        for t in range(wp.tid() % wp.block_dim(), lowest_out.shape[1], wp.block_dim()):
-            low = field[row, t * TILE_VECTORS]
-            for k in range(t * TILE_VECTORS + 1, wp.min((t + 1) * TILE_VECTORS, field.shape[1])):
-                low = wp.min(low, field[row, k])
-            lowest_out[row, t] = wp.min(low)
-
-
 @wp.func
 def kept_of(row: wp.int32, t: wp.int32, gap: wp.array2d(dtype=Cells), unworn: wp.array2d(dtype=Cells)):
     """Number of worn cells of a tile, and the sum of their wear."""
@@ -84,74 +67,9 @@ def kept_of(row: wp.int32, t: wp.int32, gap: wp.array2d(dtype=Cells), unworn: wp
     return TileSums(touched, sum_of(both))
 
 
-@wp.kernel
-def select(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    lists: wp.array(dtype=Listing),
-    gap: wp.array2d(dtype=Cells),
-    unworn: wp.array2d(dtype=Cells),
-    tiles: Tiles,
-):
-    """Lists anew, row by row, the tiles whose smallest gap does not exceed the limit. On a CPU.
-
-    Of a tile that leaves the list it is kept what the pass that wears sums over listed tiles only.
-    """
-    row = first_slot + wp.tid()
-    limit = lists[0].limit
-    for n in range(
-        wp.where(lists[0].is_fresh == 1, 0, tiles.count[row])
-    ):  # gaps of others are what they were
-        t = tiles.list[row, n]
-        low = Cells(ABSENT)
-        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
-            low = wp.min(low, gap[row, k])
-        smallest = wp.min(low)
-        tiles.lowest[row, t] = smallest
-        if smallest > limit:
-            tiles.kept[row, t] = kept_of(row, t, gap, unworn)
-    count = wp.int32(0)
-    rest = TileSums()
-    for t in range(tiles.lowest.shape[1]):
-        if tiles.lowest[row, t] <= limit:
-            tiles.list[row, count] = t
-            count += 1
-        else:
-            rest += tiles.kept[row, t]
-    tiles.count[row] = count
-    tiles.rest[row] = rest
-
-
 @wp.func_native("return limit_of_rank(lowest, rows_apart, tiles, limit);")
 def limit_of(
     lowest: wp.array2d(dtype=wp.float64), rows_apart: wp.int32, tiles: wp.int32, limit: wp.float64
 ) -> wp.float64:
     """The limit up to which so many tiles of a sample of the rows have a cell."""
     ...
-
-
-@wp.kernel
-def listed(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    lists: wp.array(dtype=Listing),
-    listing: wp.array(dtype=wp.int32),
-    tiles: Tiles,
-    least: wp.int32,
-):
-    """Decides whether a list holds enough tiles, or must reach deeper than it was asked to. On a CPU."""
-    now = lists[0]
-    now.is_fresh = 0
-    now.lists = now.lists + 1
-    now.listed = 0
-    rows = tiles.count.shape[0]
-    for row in range(rows):
-        now.listed = now.listed + tiles.count[row]
-    listing[0] = 0
-    if now.listed < least and now.limit == now.asked and now.limit < NONE:
-        apart = wp.where(rows * tiles.lowest.shape[1] > SAMPLED, SAMPLE, 1)
-        deeper = limit_of(tiles.lowest, apart, least / apart + 1, now.limit)
-        if deeper > now.limit:
-            now.limit = deeper
-            listing[0] = 1
-    lists[0] = now

@@ -117,7 +117,8 @@ def run_ball(_: int, setting: Setting) -> list[Row]:
     unit = Copy(study.cells.nx, setting.device)
 
     def solved(distance: float) -> tuple[float, int]:
-        with warpwear.run(study.replace({"sliding.distance": distance}), device=setting.device) as result:
+        changed = study.replace({"sliding.distance": f"{distance} mm"})
+        with warpwear.run(changed, device=setting.device) as result:
             return result.seconds["solve"], result.history["distance"].size
 
     def run() -> float:

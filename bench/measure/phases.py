@@ -11,7 +11,6 @@ import warp as wp
 #: Kernels or kernel files of a phase; a file that is not here is a phase of its own.
 PHASES = {
     "contact": "balance",
-    "wear_loops": "wear",
     "recession": "wear",
     "sliding.select": "gap",
     "sliding.wear_step": "wear",

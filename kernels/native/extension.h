@@ -9,62 +9,64 @@
 // `half_space/extension.py`.
 #include "search.h"
 
-// A GPU makes each iteration in a pass of its own, a cell a thread, in the trial and `gathered` by turns.
+// A GPU makes each iteration in a pass of its own, a cell a thread, between the trial and two fields that lie
+// one after the other in `gathered`.
 
-// Weighted sum of what the neighbours of a cell have; beyond edges that do not repeat there is nothing.
-template <typename Solve, typename Value>
-WARPWEAR_FN float around_cell(const Solve& solve, int row, int column, const Value& value)
+// Weighted sum of what the neighbours of a cell have. rows: of the field before, at and behind the cell, null
+// beyond an edge that does not repeat.
+template <typename Value, typename Solve>
+WARPWEAR_FN float around_cell(const Solve& solve, const Value* const (&rows)[3], int column)
 {
-    const int rows = solve.fields.pressure.shape[0], columns = solve.columns;
-    float sum = 0.0f;
-    for (int along = -1; along <= 1; ++along)
-        for (int across = -1; across <= 1; ++across) {
-            const int r = row + along, c = column + across;
-            const bool there = (r >= 0 && r < rows && c >= 0 && c < columns) || solve.wraps == 1;
-            if (!there || (along == 0 && across == 0)) continue;
-            const float weight = solve.neighbours.data[across == 0 ? 0 : along == 0 ? 1 : 2];
-            sum += weight * value((r + rows) % rows, (c + columns) % columns);
-        }
-    return sum;
+    const int columns = solve.columns;
+    int left = column - 1, right = column + 1;
+    if (left < 0) left = solve.wraps == 1 ? columns - 1 : -1;
+    if (right == columns) right = solve.wraps == 1 ? 0 : -1;
+    float along = 0.0f, corner = 0.0f;
+    for (int side = 0; side < 3; side += 2) {
+        const Value* const row = rows[side];
+        if (!row) continue;
+        along += float(row[column]);
+        if (left >= 0) corner += float(row[left]);
+        if (right >= 0) corner += float(row[right]);
+    }
+    float across = left >= 0 ? float(rows[1][left]) : 0.0f;
+    if (right >= 0) across += float(rows[1][right]);
+    const float* const weights = solve.neighbours.data;
+    return weights[0] * along + weights[1] * across + weights[2] * corner;
 }
 
-// Whether a cell may move.
-template <typename Solve> WARPWEAR_FN bool may_move(const Solve& solve, int row, int column)
-{
-    const auto of = [&](const auto& field) { return ((const double*)row_of(field, row))[column]; };
-    const double p = of(solve.fields.pressure), t = of(solve.fields.gradient),
-                 level = solve.groups.data[0].level;
-    double cap = solve.fields.cap;
-    if (solve.fields.fractions.shape[0] > 0) cap *= of(solve.fields.fractions);
-    return (p > 0.0 || t < level) && (p < cap || t > level);
-}
-
-// One of the four passes: 0 and 1 extend the trial of free cells to the others, in `gathered` and then in the
-// trial; 2 and 3 give what the others have back, likewise.
+// One of five passes: 0 and 1 extend the trial of free cells to the others; 2 to 4 add to it what the others
+// have.
 template <typename Solve> WARPWEAR_FN void extend_once(int slot, int slots, Solve& solve, int pass)
 {
     const int rows = solve.fields.pressure.shape[0], columns = solve.columns;
-    const auto trial = [&](int r, int c) -> double& { return ((double*)row_of(solve.fields.trial, r))[c]; };
-    const auto gathered = [&](int r, int c) -> float& { return wp::index(solve.fields.gathered, r, c); };
-    for (int row = slot; row < rows; row += slots)
+    const Lanes level = solve.groups.data[0].level;
+    for (int row = slot; row < rows; row += slots) {
+        const SearchRow cells(solve.fields, row);
+        const auto trial = [&](int r) { return (double*)row_of(solve.fields.trial, r); };
+        const auto one = [&](int r) { return &wp::index(solve.fields.gathered, r, 0); };
+        const auto other = [&](int r) { return &wp::index(solve.fields.gathered, rows + r, 0); };
+        const int above = row > 0 ? row - 1 : solve.wraps == 1 ? rows - 1 : -1;
+        const int below = row < rows - 1 ? row + 1 : solve.wraps == 1 ? 0 : -1;
+        const double* const begun[3] = {above < 0 ? nullptr : trial(above), trial(row),
+                                        below < 0 ? nullptr : trial(below)};
+        const auto around = [&](auto of_row, int column) {
+            const float* const three[3] = {above < 0 ? nullptr : of_row(above), of_row(row),
+                                           below < 0 ? nullptr : of_row(below)};
+            return around_cell(solve, three, column);
+        };
         for (int column = lane_of_slot(); column < columns; column += width_of_slot()) {
-            const bool may = may_move(solve, row, column);
-            const auto extended = [&](int r, int c) { return gathered(r, c); };
-            if (pass == 0) {
-                const auto begun = [&](int r, int c) { return float(trial(r, c)); };
-                gathered(row, column) = may ? begun(row, column) : around_cell(solve, row, column, begun);
-            } else if (pass == 1) {
-                if (!may) trial(row, column) = around_cell(solve, row, column, extended);
-            } else if (pass == 2) {
-                const auto given = [&](int r, int c) {
-                    return may_move(solve, r, c) ? 0.0f : float(trial(r, c));
-                };
-                gathered(row, column) =
-                    may ? 0.0f : given(row, column) + around_cell(solve, row, column, given);
-            } else if (may) {
-                trial(row, column) += around_cell(solve, row, column, extended);
-            }
+            const int i = column / LANES, j = column % LANES;
+            const Mask may_move = is_free(cells.pressure[i], cells.gradient[i], level, cells.cap_of(i));
+            const bool may = lane_of(may_move, j);
+            double& value = trial(row)[column];
+            if (pass == 0) one(row)[column] = may ? float(value) : around_cell(solve, begun, column);
+            if (pass == 1 && !may) value = around(one, column);
+            if (pass == 2) one(row)[column] = may ? 0.0f : float(value);
+            if (pass == 3) other(row)[column] = may ? 0.0f : float(value) + around(one, column);
+            if (pass == 4 && may) value += around(other, column);
         }
+    }
 }
 
 // A CPU makes both iterations at once, tile by tile.

@@ -83,6 +83,13 @@ WARPWEAR_FN SingleLanes halved(Lanes v) { return __builtin_convertvector(v, Sing
 template <typename T> WARPWEAR_FN void fetch(const T* place) { __builtin_prefetch(place, 1); }
 #endif
 
+// Whether a mask holds for one of its cells.
+#if defined(__CUDA_ARCH__)
+WARPWEAR_FN bool lane_of(Mask mask, int) { return mask; }
+#else
+WARPWEAR_FN bool lane_of(Mask mask, int lane) { return mask[lane]; }
+#endif
+
 // A row of a field as cells; of a field of one row that row serves all.
 template <typename Field> WARPWEAR_FN Stored* row_of(const Field& field, int row)
 { return (Stored*)&wp::index(field, row < field.shape[0] ? row : field.shape[0] - 1, 0); }

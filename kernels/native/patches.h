@@ -3,6 +3,7 @@
 // Patches of cells on springs: what those of a patch carry, what a step wears off them, and what decisions
 // over patches need beside sums.
 
+// Wait for all threads of a slot: what they have read may change then.
 WARPWEAR_FN void wait_for_slot()
 {
 #if defined(__CUDA_ARCH__)

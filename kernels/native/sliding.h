@@ -2,6 +2,7 @@
 // A disc displaced under a sphere: the tiles that can touch, the wear of both bodies, and their sums by rows.
 
 #include "bodies.h"
+#include "wear.h"
 
 // Threads that visit a tile together: on a CPU the one of the slot, on a GPU a warp, a cell each.
 #if defined(__CUDA_ARCH__)
@@ -322,8 +323,7 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
                       of_cells.stiffness.shape[0] > 0 || of_cells.parts.shape[0] > 0 ||
                       of_cells.bare.shape[0] > 0;
     const bool factored = of_cells.factored == 1;
-    if (!factored && !rare) by(Is<false>(), Is<false>());
-    if (!factored && rare) by(Is<false>(), Is<true>());
-    if (factored && !rare) by(Is<true>(), Is<false>());
-    if (factored && rare) by(Is<true>(), Is<true>());
+    if (rare) by(Is<true>(), Is<true>());
+    if (!rare && factored) by(Is<true>(), Is<false>());
+    if (!rare && !factored) by(Is<false>(), Is<false>());
 }

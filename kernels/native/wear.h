@@ -176,8 +176,11 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
             for (int j = 0; j < AT_ONCE; ++j) {
                 if (AT_ONCE > 1 && at[j] < 0) continue;
                 Counts touches;
-                gap[at[j]] = wear_cell(sums, by, g[j], u[j], cap, touches);
-#if defined(__CUDA_ARCH__)
+                const Lanes after = wear_cell(sums, by, g[j], u[j], cap, touches);
+#if !defined(__CUDA_ARCH__)
+                gap[at[j]] = after;
+#else
+                if (after != g[j]) gap[at[j]] = after; // most cells of an early contact stay
                 if (touches) {
                     extents.first_row = wp::max(extents.first_row, -double(row));
                     extents.last_row = row;
@@ -207,6 +210,7 @@ template <typename Table> WARPWEAR_FN void total_lines(const Table& table, bool 
     const int warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = blockDim.x / 32;
     for (int line = warp; line < table.shape[0]; line += warps) {
         double v = adds ? 0.0 : -NO_LIMIT;
+#pragma unroll 8
         for (int i = lane; i < columns; i += 32) {
             const double other = wp::index(table, line, i);
             v = adds ? v + other : (v > other ? v : other);

@@ -7,27 +7,18 @@ from warpwear.kernels.balance import sum_of
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.newton import HALF, LOOKS, MET, Bracket, bracket_at, next_trial
 from warpwear.kernels.two_scale import sharing
-from warpwear.kernels.two_scale.sharing import (
-    PRESSURE,
-    SLOPE,
-    Curves,
-    Flags,
-    Load,
-    Search,
-    lane,
-    wait_for_slot,
-    width,
-)
+from warpwear.kernels.two_scale.curves import PRESSURE, SLOPE, Curves, lane, wait_for_slot, width
+from warpwear.kernels.two_scale.sharing import Flags, Load, Search
 from warpwear.kernels.two_scale.steps import (
-    FLEXIBILITY,
     Courses,
     Steps,
     begun,
     first_guess,
+    flexibility_of,
     guess_of,
 )
 
-wp.set_module_options(native_code.options("wear.h", "patches.h"))
+wp.set_module_options(native_code.options("patches.h"))
 
 #: Searches of a patch, each from a base nearer the solution.
 ROUNDS = wp.constant(wp.int32(3))
@@ -128,7 +119,7 @@ def begin(
     m = steps.memory[0]
     now = begun(steps)
     s = Search()
-    s.common_base = prescribe(smooth, steps.load, steps.plan[now.number, FLEXIBILITY], now.removal)
+    s.common_base = prescribe(smooth, steps.load, flexibility_of(steps, now), now.removal)
     for k in range(lane(), curves.base.shape[0], width()):
         is_pressed = smooth.target[0, k] > ZERO
         touched = is_pressed and m.steps > ZERO and curves.answer[PRESSURE, k] > ZERO

@@ -16,8 +16,22 @@ from warpwear.kernels import native_code
 from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO
 from warpwear.kernels.newton import DIGITS, FIRST_REACH, GROWS, HALF, HOPELESS, SURELY
+from warpwear.kernels.two_scale.curves import (
+    AT,
+    CARRIES,
+    POINT,
+    PRESSURE,
+    SLOPE,
+    STRAIGHT,
+    Curves,
+    clear_bracket,
+    enter_point,
+    lane,
+    next_number,
+    width,
+)
 
-wp.set_module_options(native_code.options("wear.h", "patches.h"))
+wp.set_module_options(native_code.options("patches.h"))
 
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
 JOINT = wp.constant(wp.int32(12))
@@ -31,18 +45,6 @@ LOOKS = wp.constant(wp.int32(0))
 SHARED = wp.constant(wp.int32(1))
 FAILED = wp.constant(wp.int32(2))
 
-#: Lines of what patches answer: mean pressure [MPa], its slope [N/mm³], and how far an approach may move
-#: while the pressure follows that slope [mm].
-PRESSURE = wp.constant(wp.int32(0))
-SLOPE = wp.constant(wp.int32(1))
-STRAIGHT = wp.constant(wp.int32(2))
-#: Lines of the ends of brackets: approach and point on the curve (offsets [mm]), pressure [MPa].
-AT = wp.constant(wp.int32(0))
-POINT = wp.constant(wp.int32(1))
-CARRIES = wp.constant(wp.int32(2))
-#: Lines of `Curves.room`.
-LINES = 6
-
 
 @wp.struct
 class Load:
@@ -53,19 +55,6 @@ class Load:
     hardness: wp.float64  # that no patch exceeds [MPa]
     tolerance: wp.float64  # of the load, and of the largest deflection of a spring
     evaluations: wp.int32  # of a search, at most
-
-
-@wp.struct
-class Curves:
-    """The patches and the nearest points of their curves; arrays of one number a patch, or lines of them."""
-
-    lowest: wp.array(dtype=wp.float64)  # below that approach a patch carries nothing [mm]
-    base: wp.array(dtype=wp.float64)  # of the trial approach [mm]
-    offset: wp.array(dtype=wp.float64)
-    answer: wp.array2d(dtype=wp.float64)  # at the trial approach
-    low: wp.array2d(dtype=wp.float64)  # nearest point below a common approach
-    high: wp.array2d(dtype=wp.float64)  # and above it
-    room: wp.array2d(dtype=wp.float64)  # where numbers lie that are added up
 
 
 @wp.struct
@@ -100,30 +89,6 @@ class Flags:
     stepping: wp.array(dtype=wp.int32)  # whether steps follow
 
 
-@wp.func_native("return lane_of_slot();")
-def lane() -> wp.int32:
-    """Return the thread of the slot."""
-    ...
-
-
-@wp.func_native("return width_of_slot();")
-def width() -> wp.int32:
-    """Return how many threads the slot has."""
-    ...
-
-
-@wp.func_native("return next_number(number, to);")
-def next_number(number: wp.float64, to: wp.float64) -> wp.float64:
-    """Return the number after another one in a direction."""
-    ...
-
-
-@wp.func_native("wait_for_slot();")
-def wait_for_slot():
-    """Wait for all threads of the slot: what they have read may change then."""
-    ...
-
-
 @wp.func
 def point_of(curves: Curves, s: Search, k: wp.int32):
     """The point of a patch's curve: δ at which it is where it was evaluated, as an offset."""
@@ -140,48 +105,6 @@ def point_of(curves: Curves, s: Search, k: wp.int32):
 def apart_of(free: wp.bool, point: wp.float64, common: wp.float64):
     """How far a patch is from a common approach; none is that it does not reach."""
     return wp.where(free and point >= common, ZERO, wp.abs(point - common))
-
-
-@wp.func
-def clear_bracket(curves: Curves, k: wp.int32, hardness: wp.float64):
-    """Forget the points of a patch."""
-    curves.low[AT, k] = -wp.float64(wp.inf)
-    curves.low[POINT, k] = -wp.float64(wp.inf)
-    curves.low[CARRIES, k] = ZERO
-    curves.high[AT, k] = wp.float64(wp.inf)
-    curves.high[POINT, k] = wp.float64(wp.inf)
-    curves.high[CARRIES, k] = hardness
-
-
-@wp.func
-def enter_point(
-    curves: Curves, k: wp.int32, common: wp.float64, at: wp.float64, point: wp.float64, hardness: wp.float64
-):
-    """Keep the point of a patch that is evaluated, for another common approach."""
-    p = curves.answer[PRESSURE, k]
-    fallen = curves.low[POINT, k] > common
-    risen = curves.high[POINT, k] <= common
-    if fallen:
-        for line in range(3):
-            curves.high[line, k] = curves.low[line, k]
-        curves.low[AT, k] = -wp.float64(wp.inf)
-        curves.low[POINT, k] = -wp.float64(wp.inf)
-        curves.low[CARRIES, k] = ZERO
-    elif risen:
-        for line in range(3):
-            curves.low[line, k] = curves.high[line, k]
-        curves.high[AT, k] = wp.float64(wp.inf)
-        curves.high[POINT, k] = wp.float64(wp.inf)
-        curves.high[CARRIES, k] = hardness
-    if point <= common:
-        if point >= curves.low[POINT, k]:
-            curves.low[AT, k] = at
-            curves.low[POINT, k] = point
-            curves.low[CARRIES, k] = p
-    elif point <= curves.high[POINT, k]:
-        curves.high[AT, k] = at
-        curves.high[POINT, k] = point
-        curves.high[CARRIES, k] = p
 
 
 @wp.func

@@ -1,24 +1,17 @@
 """Decisions between the passes of a step of patches: where its search begins, and what the step leaves."""
 
+import math
+
 import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import most_of, sum_of
-from warpwear.kernels.cells import NONE, ONE, ZERO, WearMost, WearSum
+from warpwear.kernels.cells import NO_INDEX, NONE, ONE, ZERO, WearMost, WearSum
 from warpwear.kernels.newton import HALF
-from warpwear.kernels.two_scale.sharing import (
-    PRESSURE,
-    Curves,
-    Flags,
-    Load,
-    Search,
-    lane,
-    search_from,
-    wait_for_slot,
-    width,
-)
+from warpwear.kernels.two_scale.curves import PRESSURE, Curves, lane, wait_for_slot, width
+from warpwear.kernels.two_scale.sharing import Flags, Load, Search, search_from
 
-wp.set_module_options(native_code.options("wear.h", "patches.h"))
+wp.set_module_options(native_code.options("patches.h"))
 
 #: Columns of a row that a step leaves, before its sums and maxima.
 HEADER = ("base", "offset", "reference", "evaluations")
@@ -27,6 +20,8 @@ FIRST = wp.constant(wp.int32(len(HEADER)))
 REMOVAL = wp.constant(wp.int32(0))
 STIFFNESS = wp.constant(wp.int32(1))
 FLEXIBILITY = wp.constant(wp.int32(2))
+PI = wp.constant(wp.float64(math.pi))
+QUARTER = wp.constant(wp.float64(math.pi / 4.0))
 
 
 @wp.struct
@@ -69,8 +64,10 @@ class Steps:
 
     load: Load
     lowest: wp.float64  # of all cells before any wear [mm]
+    cell: wp.float64  # [mm]
     cell_area: wp.float64  # [mm²]
     weight: wp.float64  # area that a cell stands for over its own
+    follows: wp.float64  # K_N times the radius of the contact that it follows [N/mm²]; 0 where it does not
     sprung: wp.int32  # whether springs lie behind the patches
     looks_ahead: wp.int32  # whether the pass that wears evaluates for the next step as well
     #: Largest extents of what may be touched before the host is asked, by `kernels.cells.EXTENTS`.
@@ -173,12 +170,23 @@ def begun(steps: Steps):
 
 
 @wp.func
+def flexibility_of(steps: Steps, now: Now):
+    """1/K_N of the step [mm³/N], which may follow the contact as it grows."""
+    flexibility = steps.plan[now.number, FLEXIBILITY]
+    if steps.follows > ZERO and now.last_row > NO_INDEX:
+        along = (now.last_row + now.first_row + ONE) * steps.cell
+        across = (now.last_column + now.first_column + ONE) * steps.cell
+        flexibility = ONE / (steps.follows / wp.sqrt(QUARTER * along * across / PI))
+    return flexibility
+
+
+@wp.func
 def begin_step(steps: Steps, curves: Curves, courses: Courses):
     """Begin a step whose load is shared: a search from the last approaches, or from the lowest cell."""
     m = steps.memory[0]
     now = begun(steps)
     s = Search()
-    s.flexibility = steps.plan[now.number, FLEXIBILITY]
+    s.flexibility = flexibility_of(steps, now)
     is_first = m.steps == ZERO
     guess = guess_of(m, now)
     if is_first:

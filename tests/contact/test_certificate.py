@@ -13,8 +13,8 @@ import pytest
 
 from warpwear import ConvergenceError, solve_contact
 from warpwear.contact.certificate import Certificate
-from warpwear.contact.half_space import solver as half_space
 from warpwear.contact.half_space.contact import HalfSpaceContact
+from warpwear.contact.half_space.search import Search, SearchRules
 from warpwear.contact.half_space.solver import BoundedPressure, HalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
@@ -352,41 +352,38 @@ def test_what_a_search_wrongly_believes_is_an_error(monkeypatch: pytest.MonkeyPa
     grid = Grid(16, 12, 0.5)
     gap = np.random.default_rng(1).standard_normal(grid.shape)
     with Executor(grid) as executor:
-        solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8, on_device=False)
-        right = type(solver._iterate).begin
+        solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8)
+        field, right = executor.field(gap), Search.run
 
-        def wrong(iterate: Any, field: Any, **how: bool) -> Any:
+        def wrong(*how: Any) -> int:
             executor.to_numpy(field)[0, :] += 1e-6
-            found = right(iterate, field, **how)
+            status = right(*how)
             executor.to_numpy(field)[0, :] -= 1e-6
-            return found
+            return status
 
-        monkeypatch.setattr(type(solver._iterate), "begin", wrong)
+        monkeypatch.setattr(Search, "run", wrong)
         with pytest.raises(
             ConvergenceError, match=r"cannot be certified: complementarity .* 1\.\de-06 of the rms"
         ):
-            solver.solve(executor.field(gap), mean_pressure=0.3)
+            solver.solve(field, mean_pressure=0.3)
         assert not solver.started
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_responses_in_single_precision_do_not_reach_the_result(
-    monkeypatch: pytest.MonkeyPatch, boundary: str
-) -> None:
+def test_responses_in_single_precision_do_not_reach_the_result(boundary: str) -> None:
     """A search knows its gradient to a part of what is allowed; left alone, rounding would mislead it."""
     grid = Grid(128, 128, 0.5)
     gap = np.random.default_rng(1).standard_normal(grid.shape)
     off = []
-    for drift in (half_space.DRIFT, math.inf):
-        monkeypatch.setattr(half_space, "DRIFT", drift)
+    for drift in (SearchRules.drift, math.inf):
         with Executor(grid) as executor:
             solver = HalfSpace(
                 executor,
                 modulus=MODULUS,
                 boundary=boundary,
                 tolerance=1e-8,
-                on_device=False,
                 max_iterations=99,
+                rules=SearchRules(drift=drift),
             )
             asked, none = np.full(1, 0.3 * grid.cells), (0.0, 0.0, None)
             contact = solver.solve(executor.field(gap), mean_pressure=0.3, certified=False)
@@ -400,18 +397,18 @@ def test_a_search_that_has_drifted_goes_on(monkeypatch: pytest.MonkeyPatch) -> N
     grid = Grid(16, 12, 0.5)
     gap = np.random.default_rng(1).standard_normal(grid.shape)
     with Executor(grid) as executor:
-        solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8, on_device=False)
-        right, times = type(solver._iterate).begin, iter(range(9))
+        solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8)
+        field, right, times = executor.field(gap), Search.run, iter(range(9))
 
-        def drifting(iterate: Any, field: Any, **how: bool) -> Any:
+        def drifting(*how: Any) -> int:
             off = 0.0 if next(times) else 1e-6
             executor.to_numpy(field)[0, :] += off
-            found = right(iterate, field, **how)
+            status = right(*how)
             executor.to_numpy(field)[0, :] -= off
-            return found
+            return status
 
-        monkeypatch.setattr(type(solver._iterate), "begin", drifting)
-        contact = solver.solve(executor.field(gap), mean_pressure=0.3)
+        monkeypatch.setattr(Search, "run", drifting)
+        contact = solver.solve(field, mean_pressure=0.3)
         assert next(times) == 2
         assert contact.certificate is not None
         assert contact.certificate.violation <= 1e-8

@@ -1,7 +1,6 @@
 """warpwear.solve_contact: every misuse is a sentence, and what did not converge an error."""
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from warpwear.contact.array import memory
 from warpwear.contact.array import solve as solve_module
 from warpwear.contact.half_space.search import Search
 from warpwear.errors import ConvergenceError, InputError
+from warpwear.kernels.half_space.solve import LED_NOWHERE
 
 NAN = HEIGHTS.copy()
 NAN[3, 5] = math.nan
@@ -115,14 +115,10 @@ def test_what_memory_cannot_hold_is_refused(monkeypatch: pytest.MonkeyPatch) -> 
         solve_contact(HEIGHTS, cell=1.0, load=1.0, modulus=1.0)
 
 
-def give_up(*_: Any, **__: Any) -> None:
-    return None
-
-
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_no_convergence_is_an_error_with_its_residual(boundary: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    stop: Callable[..., None] = give_up
-    monkeypatch.setattr(Search, "move", stop)
+    run = Search.run
+    monkeypatch.setattr(Search, "run", lambda *how: run(*how) and LED_NOWHERE)
     with pytest.raises(ConvergenceError, match=r"solve_contact failed: .* of the rms height"):
         solve_contact(HEIGHTS, cell=GRID.cell, load=1.0, modulus=1.0, boundary=boundary)
 

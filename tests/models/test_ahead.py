@@ -1,6 +1,5 @@
 """What a step evaluates ahead of the next one, and what is told of the wear of two bodies from one gap."""
 
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal

@@ -1,13 +1,12 @@
-"""How a kernel is executed: device, threads, and the storage of fields. The only file that launches.
+"""Where kernels run: a device, its threads, and the storage of fields. Programs launch on it, see `program`.
 
-A kernel works on slots, one slot a row of cells on a CPU and several slots a row on a GPU; each slot writes
-its own column of the table of partial results, so that no result depends on the number of threads. On a CPU a
+A pass works on slots, one slot a row of cells on a CPU and a block of threads on a GPU; each slot writes its
+own column of the table of partial results, so that no result depends on the number of threads. On a CPU a
 launch is one loop on one core that lets go of Python's lock, so chunks of rows run on a pool of threads.
 """
 
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 from itertools import pairwise
 from threading import RLock
 from typing import Any, Self
@@ -15,24 +14,18 @@ from typing import Any, Self
 import numpy as np
 import warp as wp
 
-from warpwear import lazy
 from warpwear.engine.device import check_memory, check_threads, find_device
 from warpwear.engine.kernel_cache import begin_to_load
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
-fold = lazy.module("warpwear.kernels.fold")  # a GPU's tables need it
-
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
 CELLS_PER_THREAD = 100_000
 #: Below this many cells threads gain nothing.
 SMALL = 2 * CELLS_PER_THREAD
-#: Slots that keep a GPU busy, where neighbouring threads read neighbouring vectors of a row.
-SLOTS_CUDA = 65536
-
 #: Threads of a slot of a pass on a GPU, and slots of a pass there at most: each takes several rows then.
 BLOCK = 256
-MOST_SLOTS_CUDA = 2112
+MOST_SLOTS_CUDA = 528
 #: Held while launches are made by the host, and while they are recorded: Warp records those of every thread.
 GATE = RLock()
 
@@ -44,7 +37,7 @@ Arguments = Any  # an instance of a wp.struct
 
 
 def arguments(kind: Any, **members: Any) -> Arguments:
-    """An instance of a wp.struct with its members. What is changed in it later, recorded launches see."""
+    """Make an instance of a wp.struct. Launches see what changes in it later, recordings do not."""
     made = kind()
     for name, value in members.items():
         setattr(made, name, value)
@@ -74,12 +67,8 @@ class Executor:
         check_memory(grid, device, fields_needed)
         self.vectors = -(-grid.ny // LANES)
         self.tiles_per_row = -(-self.vectors // int(TILE_VECTORS))
-        on_cpu = self.device.is_cpu
-        self.slots_per_row = 1 if on_cpu else min(max(SLOTS_CUDA // grid.nx, 1), self.tiles_per_row)
-        self.slots = grid.nx * self.slots_per_row
-        workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if on_cpu else 0
+        workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if self.device.is_cpu else 0
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
-        self._whole = self.split_rows(np.full(grid.nx, self.vectors * LANES))
         self._loaded: set[Any] = set()
         self._loader: ThreadPoolExecutor | None = None
         self._foreseen: dict[Any, Callable[[], None]] = {}
@@ -93,8 +82,9 @@ class Executor:
                 pool.shutdown(cancel_futures=True)
 
     def foresee(self, kernels: Iterable[Any]) -> None:
-        """Begin to load, or compile, the files of kernels on a CPU, side by side, beside other work."""
-        new = {kernel.module for kernel in kernels} - self._loaded - self._foreseen.keys()
+        """Begin to load, or compile, the files of kernels on a CPU in that order, beside other work."""
+        modules = dict.fromkeys(kernel.module for kernel in kernels)
+        new = [module for module in modules if module not in self._loaded | self._foreseen.keys()]
         if not self.device.is_cpu or not new:
             return
         self._loader = self._loader or ThreadPoolExecutor(check_threads(None))
@@ -114,8 +104,8 @@ class Executor:
         return self._pool is not None
 
     def slots_of(self, rows: int) -> int:
-        """Slots of a pass over rows: on a CPU one each."""
-        return rows if self.device.is_cpu else min(rows, MOST_SLOTS_CUDA)
+        """Slots of a pass over rows: on a CPU one each, on a GPU of as many rows each as the others."""
+        return rows if self.device.is_cpu else -(-rows // -(-rows // MOST_SLOTS_CUDA))
 
     def equal_chunks(self, slots: int) -> list[tuple[int, int]]:
         """Ranges of slots for the threads, of passes over whole rows."""
@@ -134,37 +124,13 @@ class Executor:
         """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""
         rows = len(cells)
         if not self.device.is_cpu:
-            return [(0, rows * self.slots_per_row)]
+            return [(0, rows)]
         chunks = max(1, min(self.threads, int(np.sum(cells)) // CELLS_PER_THREAD))
         if chunks == 1:
             return [(0, rows)]
         done = np.concatenate([[0], np.cumsum(cells)])
         edges = [0, *np.searchsorted(done, [done[-1] * i // chunks for i in range(1, chunks)]), rows]
         return [(int(first), int(last)) for first, last in pairwise(edges) if last > first]
-
-    def launch(
-        self,
-        kernel: Any,
-        *,
-        inputs: Sequence[Any],
-        outputs: Sequence[Any],
-        chunks: Sequence[tuple[int, int]] | None = None,
-    ) -> None:
-        """Run a kernel over all slots; returns when it is done (CPU) or queued (GPU).
-
-        chunks: ranges of slots for the threads, other than those of whole rows.
-        """
-        self.load(kernel)
-        if chunks is None:
-            chunks = self._whole
-
-        def chunk(number: int) -> None:
-            first, last = chunks[number]
-            every = [first, self.slots_per_row, *inputs, *outputs]
-            wp.launch(kernel, dim=last - first, inputs=every, device=self.device)
-
-        with GATE:
-            self.on_threads([partial(chunk, number) for number in range(len(chunks))])
 
     def zeros(self, rows: int | None = None) -> Field:
         """Make a field of zeros, with as many rows as the grid by default.
@@ -206,21 +172,4 @@ class Executor:
         if self.device.is_cpu:
             array.numpy()[...] = values
         else:
-            array.assign(np.ascontiguousarray(values, dtype=array.numpy().dtype))
-
-    def read_partials(self, sums: Field | None, maxima: Field) -> tuple[FloatArray, FloatArray]:
-        """What tables of partial sums and maxima hold by slots; of a GPU by rows: that is read sooner."""
-        if self.device.is_cpu:
-            return np.empty((0, self.slots)) if sums is None else sums.numpy(), maxima.numpy()
-        rows, of_row, adds = self.grid.nx, self.slots_per_row, 0 if sums is None else sums.shape[0]
-        every = adds + maxima.shape[0]
-        folded = wp.empty((every, rows), dtype=wp.float64, device=self.device)
-        numbers = [rows, adds, self.slots, wp.vec3i(of_row, 1, of_row)]
-        tables, threads = [sums if adds else maxima, maxima], [(0, every * rows)]
-        self.launch(fold.fold, inputs=[*numbers, *tables], outputs=[folded], chunks=threads)
-        found: FloatArray = folded.numpy()
-        return found[:adds], found[adds:]
-
-    def partials(self, quantities: int) -> Field:
-        """Make a table for the partial results of some quantities, one column a slot."""
-        return wp.zeros((quantities, self.slots), dtype=wp.float64, device=self.device)
+            array.assign(np.ascontiguousarray(values, dtype=wp.dtype_to_numpy(array.dtype)))

@@ -2,17 +2,18 @@
 
     program = Program(executor)
     with program.loop(searching):           # while searching[0] is not 0
-        program.launch(carried, fields)     # a pass: a slot a row of cells on a CPU, a block of threads on a GPU
+        program.launch(carried, fields)     # a pass: on a CPU a slot a row of cells, on a GPU a slot a block
         program.decide(judge, fields)       # one slot: reads what the pass has left, and writes `searching`
     program.run()
 
-What follows from a pass is decided on the device: a program asks the host nothing. A GPU replays it as a graph.
-A CPU replays it as a recorded loop on one core, as long as no pass is large enough to be shared among threads;
-such passes, and `call`, which is a step of the host, end a recording: the host then goes from one to the next
-and reads the flags of loops and branches. All three do the same launches in the same order.
+What follows from a pass is decided on the device: a program asks the host nothing. A GPU replays it as a
+graph. A CPU replays it as a recorded loop on one core, as long as no pass is large enough to be shared among
+threads. Such passes, and `call`, which is a step of the host, end a recording: the host then goes from one to
+the next and reads the flags of loops and branches. All three do the same launches in the same order.
 
-Launches are recorded as they are said: numbers in their arguments stay as they were. What changes from one run
-to the next lives in arrays.
+Launches are recorded as they are said: numbers in their arguments stay as they were. What changes from one
+run to the next lives in arrays. A recording knows a kernel by its module and its name, so that overloads of
+a generic kernel need names of their own.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -215,7 +216,7 @@ class Program:
         self._add(Launch(self._executor, kernel, arguments, 1, [(0, 1)]))
 
     def call(self, function: Callable[[], Any]) -> None:
-        """Add a step of the host. On a GPU it is captured: it only queues work in the stream of the device."""
+        """Add a step of the host. On a GPU it is captured: it only queues work in the device's stream."""
         self._add(Call(function, is_recordable=self._executor.device.is_cuda))
 
     @contextmanager

@@ -9,7 +9,8 @@ import warp as wp
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Chunks, Program, launch_once
-from warpwear.kernels import tiles as kernels
+from warpwear.kernels import balance
+from warpwear.kernels import tiles as lists_of_tiles
 from warpwear.kernels.cells import TileSums
 
 #: Stands for the limit of a list of every tile [mm], as in kernels.
@@ -51,7 +52,7 @@ class Tiles:
         #: Of the tiles of each row that are not listed: cells touched, and their wear [mm].
         self.rest = wp.zeros(nx, dtype=TileSums, device=device)
         self.lists = Numbers(
-            kernels.Listing,
+            lists_of_tiles.Listing,
             device,
             limit=NO_LIMIT,
             asked=NO_LIMIT,
@@ -62,7 +63,7 @@ class Tiles:
         #: Flag: a list is asked for.
         self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
         self._split: tuple[int, Chunks] | None = None  # for the number of a list
-        launch_once(executor, kernels.lowest, gap, self._lowest)
+        launch_once(executor, balance.lowest, gap, self._lowest)
         #: Lowest gap before anything was worn [mm]; none is lower later.
         self.smallest = float(self._lowest.numpy().min())
 
@@ -76,7 +77,7 @@ class Tiles:
         if not self._executor.device.is_cpu:
             return
         tiles = arguments(
-            kernels.Tiles,
+            lists_of_tiles.Tiles,
             list=self.list,
             count=self.count,
             lowest=self._lowest,
@@ -84,8 +85,8 @@ class Tiles:
             rest=self.rest,
         )
         with program.loop(self.listing):
-            program.launch(kernels.select, self.lists.array, self._gap, self._unworn, tiles)
-            program.decide(kernels.listed, self.lists.array, self.listing, tiles, self._least)
+            program.launch(balance.select, self.lists.array, self._gap, self._unworn, tiles)
+            program.decide(balance.listed, self.lists.array, self.listing, tiles, self._least)
 
     @property
     def chunks(self) -> Chunks:

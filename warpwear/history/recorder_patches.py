@@ -154,7 +154,7 @@ class PatchLedger:
         """
         assert step.pressure is not None
         worn = patches.on_domain(worn)
-        made = Snapshot(
+        snapshot = Snapshot(
             distance,
             pressure=step.pressure,
             wear_sphere=self._fractions[0] * worn,
@@ -162,4 +162,4 @@ class PatchLedger:
             gap=patches.on_domain(gap, beside=math.nan),
             bare=None if bare is None else patches.on_domain(bare),
         )
-        return replace(made, fresh=frozenset(made.fields))  # all are made for it
+        return replace(snapshot, fresh=frozenset(snapshot.fields))  # all are made for it

@@ -95,7 +95,10 @@ class BareCells:
         return cls(film, executor, {"both": worn}, thickness=film.thickness / least if least else math.inf)
 
     def say_look(self, program: Program, slides: Field) -> None:
-        """Add to a program that it sees which cells are bare as a step begins. slides: a `Slide` in an array."""
+        """Add to a program that it sees which cells are bare as a step begins.
+
+        slides: a `Slide` in an array.
+        """
         program.launch(kernels.look, slides, self.films)
 
     def say_rub(self, program: Program, slides: Field) -> None:
@@ -119,7 +122,7 @@ class BareCells:
 
     def under(self, pressure: Field, rows: int | None = None) -> float:
         """Count the bare cells under a pressure. rows: that have one, by default all."""
-        program = Program(self._executor)
+        program = Program(self._executor, records=False)
         self._slides.set(rows=self._executor.grid.nx if rows is None else rows)
         self.say_under(program, self._slides.array, pressure, self._sums)
         program.run()

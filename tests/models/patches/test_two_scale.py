@@ -492,7 +492,7 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
     assert_array_equal(again[2], alone[2])
 
 
-@pytest.mark.parametrize("kind", ["no bulk", "bulk", "load"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_steps_of_a_block_are_the_steps(kind: str, threads: int) -> None:
     """Bit for bit, however many are made in a row."""
 

@@ -46,6 +46,7 @@ def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], None]) -
     calls: list[int] = []
     monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
     monkeypatch.setattr(TwoScaleModel, "in_blocks", False)
+    monkeypatch.setattr(SlidingContact, "in_blocks", False)
 
     def stopping(advance: Callable[..., Any]) -> Callable[..., Any]:
         def stopped(*args: Any, **kwargs: Any) -> Any:

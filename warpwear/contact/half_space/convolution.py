@@ -12,7 +12,7 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, IntArray
 from warpwear.kernels import fourier
 
-#: Largest prime that a length may contain, as `native/transforms.h` says: grids of 199 x 199 take two thirds
+#: Largest prime that a length may contain, as `native/transforms.h` says: grids of 199 x 199 take nine tenths
 #: of SciPy's time on one core, of 194 x 194 a third, of 57 x 57 a fifth.
 LARGEST_PRIME = 199
 #: Stages that have butterflies of their own.

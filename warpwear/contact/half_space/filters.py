@@ -53,10 +53,17 @@ class PaddedFilter(Filter):
             assert shape == (grids.rows, grids.columns)  # of no padding to stay zero
             places = within.made, within.waves
             half = -(-math.prod(modes) * wp.types.type_size_in_bytes(real) // ALIGNED) * ALIGNED
+        if self._is_plain:
+            padded = (0, 0, 0)
         #: Before and after; between, by modes: real and imaginary parts in turn.
         self.given: Field = lying(places[0], padded, real, device)
         self.waves: Field = lying(places[1], modes, real, device)
         self.made: Field = lying(places[1], padded, real, device, start=half)
+
+    @property
+    def _is_plain(self) -> bool:
+        """Whether fields are transformed as they lie, without padded ones beside them."""
+        return False
 
     def set_mean(self, value: float) -> None:
         self._table[:1, :1].fill_(value)
@@ -72,50 +79,58 @@ class PaddedFilter(Filter):
             slots = executor.slots_of(grids.count * rows)
             program.launch(kernel[self._kind], around, *given, slots=slots)
 
-        launch(fourier.pad, grids.rows, field_in, self.given)
-        program.call(self.forward)
+        place_in, place_out = (field_in, field_out) if self._is_plain else (self.given, self.made)
+        if not self._is_plain:
+            launch(fourier.pad, grids.rows, field_in, place_in)
+        program.call(self.forward(place_in))
         launch(fourier.multiply, self.shape[0], self._table, line, self.waves)
-        program.call(self.back)
-        launch(fourier.crop, grids.rows, self.made, field_out)
+        program.call(self.back(place_out))
+        if not self._is_plain:
+            launch(fourier.crop, grids.rows, place_out, field_out)
 
     @abstractmethod
-    def forward(self) -> None:
-        """Transform what is given."""
+    def forward(self, values: Field) -> Callable[[], None]:
+        """Make what transforms values to the modes."""
 
     @abstractmethod
-    def back(self) -> None:
-        """Transform the modes back; they are lost."""
+    def back(self, values: Field) -> Callable[[], None]:
+        """Make what transforms the modes back to values; they are lost."""
 
 
 class ScipyFilter(PaddedFilter):
     """On a CPU. Blocks, which do not depend on the threads, are shared among them."""
 
-    def forward(self) -> None:
-        """Transform what is given."""
-        modes = self._modes
+    def forward(self, values: Field) -> Callable[[], None]:
+        """Make what transforms values to the modes."""
+        modes, lines = self._modes, self._by_rows(values.numpy())
 
         def along(rows: slice) -> None:
-            self._by_rows(modes)[rows] = fft.rfft(self._by_rows(self.given.numpy())[rows], axis=1)
+            self._by_rows(modes)[rows] = fft.rfft(lines[rows], axis=1)
 
         def across(block: Any) -> None:
             modes[block] = fft.fft(modes[block], axis=1)
 
-        self._for_each(along, self._rows())
-        self._for_each(across, self._columns())
+        def transform() -> None:
+            self._for_each(along, self._rows())
+            self._for_each(across, self._columns())
 
-    def back(self) -> None:
-        """Transform the modes back; they are lost."""
-        modes = self._modes
+        return transform
+
+    def back(self, values: Field) -> Callable[[], None]:
+        """Make what transforms the modes back to values; they are lost."""
+        modes, lines = self._modes, self._by_rows(values.numpy())
 
         def across(block: Any) -> None:
             modes[block] = fft.ifft(modes[block], axis=1)
 
         def along(rows: slice) -> None:
-            lines = fft.irfft(self._by_rows(modes)[rows], n=self.shape[1], axis=1)
-            self._by_rows(self.made.numpy())[rows] = lines
+            lines[rows] = fft.irfft(self._by_rows(modes)[rows], n=self.shape[1], axis=1)
 
-        self._for_each(across, self._columns())
-        self._for_each(along, self._rows())
+        def transform() -> None:
+            self._for_each(across, self._columns())
+            self._for_each(along, self._rows())
+
+        return transform
 
     @property
     def _modes(self) -> Any:
@@ -172,21 +187,44 @@ class CupyFilter(PaddedFilter):
             self._plans = [
                 cufft.PlanNd(shape, None, 1, 0, None, 1, 0, way, count, "C", 1, None) for way in (there, back)
             ]
-            kind = cupy.complex128 if double else cupy.complex64
-            given, waves, made = (cupy.asarray(values) for values in (self.given, self.waves, self.made))
-            self._views = given, waves.view(kind), made
-        for transform in (self.forward, self.back):
-            transform()  # once before a graph captures them: the library loads what it needs
+            waves = cupy.asarray(self.waves)
+            self._waves = waves.view(cupy.complex128 if double else cupy.complex64)
+        self._cupy = cupy
+        self._warm()
 
-    def forward(self) -> None:
-        """Transform what is given."""
-        with self._device, self._stream:
-            self._plans[0].fft(self._views[0], self._views[1], -1)
+    @property
+    def _is_plain(self) -> bool:
+        """Whether fields are transformed as they lie: those of one grid without padding."""
+        grids = self._grids
+        whole = (
+            grids.count == 1 and (grids.rows, grids.columns) == self.shape and grids.stride == grids.columns
+        )
+        return whole and self._kind is np.float64
 
-    def back(self) -> None:
-        """Transform the modes back; they are lost."""
+    def forward(self, values: Field) -> Callable[[], None]:
+        """Make what transforms values to the modes."""
+        return self._transform(0, -1, values)
+
+    def back(self, values: Field) -> Callable[[], None]:
+        """Make what transforms the modes back to values; they are lost."""
+        return self._transform(1, 1, values)
+
+    def _transform(self, plan: int, direction: int, values: Field) -> Callable[[], None]:
+        with self._device:
+            places = [self._cupy.asarray(values), self._waves]
+
+        def transform() -> None:
+            with self._device, self._stream:
+                self._plans[plan].fft(places[plan], places[1 - plan], direction)
+
+        return transform
+
+    def _warm(self) -> None:
+        """Transform the modes in place before a graph captures the plans: the library loads what it needs."""
+        real = self._waves.view(self._waves.real.dtype)
         with self._device, self._stream:
-            self._plans[1].fft(self._views[1], self._views[2], 1)
+            self._plans[0].fft(real, self._waves, -1)
+            self._plans[1].fft(self._waves, real, 1)
 
 
 def filter_of(

@@ -67,6 +67,10 @@ class Operator(ABC):
         """How many rows of the fields it is about, the first ones."""
         return int(self.visited.numpy()[0])
 
+    def coefficients(self) -> tuple[Any, Any]:
+        """Coefficients by distance, of an operator of one grid."""
+        raise NotImplementedError
+
     @abstractmethod
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
         """Add to the elastic response [mm/MPa]: own × p of the cell, and streak × S S p.

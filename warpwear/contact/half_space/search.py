@@ -13,6 +13,7 @@ The passes are in `kernels.half_space.passes`, the decisions, which hold the rul
 """
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any
 
@@ -80,9 +81,10 @@ class SearchRules:
 class Search:
     """The search for a pressure under one operator, on one gap.
 
-    gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1, all
-    rows together, or as many as the executor has rows, each of which has a load of its own. tiled: whether a CPU's passes extend the gradient; by default on
-    a CPU. Numbers of each group are arrays of that length.
+    gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1,
+    all rows together, or as many as the executor has rows, each of which has a load of its own. tiled:
+    whether gradients are extended tile by tile, as a CPU does by default. After a run `numbers` and `groups`
+    hold what the search knows, by the names of `kernels.half_space.solve`.
     """
 
     def __init__(
@@ -105,7 +107,8 @@ class Search:
         self._few = rules.few if operator.of_one_grid and on_cpu and hardness < NO_CAP and groups == 1 else 0
         #: Whether what is extended is gathered tile by tile.
         self._tiled = on_cpu if tiled is None else tiled
-        gathered = (grid.nx, LANES * executor.vectors) if self._extends else (0, 0)
+        rows = grid.nx * (1 if self._tiled else 2) * self._extends
+        gathered = rows, LANES * executor.vectors * self._extends
         slots = grid.nx if groups > 1 else executor.slots_of(grid.nx)
 
         def array(size: int | tuple[int, ...], dtype: Any) -> Field:
@@ -133,7 +136,7 @@ class Search:
         )
         if self._extends:
             self._solve.neighbours = operator.neighbours
-        self._room = room_for_few(self._few, device) if self._few else None
+        self._room: Any = room_for_few(self._few, device) if self._few else None
         self._slots = slots
         self._program = self._say()
 
@@ -169,25 +172,37 @@ class Search:
             self._pass(program, passes.springs)
             self._balance(program)
             self._pass(program, passes.take)
+        with program.branch(self._flag(Flag.STARTS)):
+            self._renew(program)
+            self._judge(program)
         with program.loop(self._flag(Flag.SEARCHING)):
-            with program.branch(self._flag(Flag.RENEWS)):
-                self._renew(program)
-            with program.branch(self._flag(Flag.MOVES)):
+            if self._single:  # else a gradient is as good as when it was made
+                with program.branch(self._flag(Flag.RENEWS)):
+                    self._renew(program)
+            with self._only_if(program, Flag.MOVES, self._single):
                 if self._few:
                     with program.branch(self._flag(Flag.MOVES_FEW)):
                         self._move_few(program)
-                with program.branch(self._flag(Flag.STEPS)):
+                with self._only_if(program, Flag.STEPS, bool(self._few)):
                     self._step(program)
-            self._pass(program, passes.advance)
-            program.decide(decisions.judge, search)
+            self._judge(program)
         return program
+
+    def _judge(self, program: Program) -> None:
+        """Go along the step that was decided on, and judge what that leaves."""
+        self._pass(program, passes.advance)
+        program.decide(decisions.judge, self._solve)
+
+    def _only_if(self, program: Program, flag: Flag, asks: bool) -> AbstractContextManager[None]:
+        """Do what follows if a flag says so; always where it is not asked: branches take a GPU time."""
+        return program.branch(self._flag(flag)) if asks else nullcontext()
 
     def _renew(self, program: Program) -> None:
         """Make the gradient of the present pressure anew."""
         search = self._solve
         if search.fields.fractions.shape[0]:
             self._pass(program, passes.bound)
-        with program.branch(self._flag(Flag.RENEWS_EXACTLY)):
+        with self._only_if(program, Flag.RENEWS_EXACTLY, self._single):
             self._respond(program, "pressure", single=False)
         if self._single:
             with program.branch(self._flag(Flag.RENEWS_ROUGHLY)):
@@ -240,11 +255,12 @@ class Search:
                 program.launch(extension.gather, search, slots=blocks)
             return
         self._pass(program, passes.residual)
-        for number in range(4):
-            if number == 2:
-                self._operator.say_inverse(program, trial, trial)
+        for numbers in ((0, 1), (2, 3, 4)):
             with program.branch(self._flag(Flag.EXTENDS)):
-                self._pass(program, extension.extend_once, number)
+                for number in numbers:
+                    self._pass(program, extension.extend_once, number)
+            if numbers[0] == 0:
+                self._operator.say_inverse(program, trial, trial)
 
     def _move_few(self, program: Program) -> None:
         """Move the few cells whose place between the bounds is open at once, exactly."""

@@ -60,6 +60,8 @@ class BoundedPressure:
         self._influence = influence
         names = "pressure", "gradient", "trial", "step", "response"
         self._fields = {name: executor.zeros() for name in names}
+        #: Of the hardness, that cells bear in the last solve.
+        self._fractions: Field | None = None
         self._search: Search | None = None
         #: Gap, cap fractions and groups that the search is said for.
         self._said: tuple[Any, ...] = ()
@@ -112,6 +114,7 @@ class BoundedPressure:
         compliances = compliance, streak_compliance, streak_window
         certified = not self._started if certified is None else certified
         transforms = 0 if self._started else self._start(gap, mean_pressure, approach, compliances, parts)
+        self._fractions = parts
         search = self._search_for(gap, parts, groups=isinstance(mean_pressure, np.ndarray))
         self._influence.set_compliance(*compliances)
         iterations = 0
@@ -122,7 +125,7 @@ class BoundedPressure:
             contact = replace(contact, iterations=iterations, transforms=transforms)
             if not certified:
                 return contact
-            certificate = self.certificate_of(gap, contact, loads, compliances, parts)
+            certificate = self.certificate_of(gap, contact, loads, compliances)
             if not certificate.fault:
                 return replace(contact, certificate=certificate)
             # What the search added up has drifted: it goes on from the gradient made anew.
@@ -148,12 +151,10 @@ class BoundedPressure:
         contact: HalfSpaceContact,
         loads: FloatArray | None,
         compliances: Compliances,
-        parts: Field | None = None,
     ) -> Certificate:
         """Certify the pressure field as it stands, at the approaches of a contact. It does not change.
 
-        loads: Σ p of each group [MPa]; None at an approach. compliances, parts: as of the solve of the
-        contact.
+        loads: Σ p of each group [MPa]; None at an approach. compliances: as of the solve of the contact.
         """
         executor, cap = self._executor, self._hardness if self._hardness < NO_CAP else math.inf
         self._influence.set_compliance(*compliances)
@@ -162,7 +163,7 @@ class BoundedPressure:
         with arrays_of(executor) as (xp, view):
             visited = self._influence.rows_visited
             p, g, u = view(self._fields["pressure"]), view(gap), view(self._fields["response"])
-            fractions = None if parts is None else view(parts)
+            fractions = None if self._fractions is None else view(self._fractions)
             together = TOGETHER if xp is np else TOGETHER_ON_GPU
             one = contact.approaches.size == 1
             rows = [slice(visited)] if one else [slice(n, n + 1) for n in range(visited)]
@@ -214,9 +215,9 @@ class BoundedPressure:
         if status != CONVERGED:
             violation = worst_of(groups["violation"], groups["scale"])
             raise ConvergenceError(
-                f"the half-space contact did not converge in {numbers['iteration']} iterations: complementarity "
-                f"is violated by {groups['violation'].max():.3g} mm, {violation:.3g} of the rms height "
-                f"(allowed {self._rules.tolerance:g})."
+                f"the half-space contact did not converge in {numbers['iteration']} iterations: "
+                f"complementarity is violated by {groups['violation'].max():.3g} mm, "
+                f"{violation:.3g} of the rms height (allowed {self._rules.tolerance:g})."
             )
         self._started = True
         return HalfSpaceContact(

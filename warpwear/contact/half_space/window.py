@@ -17,6 +17,7 @@ from warpwear import lazy
 from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.program import Program
 from warpwear.engine.state import Columns
 from warpwear.grid import Grid
 from warpwear.kernels.cells import LANES, Cells
@@ -127,6 +128,15 @@ def _quick(first: int, last: int, size: int) -> tuple[int, int]:
     return begin, begin + length if begin + length <= size - LANES else size
 
 
+@dataclass
+class OnWindow:
+    """A solver on the grid of a window, and its fields there."""
+
+    solver: HalfSpace
+    gap: Field
+    fractions: Field | None = None  # of the hardness, that cells bear
+
+
 class WindowedHalfSpace:
     """Contacts of half-spaces on a large grid; each solve starts from the last one's pressure.
 
@@ -149,16 +159,17 @@ class WindowedHalfSpace:
         self._hardness, self._tolerance = hardness, tolerance
         self._pressure = executor.zeros()
         self._gradient = executor.zeros()
-        self._extents = executor.partials(4)
+        device, slots = executor.device, executor.slots_of(executor.grid.nx)
+        #: Of the cells below a level of the gap that was looked at last.
+        self._extents = wp.zeros((4, slots), dtype=wp.float64, device=device)
+        self._level = wp.zeros(1, dtype=wp.float64, device=device)
+        self._looked_at, self._look = None, Program(executor)
         self._started = False  # whether there is a pressure to start from
         self._window: Window | None = None  # to look at first
         self._written: Window | None = None  # that the fields are of
-        self._solver: HalfSpace | None = None
-        #: Solvers of the last windows and fields for their gaps, by their grids.
-        self._stored: dict[Grid, tuple[HalfSpace, Field]] = {}
-        #: Of the solver's grid, as the solver is.
-        self._gap: Field = None
-        self._parts: Field | None = None
+        self._here: OnWindow | None = None  # of that window
+        #: Of the last windows, by their grids.
+        self._stored: dict[Grid, OnWindow] = {}
 
     @property
     def window(self) -> list[int] | None:
@@ -224,25 +235,26 @@ class WindowedHalfSpace:
             self._look_at(self._everything)
         transforms = iterations = 0
         while True:
-            window, solver = self._window, self._solver
+            window, here = self._window, self._here
             assert window is not None
-            assert solver is not None
+            assert here is not None
+            solver = here.solver
             if parts is not None:
-                self._parts = wp.zeros_like(self._gap) if self._parts is None else self._parts
-                window.take(parts, self._parts)
-            window.take(gap, self._gap)
+                here.fractions = wp.zeros_like(here.gap) if here.fractions is None else here.fractions
+                window.take(parts, here.fractions)
+            window.take(gap, here.gap)
             window.take(self._pressure, solver.pressure_field)
             if self._started:
                 solver.go_on()
             else:
                 solver.forget()
             contact = solver.solve(
-                self._gap,
+                here.gap,
                 mean_pressure=load / window.grid(whole).area,
                 compliance=compliance,
                 streak_compliance=streak_compliance,
                 streak_window=streak_window,
-                parts=None if parts is None else self._parts,
+                parts=None if parts is None else here.fractions,
                 certified=certified,
             )
             self._started = True
@@ -255,7 +267,7 @@ class WindowedHalfSpace:
             if self._boundary == "periodic" or window.holds(reached):
                 break
             # Too few cells give too large an approach: what lies below it holds the contact of them all.
-            del solver, contact  # and their memory, before others take theirs
+            del solver, here, contact  # and their memory, before others take theirs
             self._look_at(Window.around(reached, whole, rows=rows))
         window.give(contact.gradient_field, self._gradient)
         fitting = Window.around(reached, whole, rows=rows)
@@ -281,22 +293,18 @@ class WindowedHalfSpace:
 
     def _look_at(self, window: Window) -> None:
         """Solve there from now on."""
-        executor = self._executor
-        grid = window.grid(executor.grid)
-        if self._window is None or grid != self._window.grid(executor.grid):
-            self._solver = self._gap = self._parts = None
-            stored = self._stored.pop(grid, None)
-            most = MOST_STORED if grid.cells <= MOST_CELLS_STORED else 1
-            while len(self._stored) >= most:
-                del self._stored[next(iter(self._stored))]
-            self._stored[grid] = stored or self._solver_on(grid)
-            self._solver, self._gap = self._stored[grid]
+        grid = window.grid(self._executor.grid)
+        if self._window is None or grid != self._window.grid(self._executor.grid):
+            self._here, most = None, MOST_CELLS_STORED if grid.cells <= MOST_CELLS_STORED else 0
+            stored = {at: here for at, here in self._stored.items() if at.cells <= most}
+            self._stored = dict([*stored.items()][-MOST_STORED + 1 :])
+            self._here = self._stored[grid] = stored.get(grid) or self._solver_on(grid)
         self._window = window
 
-    def _solver_on(self, grid: Grid) -> tuple[HalfSpace, Field]:
-        """A solver on a grid, and a field for its gap."""
+    def _solver_on(self, grid: Grid) -> OnWindow:
+        """A solver on a grid, and fields of it."""
         executor = self._executor
-        part = Executor(grid, device=str(executor.device), threads=executor.threads)
+        part = Executor(grid, device=str(executor.device), threads=executor.threads, fields_needed=0.0)
         solver = HalfSpace(
             part,
             modulus=self._modulus,
@@ -304,7 +312,7 @@ class WindowedHalfSpace:
             hardness=self._hardness,
             tolerance=self._tolerance,
         )
-        return solver, part.zeros()
+        return OnWindow(solver, part.zeros())
 
     @property
     def _everything(self) -> Window:
@@ -326,8 +334,11 @@ class WindowedHalfSpace:
 
     def _below(self, gap: Field, level: float) -> list[int]:
         """First and last row, first and last column of the cells that do not exceed a level [mm]."""
-        inputs = [self._executor.grid.ny, level, gap]
-        self._executor.launch(extents, inputs=inputs, outputs=[self._extents])
-        _, found = self._executor.read_partials(None, self._extents)
-        first_row, last_row, first, last = found.max(axis=1).tolist()
+        executor = self._executor
+        if self._looked_at is not gap:
+            self._looked_at, self._look = gap, Program(executor)
+            self._look.launch(extents, executor.grid.ny, self._level, gap, self._extents)
+        executor.put(self._level, level)
+        self._look.run()
+        first_row, last_row, first, last = self._extents.numpy().max(axis=1).tolist()
         return [round(-first_row), round(last_row), round(-first), round(last)]

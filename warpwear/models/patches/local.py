@@ -80,15 +80,18 @@ class TwoScaleModel(Model):
             "loads": (self.longest_block, count),
             "areas": (self.longest_block, count),
         }
-        made = {name: wp.zeros(shape, dtype=wp.float64, device=device) for name, shape in tables.items()}
-        self._books = arguments(kernels.Books, ahead=self.contact.surfaces.trial, **made)
+        zeros = {name: wp.zeros(shape, dtype=wp.float64, device=device) for name, shape in tables.items()}
+        self._books = arguments(kernels.Books, ahead=self.contact.surfaces.trial, **zeros)
+        follows = task.uses_bulk_stiffness and task.bulk_updated and isinstance(task.bulk_stiffness, str)
         self._now = Numbers(kernels.Now, device)
         self._steps = arguments(
             kernels.Steps,
             load=self.sharing.load,
             lowest=float(lowest.min()),
+            cell=patches.domain.cell,
             cell_area=patches.domain.cell_area,
             weight=patches.weight,
+            follows=task.bulk_stiffness_at(1.0) if follows else 0.0,
             sprung=int(task.uses_bulk_stiffness),
             # Where a film is, wear changes the caps.
             looks_ahead=int(self._smooth is None and task.film is None),
@@ -114,24 +117,24 @@ class TwoScaleModel(Model):
     def _say_find(self, program: Program) -> None:
         """Add the search for the approaches of a step to a program."""
         curves, smooth = self.sharing.curves, self._smooth
-        given = self._steps, curves, self._foresight.courses
+        state = self._steps, curves, self._foresight.courses
 
         def evaluate() -> None:
             self._pass(program, passes.carried, self._steps, curves, self.contact.surfaces)
 
         if smooth is None:
-            program.decide(passes.begin, *given)
+            program.decide(passes.begin, *state)
             self.sharing.say(program, evaluate)
             return
-        program.decide(pressing.begin, *given, smooth.smooth, smooth.brackets)
+        program.decide(pressing.begin, *state, smooth.smooth, smooth.brackets)
         smooth.say(program, self.sharing, evaluate)
 
     def _say_wear(self, program: Program) -> None:
         """Add the wear of a step whose approaches are found to a program."""
-        given = self._steps, self.sharing.curves, self._foresight.courses
-        program.decide(passes.foresee, *given)
-        self._pass(program, passes.wear, *given, self.contact.surfaces, self._books)
-        program.decide(passes.end, *given, self._books)
+        state = self._steps, self.sharing.curves, self._foresight.courses
+        program.decide(passes.foresee, *state)
+        self._pass(program, passes.wear, *state, self.contact.surfaces, self._books)
+        program.decide(passes.end, *state, self._books)
 
     def _pass(self, program: Program, kernel: object, *inputs: object) -> None:
         """Add a pass over all patches to a program."""
@@ -140,7 +143,7 @@ class TwoScaleModel(Model):
     @property
     def in_blocks(self) -> bool:
         """Whether the device makes the next steps by itself."""
-        return self.contact.film is None and not self.task.bulk_updated
+        return self.contact.film is None
 
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, or in a few where the contact grows to where that is told."""
@@ -150,7 +153,7 @@ class TwoScaleModel(Model):
             removals = self._begin(left, then)
             self._many.run()
             count = self._now["number"]
-            for number, worn in enumerate(self._made(count)):
+            for number, worn in enumerate(self._results(count)):
                 self.steps_in_flight = count - 1 - number
                 yield self._ledger.enter(worn, left[number], removals[number])
             if not self.sharing.is_balanced:
@@ -177,7 +180,7 @@ class TwoScaleModel(Model):
             pressure = self.patches.on_domain(self._executor.to_numpy(pressed))
         self._wear.run()
         self.contact.rub(distance + increment)
-        worn = replace(next(self._made(1)), bare=bare)
+        worn = replace(next(self._results(1)), bare=bare)
         return self._ledger.enter(worn, increment, removals[0], pressure)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
@@ -219,16 +222,16 @@ class TwoScaleModel(Model):
         program.run()
         return field
 
-    def _made(self, count: int) -> Iterator[Worn]:
+    def _results(self, count: int) -> Iterator[Worn]:
         """What the first steps of the plan have left."""
         books = self._books
         rows, loads, areas = (table.numpy()[:count] for table in (books.rows, books.loads, books.areas))
         touched = books.sums.numpy()[PATCH_SUMS.index("touched")]
         self._work = touched + LEAST_WORK * self.patches.side**2
         for row, load, area in zip(rows.tolist(), loads.copy(), areas.copy(), strict=True):
-            base, offset, reference, evaluations, *found = row
-            total = dict(zip(PATCH_SUMS, found, strict=False))
-            most = dict(zip(PATCH_MAXIMA, found[len(PATCH_SUMS) :], strict=True))
+            base, offset, reference, evaluations, *sums = row
+            total = dict(zip(PATCH_SUMS, sums, strict=False))
+            most = dict(zip(PATCH_MAXIMA, sums[len(PATCH_SUMS) :], strict=True))
             yield Worn(total, most, load, area, (base, offset), reference, int(evaluations))
 
     def _failure(self) -> Exception:

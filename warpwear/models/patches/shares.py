@@ -22,7 +22,7 @@ from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches
-from warpwear.kernels.two_scale import sharing as kernels
+from warpwear.kernels.two_scale import curves, sharing
 
 
 class LoadSharing:
@@ -46,27 +46,27 @@ class LoadSharing:
         #: Approaches are base + offset [mm], which together hold more digits than their sum.
         self.base, self.offset, self.answer = of_patches(), of_patches(), of_patches(3)
         self.curves = arguments(
-            kernels.Curves,
+            curves.Curves,
             lowest=wp.array(lowest, dtype=wp.float64, device=device),
             base=self.base,
             offset=self.offset,
             answer=self.answer,
             low=of_patches(3),
             high=of_patches(3),
-            room=of_patches(kernels.LINES),
+            room=of_patches(curves.LINES),
         )
         self.load = arguments(
-            kernels.Load,
+            sharing.Load,
             load=load,
             area=area,
             hardness=hardness,
             tolerance=TOLERANCE,
             evaluations=MAX_EVALUATIONS - 1,
         )
-        self.search = Numbers(kernels.Search, device)
+        self.search = Numbers(sharing.Search, device)
         names = ("searching", "unanswered", "balanced", "stepping")
         flags = {name: wp.zeros(1, dtype=wp.int32, device=device) for name in names}
-        self.flags = arguments(kernels.Flags, **flags)
+        self.flags = arguments(sharing.Flags, **flags)
 
     def say(self, program: Program, evaluate: Callable[[], None]) -> None:
         """Add the search to a program, from where a decision before it begins.

@@ -47,7 +47,7 @@ class SmoothContact:
                 "patches.macro_cell."
             )
         self.worn = wp.zeros(count, dtype=wp.float64, device=device)  # by both bodies [mm]
-        self._approach = wp.array([self.initial.min()], dtype=wp.float64, device=device)  # [mm]
+        self._approach: Field = wp.array([self.initial.min()], dtype=wp.float64, device=device)  # [mm]
         self.smooth = arguments(
             kernels.Smooth,
             initial=wp.array(self.initial, dtype=wp.float64, device=device),

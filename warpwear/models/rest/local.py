@@ -20,7 +20,7 @@ from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
-from warpwear.kernels import balance, bearing, contact, tiles, wear
+from warpwear.kernels import balance, bearing, contact, wear
 from warpwear.kernels.cells import NO_INDEX, WearMost, WearSum, names_of
 from warpwear.laws.archard import removals_of
 from warpwear.laws.task import ContactTask
@@ -48,8 +48,9 @@ class OneScaleModel(Model):
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
-        look = bearing.counted_below if task.rigid else balance.carried
-        executor.foresee([contact.gap, wear.wear_step, look, tiles.lowest])
+        executor.foresee([wear.wear_step, contact.gap, balance.carried])  # what takes longest first
+        if task.rigid:
+            executor.foresee([bearing.counted_below])
         self.task = task
         self._executor = executor
         fitting = max(int(CELLS_OF_REPLAY / executor.grid.cells), 1)

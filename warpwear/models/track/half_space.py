@@ -18,9 +18,9 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import contact, wear_from_pressure
+from warpwear.kernels import contact, fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
-from warpwear.kernels.half_space import decisions, passes
+from warpwear.kernels.half_space import passes
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfRows
 from warpwear.kernels.wear_from_pressure import Pressed
@@ -89,7 +89,8 @@ class SlidingHalfSpace:
         track_fraction: float = 1.0,
         moves: bool = True,
     ) -> None:
-        executor.foresee([contact.gap, wear_from_pressure.gaps, passes.advance, decisions.judge])
+        kernels = [passes.advance, contact.gap, wear_from_pressure.gaps, fourier.forward[np.float64]]
+        executor.foresee(kernels)  # what takes longest first
         self.state = SlidingBodies.of(task, executor, disc)
         self.task = task
         self.periodic = periodic
@@ -190,7 +191,7 @@ class SlidingHalfSpace:
                 total["bare"] = float(self._bare.numpy().sum())
                 columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
                 self._slides.set(first_column=columns[0], end_column=columns[1])
-                self._run("rub", lambda program: self.film.say_rub(program, self._slides.array))
+                self._run("rub", self._say_rub)
             carried = total["pressure"] * self._executor.grid.cell_area
             residual = max(residual, residual_of(carried, self.task.load, approach=contact.approach), key=abs)
             approach += weight * contact.approach
@@ -285,6 +286,11 @@ class SlidingHalfSpace:
             self.film.say_look(program, slides)
         program.launch(wear_from_pressure.means, slides, self.state.wear_sphere, self._means)
         program.launch(wear_from_pressure.gaps, slides, self._bodies, self._means, self._gap)
+
+    def _say_rub(self, program: Program) -> None:
+        """Say what the film notes of a part."""
+        assert self.film is not None
+        self.film.say_rub(program, self._slides.array)
 
     def _say_wear(self, program: Program, contact: HalfSpaceContact) -> None:
         """Say how both bodies wear by the pressure of a contact."""

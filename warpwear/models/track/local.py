@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 import warp as wp
@@ -13,11 +13,12 @@ from warpwear.contact.search import LoadSearch
 from warpwear.engine.executor import SMALL, Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
-from warpwear.engine.tiles import NO_LIMIT
+from warpwear.engine.tiles import NO_LIMIT, Tiles
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import balance, bearing, recession, sliding
+from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, PADDING, TrackMost, TrackSum, names_of
+from warpwear.kernels.running_in import recession
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfCells, OfRows, OfTiles, StepTables
 from warpwear.kernels.wear import BALANCE
@@ -40,7 +41,7 @@ RENAMED = {"worn_sphere": "wear_sphere", "worn_disc": "wear_disc"}
 #: Names of the sums and maxima of a step.
 SUMS, MAXIMA = names_of(TrackSum), names_of(TrackMost)
 #: Columns of the history on the device.
-COLUMNS = (*BALANCE, *SUMS, *(f"most_{name}" for name in MAXIMA), *sliding.KEPT, *sliding.LAST)
+COLUMNS = (*BALANCE, *SUMS, *(f"most_{name}" for name in MAXIMA), *sliding_steps.KEPT, *sliding_steps.LAST)
 
 
 class SlidingContact:
@@ -84,7 +85,7 @@ class SlidingContact:
         moves: bool = True,
         bearing_curve: Logistic | None = None,
     ) -> None:
-        executor.foresee([balance.carried, bearing.counted_below, sliding.wear_step])
+        executor.foresee([sliding.wear_step, bearing.counted_below if task.rigid else balance.carried])
         self.state = SlidingBodies.of(task, executor, disc, sphere=sphere)
         self.task, self.periodic, self._moves = task, periodic, moves
         self._executor, self._track_fraction = executor, track_fraction
@@ -104,7 +105,7 @@ class SlidingContact:
         # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc,
         # what is displaced of the disc.
         rows = (grid.nx, grid.nx, disc.shape[0], self.state.plastic_disc.shape[0])
-        columns, names = executor.tiles_per_row, sliding.KEPT
+        columns, names = executor.tiles_per_row, sliding_steps.KEPT
         self._kept = {name: PerTile(n, columns, device) for name, n in zip(names, rows, strict=True)}
         self._totals = {
             name: wp.zeros(n, dtype=wp.float64, device=device) for name, n in zip(names, rows, strict=True)
@@ -155,12 +156,12 @@ class SlidingContact:
         self.longest = int(min(max(CELLS_OF_REPLAY / executor.grid.cells, 1), LONGEST))
         extents = {f"{end}_{line}": NO_INDEX for end in ("first", "last") for line in ("row", "column")}
         #: What the steps on the device remember.
-        self._course = Numbers(sliding.Course, device, **extents)
-        self._changes: Field = wp.full(int(sliding.CHANGES), -1.0, dtype=wp.float64, device=device)
+        self._course = Numbers(sliding_steps.Course, device, **extents)
+        self._changes: Field = wp.full(int(sliding_steps.CHANGES), -1.0, dtype=wp.float64, device=device)
         columns = len(COLUMNS) + (0 if self.pieces is None else 2 * len(OF_BODY))
         self._steps = arguments(
-            sliding.Steps,
-            plan=wp.zeros((self.longest, len(sliding.PLAN)), dtype=wp.float64, device=device),
+            sliding_steps.Steps,
+            plan=wp.zeros((self.longest, len(sliding_steps.PLAN)), dtype=wp.float64, device=device),
             history=wp.zeros((self.longest, columns), dtype=wp.float64, device=device),
             within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
             changes=self._changes,
@@ -179,13 +180,13 @@ class SlidingContact:
     def _search(self, *, rigid: bool) -> LoadSearch:
         """The search of steps whose cells are rigid or not."""
         if rigid not in self._searches:
-            task = self.task
+            task, tiles = self.task, cast(Tiles, self.tiles)
             if rigid and not math.isfinite(task.hardness):
                 raise ValueError("a contact without compliance needs a hardness")
             search = LoadSearch(
                 self._executor,
                 self._bodies.gap,
-                self.tiles,
+                tiles,
                 load=task.load,
                 hardness=task.hardness,
                 stiffness=None if rigid else self._stiffness,
@@ -197,13 +198,13 @@ class SlidingContact:
         return self._searches[rigid]
 
     def _programs(self, *, rigid: bool) -> tuple[LoadSearch, tuple[Program, ...]]:
-        """The search, and programs: many steps; and one, between whose search and wear it can be looked at."""
+        """The search, and programs: of many steps; of one as far as its balance, and of its wear."""
         search, executor = self._search(rigid=rigid), self._executor
         shares = executor.is_shared and self.tiles.cells > SMALL
+        self._steps.is_rigid = int(rigid)  # each time: launches that are not recorded read it anew
         if (rigid, shares) not in self._said:
-            self._steps.is_rigid = int(rigid)
             many, to_search, to_wear = (Program(executor, shares=shares) for _ in range(3))
-            many.decide(sliding.begin, self._steps)
+            many.decide(sliding_steps.begin, self._steps)
             with many.loop(self._steps.stepping):
                 self._say_search(many, search)
                 self._say_wear(many, search)
@@ -215,7 +216,7 @@ class SlidingContact:
     def _say_search(self, program: Program, search: LoadSearch) -> None:
         """Say how a step begins: what its cells are like, which can touch, and the balance."""
         with self._before_pieces(program):
-            program.decide(sliding.begin_search, search.springs, self._steps)
+            program.decide(sliding_steps.begin_search, search.springs, self._steps)
             if self.film is not None:
                 self.film.say_look(program, self._slides.array)
             if self.pieces is not None:
@@ -224,7 +225,7 @@ class SlidingContact:
                 self._say_stiffness(program)
             search.add_to(program)
             self.tiles.add_to(program)
-            program.decide(sliding.end_search, search.springs, self._steps)
+            program.decide(sliding_steps.end_search, search.springs, self._steps)
 
     def _say_stiffness(self, program: Program) -> None:
         """Say how 1/c of every cell follows from what wears it in a step."""
@@ -241,8 +242,7 @@ class SlidingContact:
         listed = tiles.list, tiles.count
         with self._before_pieces(program), program.branch(self._steps.solved):
             if self.pieces is not None:
-                fields = of_cells.stiffness, of_cells.parts, self._bodies.gap
-                self.pieces.say_take_tiles(program, slides, springs, *listed, *fields)
+                self.pieces.say_take_tiles(program, slides, springs, *listed, of_cells, self._bodies.gap)
             if self._recession is not None:
                 self._recession.say_bearing(program, search.law, self._tables.bearing)
             both = self._bodies, self._of_tiles
@@ -257,7 +257,7 @@ class SlidingContact:
         if self.pieces is not None:
             self.pieces.say_shed(program, slides, steps.stepping, steps.history, len(COLUMNS))
         with nullcontext() if self.pieces is None else program.branch(self.pieces.ends):
-            program.decide(sliding.record, springs, steps, self._tables, self._of_rows)
+            program.decide(sliding_steps.record, springs, steps, self._tables, self._of_rows)
             if self.film is not None:
                 self.film.say_rub(program, slides)
 
@@ -298,7 +298,7 @@ class SlidingContact:
         return self.longest > 1 and not self.task.bulk_updated
 
     def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[tuple[int, Step]]:
-        """Steps as `step` makes them, in as few replays as it takes; each with how many are made beyond it."""
+        """Steps as `step` makes them, in few replays; each with how many are made beyond it."""
         done = 0
         while done < len(increments):
             end = done + self.longest
@@ -322,7 +322,7 @@ class SlidingContact:
     def _plan(
         self, shifts: Sequence[int], increments: Sequence[float]
     ) -> tuple[list[tuple[float, float]], bool]:
-        """Tell the device of the next steps; return K ΔL of both bodies in each, and whether all are rigid."""
+        """Tell the device of the next steps; return K ΔL of both bodies, and whether all are rigid."""
         task, row = self.task, self._ledger.row
         removals = removals_of(task.wear, row["distance"], increments)
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
@@ -336,11 +336,11 @@ class SlidingContact:
         owns = np.full(len(rows), own)
         each = rows, ends[:-1], ends[1:], of_sphere, of_disc, *pending, owns, compliance, alike
         plan = np.stack(each, axis=1)
-        compliances = plan[:, sliding.PLAN.index("compliance")]
+        compliances = plan[:, sliding_steps.PLAN.index("compliance")]
         rigid = bool(compliances[0] == 0.0)
         count = int(np.argmax((compliances == 0.0) != rigid)) or len(plan)  # a replay has steps of one kind
-        host = wp.array(plan[:count], dtype=wp.float64, device="cpu")
-        wp.copy(self._steps.plan, host, count=count * len(sliding.PLAN))
+        host: Field = wp.array(plan[:count], dtype=wp.float64, device="cpu")
+        wp.copy(self._steps.plan, host, count=count * len(sliding_steps.PLAN))
         self._course.set(step=0, steps=count)
         if not self._course["is_begun"]:
             self._begin_at(*plan[0])
@@ -348,12 +348,12 @@ class SlidingContact:
 
     def _begin_at(self, *first: float) -> None:
         """Tell the device where the search of the first step begins."""
-        step = dict(zip(sliding.PLAN, first, strict=True))
+        step = dict(zip(sliding_steps.PLAN, first, strict=True))
         smallest, limit = self.tiles.begin_at(int(step["shift"]))
         softest = step["stiffness"]
         if self._differs and step["compliance"] > 0.0:
             self._slides.set(**{name: step[name] for name in ("own", "of_sphere", "of_disc")})
-            program = Program(self._executor)
+            program = Program(self._executor, records=False)
             self._say_stiffness(program)
             program.run()
             values = self._stiffness.numpy()
@@ -366,7 +366,7 @@ class SlidingContact:
         table = np.ascontiguousarray(self._steps.history[: max(made, 1)].numpy()[:made].T)
         columns = dict(zip(COLUMNS, table, strict=False))
         total = {name: columns[name] for name in SUMS}
-        total |= {RENAMED.get(name, name): columns[name] for name in sliding.KEPT}
+        total |= {RENAMED.get(name, name): columns[name] for name in sliding_steps.KEPT}
         most = {name: columns[f"most_{name}"] for name in MAXIMA}
         most |= {name: columns[name] for name in ("first_row", "last_row")}
         if self.film is None:

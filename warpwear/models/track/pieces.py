@@ -12,6 +12,7 @@ from warpwear.engine.program import Program
 from warpwear.history.pieces import PieceBook
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import pieces as kernels
+from warpwear.kernels.running_in import shedding
 from warpwear.kernels.slide import Slide
 from warpwear.laws.pieces import ROUNDS
 from warpwear.laws.pieces import Pieces as PieceLaw
@@ -67,11 +68,11 @@ class Pending:
             columns=grid.ny,
             periodic=int(periodic),
         )
-        every = Program(executor)
+        every = Program(executor, records=False)
         whole = Numbers(Slide, executor.device, rows=rows + executor.grid.nx)
         self._count(int(kernels.HAD_WAITED), 1)
         every.launch(
-            kernels.total_rows,
+            shedding.total_rows,
             *(whole.array, footprint, self.body, self._wear, self.pending),
             slots=executor.slots_of(rows),
         )
@@ -102,18 +103,18 @@ class Pending:
         few = self._executor.slots_of(self.pending.shape[0]) if self._executor.device.is_cuda else 1
         alone: dict[str, Any] = {"slots": few, "chunks": [(0, few)]}
         footprint, body = self._footprint, self.body
-        program.decide(kernels.begin_rounds, body, left)
+        program.decide(shedding.begin_rounds, body, left)
         with program.loop(left.sheds):
-            program.launch(kernels.sum_up, footprint, body, **alone)
-            program.launch(kernels.find_peaks, footprint, body, **alone)
-            program.decide(kernels.begin_cut, footprint, body, left)
-            program.launch(kernels.cut, slides, footprint, body, left, **alone)
-        program.decide(kernels.end_rounds, body, left)
+            program.launch(shedding.sum_up, footprint, body, **alone)
+            program.launch(shedding.find_peaks, footprint, body, **alone)
+            program.decide(shedding.begin_cut, footprint, body, left)
+            program.launch(shedding.cut, slides, footprint, body, left, **alone)
+        program.decide(shedding.end_rounds, body, left)
         with program.branch(left.closes):
-            program.launch(kernels.close, footprint, body, **alone)
-            program.launch(kernels.total_rows, slides, footprint, body, self._wear, self.pending)
+            program.launch(shedding.close, footprint, body, **alone)
+            program.launch(shedding.total_rows, slides, footprint, body, self._wear, self.pending)
             rows, column = line
-            program.decide(kernels.note, slides, body, column, rows)
+            program.decide(shedding.note, slides, body, column, rows)
 
     def _count(self, which: int, value: int) -> None:
         host = self.body.counts.numpy()
@@ -158,11 +159,13 @@ class SlidingPieces:
         of_sphere, of_disc = (bodies.sphere, bodies.wear_sphere), (bodies.disc, bodies.wear_disc)
         self.sphere = Pending(executor, law, self._footprint, of_sphere, number=0, periodic=False)
         self.disc = Pending(executor, law, self._footprint, of_disc, number=1, periodic=periodic)
+        both = {"sphere": self.sphere.body, "disc": self.disc.body}
+        self._both = arguments(kernels.Both, footprint=self._footprint, **both)
         self.book = PieceBook()
         room = max(self.sphere.most, self.disc.most, ROOM)
         self._left = arguments(
-            kernels.Left,
-            pieces=wp.zeros((room, kernels.COLUMNS), dtype=wp.float64, device=device),
+            shedding.Left,
+            pieces=wp.zeros((room, shedding.COLUMNS), dtype=wp.float64, device=device),
             **{name: wp.zeros(1, dtype=wp.int32, device=device) for name in ("count", "full")},
             **{name: wp.zeros(1, dtype=wp.int32, device=device) for name in ("sheds", "closes", "ends")},
             begins=wp.array([1], dtype=wp.int32, device=device),
@@ -212,13 +215,11 @@ class SlidingPieces:
 
         slides: a `Slide` in an array, by whose `pending_sphere`, `pending_disc` and `shift` it does.
         """
-        bodies = self.sphere.body, self.disc.body
-        program.launch(kernels.take_field, slides, self._footprint, pressure, *bodies, **self._alone)
+        program.launch(kernels.take_field, slides, self._both, pressure, **self._alone)
 
-    def say_take_tiles(self, program: Program, slides: Field, *contact: Field) -> None:
+    def say_take_tiles(self, program: Program, slides: Field, *contact: Any) -> None:
         """Add to a program that the wear of the tiles listed becomes pending, as of `kernels.take_tiles`."""
-        bodies = self.sphere.body, self.disc.body
-        program.launch(kernels.take_tiles, slides, self._footprint, *contact, *bodies, **self._alone)
+        program.launch(kernels.take_tiles, slides, self._both, *contact, **self._alone)
 
     def say_shed(self, program: Program, slides: Field, goes: Field, rows: Field, column: int) -> None:
         """Add to a program that the pieces of a step leave.
@@ -228,7 +229,7 @@ class SlidingPieces:
         """
         for number, body in enumerate(self.both):
             body.say_shed(program, slides, self._left, (rows, column + number * len(OF_BODY)))
-        program.decide(kernels.end_step, self.sphere.body, self.disc.body, self._left, goes)
+        program.decide(shedding.end_step, self.sphere.body, self.disc.body, self._left, goes)
 
     def drain(self) -> bool:
         """Enter the pieces that have left into the book; tell whether the program is to go on in its step."""

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
-from warpwear.kernels import recession as kernels
+from warpwear.kernels.running_in import recession as kernels
 from warpwear.kernels.sliding import Bodies
 from warpwear.laws.bearing_curve import Logistic
 

@@ -27,10 +27,10 @@ class PerTile:
     def __init__(self, rows: int, tiles: int, device: Any) -> None:
         groups = -(-tiles // LANES)
         self.vectors = wp.zeros((rows, groups), dtype=Cells, device=device)
-        self.numbers: Field = wp.array(
-            ptr=self.vectors.ptr, shape=(rows, groups * LANES), dtype=wp.float64, device=device
-        )
-        self.numbers._owner = self.vectors  # which keeps the memory
+        shape = rows, groups * LANES
+        numbers: Any = wp.array(ptr=self.vectors.ptr, shape=shape, dtype=wp.float64, device=device)
+        numbers._owner = self.vectors  # which keeps the memory
+        self.numbers: Field = numbers
 
     def to_numpy(self) -> FloatArray:
         """Shape (rows, tiles and padding)."""
@@ -69,7 +69,7 @@ class SlidingTiles:
         self.lowest = PerTile(nx, columns, device)  # of the sphere
         self.highest = PerTile(bodies.disc.shape[0], columns, device)  # of the disc
         self.gap = PerTile(nx, columns, device)  # the lowest of each pair, where it was made
-        find = Program(executor)
+        find = Program(executor, records=False)
         for field, kept, low in ((bodies.sphere, self.lowest, True), (bodies.disc, self.highest, False)):
             other = PerTile(field.shape[0], columns, device)
             both = [kept.numbers, other.numbers] if low else [other.numbers, kept.numbers]

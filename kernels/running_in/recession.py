@@ -57,8 +57,8 @@ def stiffness(
 ):
     """1/c of the cells in an implicit step: their own compliance and the wear of both bodies, K ΔL/φ.
 
-    factor_in: of the sliding distance of the disc's cells. A curve without a scale bears everywhere; else φ is
-    as it is at the step's start.
+    factor_in: of the sliding distance of the disc's cells. A curve without a scale bears everywhere; else φ
+    is as it is at the step's start.
     """
     slot = first_slot + wp.tid() // wp.block_dim()
     slide = slides[0]

@@ -1,0 +1,267 @@
+"""Steps of a sphere and a disc displaced under it, or lying still: their plan, searches and history.
+
+A step is a list of tiles, as each displacement has its own, a search for the load balance, see `balance` and
+`bearing`, a pass that wears, see `sliding`, and a row of the history. The search begins at the last approach,
+which it may be off by as much as it has lately changed.
+"""
+
+import warp as wp
+
+from warpwear.kernels.balance import Springs, ask_for, search_from, search_from_lowest
+from warpwear.kernels.bearing import area_between, area_near
+from warpwear.kernels.cells import NONE, ONE, ZERO, TrackMost, TrackSum
+from warpwear.kernels.newton import HALF, STUCK
+from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import OfRows, StepTables
+from warpwear.kernels.tiles import reached
+from warpwear.kernels.wear import BALANCE, total_of
+
+#: All kernels of a step are compiled together.
+TOGETHER = wp.get_module("warpwear.kernels.sliding")
+
+#: Columns of the plan, a row a step: of `Slide`, the compliance of a cell that slides as far as the middle
+#: [mm³/N], and 1/c where that is of all cells, else 0 [N/mm³].
+PLAN = (
+    *("shift", "start", "end", "of_sphere", "of_disc", "pending_sphere", "pending_disc", "own"),
+    *("compliance", "stiffness"),
+)
+#: Sums over tiles and rows: columns of the history after those of `BALANCE`, `TrackSum` and `TrackMost`.
+KEPT = ("touched", "worn_sphere", "worn_disc", "pressed_disc")
+#: What follows them.
+LAST = ("first_row", "last_row", "bearing")
+TOTALS = wp.constant(wp.int32(len(BALANCE)))
+MAXIMA = wp.constant(wp.int32(len(BALANCE) + len(TrackSum)))
+OF_ROWS = wp.constant(wp.int32(len(BALANCE) + len(TrackSum) + len(TrackMost)))
+#: Changes of the approach from which the next is expected, and how many times the largest it may be.
+CHANGES = wp.constant(wp.int32(8))
+TIMES = wp.constant(wp.float64(2.0))
+#: Of a list that serves several steps: how many times further it reaches.
+AHEAD = wp.constant(wp.float64(1.0))
+#: What the approach may change by when nothing is known of it, and at least [mm].
+FIRST_SCATTER = wp.constant(wp.float64(1.0e-4))
+LEAST_SCATTER = wp.constant(wp.float64(1.0e-6))
+
+
+@wp.struct
+class Course:
+    """What steps remember, and how far they are."""
+
+    approach: wp.float64  # of the last step [mm]
+    is_begun: wp.int32  # 0 before the first step
+    mean: wp.float64  # pressure of the last step [MPa]
+    oldest: wp.int32  # of the last changes of the approach
+    first_row: wp.float64  # extents of what was ever touched, the first ones negated
+    last_row: wp.float64
+    first_column: wp.float64
+    last_column: wp.float64
+    step: wp.int32  # row of the plan
+    steps: wp.int32  # to be made
+    smallest: wp.float64  # before the first step: no gap is lower [mm]
+    first_limit: wp.float64  # and what a list reaches that holds enough [mm]
+    softest: wp.float64  # stiffness of a cell then [N/mm³]
+
+
+@wp.struct
+class Steps:
+    """Steps of a pair of bodies: their plan, what they leave, and what lies between."""
+
+    plan: wp.array2d(dtype=wp.float64)  # a row a step, by `PLAN`
+    history: wp.array2d(dtype=wp.float64)  # a row a step
+    within: wp.array(dtype=wp.float64)  # extents of a contact that is neither at the edge nor at the rim
+    changes: wp.array(dtype=wp.float64)  # the last ones of the approach, −1 for none [mm]
+    course: wp.array(dtype=Course)  # one
+    slides: wp.array(dtype=Slide)  # one
+    stepping: wp.array(dtype=wp.int32)  # flag: there is a step to be made
+    solved: wp.array(dtype=wp.int32)  # flag: its balance was found
+    is_rigid: wp.int32  # 1 for a bearing area
+    moves: wp.int32  # 1 where the disc does
+    stays: wp.int32  # 1 where a list serves several steps
+    hardness: wp.float64  # of a disc that keeps its dents; else NONE [MPa]
+    rows: wp.int32  # and columns, of the grid
+    columns: wp.int32
+    margin: wp.int32  # columns beside those touched that are worn too
+
+
+@wp.func
+def scatter_of(changes: wp.array(dtype=wp.float64)):
+    """What the approach may be off by from the last one."""
+    most = -ONE
+    for n in range(CHANGES):
+        most = wp.max(most, changes[n])
+    return wp.max(TIMES * wp.where(most < ZERO, HALF * FIRST_SCATTER, most), LEAST_SCATTER)
+
+
+@wp.func
+def begin_step(springs: Springs, steps: Steps):
+    """Begin the search of a step, and tell its passes what they need."""
+    c = steps.course[0]
+    n = c.step
+    stiffness = steps.plan[n, wp.static(PLAN.index("stiffness"))]
+    slide = Slide()
+    slide.number = n
+    slide.rows = steps.rows
+    slide.shift = wp.int32(steps.plan[n, 0])
+    slide.start = steps.plan[n, 1]
+    slide.end = steps.plan[n, 2]
+    slide.of_sphere = steps.plan[n, 3]
+    slide.of_disc = steps.plan[n, 4]
+    slide.pending_sphere = steps.plan[n, 5]
+    slide.pending_disc = steps.plan[n, 6]
+    slide.own = steps.plan[n, 7]
+    slide.full_depth = NONE
+    if steps.hardness < NONE:
+        slide.full_depth = steps.plan[n, 8] * steps.hardness
+    steps.slides[0] = with_columns(slide, c, steps)
+    scatter = scatter_of(steps.changes)
+    lists = springs.lists[0]
+    if steps.stays == 0:
+        lists.limit = -NONE  # the list of another displacement is none
+        lists.asked = -NONE
+    if c.is_begun == 0 and steps.is_rigid * steps.moves == 0:
+        lists.limit = c.first_limit
+        if steps.is_rigid == 1:
+            springs.search[0] = area_between(springs, c.first_limit, scatter)
+        else:
+            springs.search[0] = search_from_lowest(springs, c.smallest, stiffness, c.softest)
+    else:
+        approach = wp.where(c.is_begun == 1, c.approach, c.smallest)
+        ahead = wp.where(steps.stays == 1, AHEAD * scatter, ZERO)
+        lists = reached(lists, approach + scatter, ahead)
+        if steps.is_rigid == 0:
+            springs.search[0] = search_from(approach, ZERO, scatter, stiffness)
+        elif steps.moves == 1:
+            springs.search[0] = area_near(approach, scatter)
+        else:
+            springs.search[0] = area_between(springs, approach, scatter)
+    ask_for(springs, lists)
+    springs.searching[0] = 1
+
+
+@wp.func
+def with_columns(before: Slide, c: Course, steps: Steps):
+    """A step with the columns that were touched before it, and those beside them that are worn too."""
+    slide = before
+    slide.first_column = 0
+    slide.end_column = 0
+    if c.last_column >= ZERO:
+        slide.first_column = wp.max(-wp.int32(c.first_column) - steps.margin, 0)
+        slide.end_column = wp.min(wp.int32(c.last_column) + 1 + steps.margin, steps.columns)
+    return slide
+
+
+@wp.kernel(module=TOGETHER)
+def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps):
+    """Begins the steps of a plan, or goes on with them."""
+    if wp.tid() == 0:
+        steps.stepping[0] = wp.where(steps.course[0].step < steps.course[0].steps, 1, 0)
+
+
+@wp.kernel(module=TOGETHER)
+def begin_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
+    """Begins the search of a step."""
+    if wp.tid() == 0:
+        begin_step(springs, steps)
+
+
+@wp.kernel(module=TOGETHER)
+def end_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
+    """Learns from the balance of a step, and tells the pass that wears of it."""
+    if wp.tid() == 0:
+        c = steps.course[0]
+        law = springs.law[0]
+        steps.solved[0] = wp.where(springs.search[0].bracket.state == STUCK, 0, 1)
+        if steps.solved[0] == 1:
+            slide = steps.slides[0]
+            slide.approach = law.base + law.offset
+            slide.reference = wp.where(steps.is_rigid == 0 and c.mean > ZERO, c.mean, law.cap)
+            if not (slide.reference < NONE):
+                slide.reference = ZERO
+            steps.slides[0] = slide
+            if c.is_begun == 1:
+                steps.changes[c.oldest] = wp.abs(slide.approach - c.approach)
+                c.oldest = (c.oldest + 1) % CHANGES
+            c.approach = slide.approach
+            c.is_begun = 1
+            steps.course[0] = c
+
+
+@wp.func_native("return sum_of_array(values);")
+def _sum_of(values: wp.array(dtype=wp.float64)) -> wp.float64: ...
+
+
+@wp.func_native("return end_of_rows(of_rows, is_last != 0);")
+def _end_of(of_rows: wp.array(dtype=wp.float64), is_last: wp.int32) -> wp.float64: ...
+
+
+@wp.func
+def is_within(steps: Steps, c: Course, row: wp.int32):
+    """Whether a contact does not grow to the edge or the rim in a step."""
+    found = steps.history
+    within = steps.within
+    row_first = found[row, OF_ROWS + 4] > wp.max(c.first_row, within[0])
+    row_last = found[row, OF_ROWS + 5] > wp.max(c.last_row, within[1])
+    column_first = found[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))] > wp.max(
+        c.first_column, within[2]
+    )
+    column_last = found[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))] > wp.max(
+        c.last_column, within[3]
+    )
+    return not (row_first or row_last or column_first or column_last)
+
+
+@wp.kernel(module=TOGETHER)
+def record(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    springs: Springs,
+    steps: Steps,
+    tables: StepTables,
+    of_rows: OfRows,
+):
+    """Writes the row of a step, and tells whether another one follows.
+
+    Steps end where the contact reaches the edge or the rim, as a run may stop there and be kept as it is, and
+    where no balance was found.
+    """
+    row = steps.slides[0].number
+    history = steps.history
+    total_of(tables.sums, 1, history, row, TOTALS)
+    total_of(tables.maxima, 0, history, row, MAXIMA)
+    total_of(tables.bearing, 1, history, row, OF_ROWS + 6)
+    touched = _sum_of(of_rows.touched)
+    worn_sphere = _sum_of(of_rows.worn_sphere)
+    worn_disc = _sum_of(of_rows.worn_disc)
+    pressed_disc = _sum_of(of_rows.pressed_disc)
+    first_row = _end_of(of_rows.touched, 0)
+    last_row = _end_of(of_rows.touched, 1)
+    if wp.tid() == 0:
+        c = steps.course[0]
+        law = springs.law[0]
+        s = springs.search[0]
+        history[row, 0] = law.base
+        history[row, 1] = law.offset
+        history[row, 2] = law.cap
+        history[row, 3] = s.residual
+        history[row, 4] = law.tie_width
+        history[row, 5] = law.tie_pressure
+        history[row, 6] = wp.float64(s.evaluations)
+        history[row, 7] = steps.slides[0].reference
+        history[row, OF_ROWS] = touched
+        history[row, OF_ROWS + 1] = worn_sphere
+        history[row, OF_ROWS + 2] = worn_disc
+        history[row, OF_ROWS + 3] = pressed_disc
+        history[row, OF_ROWS + 4] = first_row
+        history[row, OF_ROWS + 5] = last_row
+        pressure = history[row, TOTALS + wp.static(int(TrackSum.PRESSURE))]
+        contact = history[row, TOTALS + wp.static(int(TrackSum.CONTACT))]
+        goes_on = steps.solved[0] == 1 and contact > ZERO and pressure < NONE and is_within(steps, c, row)
+        c.first_row = wp.max(c.first_row, first_row)
+        c.last_row = wp.max(c.last_row, last_row)
+        c.first_column = wp.max(c.first_column, history[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))])
+        c.last_column = wp.max(c.last_column, history[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))])
+        if steps.solved[0] == 1:
+            c.mean = pressure / wp.max(contact, ONE)
+            c.step = row + 1
+        steps.course[0] = c
+        steps.slides[0] = with_columns(steps.slides[0], c, steps)  # a film is rubbed there
+        steps.stepping[0] = wp.where(goes_on and c.step < c.steps, 1, 0)
