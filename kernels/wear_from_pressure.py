@@ -14,7 +14,7 @@ from warpwear.kernels.cells import Cells, Layout
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfRows
 
-wp.set_module_options(native_code.options("wear_from_pressure.h"))
+wp.set_module_options(native_code.options("film.h", "wear_from_pressure.h"))
 
 
 @wp.struct

@@ -5,13 +5,13 @@ Every decision is one slot. Symbols as in `native/search.h`.
 
 import warp as wp
 
-from warpwear.kernels import native_code
 from warpwear.kernels.cells import ABSENT, NONE, ONE, ZERO
 from warpwear.kernels.half_space.solve import (
     CONVERGED,
     LED_NOWHERE,
     NEEDS_COEFFICIENTS,
     RUNS,
+    TOGETHER,
     UNBALANCED,
     Flag,
     Group,
@@ -33,12 +33,10 @@ from warpwear.kernels.half_space.solve import (
 )
 from warpwear.kernels.newton import HALF, LOOKS, STUCK, bracket_at, next_trial
 
-wp.set_module_options(native_code.options())
-
 TWO = wp.constant(wp.float64(2.0))
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Begin a search as the host asks, or go on with one that waited for the host."""
     resumes = solve.request[Request.RESUMES] > ZERO
@@ -75,7 +73,7 @@ def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
         solve.flags[Flag.SEARCHING] = 1
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def measure(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Measure the gap: its mean, its rms height and its lowest point, about 0, then about the mean."""
     n = solve.numbers[0]
@@ -144,19 +142,19 @@ def balanced(solve: Solve, begins: wp.bool):
             solve.flags[Flag.SEARCHING] = 0
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def begin_balance(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Begin to shift the trial of each group until it carries its load."""
     balanced(solve, True)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def balance(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Shift the trial of each group on until it carries its load."""
     balanced(solve, False)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def renew(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Note how far off the gradient may be that was made anew."""
     largest = most_of(solve, 0, 0)
@@ -196,7 +194,7 @@ def level_of(
     return wp.where(group.total < group.load, lowest, highest)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Judge the pressure: is it the solution, and if not of what kind is the next step?"""
     rules = solve.rules[0]
@@ -279,7 +277,7 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
         solve.numbers[0] = n
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def judge_scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Decide whether extending the gradient pays: cells between the bounds lie in small spots then."""
     cells = sum_of_columns(solve.table, 0, wp.min(solve.visited[0], solve.table.shape[1]))
@@ -293,7 +291,7 @@ def judge_scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
         solve.numbers[0] = n
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Decide how the next trial is made of descent and last step, and whether that leads down at all."""
     n = solve.numbers[0]
@@ -397,7 +395,7 @@ def drifted(before: Numbers):
     return n
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def go(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Decide how far to go along the step."""
     columns = wp.min(solve.visited[0], solve.table.shape[1])

@@ -5,10 +5,7 @@ On a CPU `extend` and `gather` do that tile by tile, on a GPU `extend_once` in f
 
 import warp as wp
 
-from warpwear.kernels import native_code
-from warpwear.kernels.half_space.solve import Solve
-
-wp.set_module_options(native_code.options("search.h", "extension.h"))
+from warpwear.kernels.half_space.solve import TOGETHER, Solve
 
 #: Rows of a slot of `extend` and `gather`.
 ROWS = 16
@@ -20,7 +17,7 @@ Weights = wp.types.vector(3, wp.float32)
 def _extend(slot: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def extend(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Extend the gradient of the free cells to the others, in the trial. A slot is `ROWS` rows, on a CPU."""
     _extend(first_slot + wp.tid(), solve)
@@ -30,7 +27,7 @@ def extend(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _gather(slot: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def gather(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Add to the free cells what the others give back; the transpose of `extend`, on a CPU."""
     _gather(first_slot + wp.tid(), solve)
@@ -40,7 +37,7 @@ def gather(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _extend_once(slot: wp.int32, slots: wp.int32, solve: Solve, number: wp.int32): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def extend_once(first_slot: wp.int32, slots: wp.int32, solve: Solve, number: wp.int32):
     """Make one of the passes 0 and 1, which extend the trial, or 2 to 4, which gather it."""
     _extend_once(first_slot + wp.tid() // wp.block_dim(), slots, solve, number)

@@ -2,10 +2,8 @@
 
 import warp as wp
 
-from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
-
-wp.set_module_options(native_code.options("extents.h"))
+from warpwear.kernels.half_space.solve import TOGETHER
 
 
 @wp.func_native("extents(slot, slots, columns, level.data[0], gap, table);")
@@ -19,7 +17,7 @@ def _extents(
 ): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def extents(
     first_slot: wp.int32,
     slots: wp.int32,

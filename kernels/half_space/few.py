@@ -2,20 +2,17 @@
 
 import warp as wp
 
-from warpwear.kernels import native_code
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.half_space.decisions import drifted
-from warpwear.kernels.half_space.solve import Few, Flag, Solve, most_of_columns, sum_of_columns
+from warpwear.kernels.half_space.solve import TOGETHER, Few, Flag, Solve, most_of_columns, sum_of_columns
 from warpwear.kernels.newton import HALF
-
-wp.set_module_options(native_code.options("search.h", "few.h"))
 
 
 @wp.func_native("open_cells(slot, slots, solve, few, false);")
 def _count_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: Few): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def count_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
     """Count the cells whose place between the bounds is open."""
     _count_open(first_slot + wp.tid() // wp.block_dim(), slots, solve, few)
@@ -25,13 +22,13 @@ def count_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
 def _list_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: Few): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def list_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
     """List them; the trial becomes the pressure."""
     _list_open(first_slot + wp.tid() // wp.block_dim(), slots, solve, few)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
     """Give the open cells of every slot their places in the list; tell whether there are few enough."""
     if wp.tid() == 0:
@@ -51,7 +48,7 @@ def move_few(solve: Solve, few: Few, count: wp.int32) -> wp.bool:
     ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
     """Make the trial pressure the best one for the few cells that are open."""
     if wp.tid() == 0:
@@ -61,7 +58,7 @@ def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
         solve.groups[0] = group
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def go_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Take the step of the few whole if it leads down; else a common step follows."""
     columns = wp.min(solve.visited[0], solve.table.shape[1])
@@ -86,7 +83,7 @@ def go_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _best_of_few(few: Few, count: wp.int32) -> wp.bool: ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def solve_few(
     first_slot: wp.int32, slots: wp.int32, few: Few, count: wp.int32, solved_out: wp.array(dtype=wp.int32)
 ):

@@ -2,17 +2,14 @@
 
 import warp as wp
 
-from warpwear.kernels import native_code
-from warpwear.kernels.half_space.solve import Solve
-
-wp.set_module_options(native_code.options("search.h"))
+from warpwear.kernels.half_space.solve import TOGETHER, Solve
 
 
 @wp.func_native("moments(slot, slots, solve);")
 def _moments(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def moments(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Sum up cells, gap − mean and its square of every group; find the lowest gap."""
     _moments(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -22,7 +19,7 @@ def moments(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _springs(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def springs(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Make the trial pressure of springs under the gap, and sum it up as `carried` does."""
     _springs(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -32,7 +29,7 @@ def springs(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _carried(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def carried(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Sum up the trial, shifted and clipped, and the cells between the bounds."""
     _carried(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -42,7 +39,7 @@ def carried(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _take(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def take(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Make the trial, shifted and clipped, the pressure."""
     _take(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -52,7 +49,7 @@ def take(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _bound(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def bound(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Bring pressures down to caps that may have fallen."""
     _bound(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -62,7 +59,7 @@ def bound(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _gradient(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def gradient(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Make the gradient of the present pressure from its response."""
     _gradient(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -72,7 +69,7 @@ def gradient(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _advance(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def advance(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Go along the step, or take the trial; sum up and bound what that leaves."""
     _advance(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -82,7 +79,7 @@ def advance(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _residual(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def residual(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Give the preconditioner the gradient of the free cells."""
     _residual(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -92,7 +89,7 @@ def residual(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _scatter(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Count cells between the bounds, and the ends of their lines, in some rows."""
     _scatter(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -102,7 +99,7 @@ def scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _products(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def products(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Sum up products of descent, gradient, last step and its response."""
     _products(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -112,7 +109,7 @@ def products(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _direction(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def direction(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Make the trial pressure of a step, and sum it up as `carried` does."""
     _direction(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -122,7 +119,7 @@ def direction(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _step(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def step(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Make the feasible step to the trial; sum up its slope and how much room it uses."""
     _step(first_slot + wp.tid() // wp.block_dim(), slots, solve)
@@ -132,7 +129,7 @@ def step(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def _curvature(slot: wp.int32, slots: wp.int32, solve: Solve): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def curvature(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Sum up step × response."""
     _curvature(first_slot + wp.tid() // wp.block_dim(), slots, solve)

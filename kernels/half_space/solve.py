@@ -11,7 +11,9 @@ from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.newton import Bracket
 
-wp.set_module_options(native_code.options())
+#: Kernels of a search are compiled together: each file of its own would compile Warp's headers again.
+TOGETHER = wp.get_module("warpwear.kernels.half_space.solve")
+wp.set_module_options(native_code.options("search.h", "extension.h", "few.h", "extents.h"), module=TOGETHER)
 
 #: How a search ended; `NEEDS_COEFFICIENTS`: it goes on once the operator's coefficients are there.
 RUNS = wp.constant(wp.int32(0))

@@ -12,7 +12,9 @@ from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.slide import Slide
 
-wp.set_module_options(native_code.options("film.h"))
+#: Where wear by a stored pressure is compiled, too: a file of its own would compile Warp's headers again.
+TOGETHER = wp.get_module("warpwear.kernels.wear_from_pressure")
+wp.set_module_options(native_code.options("film.h", "wear_from_pressure.h"), module=TOGETHER)
 
 
 @wp.struct
@@ -43,7 +45,7 @@ class Films:
 def _look(slot: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), films: Films): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def look(first_slot: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), films: Films):
     """See which of the cells ever touched are bare as a step begins, and what their caps are."""
     slot = first_slot + wp.tid() // wp.block_dim()
@@ -54,7 +56,7 @@ def look(first_slot: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), f
 def _rub(slot: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), films: Films): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def rub(first_slot: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), films: Films):
     """Note the distance at the end of a step where the bodies were worn in it; of films that form anew."""
     slot = first_slot + wp.tid() // wp.block_dim()
@@ -72,7 +74,7 @@ def _bare_under_pressure(
 ): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def bare_under_pressure(
     first_slot: wp.int32,
     slots: wp.int32,

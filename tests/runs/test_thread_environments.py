@@ -27,7 +27,6 @@ import numpy as np
 if "one core" in sys.argv:
     os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
 from warpwear.calibration.friction import fit_friction
-from warpwear.contact.half_space.few import best_of_few
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.made.milled import Milled
 from warpwear.surfaces.made.self_affine import SelfAffine
@@ -35,8 +34,6 @@ from warpwear.surfaces.point_cloud import _axis
 from warpwear.surfaces.roughness import bearing_parameters
 from warpwear.surfaces.sphere import fit_sphere, sag
 x = (np.arange(400) - 199.5) * 2e-3
-few = 1.0 / (1.0 + np.hypot(*np.meshgrid(x[:256], x[:256])))
-few += few.T + 256.0 * np.eye(256)
 rough = SelfAffine(ra=0.003, cut_off=0.016).heights(x, x)
 record = np.linspace(1.0, 9.0, 60000)
 tilted = rough + np.add.outer(x, 0.5 * x**3) + 2.0
@@ -48,7 +45,6 @@ found = {
     "degree 12": without_polynomial(tilted, degree=12),
     "sphere": fit_sphere(rough - sag(x, x, radius=3.0), pixel=(2e-3, 2e-3)).apex,
     "points": _axis(np.arange(20000) * 1e-3 + 1e-9 * np.sin(np.arange(20000)), "x")[2],
-    "few cells": best_of_few(few, rough[0, :256], np.full(256, -1.0), np.full(256, 1.0)),
     "friction": fit_friction(
         record, np.sin(record), run_distance=record, run_area=record, load=1.0
     ).shear_strength,
@@ -74,7 +70,7 @@ def in_environment(code: str, *arguments: str, **environment: str) -> list[str]:
 
 def test_surfaces_do_not_depend_on_threads() -> None:
     one = in_environment(SURFACES, **ONE)
-    assert len(one) == 9
+    assert len(one) == 8
     assert in_environment(SURFACES, **SEVERAL) == one
     if hasattr(os, "sched_setaffinity"):
         assert in_environment(SURFACES, "one core") == one

@@ -37,7 +37,7 @@ Arguments = Any  # an instance of a wp.struct
 
 
 def arguments(kind: Any, **members: Any) -> Arguments:
-    """An instance of a wp.struct with its members. What is changed in it later, recorded launches see."""
+    """Make an instance of a wp.struct. Launches see what changes in it later, recordings do not."""
     made = kind()
     for name, value in members.items():
         setattr(made, name, value)

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-import warp as wp
 from cases_half_space import MODULUS, bounded
 from cases_half_space_patches import (
     BOUNDARIES,
@@ -20,7 +19,7 @@ from cases_half_space_patches import (
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear import InputError
-from warpwear.contact.half_space.solver import BoundedPressure, HalfSpace
+from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
@@ -97,24 +96,6 @@ def test_only_the_patches_visited_need_loads() -> None:
         assert_allclose(found[:visited], pressures[:visited], atol=1e-8)
         assert not found[visited:].any()
         assert_allclose(contact.approaches, whole.approaches[:visited], atol=1e-9)
-
-
-def test_several_slots_a_row() -> None:
-    """As on a GPU, with the partial results of each row reduced on the device."""
-    mean = np.array([0.3, 0.05, 0.9, 1e-3])
-    one = Solved("periodic", 0.0, 1.5)
-    contact, expected = one.at(mean_pressure=mean, compliance=0.05)
-    many = Solved("periodic", 0.0, 1.5)
-    executor = many.executor
-    executor.slots_per_row = 3  # not a divisor of a row's vectors
-    executor.slots = 3 * PATCHES.count
-    many.influence.chunks = [(0, executor.slots)]
-    many.solver = BoundedPressure(executor, many.influence, hardness=1.5, tolerance=1e-11)
-    many.solver._iterate._folded = wp.zeros((9, 1), dtype=wp.float64)
-    found, pressure = many.at(mean_pressure=mean, compliance=0.05)
-    assert_allclose(pressure, expected, atol=1e-8)
-    assert_allclose(found.approaches, contact.approaches, atol=1e-9)
-    assert found.cells_in_contact == contact.cells_in_contact
 
 
 @pytest.mark.parametrize(

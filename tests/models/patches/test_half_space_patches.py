@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -152,7 +153,8 @@ def test_patches_that_are_left_out_change_nothing(monkeypatch: pytest.MonkeyPatc
     study = quick()
     some, every = Stepped(study).model, Stepped(study).model
     monkeypatch.setattr(every, "_below", lambda approach: every.patches.count)
-    some._solver._tolerance = every._solver._tolerance = 1e-10
+    for model in (some, every):
+        model._solver._rules = replace(model._solver._rules, tolerance=1e-10)
     for increment in (0.003, 0.1, 3.0):
         guess = some._below(some._reached)
         row, expected = some.advance(increment).row, every.advance(increment).row

@@ -18,9 +18,9 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import contact, wear_from_pressure
+from warpwear.kernels import contact, fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
-from warpwear.kernels.half_space import decisions, passes
+from warpwear.kernels.half_space import passes
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfRows
 from warpwear.kernels.wear_from_pressure import Pressed
@@ -89,7 +89,8 @@ class SlidingHalfSpace:
         track_fraction: float = 1.0,
         moves: bool = True,
     ) -> None:
-        executor.foresee([contact.gap, wear_from_pressure.gaps, passes.advance, decisions.judge])
+        kernels = [passes.advance, contact.gap, wear_from_pressure.gaps, fourier.forward[np.float64]]
+        executor.foresee(kernels)  # what takes longest first
         self.state = SlidingBodies.of(task, executor, disc)
         self.task = task
         self.periodic = periodic
@@ -122,7 +123,7 @@ class SlidingHalfSpace:
             name: wp.zeros(disc.shape[0], dtype=wp.float64, device=device)
             for name in ("worn_disc", "pressed_disc")
         }
-        self._slides = Numbers(Slide, executor.device, rows=executor.grid.nx, window=1)
+        self._slides = Numbers(Slide, executor.device, written=False, rows=executor.grid.nx, window=1)
         self._programs: dict[str, tuple[Field, Program]] = {}
         self._goes = wp.zeros(1, dtype=wp.int32, device=device)
         self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
@@ -174,8 +175,14 @@ class SlidingHalfSpace:
             start = before["distance"] + increment * (done / cells)
             removals = self.task.removals(start, increment * weight)
             first, end = columns
-            self._slides.set(shift=shift, first_column=first, end_column=end, start=start)
-            self._slides.set(end=start + increment * weight, window=self.cells_passing(increment * weight))
+            self._slides.set(
+                shift=shift,
+                first_column=first,
+                end_column=end,
+                start=start,
+                end=start + increment * weight,
+                window=self.cells_passing(increment * weight),
+            )
             last = done + of_part == cells
             contact = self._solve(
                 increment * weight, removals, certified=True if self.certified and last else None
