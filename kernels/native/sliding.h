@@ -137,8 +137,8 @@ template <typename Array> WARPWEAR_FN double sum_of_array(const Array& array)
 template <typename Array> WARPWEAR_FN double end_of_rows(const Array& of_rows, bool is_last)
 {
     double end = NO_INDEX;
-    for (int row = lane_of_slot(); row < of_tiles.rows.shape[0]; row += width_of_slot())
-        if (of_tiles.rows.data[row] > 0.0) end = wp::max(end, is_last ? double(row) : -double(row));
+    for (int row = lane_of_slot(); row < of_rows.shape[0]; row += width_of_slot())
+        if (of_rows.data[row] > 0.0) end = wp::max(end, is_last ? double(row) : -double(row));
     return of_slot(end, false);
 }
 
