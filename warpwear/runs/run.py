@@ -309,10 +309,9 @@ def steps(
 
     Each step has `row`, a dictionary of the history's columns, `units` of them, and `snapshot()` or `fields`:
     pressure, wear_sphere, wear_disc and gap after it, while no later one is made. Nothing is kept or written;
-    stop whenever you like. study, surface, device, threads: as of `run`, and so are the numbers. That every
-    step can be asked for its fields costs up to as much again on a CPU. On a GPU, and on a grid of fewer
-    than 200,000 cells, `run` makes blocks of steps ahead; here each is made alone, so that it is slower, on a
-    small grid up to twenty times, and on a GPU rounds differently.
+    stop whenever you like. study, surface, device, threads: as of `run`, and so are the numbers. `run` makes
+    many steps in a row; here each is made alone, as it can be asked for its fields, which takes longer: four
+    to ten times where the contact is small.
 
     Raises what `run` raises, when the first step is asked for or the step that is wrong.
 
